@@ -1,0 +1,203 @@
+/* FaceBaker runtime: load a baked face (.fbk) and pose it. C99, no dependencies; link libfacebaker.
+ *
+ * Shape of use:
+ *     fb_load -> fb_scratch_create (one per thread) -> fb_evaluate, again and again -> fb_scratch_destroy, fb_release.
+ *
+ * Every function that can fail returns an fb_status; fb_last_error() then holds a sentence about the calling thread's
+ * last failure that names the field, control or byte offset. Output parameters are written only on FB_OK.
+ * No exception, abort or assert leaves this library. Pointers must be valid; null where it is not allowed is refused
+ * with FB_ERROR_INVALID_ARGUMENT.
+ *
+ * Threads: an fb_model never changes after loading; any number of threads may use one model at once. An fb_scratch
+ * belongs to one call at a time. Evaluating allocates nothing, locks nothing and logs nothing.
+ *
+ * Growth: structs begin with struct_size and are filled by their fb_..._init; a field is read only if struct_size covers
+ * it, so a host built against an older header keeps working. Exports are only ever added.
+ */
+#ifndef FACEBAKER_FACEBAKER_H
+#define FACEBAKER_FACEBAKER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32) && !defined(FB_STATIC)
+#ifdef FB_BUILDING
+#define FB_API __declspec(dllexport)
+#else
+#define FB_API __declspec(dllimport)
+#endif
+#elif defined(__GNUC__)
+#define FB_API __attribute__((visibility("default")))
+#else
+#define FB_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Status ------------------------------------------------------------------------------------------------------ */
+
+typedef int32_t fb_status;
+#define FB_OK 0
+#define FB_ERROR_INVALID_ARGUMENT 1 /* null pointer, wrong buffer size, index out of range */
+#define FB_ERROR_NOT_FOUND 2        /* no such file or control */
+#define FB_ERROR_IO 3               /* the system refused a read or a write; a directory in place of a file */
+#define FB_ERROR_NOT_AN_ARCHIVE 4   /* not an .fbk */
+#define FB_ERROR_CORRUPT 5          /* an .fbk that is truncated or damaged */
+#define FB_ERROR_UNSUPPORTED 6      /* an .fbk made by a newer version */
+#define FB_ERROR_LIMIT 7            /* larger than a limit the caller set */
+#define FB_ERROR_OUT_OF_MEMORY 8
+#define FB_ERROR_NOT_FINITE 9 /* NaN or infinity where a number is needed */
+#define FB_ERROR_BAD_DATA 10  /* data that contradicts itself */
+#define FB_ERROR_RIG 11       /* a rig plugin failed or lied */
+#define FB_ERROR_INTERRUPTED 12
+#define FB_ERROR_INTERNAL 13
+
+/* The constant's name ("FB_ERROR_CORRUPT"); "unknown status" for other numbers. Static storage. */
+FB_API const char* fb_status_name(fb_status status);
+
+/* The message of this thread's last failed call, "" if there was none. UTF-8, at most 511 bytes, owned by the library,
+ * valid until the next failing call on this thread. */
+FB_API const char* fb_last_error(void);
+
+/* ---- Version ----------------------------------------------------------------------------------------------------- */
+
+/* The library's version, "0.1.0", and as a number: major * 1,000,000 + minor * 1,000 + patch. */
+FB_API const char* fb_version_string(void);
+FB_API uint32_t fb_version(void);
+/* The newest .fbk format this library reads: major * 1,000 + minor. */
+FB_API uint32_t fb_format_version(void);
+
+/* ---- Loading ----------------------------------------------------------------------------------------------------- */
+
+typedef struct fb_model fb_model;     /* a loaded face; immutable, reference counted */
+typedef struct fb_scratch fb_scratch; /* working memory of evaluations */
+
+/* A host's memory. allocate returns `bytes` bytes aligned to `alignment` (a power of two) or null; release takes back
+ * what allocate gave. Both must be callable from any thread. */
+typedef struct fb_allocator {
+  void* user;
+  void* (*allocate)(void* user, size_t bytes, size_t alignment);
+  void (*release)(void* user, void* memory, size_t bytes, size_t alignment);
+} fb_allocator;
+
+/* Receives one sentence about something odd but harmless, such as an optional section that was skipped. */
+typedef void (*fb_log)(void* user, const char* message);
+
+typedef struct fb_load_desc {
+  uint32_t struct_size;
+  uint32_t reserved;        /* 0 */
+  uint64_t max_file_bytes;  /* larger files are refused with FB_ERROR_LIMIT; default 4 GiB */
+  uint64_t max_model_bytes; /* as is what would unpack to more than this; default 4 GiB */
+  fb_allocator allocator;   /* for the lasting blocks of the model (weights, basis, rest mesh) and its scratches;
+                               null functions: malloc. Temporaries while loading use malloc and are gone on return. */
+  fb_log log;               /* null: silent */
+  void* log_user;
+} fb_load_desc;
+
+FB_API void fb_load_desc_init(fb_load_desc* desc);
+
+/* Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one reference.
+ * The file may come from anyone: every size is checked before it is believed. */
+FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
+/* The same from memory, which is not needed any more when the call returns. */
+FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
+
+/* Adds or gives up a reference; the last fb_release frees the model. Null is allowed. Thread-safe. Scratches hold a
+ * reference of their own. */
+FB_API void fb_retain(fb_model* model);
+FB_API void fb_release(fb_model* model);
+
+/* ---- What is in it ----------------------------------------------------------------------------------------------- */
+/* All of these are thread-safe; strings and arrays are owned by the model and live as long as it does.
+ * A null model gives 0 or null. */
+
+FB_API uint32_t fb_vertex_count(const fb_model* model);
+FB_API uint32_t fb_control_count(const fb_model* model);
+FB_API uint32_t fb_coefficient_count(const fb_model* model);
+
+FB_API const char* fb_name(const fb_model* model);       /* of the character */
+FB_API const char* fb_units(const fb_model* model);      /* of positions: "cm", "m", ... */
+FB_API const char* fb_up_axis(const fb_model* model);    /* "y" or "z" */
+FB_API const char* fb_provenance(const fb_model* model); /* a JSON object: recipe, creator, sources, figures */
+
+typedef struct fb_control {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;
+  const char* group; /* "" if it has none */
+  float minimum, maximum;
+  float rest; /* value in the rest pose */
+  float reserved_float;
+} fb_control;
+
+FB_API void fb_control_init(fb_control* control);
+/* Fills *control for the control at index < fb_control_count. The order of controls is the order of names. */
+FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control);
+/* Finds a control by its exact name; FB_ERROR_NOT_FOUND names the closest one there is. */
+FB_API fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index);
+/* The controls of the rest pose: fb_control_count floats. */
+FB_API const float* fb_rest_controls(const fb_model* model);
+
+/* The rest mesh in the source's own vertex order: 3 x fb_vertex_count floats, xyz interleaved, in fb_units. */
+FB_API const float* fb_rest_positions(const fb_model* model);
+/* Length of the diagonal of the rest mesh's bounding box, in fb_units. */
+FB_API double fb_diagonal(const fb_model* model);
+/* Polygons as the source had them: corner counts (>= 3) and vertex indices one polygon after the other. */
+FB_API uint32_t fb_polygon_count(const fb_model* model);
+FB_API const uint32_t* fb_polygon_sizes(const fb_model* model);
+FB_API uint32_t fb_polygon_corner_count(const fb_model* model);
+FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
+/* Bytes the model keeps in memory to evaluate poses. */
+FB_API uint64_t fb_runtime_bytes(const fb_model* model);
+
+/* ---- Posing ------------------------------------------------------------------------------------------------------ */
+
+/* Working memory for `workers` (>= 1) concurrent poses of this model: 1 for fb_evaluate, one per thread that
+ * fb_evaluate_batch may use. From the model's allocator. */
+FB_API fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch);
+/* Null is allowed. */
+FB_API void fb_scratch_destroy(fb_scratch* scratch);
+
+/* One pose, on the calling thread. controls: fb_control_count floats in control order. positions: 3 x fb_vertex_count
+ * floats, xyz interleaved, in the archive's units and vertex order; may not overlap controls.
+ * Values outside a control's range are clamped to it; fb_clamped_count then tells how many were. NaN is refused with
+ * FB_ERROR_NOT_FINITE, naming the control, and positions are left alone. All controls at rest give exactly the rest
+ * mesh. */
+FB_API fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions);
+
+/* How many control values the scratch's last evaluation clamped. */
+FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
+
+/* A host's scheduler: calls task(context, index, worker) once for every index < count with worker < workers, never two
+ * at once with the same worker, from any threads, and returns when all calls have. */
+typedef void (*fb_task)(void* context, uint32_t index, uint32_t worker);
+typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb_task task, void* context);
+
+typedef struct fb_batch_desc {
+  uint32_t struct_size;
+  uint32_t threads;           /* 0: all the scratch has workers for, but no more than OpenMP would use */
+  uint64_t poses;
+  const float* controls;      /* pose p begins at controls + p * control_stride */
+  uint64_t control_floats;    /* size of that buffer, in floats */
+  uint64_t control_stride;    /* in floats; 0: fb_control_count */
+  float* positions;           /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride */
+  uint64_t position_floats;   /* size of that buffer, in floats */
+  uint64_t pose_stride;       /* in floats; 0: vertex_stride * fb_vertex_count */
+  uint64_t vertex_stride;     /* in floats, >= 3; 0: 3. What lies between vertices is not touched. */
+  fb_parallel_for parallel_for; /* null: OpenMP if the library has it, else the calling thread */
+  void* parallel_user;
+} fb_batch_desc;
+
+FB_API void fb_batch_desc_init(fb_batch_desc* desc);
+
+/* Many poses; each gives the same bits as fb_evaluate, whatever the batch, the order or the threads. Buffers that are
+ * too small for poses and strides are refused before anything is written. A pose with NaN controls is refused by pose
+ * and control before anything is written. */
+FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,34 @@
+#include "bake/rig/source.h"
+
+#include <array>
+
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::array kinds = {"shot", "excitation", "regional", "calisthenics", "dense"};
+constexpr std::array splits = {"train", "validation", "test"};
+
+template <class Words>
+std::size_t position(const Words& words, std::string_view name, const char* what) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == name) return i;
+    list += std::string(i ? ", " : "") + words[i];
+  }
+  fail(Status::bad_data, "\"%.*s\" is no %s; there are %s", static_cast<int>(name.size()), name.data(), what, list.c_str());
+}
+
+}  // namespace
+
+const char* name_of(ClipKind kind) { return kinds.at(static_cast<std::size_t>(kind)); }
+const char* name_of(Split split) { return splits.at(static_cast<std::size_t>(split)); }
+ClipKind clip_kind_from(std::string_view name) { return static_cast<ClipKind>(position(kinds, name, "kind of clip")); }
+Split split_from(std::string_view name) { return static_cast<Split>(position(splits, name, "split")); }
+
+void Source::evaluate(std::span<const float>, std::size_t, std::span<float>) {
+  fail(Status::invalid_argument, "\"%s\" is a recording: it cannot be asked for new poses", schema().name.c_str());
+}
+
+}  // namespace fb

@@ -1,0 +1,61 @@
+// Where poses come from. A live rig and a folder of recorded poses look the same to everything that learns or measures.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/mesh.h"
+#include "model/rig_schema.h"
+
+namespace fb {
+
+// Same numbers as FB_CLIP_... and FB_SPLIT_... in facebaker_bake.h.
+enum class ClipKind : std::int32_t { shot = 0, excitation = 1, regional = 2, calisthenics = 3, dense = 4 };
+enum class Split : std::int32_t { train = 0, validation = 1, test = 2 };
+
+const char* name_of(ClipKind kind);                // "shot", ...: the words of dataset.json
+const char* name_of(Split split);                  // "train", ...
+ClipKind clip_kind_from(std::string_view name);    // fails with bad_data, listing the words there are
+Split split_from(std::string_view name);
+
+// Controls over a row of frames.
+struct Clip {
+  std::string name;
+  ClipKind kind = ClipKind::shot;
+  Split split = Split::train;
+  double fps = 30;
+  std::size_t frames = 0;
+  std::vector<float> controls;  // frames x controls
+};
+
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  virtual const RigSchema& schema() const = 0;
+  virtual const Mesh& rest() const = 0;
+  virtual const std::vector<Clip>& clips() const = 0;
+  // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's units.
+  // Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on NaN or infinity.
+  virtual void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) = 0;
+
+  // True if new poses can be asked for.
+  virtual bool live() const { return false; }
+  // True if evaluate and read may be called from several threads at once.
+  virtual bool thread_safe() const { return false; }
+  // Points of new poses (count x controls -> count x 3 x vertices). Fails with invalid_argument unless live.
+  virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
+};
+
+// Opens what the command line calls SOURCE: a dataset folder, a rig plugin (.so), or "sample" for the built-in face.
+std::unique_ptr<Source> open_source(const std::string& source);
+
+// Several datasets of one character as one source; fails unless controls and rest meshes agree. Needs at least one.
+std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources);
+
+}  // namespace fb

@@ -1,0 +1,77 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "base/status.h"
+
+namespace fb {
+
+std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) fail(Status::not_found, "%s: no such file", path.c_str());
+  if (std::filesystem::is_directory(status)) fail(Status::io, "%s: is a directory, not a file", path.c_str());
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) fail(Status::io, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));
+  std::vector<std::byte> bytes;
+  std::byte block[1 << 16];
+  bool over = false;
+  while (const std::size_t got = std::fread(block, 1, sizeof block, file)) {
+    if (bytes.size() + got > limit) {
+      over = true;
+      break;
+    }
+    bytes.insert(bytes.end(), block, block + got);
+  }
+  const bool broken = std::ferror(file) != 0;
+  std::fclose(file);
+  if (over) fail(Status::limit, "%s: larger than the limit of %llu bytes", path.c_str(), (unsigned long long)limit);
+  if (broken) fail(Status::io, "%s: reading failed", path.c_str());
+  return bytes;
+}
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+  if (std::filesystem::is_directory(path_)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
+  partial_ = path_;
+  partial_ += ".partial-" + std::to_string(getpid());
+  file_ = std::fopen(partial_.c_str(), "wb");
+  if (!file_) fail(Status::io, "%s: cannot be written: %s", path_.c_str(), std::strerror(errno));
+}
+
+AtomicFile::~AtomicFile() {
+  if (!file_) return;
+  std::fclose(file_);
+  ::unlink(partial_.c_str());
+}
+
+void AtomicFile::fail_here(const char* what) {
+  fail(Status::io, "%s: %s: %s", path_.c_str(), what, std::strerror(errno));
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail_here("writing failed");
+}
+
+void AtomicFile::commit() {
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_here("writing failed");
+  if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail_here("cannot be put in place");
+  std::fclose(file_);
+  file_ = nullptr;
+}
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  write_file(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace fb

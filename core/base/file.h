@@ -1,0 +1,39 @@
+// Whole files in, whole files out: a file that is written appears under its name complete or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fb {
+
+// The bytes of a regular file; fails with its path when it is missing, a directory, unreadable or larger than limit.
+std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
+
+// Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes what was not
+// committed. Fails with the path and the system's reason (disk full, no such folder, no permission).
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  // Flushes to the disk and renames; the file is there when this returns.
+  void commit();
+
+ private:
+  [[noreturn]] void fail_here(const char* what);
+  std::filesystem::path path_, partial_;
+  std::FILE* file_ = nullptr;
+};
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace fb

@@ -1,0 +1,46 @@
+// The one way loops run in parallel: serial, on a host's threads, or OpenMP. parallel.cpp is the only file with a pragma.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+
+namespace fb {
+
+// A borrowed callable void(index, worker); valid while the callable lives. Unlike std::function it never allocates.
+class LoopBody {
+ public:
+  template <class F>
+    requires(!std::is_same_v<std::remove_cvref_t<F>, LoopBody>)
+  LoopBody(F&& body)  // NOLINT: implicit on purpose
+      : object_(const_cast<void*>(static_cast<const void*>(std::addressof(body)))),
+        call_([](void* object, std::size_t index, std::size_t worker) {
+          (*static_cast<std::remove_reference_t<F>*>(object))(index, worker);
+        }) {}
+  void operator()(std::size_t index, std::size_t worker) const { call_(object_, index, worker); }
+
+ private:
+  void* object_;
+  void (*call_)(void*, std::size_t, std::size_t);
+};
+
+// A host's own scheduler; same shape as fb_parallel_for in facebaker.h. It calls task(context, index, worker) once for
+// every index below count, worker < workers, never two calls with one worker at once, and returns when all are done.
+using HostTask = void (*)(void* context, std::uint32_t index, std::uint32_t worker);
+using HostParallelFor = void (*)(void* user, std::uint32_t count, std::uint32_t workers, HostTask task, void* context);
+
+struct Parallel {
+  int threads = 0;  // at most this many workers; 0: as many as OpenMP would use, 1 without OpenMP
+  HostParallelFor host = nullptr;
+  void* host_user = nullptr;
+};
+
+// The largest number of workers a loop under this setting has.
+std::size_t worker_count(const Parallel& parallel);
+
+// Calls body(index, worker) for every index below count, in no particular order; serial inside another parallel region.
+// The exception of the lowest failing index, if any, is thrown again after the loop. Allocates nothing itself.
+void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body);
+
+}  // namespace fb

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "model/basis.h"
+#include "model/mesh.h"
+#include "model/network.h"
+#include "model/rig_schema.h"
+
+namespace fb {
+
+// A baked face: positions = rest points + basis * network(controls).
+struct FaceModel {
+  RigSchema schema;
+  Mesh rest;
+  Network network;
+  Basis basis;            // rows = 3 x vertices, columns = network.coefficient_count()
+  std::string provenance; // a JSON object: recipe, creator, seed, sources, figures; read by people and `inspect`
+};
+
+// Checks every part and that they fit each other.
+void check(const FaceModel& model);
+
+}  // namespace fb

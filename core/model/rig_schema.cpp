@@ -1,0 +1,56 @@
+#include "model/rig_schema.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "base/status.h"
+
+namespace fb {
+
+float Control::reach() const { return std::max(maximum - rest, rest - minimum); }
+
+std::optional<std::size_t> RigSchema::find(std::string_view control) const {
+  for (std::size_t i = 0; i < controls.size(); ++i)
+    if (controls[i].name == control) return i;
+  return std::nullopt;
+}
+
+std::vector<float> RigSchema::rest_pose() const {
+  std::vector<float> pose;
+  for (const Control& control : controls) pose.push_back(control.rest);
+  return pose;
+}
+
+void check(const RigSchema& schema) {
+  if (schema.controls.empty()) fail(Status::bad_data, "rig \"%s\" has no controls", schema.name.c_str());
+  std::unordered_set<std::string_view> names;
+  for (std::size_t i = 0; i < schema.controls.size(); ++i) {
+    const Control& c = schema.controls[i];
+    if (c.name.empty()) fail(Status::bad_data, "control %zu has no name", i);
+    if (!names.insert(c.name).second) fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
+    if (!std::isfinite(c.minimum) || !std::isfinite(c.maximum) || !std::isfinite(c.rest))
+      fail(Status::not_finite, "control \"%s\": its range or default is not a number", c.name.c_str());
+    if (!(c.minimum < c.maximum))
+      fail(Status::bad_data, "control \"%s\": minimum %g is not below maximum %g", c.name.c_str(), c.minimum, c.maximum);
+    if (c.rest < c.minimum || c.rest > c.maximum)
+      fail(Status::bad_data, "control \"%s\": default %g is outside its range %g..%g", c.name.c_str(), c.rest, c.minimum,
+           c.maximum);
+  }
+}
+
+void check_same_controls(const RigSchema& a, const char* a_name, const RigSchema& b, const char* b_name) {
+  if (a.controls.size() != b.controls.size())
+    fail(Status::bad_data, "%s has %zu controls, %s has %zu", a_name, a.controls.size(), b_name, b.controls.size());
+  for (std::size_t i = 0; i < a.controls.size(); ++i) {
+    const Control &x = a.controls[i], &y = b.controls[i];
+    if (x.name != y.name)
+      fail(Status::bad_data, "control %zu is \"%s\" in %s and \"%s\" in %s", i, x.name.c_str(), a_name, y.name.c_str(),
+           b_name);
+    if (x.minimum != y.minimum || x.maximum != y.maximum || x.rest != y.rest)
+      fail(Status::bad_data, "control \"%s\" has another range or default in %s than in %s", x.name.c_str(), a_name,
+           b_name);
+  }
+}
+
+}  // namespace fb
