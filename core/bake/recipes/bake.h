@@ -1,0 +1,50 @@
+// From poses to an archive.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+namespace fb {
+
+// What the face is for. A variant is used to make shots, so none may be in its training data; a backlot preserves a
+// character whose shots exist.
+enum class Use { variant, backlot };
+Use use_from(std::string_view name);  // fails, listing the words there are
+const char* name_of(Use use);
+
+struct BakeOptions {
+  std::string recipe = "paper";  // see recipe_names()
+  Use use = Use::backlot;
+  std::uint64_t seed = 1;
+  std::uint64_t poses = 20000;  // sampled when the source is a live rig
+  std::string mix = "dense";    // of those poses: "dense" or "paper"
+  std::uint32_t epochs = 0;     // passes over the training poses; 0: the recipe's own
+  Parallel parallel;
+  // A folder for what makes resuming possible: sampled poses, basis, checkpoints. Made if missing; a later bake with the
+  // same options goes on from what is there.
+  std::filesystem::path work;
+};
+
+std::vector<std::string> recipe_names();
+
+struct Baked {
+  std::vector<std::byte> archive;
+  std::size_t poses = 0;         // trained on
+  std::size_t coefficients = 0;  // columns of the basis
+  std::size_t parameters = 0;    // trained numbers
+  double train_seconds = 0;      // basis and network, without sampling
+  double quantisation = 0;       // worst deviation of the packed from the unpacked model on random poses, over the diagonal
+};
+
+// Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.
+Baked bake(Source& source, const BakeOptions& options, Progress& progress);
+
+}  // namespace fb

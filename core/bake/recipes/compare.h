@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bake/measure/evaluate.h"
+#include "bake/recipes/bake.h"
+
+namespace fb {
+
+// One method on one use: a column of the paper's Table 1.
+struct MethodReport {
+  std::string name;     // "linear", "paper"
+  Use use = Use::variant;
+  EvalReport independent;  // unseen: clips of the split test
+  EvalReport dependency;   // data it was trained on (at most 4,000 frames, evenly spaced)
+  std::uint64_t bytes = 0;  // of the archive
+  std::size_t parameters = 0, coefficients = 0, poses = 0;
+  double train_seconds = 0;
+};
+
+struct CompareReport {
+  std::string name, units;
+  double diagonal = 0;
+  std::vector<MethodReport> methods;  // every method as variant, then as backlot where shots to train on exist
+};
+
+// Bakes every method on the same poses and measures the packed archives on the same clips. A live rig is sampled once;
+// one without test clips is tested on held-out random poses and synthetic shots. A recording without a test split is
+// refused.
+CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
+                      Progress& progress);
+
+}  // namespace fb
