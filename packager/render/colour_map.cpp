@@ -1,0 +1,32 @@
+#include "render/colour_map.h"
+
+#include <algorithm>
+#include <array>
+
+#include "render/shading.h"
+
+namespace fb {
+
+Vector3 map_colour(float value, float full) {
+  static constexpr std::array<Vector3, 6> stops = {{{0.86f, 0.87f, 0.88f},
+                                                    {0.98f, 0.88f, 0.45f},
+                                                    {0.97f, 0.64f, 0.20f},
+                                                    {0.87f, 0.33f, 0.20f},
+                                                    {0.60f, 0.11f, 0.33f},
+                                                    {0.20f, 0.02f, 0.30f}}};
+  const float position = std::clamp(full > 0 ? value / full : 0.0f, 0.0f, 1.0f) * (stops.size() - 1);
+  const std::size_t below = std::min<std::size_t>(static_cast<std::size_t>(position), stops.size() - 2);
+  return from_srgb(mix(stops[below], stops[below + 1], position - static_cast<float>(below)));
+}
+
+float round_scale(float value) {
+  double decade = 1e-6;
+  while (decade < 1e30) {
+    for (const double step : {1.0, 2.0, 5.0})
+      if (step * decade >= value) return static_cast<float>(step * decade);
+    decade *= 10;
+  }
+  return value;
+}
+
+}  // namespace fb

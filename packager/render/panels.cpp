@@ -1,0 +1,60 @@
+#include "render/panels.h"
+
+#include <algorithm>
+
+#include "base/status.h"
+#include "render/colour_map.h"
+#include "render/shading.h"
+#include "render/text.h"
+
+namespace fb {
+namespace {
+
+constexpr Rgb paper = {247, 247, 248}, ink = {38, 40, 46};
+constexpr int gap = 8, bar_width = 22, bar_area = 110;
+
+void paste(Image& onto, const Image& image, int x, int y) {
+  for (int row = 0; row < image.height; ++row) std::copy_n(&image.at(0, row), image.width, &onto.at(x, y + row));
+}
+
+void draw_scale(Image& onto, int x, int y, int height, float full) {
+  constexpr int intervals = 4, magnification = 2;
+  const int top = y + text_height(magnification), bottom = y + height - text_height(magnification);
+  for (int row = top; row < bottom; ++row) {
+    const Rgb colour = to_srgb(map_colour(full * (bottom - 1 - row) / (bottom - 1 - top), full));
+    for (int column = 0; column < bar_width; ++column) onto.at(x + column, row) = colour;
+  }
+  for (int tick = 0; tick <= intervals; ++tick) {
+    const int row = bottom - (bottom - top) * tick / intervals;
+    const std::string number = tick ? format("%.3g", full * tick / intervals) : "0";
+    draw_text(onto, x + bar_width + 6, row - text_height(magnification) / 2, number, ink, magnification);
+  }
+}
+
+}  // namespace
+
+Image compose(const std::vector<Panel>& panels) {
+  int width = gap, height = 0;
+  for (const Panel& panel : panels) {
+    width += panel.image.width + gap + (panel.scale_full ? bar_area : 0);
+    height = std::max(height, panel.image.height);
+  }
+  int magnification = 2;  // smaller if a caption would not fit
+  for (const Panel& panel : panels)
+    if (text_width(panel.caption, magnification) > panel.image.width) magnification = 1;
+  Image sheet(width, gap + height + 2 * gap + text_height(magnification), paper);
+  int x = gap;
+  for (const Panel& panel : panels) {
+    paste(sheet, panel.image, x, gap);
+    const int indent = std::max(0, (panel.image.width - text_width(panel.caption, magnification)) / 2);
+    draw_text(sheet, x + indent, gap + height + gap, panel.caption, ink, magnification);
+    x += panel.image.width + gap;
+    if (panel.scale_full) {
+      draw_scale(sheet, x, gap, height, *panel.scale_full);
+      x += bar_area;
+    }
+  }
+  return sheet;
+}
+
+}  // namespace fb

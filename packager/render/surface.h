@@ -1,0 +1,20 @@
+// What shading needs to know of a posed mesh at its vertices.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/vector3.h"
+
+namespace fb {
+
+// Unit normals, averaged over the polygons around a vertex weighted by their area; null where there is no polygon.
+// triangles: three vertex indices each; points: 3 x vertices.
+std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, std::span<const float> points);
+
+// How hollow the surface is around each vertex, from -1 (ridge) over 0 (flat) to 1 (groove).
+std::vector<float> vertex_hollowness(std::span<const std::uint32_t> triangles, std::span<const float> points,
+                                     std::span<const Vector3> normals);
+
+}  // namespace fb
