@@ -17,15 +17,24 @@ std::size_t position(const Words& words, std::string_view name, const char* what
     if (words[i] == name) return i;
     list += std::string(i ? ", " : "") + words[i];
   }
-  fail(Status::bad_data, "\"%.*s\" is no %s; there are %s", static_cast<int>(name.size()), name.data(), what, list.c_str());
+  fail(Status::bad_data, "\"%.*s\" is no %s; there are %s", static_cast<int>(name.size()), name.data(), what,
+       list.c_str());
 }
 
 }  // namespace
 
-const char* name_of(ClipKind kind) { return kinds.at(static_cast<std::size_t>(kind)); }
-const char* name_of(Split split) { return splits.at(static_cast<std::size_t>(split)); }
-ClipKind clip_kind_from(std::string_view name) { return static_cast<ClipKind>(position(kinds, name, "kind of clip")); }
-Split split_from(std::string_view name) { return static_cast<Split>(position(splits, name, "split")); }
+const char* name_of(ClipKind kind) {
+  return kinds.at(static_cast<std::size_t>(kind));
+}
+const char* name_of(Split split) {
+  return splits.at(static_cast<std::size_t>(split));
+}
+ClipKind clip_kind_from(std::string_view name) {
+  return static_cast<ClipKind>(position(kinds, name, "kind of clip"));
+}
+Split split_from(std::string_view name) {
+  return static_cast<Split>(position(splits, name, "split"));
+}
 
 void Source::evaluate(std::span<const float>, std::size_t, std::span<float>) {
   fail(Status::invalid_argument, "\"%s\" is a recording: it cannot be asked for new poses", schema().name.c_str());

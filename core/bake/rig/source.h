@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/status.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
@@ -18,9 +19,9 @@ namespace fb {
 enum class ClipKind : std::int32_t { shot = 0, excitation = 1, regional = 2, calisthenics = 3, dense = 4 };
 enum class Split : std::int32_t { train = 0, validation = 1, test = 2 };
 
-const char* name_of(ClipKind kind);                // "shot", ...: the words of dataset.json
-const char* name_of(Split split);                  // "train", ...
-ClipKind clip_kind_from(std::string_view name);    // fails with bad_data, listing the words there are
+const char* name_of(ClipKind kind);              // "shot", ...: the words of dataset.json
+const char* name_of(Split split);                // "train", ...
+ClipKind clip_kind_from(std::string_view name);  // fails with bad_data, listing the words there are
 Split split_from(std::string_view name);
 
 // Controls over a row of frames.
@@ -33,6 +34,19 @@ struct Clip {
   std::vector<float> controls;  // frames x controls
 };
 
+// Thrown by Source::evaluate for the first pose that cannot be evaluated: its number within the call, and why.
+class PoseError : public Error {
+ public:
+  PoseError(Status status, std::size_t pose, std::string reason)
+      : Error(status, format("pose %zu: %s", pose, reason.c_str())), pose_(pose), reason_(std::move(reason)) {}
+  std::size_t pose() const { return pose_; }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  std::size_t pose_;
+  std::string reason_;
+};
+
 class Source {
  public:
   virtual ~Source() = default;
@@ -40,15 +54,20 @@ class Source {
   virtual const RigSchema& schema() const = 0;
   virtual const Mesh& rest() const = 0;
   virtual const std::vector<Clip>& clips() const = 0;
-  // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's units.
-  // Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on NaN or infinity.
+  // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's
+  // units. Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on NaN or infinity.
   virtual void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) = 0;
+  // False for a clip of a dataset that has controls only: a plan, whose frames cannot be read.
+  virtual bool readable(std::size_t) const { return true; }
+  // Sentences worth telling a user about what was found while opening: values outside their range, clips left out.
+  virtual std::vector<std::string> notes() const { return {}; }
 
   // True if new poses can be asked for.
   virtual bool live() const { return false; }
   // True if evaluate and read may be called from several threads at once.
   virtual bool thread_safe() const { return false; }
-  // Points of new poses (count x controls -> count x 3 x vertices). Fails with invalid_argument unless live.
+  // Points of new poses (count x controls -> count x 3 x vertices), serially; see evaluate_parallel. Fails with
+  // invalid_argument unless live or on a control outside its range, and with PoseError when a pose cannot be evaluated.
   virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
 };
 

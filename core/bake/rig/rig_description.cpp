@@ -1,0 +1,120 @@
+#include "bake/rig/rig_description.h"
+
+#include <cmath>
+#include <unordered_set>
+
+namespace fb {
+namespace {
+
+// The rig's name as errors show it; set once the name itself has been read.
+struct Reader {
+  std::string who = "rig";
+
+  const char* text(const char* value, const char* field) const {
+    if (!value) fail(Status::rig, "%s: %s is null", who.c_str(), field);
+    if (!*value) fail(Status::rig, "%s: %s is empty", who.c_str(), field);
+    return value;
+  }
+
+  template <class T>
+  const T* array(const T* pointer, std::uint32_t count, const char* field, const char* count_field) const {
+    if (count == 0) fail(Status::rig, "%s: %s is zero", who.c_str(), count_field);
+    if (!pointer) fail(Status::rig, "%s: %s is null", who.c_str(), field);
+    return pointer;
+  }
+
+  RigSchema schema(const fb_rig& rig) const {
+    RigSchema schema;
+    schema.name = rig.name;
+    schema.units = text(rig.units, "units");
+    schema.up_axis = text(rig.up_axis, "up_axis");
+    if (schema.up_axis != "y" && schema.up_axis != "z")
+      fail(Status::rig, "%s: up_axis is \"%s\", not \"y\" or \"z\"", who.c_str(), rig.up_axis);
+    const fb_rig_control* controls = array(rig.controls, rig.control_count, "controls", "control_count");
+    for (std::uint32_t i = 0; i < rig.control_count; ++i) {
+      const fb_rig_control& c = controls[i];
+      schema.controls.push_back({text(c.name, format("the name of control %u", i).c_str()), c.minimum, c.maximum,
+                                 c.rest, c.group ? c.group : ""});
+    }
+    check(schema);
+    return schema;
+  }
+
+  Mesh mesh(const fb_rig& rig) const {
+    const float* points = array(rig.rest_positions, rig.vertex_count, "rest_positions", "vertex_count");
+    const std::uint32_t* sizes = array(rig.polygon_sizes, rig.polygon_count, "polygon_sizes", "polygon_count");
+    const std::uint32_t* corners = array(rig.polygon_corners, rig.polygon_count, "polygon_corners", "polygon_count");
+    // Sizes are checked before the corners they count are read.
+    std::size_t corner_count = 0;
+    for (std::uint32_t p = 0; p < rig.polygon_count; ++p) {
+      if (sizes[p] < 3 || sizes[p] > rig.vertex_count)
+        fail(Status::rig, "%s: polygon %u has %u corners in a mesh of %u vertices", who.c_str(), p, sizes[p],
+             rig.vertex_count);
+      corner_count += sizes[p];
+    }
+    Mesh mesh{{points, points + std::size_t{3} * rig.vertex_count},
+              {sizes, sizes + rig.polygon_count},
+              {corners, corners + corner_count}};
+    check(mesh);
+    return mesh;
+  }
+
+  Clip clip(const fb_rig_clip& from, std::uint32_t index, const RigSchema& schema) const {
+    Clip clip;
+    clip.name = text(from.name, format("the name of clip %u", index).c_str());
+    const char* name = from.name;
+    if (from.kind < FB_CLIP_SHOT || from.kind > FB_CLIP_DENSE)
+      fail(Status::rig, "%s: clip \"%s\" is of unknown kind %d", who.c_str(), name, from.kind);
+    if (from.split < FB_SPLIT_TRAIN || from.split > FB_SPLIT_TEST)
+      fail(Status::rig, "%s: clip \"%s\" belongs to unknown split %d", who.c_str(), name, from.split);
+    if (!std::isfinite(from.fps) || from.fps <= 0)
+      fail(Status::rig, "%s: clip \"%s\" has %g frames a second", who.c_str(), name, from.fps);
+    if (from.frames == 0) fail(Status::rig, "%s: clip \"%s\" has no frames", who.c_str(), name);
+    if (!from.controls) fail(Status::rig, "%s: the controls of clip \"%s\" are null", who.c_str(), name);
+    clip.kind = static_cast<ClipKind>(from.kind);
+    clip.split = static_cast<Split>(from.split);
+    clip.fps = from.fps;
+    clip.frames = from.frames;
+    clip.controls.assign(from.controls, from.controls + clip.frames * schema.control_count());
+    for (std::size_t i = 0; i < clip.controls.size(); ++i) {
+      const Control& control = schema.controls[i % schema.control_count()];
+      const float value = clip.controls[i];
+      if (!(value >= control.minimum && value <= control.maximum))
+        fail(std::isfinite(value) ? Status::rig : Status::not_finite,
+             "%s: clip \"%s\", frame %zu: control \"%s\" is %g, outside its range %g..%g", who.c_str(), name,
+             i / schema.control_count(), control.name.c_str(), value, control.minimum, control.maximum);
+    }
+    return clip;
+  }
+};
+
+}  // namespace
+
+RigDescription describe(const fb_rig& rig) {
+  Reader reader;
+  if (rig.abi != FB_RIG_ABI)
+    fail(Status::unsupported, "rig: made for rig ABI %u, this is rig ABI %u", rig.abi, unsigned{FB_RIG_ABI});
+  if (rig.struct_size < sizeof(fb_rig))
+    fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, sizeof(fb_rig));
+  reader.who = format("rig \"%s\"", reader.text(rig.name, "name"));
+  if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.who.c_str());
+  RigDescription description;
+  try {
+    description.schema = reader.schema(rig);
+    description.rest = reader.mesh(rig);
+  } catch (const Error& error) {
+    if (error.status() == Status::rig) throw;
+    fail(Status::rig, "%s: %s", reader.who.c_str(), error.what());
+  }
+  if (rig.clip_count > 0 && !rig.clips) fail(Status::rig, "%s: clips is null", reader.who.c_str());
+  std::unordered_set<std::string> names;
+  for (std::uint32_t i = 0; i < rig.clip_count; ++i) {
+    description.clips.push_back(reader.clip(rig.clips[i], i, description.schema));
+    const std::string& name = description.clips.back().name;
+    if (!names.insert(name).second)
+      fail(Status::rig, "%s: clip name \"%s\" occurs twice", reader.who.c_str(), name.c_str());
+  }
+  return description;
+}
+
+}  // namespace fb

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "facebaker/facebaker_bake.h"
+#include "model/mesh.h"
+#include "model/rig_schema.h"
+
+namespace fb {
+
+// What a rig says about itself, copied out of the C structs.
+struct RigDescription {
+  RigSchema schema;
+  Mesh rest;
+  std::vector<Clip> clips;
+};
+
+// Copies and checks everything a rig declares; evaluates nothing. Fails with status rig, naming the field, control,
+// polygon, clip or frame: another ABI, null pointers, zero counts, doubled names, bad ranges, bad polygons, clips with
+// values that are not finite or outside their range.
+RigDescription describe(const fb_rig& rig);
+
+}  // namespace fb

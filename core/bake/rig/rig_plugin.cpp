@@ -1,0 +1,56 @@
+#include <dlfcn.h>
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+
+#include "bake/rig/rig_source.h"
+
+namespace fb {
+namespace {
+
+// A loaded library and the rig it opened. A plugin compiled against a newer header may fill a longer struct: there is
+// room for it.
+struct Plugin {
+  void* library = nullptr;
+  bool opened = false;
+  union {
+    fb_rig rig;
+    std::array<char, 4 * sizeof(fb_rig)> room{};
+  };
+
+  Plugin() = default;
+  Plugin(const Plugin&) = delete;
+  Plugin& operator=(const Plugin&) = delete;
+  ~Plugin() {
+    // An older layout has no destroy we could trust.
+    if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= sizeof(fb_rig) && rig.destroy) rig.destroy(rig.user);
+    if (library) dlclose(library);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Source> open_rig_plugin(const std::string& path) {
+  const std::string file = std::filesystem::absolute(path).string();
+  auto plugin = std::make_shared<Plugin>();
+  // NODELETE: threads the plugin started (OpenMP's, for one) may still stand in its code when it is closed.
+  plugin->library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (!plugin->library) fail(Status::rig, "%s: cannot be loaded as a rig plugin: %s", path.c_str(), dlerror());
+  const auto open = reinterpret_cast<fb_rig_open_function>(dlsym(plugin->library, FB_RIG_OPEN_SYMBOL));
+  if (!open) fail(Status::rig, "%s: is no rig plugin: it does not export %s", path.c_str(), FB_RIG_OPEN_SYMBOL);
+  std::array<char, 512> message{};
+  const fb_status status = open(file.c_str(), &plugin->rig, message.data(), static_cast<std::uint32_t>(message.size()));
+  message.back() = '\0';
+  if (status != FB_OK)
+    fail(Status::rig, "%s: the rig cannot be opened: %s", path.c_str(),
+         message[0] ? message.data() : format("status %d without a message", status).c_str());
+  plugin->opened = true;
+  try {
+    return std::make_unique<RigSource>(plugin->rig, plugin);
+  } catch (const Error& error) {
+    fail(error.status(), "%s: %s", path.c_str(), error.what());
+  }
+}
+
+}  // namespace fb

@@ -1,0 +1,116 @@
+#include "bake/rig/rig_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fb {
+namespace {
+
+// Poses handed to the rig in one call: enough to hide the call, few enough to look for the one that failed.
+constexpr std::size_t block_poses = 32;
+
+// The rig's own sentence about a failure, empty on success.
+struct Outcome {
+  fb_status status;
+  std::string sentence;
+};
+
+Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float* points) {
+  std::array<char, 512> message{};
+  const fb_status status =
+      rig.evaluate(rig.user, count, controls, points, message.data(), static_cast<std::uint32_t>(message.size()));
+  message.back() = '\0';
+  if (status == FB_OK) return {status, ""};
+  return {status, message[0] ? std::string(message.data()) : format("status %d without a message", status)};
+}
+
+}  // namespace
+
+RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner)
+    : rig_(rig), owner_(std::move(owner)), description_(describe(rig)) {
+  check_rest_pose();
+}
+
+void RigSource::check_rest_pose() {
+  // Twice, as one block: a rig that fills only the first pose of a block shows itself here.
+  const std::vector<float> one = schema().rest_pose();
+  std::vector<float> controls = one;
+  controls.insert(controls.end(), one.begin(), one.end());
+  const std::size_t size = rest().points.size();
+  std::vector<float> points(2 * size, NAN);
+  try {
+    evaluate(controls, 2, points);
+  } catch (const PoseError& error) {
+    fail(error.status(), "the rest pose cannot be evaluated: %s", error.reason().c_str());
+  }
+  double worst = 0;
+  std::size_t worst_vertex = 0;
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = double(points[i + axis]) - rest().points[i % size + axis];
+      squared += d * d;
+    }
+    if (squared > worst) {
+      worst = squared;
+      worst_vertex = i % size / 3;
+    }
+  }
+  const double share = std::sqrt(worst) / rest().diagonal();
+  if (share > 1e-5)
+    fail(Status::rig,
+         "rig \"%s\": its rest pose is not its rest mesh: vertex %zu is %g %s away (%.2g of the diagonal, 1e-05 "
+         "allowed)",
+         schema().name.c_str(), worst_vertex, std::sqrt(worst), schema().units.c_str(), share);
+}
+
+void RigSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
+  const Clip& from = clips().at(clip);
+  if (first > from.frames || count > from.frames - first)
+    fail(Status::invalid_argument, "clip \"%s\" has no frames %zu..%zu, only %zu", from.name.c_str(), first,
+         first + count, from.frames);
+  const std::size_t width = schema().control_count();
+  try {
+    evaluate(std::span(from.controls).subspan(first * width, count * width), count, points);
+  } catch (const PoseError& error) {
+    fail(error.status(), "clip \"%s\", frame %zu: %s", from.name.c_str(), first + error.pose(), error.reason().c_str());
+  }
+}
+
+void RigSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  const std::size_t width = schema().control_count(), size = rest().points.size();
+  if (controls.size() != count * width || points.size() != count * size)
+    fail(Status::invalid_argument, "rig \"%s\": %zu poses need %zu control values and %zu coordinates, not %zu and %zu",
+         schema().name.c_str(), count, count * width, count * size, controls.size(), points.size());
+  for (std::size_t first = 0; first < count; first += block_poses)
+    evaluate_block(controls.data() + first * width, first, std::min(block_poses, count - first),
+                   points.data() + first * size);
+}
+
+void RigSource::evaluate_block(const float* controls, std::size_t first, std::size_t count, float* points) const {
+  const std::size_t width = schema().control_count(), size = rest().points.size();
+  for (std::size_t i = 0; i < count * width; ++i) {
+    const Control& control = schema().controls[i % width];
+    if (!(controls[i] >= control.minimum && controls[i] <= control.maximum))
+      throw PoseError(Status::invalid_argument, first + i / width,
+                      format("control \"%s\" is %g, outside its range %g..%g", control.name.c_str(), controls[i],
+                             control.minimum, control.maximum));
+  }
+  const char* who = schema().name.c_str();
+  if (const Outcome whole = call(rig_, controls, count, points); whole.status != FB_OK) {
+    // The block failed: one pose at a time tells which.
+    for (std::size_t i = 0; i < count; ++i)
+      if (const Outcome single = call(rig_, controls + i * width, 1, points + i * size); single.status != FB_OK)
+        throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", who, single.sentence.c_str()));
+    throw PoseError(Status::rig, first,
+                    format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", who,
+                           whole.sentence.c_str(), count));
+  }
+  for (std::size_t i = 0; i < count * size; ++i)
+    if (!std::isfinite(points[i]))
+      throw PoseError(Status::not_finite, first + i / size,
+                      format("rig \"%s\" puts vertex %zu at a place that is not finite", who, i % size / 3));
+}
+
+}  // namespace fb
