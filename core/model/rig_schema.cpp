@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <unordered_set>
 
 #include "base/status.h"
@@ -14,6 +16,30 @@ std::optional<std::size_t> RigSchema::find(std::string_view control) const {
   for (std::size_t i = 0; i < controls.size(); ++i)
     if (controls[i].name == control) return i;
   return std::nullopt;
+}
+
+std::string_view RigSchema::closest(std::string_view misspelt) const {
+  // Levenshtein's distance row by row, blind to case.
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  std::string_view best;
+  std::size_t fewest = SIZE_MAX;
+  std::vector<std::size_t> row(misspelt.size() + 1);
+  for (const Control& control : controls) {
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < control.name.size(); ++i) {
+      std::size_t diagonal = row[0]++;
+      for (std::size_t j = 0; j < misspelt.size(); ++j) {
+        const std::size_t replaced = diagonal + (lower(control.name[i]) != lower(misspelt[j]));
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+      }
+    }
+    if (row.back() < fewest) {
+      fewest = row.back();
+      best = control.name;
+    }
+  }
+  return best;
 }
 
 std::vector<float> RigSchema::rest_pose() const {

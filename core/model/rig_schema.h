@@ -28,6 +28,8 @@ struct RigSchema {
 
   std::size_t control_count() const { return controls.size(); }
   std::optional<std::size_t> find(std::string_view control) const;
+  // The control whose name takes the fewest edits to become `misspelt`, for messages; "" if there are no controls.
+  std::string_view closest(std::string_view misspelt) const;
   std::vector<float> rest_pose() const;
 };
 
