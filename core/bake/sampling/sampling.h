@@ -1,0 +1,58 @@
+// Which poses a rig is asked for, and how the answers get onto the disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+namespace fb {
+
+struct SamplingOptions {
+  std::uint64_t poses = 20000;  // new training poses; the rig's own clips, extra and held-out poses come on top
+  std::uint64_t seed = 1;
+  // How new poses are spread over the kinds.
+  // "paper": 25 % excitations, 55 % regional expressions, 20 % calisthenics, about a dozen controls at once.
+  // "dense": 5 % excitations, 5 % calisthenics, 45 % all regions at once, 45 % heavy in one region.
+  std::string mix = "dense";
+  bool shots = true;        // also take the rig's own clips, with their splits
+  bool held_out = true;     // if no clip is of split test: also make_held_out
+  std::vector<Clip> extra;  // clips of the user; values outside their range are clamped, and that is noted
+};
+
+// Controls to evaluate, clip by clip. All values are finite and within their ranges.
+using PosePlan = std::vector<Clip>;
+
+// Plans poses for a live rig. It first asks the rig for five values of every control, to see how much each control
+// moves, where its response bends and which controls work against each other. Depends on rig and options only, not on
+// threads.
+PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress);
+
+// Unseen poses for a rig without clips of its own, all of split test: "random_15" and "random_35" (600 poses each,
+// every control on with probability .15 or .35, uniform in its range) and "synthetic_shots" (20 smooth shots of 40
+// frames). Random streams are apart from those of make_plan for every seed.
+std::vector<Clip> make_held_out(const RigSchema& schema, std::uint64_t seed);
+
+struct SampleReport {
+  std::size_t poses = 0;      // of the whole plan
+  std::size_t evaluated = 0;  // of those, in this call; the others were on the disk already
+};
+
+// Writes a dataset folder: dataset.json and all controls first, then points in shards, each complete or not there.
+// Shards of the same plan that exist are kept, so an interrupted call is continued by repeating it; a folder that holds
+// another plan or dataset is refused. A shard holds at most 64 MB and about 20 s of work; progress is in poses.
+SampleReport sample_to_dataset(Source& rig, const PosePlan& plan, const std::filesystem::path& directory,
+                               const Parallel& parallel, Progress& progress);
+
+// make_plan, then sample_to_dataset; a folder begun with the same rig and options is continued without planning again.
+SampleReport sample(Source& rig, const SamplingOptions& options, const std::filesystem::path& directory,
+                    const Parallel& parallel, Progress& progress);
+
+// The user's clip from a NumPy file of frames x controls.
+Clip read_clip(const std::string& name, const std::filesystem::path& file, const RigSchema& schema);
+
+}  // namespace fb
