@@ -1,36 +1,24 @@
 // The Aura rig as a plugin: 72 FACS controls, 267 shapes stored as joint motions of a linear blend skin.
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "aura/aura_weights.h"
 #include "support/plugin_rig.h"
+#include "support/regions.h"
 #include "support/skin.h"
 
 namespace rigs {
 namespace {
 
-const char* region_of(const std::string& control) {
-  struct Region {
-    const char* name;
-    std::initializer_list<const char*> parts;
-  };
-  static const Region regions[] = {
-      {"brows", {"browDown", "BrowRaiser"}},
-      {"eyes", {"eyesLook"}},
-      {"lids", {"eyesClosed", "lidTightener", "upperLidRaiser"}},
-      {"cheeks", {"cheek"}},
-      {"nose", {"nose", "nostril", "nasolabial"}},
-      {"jaw", {"jaw"}},
-      {"mouth", {"mouth", "lip", "Lip", "chinRaiser", "dimpler"}},
-  };
-  for (const Region& region : regions) {
-    for (const char* part : region.parts) {
-      if (control.find(part) != std::string::npos) return region.name;
-    }
-  }
-  throw std::runtime_error("control '" + control + "' belongs to no region of the face");
-}
+const std::vector<Region> regions = {
+    {"brows", {"browDown", "BrowRaiser"}},
+    {"eyes", {"eyesLook"}},
+    {"lids", {"eyesClosed", "lidTightener", "upperLidRaiser"}},
+    {"cheeks", {"cheek"}},
+    {"nose", {"nose", "nostril", "nasolabial"}},
+    {"jaw", {"jaw"}},
+    {"mouth", {"mouth", "lip", "Lip", "chinRaiser", "dimpler"}},
+};
 
 class Aura : public PluginRig {
  public:
@@ -40,7 +28,7 @@ class Aura : public PluginRig {
         skin_(folder.floats(header.at("arrays").at("skin_weights"), {0, 0})) {
     for (const auto& control : header.at("controls")) {
       const std::string name = control.at("name");
-      add_control(name, region_of(name), control.at("min"), control.at("max"));
+      add_control(name, region_of(name, regions), control.at("min"), control.at("max"));
     }
     const auto rest = folder.floats(header.at("arrays").at("rest"), {0, 3});
     set_mesh(rest, folder.integers(header.at("arrays").at("quads"), {0, 4}));

@@ -1,0 +1,42 @@
+// MakeHuman's bones: rotations of pose units and of single bones, composed down the chain.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "support/skin.h"
+
+namespace rigs {
+
+// Angles are radians. A bone's rotation is the product of its units' rotations, later units on the left, then the
+// bone's own Euler angles Rz * Ry * Rx on the left of those; it turns about the bone's head and what hangs below
+// follows.
+class BoneChain {
+ public:
+  // parents: one a bone, before its children; -1: none. unit_rotations: [units, bones, 3], axis * angle at unit
+  // weight 1. face_bones: the bones that have Euler angles. Bones that neither carry skin nor lead to one that does are
+  // left out.
+  BoneChain(const std::vector<int>& parents, const Array<float>& unit_rotations,
+            const std::vector<std::size_t>& face_bones, const Skin& skin);
+
+  // units: one weight each; angles: x, y, z a face bone; heads: 3 x bones; offsets: one a bone, written where skin is.
+  void evaluate(const float* units, const double* angles, const float* heads, JointOffset* offsets) const;
+
+ private:
+  struct UnitRotation {
+    std::size_t unit;
+    double axis[3];
+    double angle;
+  };
+  struct Bone {
+    std::size_t index;      // among all bones
+    std::ptrdiff_t parent;  // in bones_; -1: none
+    std::ptrdiff_t face;    // among face bones; -1: none
+    bool skinned;
+    std::vector<UnitRotation> units;
+  };
+
+  std::vector<Bone> bones_;
+};
+
+}  // namespace rigs
