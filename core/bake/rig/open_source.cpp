@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <sstream>
 
+#include "bake/dataset/dataset_index.h"
+#include "bake/dataset/dataset_source.h"
+#include "bake/rig/merged_source.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
 
@@ -50,12 +53,25 @@ std::unique_ptr<Source> open_source(const std::string& source) {
   if (source == "sample") return open_sample();
   const fs::path path(source);
   if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", source.c_str());
+  if (fs::is_directory(path)) {
+    if (!fs::exists(path / dataset_file))
+      fail(Status::not_found, "%s: is no dataset folder: it holds no %s", source.c_str(), dataset_file);
+    return std::make_unique<DatasetSource>(path);
+  }
   const std::string extension = path.extension().string();
   if (extension == ".glb" || extension == ".gltf")
     fail(Status::unsupported, "%s: glTF files are not read as rigs; export the rig's poses as a dataset folder",
          source.c_str());
   if (extension == ".so") return open_rig_plugin(source);
   fail(Status::invalid_argument, "%s: neither a dataset folder nor a rig plugin (.so)", source.c_str());
+}
+
+std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources) {
+  if (sources.empty()) fail(Status::invalid_argument, "no source is given");
+  if (sources.size() == 1) return open_source(sources[0]);
+  std::vector<std::unique_ptr<Source>> opened;
+  for (const std::string& source : sources) opened.push_back(open_source(source));
+  return std::make_unique<MergedSource>(std::move(opened), sources);
 }
 
 }  // namespace fb

@@ -1,0 +1,247 @@
+#include "bake/dataset/dataset_index.h"
+
+#include <cinttypes>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <unordered_set>
+
+#include "base/file.h"
+#include "base/status.h"
+
+namespace fs = std::filesystem;
+
+namespace fb {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* format_name = "facebaker-dataset";
+constexpr int format_version = 1;
+
+// A value of the file together with the path to it, which every message begins with.
+class Field {
+ public:
+  Field(const json& value, std::string where) : value_(value), where_(std::move(where)) {}
+
+  [[noreturn]] void refuse(const std::string& why, Status status = Status::bad_data) const {
+    fail(status, "%s: %s", where_.c_str(), why.c_str());
+  }
+
+  bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
+
+  Field operator[](const char* key) const {
+    if (!value_.is_object()) refuse("is no object");
+    const auto found = value_.find(key);
+    if (found == value_.end()) refuse(format("has no \"%s\"", key));
+    return {*found, where_ + " " + key};
+  }
+
+  std::string text() const {
+    if (!value_.is_string()) refuse("is no string");
+    std::string text = value_.get<std::string>();
+    if (text.empty()) refuse("is empty");
+    if (text.find('\0') != std::string::npos) refuse("holds a zero byte");
+    return text;
+  }
+
+  double number() const {
+    if (!value_.is_number()) refuse("is no number");
+    const double number = value_.get<double>();
+    if (!std::isfinite(number)) refuse("is not finite", Status::not_finite);
+    return number;
+  }
+
+  float single() const {
+    const double value = number();
+    if (std::abs(value) > 3.4e38) refuse("is too large for a float");
+    return static_cast<float>(value);
+  }
+
+  std::uint64_t hash() const {
+    std::uint64_t hash = 0;
+    if (std::sscanf(text().c_str(), "%" SCNx64, &hash) != 1) refuse("is no hexadecimal number");
+    return hash;
+  }
+
+  std::uint64_t count() const {
+    if (!value_.is_number_unsigned() || value_.get<std::uint64_t>() == 0) refuse("is no positive whole number");
+    return value_.get<std::uint64_t>();
+  }
+
+  std::vector<Field> items() const {
+    if (!value_.is_array()) refuse("is no list");
+    if (value_.empty()) refuse("is empty");
+    std::vector<Field> items;
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      items.push_back({value_[i], where_ + "[" + std::to_string(i) + "]"});
+    return items;
+  }
+
+  // A file name, or a list of them.
+  std::vector<std::string> files() const {
+    if (value_.is_string()) return {text()};
+    std::vector<std::string> names;
+    for (const Field& item : items()) names.push_back(item.text());
+    return names;
+  }
+
+  bool is_text() const { return value_.is_string(); }
+
+  // Calls read(word), adding this field's path to what it complains about.
+  template <class Read>
+  auto word(Read&& read) const {
+    try {
+      return read(text());
+    } catch (const Error& error) {
+      refuse(error.what(), error.status());
+    }
+  }
+
+ private:
+  const json& value_;
+  std::string where_;
+};
+
+Control read_control(const Field& field) {
+  Control control;
+  control.name = field["name"].text();
+  control.minimum = field["min"].single();
+  control.maximum = field["max"].single();
+  control.rest = field["default"].single();
+  if (field.has("group")) control.group = field["group"].text();
+  return control;
+}
+
+DatasetIndex::Entry read_entry(const Field& field) {
+  DatasetIndex::Entry entry;
+  entry.name = field["name"].text();
+  if (field.has("kind")) entry.kind = field["kind"].word(clip_kind_from);
+  if (field.has("split")) entry.split = field["split"].word(split_from);
+  if (field.has("fps")) entry.fps = field["fps"].number();
+  if (entry.fps <= 0) field["fps"].refuse("is not above zero");
+  entry.controls = field["controls"].files();
+  if (field.has("points")) entry.points = field["points"].files();
+  return entry;
+}
+
+DatasetIndex read_index(const Field& root) {
+  DatasetIndex index;
+  if (!root.has("format") || root["format"].text() != format_name)
+    root.refuse(format("its \"format\" is not \"%s\"", format_name));
+  if (const double version = root["version"].number(); version != format_version)
+    root["version"].refuse(format("is %g; this program reads %d", version, format_version), Status::unsupported);
+  index.schema.name = root["name"].text();
+  index.schema.units = root["units"].text();
+  index.schema.up_axis = root["up_axis"].text();
+  if (index.schema.up_axis != "y" && index.schema.up_axis != "z") root["up_axis"].refuse("is neither \"y\" nor \"z\"");
+  const Field rest = root["rest"];
+  if (rest.is_text()) {
+    index.rest_mesh = rest.text();
+  } else {
+    index.rest_points = rest["points"].text();
+    index.rest_faces = rest["faces"].text();
+  }
+  for (const Field& item : root["controls"].items()) index.schema.controls.push_back(read_control(item));
+  std::unordered_set<std::string> names;
+  for (const Field& item : root["clips"].items()) {
+    index.clips.push_back(read_entry(item));
+    if (!names.insert(index.clips.back().name).second)
+      item.refuse(format("clip name \"%s\" occurs twice", index.clips.back().name.c_str()));
+  }
+  if (root.has("sampling")) {
+    const Field sampling = root["sampling"];
+    index.sampling =
+        DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count()};
+  }
+  return index;
+}
+
+// One name is written as a string, several as a list.
+json names(const std::vector<std::string>& files) {
+  return files.size() == 1 ? json(files[0]) : json(files);
+}
+
+}  // namespace
+
+DatasetIndex read_dataset_index(const fs::path& folder) {
+  const fs::path path = folder / dataset_file;
+  const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 28);
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  json root;
+  try {
+    root = json::parse(text, text + bytes.size());
+  } catch (const json::exception& error) {
+    fail(Status::bad_data, "%s: is no JSON: %s", path.c_str(), error.what());
+  }
+  DatasetIndex index = read_index(Field(root, path.string() + ":"));
+  try {
+    check(index.schema);
+  } catch (const Error& error) {
+    fail(error.status(), "%s: %s", path.c_str(), error.what());
+  }
+  return index;
+}
+
+void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
+  using Ordered = nlohmann::ordered_json;
+  Ordered root = {{"format", format_name},
+                  {"version", format_version},
+                  {"name", index.schema.name},
+                  {"units", index.schema.units},
+                  {"up_axis", index.schema.up_axis}};
+  if (index.rest_mesh.empty())
+    root["rest"] = {{"points", index.rest_points}, {"faces", index.rest_faces}};
+  else
+    root["rest"] = index.rest_mesh;
+  root["controls"] = Ordered::array();
+  for (const Control& c : index.schema.controls) {
+    Ordered control = {{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}};
+    if (!c.group.empty()) control["group"] = c.group;
+    root["controls"].push_back(control);
+  }
+  root["clips"] = Ordered::array();
+  for (const DatasetIndex::Entry& entry : index.clips) {
+    Ordered clip = {{"name", entry.name},
+                    {"kind", name_of(entry.kind)},
+                    {"split", name_of(entry.split)},
+                    {"fps", entry.fps},
+                    {"controls", names(entry.controls)}};
+    if (!entry.points.empty()) clip["points"] = names(entry.points);
+    root["clips"].push_back(clip);
+  }
+  if (index.sampling)
+    root["sampling"] = {{"request", format("%016" PRIx64, index.sampling->request)},
+                        {"plan", format("%016" PRIx64, index.sampling->plan)},
+                        {"shard_frames", index.sampling->shard_frames}};
+  try {
+    write_file(folder / dataset_file, root.dump(1) + "\n");
+  } catch (const json::exception& error) {
+    fail(Status::bad_data, "%s: a name is not UTF-8: %s", (folder / dataset_file).c_str(), error.what());
+  }
+}
+
+std::string shard_name(const std::string& name, std::size_t number) {
+  std::size_t end = name.size();
+  for (const char* suffix : {".points.npy", ".controls.npy", ".npy"})
+    if (name.ends_with(suffix)) {
+      end = name.size() - std::char_traits<char>::length(suffix);
+      break;
+    }
+  return name.substr(0, end) + format(".%03zu", number) + name.substr(end);
+}
+
+std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std::string>& names) {
+  std::vector<fs::path> files;
+  if (names.size() == 1 && !fs::exists(folder / names[0])) {
+    for (std::size_t i = 0; fs::exists(folder / shard_name(names[0], i)); ++i)
+      files.push_back(folder / shard_name(names[0], i));
+    if (files.empty())
+      fail(Status::not_found, "%s: no such file, and no shard %s", (folder / names[0]).c_str(),
+           shard_name(names[0], 0).c_str());
+    return files;
+  }
+  for (const std::string& name : names) files.push_back(folder / name);
+  return files;
+}
+
+}  // namespace fb

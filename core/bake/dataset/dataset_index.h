@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "model/rig_schema.h"
+
+namespace fb {
+
+// What dataset.json says. File names are relative to its folder.
+struct DatasetIndex {
+  struct Entry {
+    std::string name;
+    ClipKind kind = ClipKind::shot;
+    Split split = Split::train;
+    double fps = 30;
+    // One name may also stand for numbered shards ("x.points.npy" for "x.000.points.npy", ...); several are shards.
+    std::vector<std::string> controls;
+    std::vector<std::string> points;  // empty: a plan
+  };
+
+  // Left by `sample`, so that it can go on where it stopped; ignored by whoever reads the dataset.
+  struct Sampling {
+    std::uint64_t request = 0;       // hash of rig and options
+    std::uint64_t plan = 0;          // hash of rig and controls
+    std::uint64_t shard_frames = 0;  // frames a shard of points
+  };
+
+  RigSchema schema;
+  std::string rest_points, rest_faces;  // two arrays
+  std::string rest_mesh;                // or a mesh file
+  std::vector<Entry> clips;
+  std::optional<Sampling> sampling;
+};
+
+inline constexpr const char* dataset_file = "dataset.json";
+
+// Reads folder/dataset.json. Fails naming file and field on another format or version and on every field that is
+// missing, of the wrong type or out of its words. Fields it does not know are ignored.
+DatasetIndex read_dataset_index(const std::filesystem::path& folder);
+void write_dataset_index(const std::filesystem::path& folder, const DatasetIndex& index);
+
+// The files a clip's array lies in: `names` as they are, or the numbered shards a single missing name stands for.
+std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder,
+                                               const std::vector<std::string>& names);
+// "x.points.npy", 7 -> "x.007.points.npy".
+std::string shard_name(const std::string& name, std::size_t number);
+
+}  // namespace fb

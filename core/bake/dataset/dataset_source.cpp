@@ -1,0 +1,116 @@
+#include "bake/dataset/dataset_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/dataset/dataset_index.h"
+#include "bake/dataset/rest_mesh.h"
+#include "base/checked.h"
+
+namespace fb {
+
+ShardedArray::ShardedArray(const std::vector<std::filesystem::path>& files, const std::vector<std::size_t>& row,
+                           const char* need) {
+  for (const std::filesystem::path& path : files) {
+    NpyFile file(path);
+    if (!std::equal(file.shape().begin() + 1, file.shape().end(), row.begin(), row.end()))
+      fail(Status::bad_data, "%s: shape %s where %s is needed", path.c_str(), file.shape_text().c_str(), need);
+    if (file.rows() == 0) fail(Status::bad_data, "%s: has no frames", path.c_str());
+    ends_.push_back(checked_add(rows(), file.rows(), path.c_str()));
+    shards_.push_back(std::move(file));
+  }
+}
+
+std::size_t ShardedArray::shard_of(std::size_t row) const {
+  return static_cast<std::size_t>(std::upper_bound(ends_.begin(), ends_.end(), row) - ends_.begin());
+}
+
+const std::filesystem::path& ShardedArray::file_of(std::size_t row) const {
+  return shards_.at(shard_of(row)).path();
+}
+
+void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> values) const {
+  for (std::size_t shard = shard_of(first); count > 0; ++shard) {
+    const NpyFile& file = shards_.at(shard);
+    const std::size_t local = first - (ends_[shard] - file.rows()), here = std::min(count, file.rows() - local);
+    file.read(local, here, values.first(here * file.row_size()));
+    values = values.subspan(here * file.row_size());
+    first += here;
+    count -= here;
+  }
+}
+
+DatasetSource::DatasetSource(const std::filesystem::path& folder) {
+  const DatasetIndex index = read_dataset_index(folder);
+  schema_ = index.schema;
+  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder / index.rest_points, folder / index.rest_faces)
+                                  : read_mesh(folder / index.rest_mesh);
+  const std::size_t width = schema_.control_count();
+  const std::string controls_need = format("(frames, %zu)", width);
+  const std::string points_need = format("(frames, %zu, 3)", rest_.vertex_count());
+  for (const DatasetIndex::Entry& entry : index.clips) {
+    const ShardedArray controls(shard_files(folder, entry.controls), {width}, controls_need.c_str());
+    Clip clip{entry.name, entry.kind, entry.split, entry.fps, controls.rows(), {}};
+    clip.controls.resize(checked_multiply(clip.frames, width, "controls"));
+    controls.read(0, clip.frames, clip.controls);
+    for (std::size_t i = 0; i < clip.controls.size(); ++i)
+      if (!std::isfinite(clip.controls[i]))
+        fail(Status::not_finite, "%s: clip \"%s\", frame %zu: control \"%s\" is not finite",
+             controls.file_of(i / width).c_str(), clip.name.c_str(), i / width,
+             schema_.controls[i % width].name.c_str());
+    note_range(clip);
+    ShardedArray points;
+    if (!entry.points.empty()) {
+      points = ShardedArray(shard_files(folder, entry.points), {rest_.vertex_count(), 3}, points_need.c_str());
+      if (points.rows() != clip.frames)
+        fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of points", folder.c_str(),
+             clip.name.c_str(), clip.frames, points.rows());
+    }
+    clips_.push_back(std::move(clip));
+    points_.push_back(std::move(points));
+  }
+}
+
+// Recorded values beyond a range are what the rig was posed with: they stay, and are told.
+void DatasetSource::note_range(const Clip& clip) {
+  const std::size_t width = schema_.control_count();
+  std::size_t outside = 0, worst = 0;
+  float furthest = 0;
+  for (std::size_t i = 0; i < clip.controls.size(); ++i) {
+    const Control& control = schema_.controls[i % width];
+    const float excess = std::max(clip.controls[i] - control.maximum, control.minimum - clip.controls[i]);
+    if (excess <= 0) continue;
+    ++outside;
+    if (excess > furthest) {
+      furthest = excess;
+      worst = i;
+    }
+  }
+  if (outside == 0) return;
+  const Control& control = schema_.controls[worst % width];
+  notes_.push_back(
+      format("clip \"%s\": %zu control values are outside their range and kept, at worst \"%s\" = %g "
+             "(%g..%g) in frame %zu",
+             clip.name.c_str(), outside, control.name.c_str(), clip.controls[worst], control.minimum, control.maximum,
+             worst / width));
+}
+
+void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count, std::span<float> points) {
+  const Clip& clip = clips_.at(index);
+  if (!readable(index))
+    fail(Status::invalid_argument, "clip \"%s\" is a plan: it has controls but no points yet", clip.name.c_str());
+  if (first > clip.frames || count > clip.frames - first)
+    fail(Status::invalid_argument, "clip \"%s\" has no frames %zu..%zu, only %zu", clip.name.c_str(), first,
+         first + count, clip.frames);
+  const std::size_t size = rest_.points.size();
+  if (points.size() != count * size)
+    fail(Status::invalid_argument, "clip \"%s\": room for %zu coordinates where %zu are read", clip.name.c_str(),
+         points.size(), count * size);
+  points_[index].read(first, count, points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::isfinite(points[i]))
+      fail(Status::not_finite, "%s: clip \"%s\", frame %zu: vertex %zu is not finite",
+           points_[index].file_of(first + i / size).c_str(), clip.name.c_str(), first + i / size, i % size / 3);
+}
+
+}  // namespace fb

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bake/dataset/npy.h"
+#include "bake/rig/source.h"
+
+namespace fb {
+
+// One array in one or several files that follow each other along the first axis.
+class ShardedArray {
+ public:
+  ShardedArray() = default;
+  // Opens and checks every file: `row` is the shape of one row, described to users by `need`.
+  ShardedArray(const std::vector<std::filesystem::path>& files, const std::vector<std::size_t>& row, const char* need);
+
+  std::size_t rows() const { return ends_.empty() ? 0 : ends_.back(); }
+  // Reads rows [first, first + count), which must be there.
+  void read(std::size_t first, std::size_t count, std::span<float> values) const;
+  // The file a row is in.
+  const std::filesystem::path& file_of(std::size_t row) const;
+
+ private:
+  std::size_t shard_of(std::size_t row) const;
+  std::vector<NpyFile> shards_;
+  std::vector<std::size_t> ends_;  // rows up to and with each shard
+};
+
+// A dataset folder as a source. Opening reads controls and rest mesh and the headers of all points; points themselves
+// are read from the disk as they are asked for, so any amount of them streams.
+class DatasetSource final : public Source {
+ public:
+  // Fails by file, field, frame, control on anything missing, truncated, mis-shaped, doubled or not finite.
+  explicit DatasetSource(const std::filesystem::path& folder);
+
+  const RigSchema& schema() const override { return schema_; }
+  const Mesh& rest() const override { return rest_; }
+  const std::vector<Clip>& clips() const override { return clips_; }
+  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  bool readable(std::size_t clip) const override { return points_.at(clip).rows() > 0; }
+  std::vector<std::string> notes() const override { return notes_; }
+  bool thread_safe() const override { return true; }
+
+ private:
+  void note_range(const Clip& clip);
+
+  RigSchema schema_;
+  Mesh rest_;
+  std::vector<Clip> clips_;
+  std::vector<ShardedArray> points_;  // of each clip
+  std::vector<std::string> notes_;
+};
+
+}  // namespace fb
