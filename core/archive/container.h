@@ -1,0 +1,32 @@
+// The outer shell of an .fbk: header, section table, checksums. Knows nothing of what sections hold.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "archive/byte_reader.h"
+#include "archive/layout.h"
+#include "archive/reader.h"
+
+namespace fb {
+
+struct StoredSection {
+  SectionInfo info;
+  Codec codec = Codec::none;
+  std::span<const std::byte> stored;
+
+  // "section "basis" (byte 1234)"
+  std::string where() const;
+  // The contents, unpacked; the budget is charged.
+  std::vector<std::byte> unpack(Budget& budget) const;
+};
+
+// All sections, in file order, with every checksum verified and every byte of the file accounted for.
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes);
+
+const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name);
+
+}  // namespace fb

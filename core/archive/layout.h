@@ -1,0 +1,33 @@
+// Constants of the .fbk format that its reader and writer share; FORMAT.md says what they mean.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace fb {
+
+inline constexpr unsigned char archive_magic[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
+inline constexpr std::uint16_t archive_major = 0, archive_minor = 1;
+
+inline constexpr std::size_t header_bytes = 24, table_row_bytes = 56, checksum_bytes = 8, section_name_bytes = 16;
+inline constexpr std::uint32_t max_sections = 64;
+inline constexpr std::uint32_t max_vertices = 0x10000000;  // 3 x vertices and Draco's signed counts stay in range
+inline constexpr std::uint32_t max_string_bytes = 0xffff;
+
+inline constexpr std::uint32_t section_required = 1;  // the one flag there is
+enum class Codec : std::uint32_t { none = 0, zstd = 1 };
+
+// How the points of section "geometry" find their vertices.
+enum class PointOrder : std::uint32_t { as_stored = 0, by_index = 1 };
+
+namespace section {
+inline constexpr const char* definition = "definition";
+inline constexpr const char* polygons = "polygons";
+inline constexpr const char* geometry = "geometry";
+inline constexpr const char* network = "network";
+inline constexpr const char* basis = "basis";
+inline constexpr const char* provenance = "provenance";
+inline constexpr const char* proof = "proof";
+}  // namespace section
+
+}  // namespace fb

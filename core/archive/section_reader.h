@@ -1,0 +1,27 @@
+// What the sections of an .fbk hold, one function each. All treat their input as untrusted and fail with `corrupt`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "archive/byte_reader.h"
+#include "archive/proof.h"
+#include "model/face_model.h"
+
+namespace fb {
+
+struct Definition {
+  RigSchema schema;
+  std::uint32_t vertices = 0;
+};
+
+Definition read_definition(ByteReader& in);
+// Fills polygon_sizes and polygon_corners; corners are below `vertices`.
+void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh);
+// The rest points in vertex order: 3 x vertices. `triangles` is how many the polygons fan into.
+std::vector<float> read_geometry(ByteReader& in, std::uint32_t vertices, std::uint64_t triangles);
+Network read_network(ByteReader& in);
+Basis read_basis(ByteReader& in);
+Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices);
+
+}  // namespace fb
