@@ -1,0 +1,39 @@
+#include "export/obj_file.h"
+
+#include <charconv>
+
+#include "base/file.h"
+
+namespace fb {
+namespace {
+
+template <class Number>
+void append(std::string& text, Number number) {
+  char digits[32];  // the shortest digits that give the same number back
+  const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+  text.append(digits, end);
+}
+
+}  // namespace
+
+void write_obj(const std::filesystem::path& path, const std::string& name, const Mesh& mesh,
+               std::span<const float> points) {
+  std::string text = "o ";
+  for (const char c : name) text += c > ' ' ? c : '_';
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    text += i % 3 == 0 ? "\nv " : " ";
+    append(text, points[i]);
+  }
+  const std::uint32_t* corner = mesh.polygon_corners.data();
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    text += "\nf";
+    for (std::uint32_t k = 0; k < size; ++k) {
+      text += ' ';
+      append(text, std::uint64_t{*corner++} + 1);
+    }
+  }
+  text += '\n';
+  write_file(path, text);
+}
+
+}  // namespace fb

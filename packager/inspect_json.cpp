@@ -1,0 +1,78 @@
+#include "inspect_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace fb {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json network_graph(const Network& network) {
+  Json regions = Json::array();
+  for (const Region& region : network.regions) {
+    Json layers = Json::array();
+    for (const DenseLayer& layer : region.layers)
+      layers.push_back({{"inputs", layer.inputs},
+                        {"outputs", layer.outputs},
+                        {"activation", layer.activation == Activation::relu ? "relu" : "linear"},
+                        {"skip", layer.skip}});
+    regions.push_back({{"name", region.name}, {"inputs", region.features.size()}, {"layers", std::move(layers)}});
+  }
+  return {{"features", network.features.size()},
+          {"direct", network.direct.size()},
+          {"coefficients", network.coefficient_count()},
+          {"parameters", network.parameter_count()},
+          {"regions", std::move(regions)}};
+}
+
+// An object of bounded depth whatever the archive holds: files come from anyone, and printing JSON recurses.
+Json provenance_of(const Archive& archive) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
+  Json json = Json::parse(archive.model.provenance, shallow, false);
+  return json.is_object() ? json : Json::object();
+}
+
+}  // namespace
+
+std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
+                         std::uint64_t runtime_bytes) {
+  const FaceModel& model = archive.model;
+  Json bytes = {{"total", total_bytes}};
+  for (const SectionInfo& section : archive.sections) bytes[section.name] = section.stored_bytes;
+  Json controls = Json::array();
+  for (const Control& control : model.schema.controls)
+    controls.push_back({{"name", control.name},
+                        {"min", control.minimum},
+                        {"max", control.maximum},
+                        {"default", control.rest},
+                        {"group", control.group}});
+  const std::string recipe = recipe_of(archive);
+  const Json json = {
+      {"archive", path},
+      {"format_version", archive.format_version},
+      {"name", model.schema.name},
+      {"units", model.schema.units},
+      {"up_axis", model.schema.up_axis},
+      {"vertices", model.rest.vertex_count()},
+      {"controls", model.schema.control_count()},
+      {"polygons", model.rest.polygon_sizes.size()},
+      {"diagonal", model.rest.diagonal()},
+      {"recipe", recipe.empty() ? Json() : Json(recipe)},
+      {"bytes", std::move(bytes)},
+      {"runtime_bytes", runtime_bytes},
+      {"certificate", Json()},
+      {"network", network_graph(model.network)},
+      {"basis", {{"rows", model.basis.rows}, {"columns", model.basis.columns}, {"values", model.basis.value_count()}}},
+      {"control_list", std::move(controls)},
+      {"notes", archive.notes},
+      {"provenance", provenance_of(archive)}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string recipe_of(const Archive& archive) {
+  const Json provenance = provenance_of(archive);
+  const auto found = provenance.find("recipe");
+  return found != provenance.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+}  // namespace fb

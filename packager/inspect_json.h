@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "archive/reader.h"
+
+namespace fb {
+
+// Everything worth knowing of an archive as JSON text, indented, ending in a newline. Keys are an interface: they are
+// only ever added. total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.
+std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
+                         std::uint64_t runtime_bytes);
+
+// What the archive says about how it was made: the provenance's "recipe", "" if it has none.
+std::string recipe_of(const Archive& archive);
+
+}  // namespace fb

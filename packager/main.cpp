@@ -1,0 +1,47 @@
+// facebaker: the command line tool.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+
+#include "base/status.h"
+#include "interrupt.h"
+#include "verbs.h"
+
+namespace {
+
+int complain(const CLI::App& tool, const std::string& message, int exit_code) {
+  const auto verbs = tool.get_subcommands();
+  std::fprintf(stderr, "facebaker%s%s: %s\n", verbs.empty() ? "" : " ",
+               verbs.empty() ? "" : verbs[0]->get_name().c_str(), message.c_str());
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
+  tool.set_version_flag("--version", "facebaker " FB_VERSION);
+  tool.require_subcommand(1);
+  tool.footer(
+      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so) or \"sample\", the built-in face.\n"
+      "Exit code: 0 success, 1 failure, 2 wrong use.");
+  fb::add_inspect(tool);
+  fb::add_pose(tool);
+
+  fb::watch_interrupts();
+  try {
+    tool.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout)) fb::fail(fb::Status::io, "standard output: writing failed");
+  } catch (const CLI::Success& help) {
+    return tool.exit(help);
+  } catch (const CLI::ParseError& wrong) {
+    if (!tool.get_subcommands().empty()) return complain(tool, wrong.what() + std::string(" (see --help)"), 2);
+    return complain(tool, argc > 1 ? fb::format("no verb \"%s\" (see --help)", argv[1]) : "give a verb (see --help)",
+                    2);
+  } catch (const std::bad_alloc&) {
+    return complain(tool, "out of memory", 1);
+  } catch (const std::exception& error) {
+    return complain(tool, error.what(), 1);
+  }
+  return 0;
+}

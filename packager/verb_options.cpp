@@ -1,0 +1,56 @@
+#include "verb_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace fb {
+
+void add_threads(CLI::App& verb, Parallel& parallel) {
+  verb.add_option("--threads", parallel.threads, "Threads to use; 0: all there are. Results do not depend on it.")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void add_seed(CLI::App& verb, std::uint64_t& seed) {
+  verb.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void add_poses(CLI::App& verb, std::uint64_t& poses) {
+  verb.add_option("--poses", poses, "Poses to ask the rig for")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 32))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void add_mix(CLI::App& verb, std::string& mix) {
+  verb.add_option(
+          "--mix", mix,
+          "How poses are spread over the kinds: paper (excitations, regions, calisthenics) or dense (mostly many "
+          "controls of many regions at once)")
+      ->check(CLI::IsMember({"paper", "dense"}))
+      ->capture_default_str();
+}
+
+void add_sources(CLI::App& verb, std::vector<std::string>& sources) {
+  verb.add_option(
+          "SOURCE", sources,
+          "Dataset folders of one character, a rig plugin (librig_NAME.so), or \"sample\" for the built-in face")
+      ->required();
+}
+
+void add_archive(CLI::App& verb, std::string& archive) {
+  verb.add_option("FACE", archive, "The archive (.fbk)")->required();
+}
+
+void add_json_flag(CLI::App& verb, bool& json) {
+  verb.add_flag("--json", json, "Print the figures as JSON instead of text");
+}
+
+void add_report(CLI::App& verb, std::string& folder) {
+  verb.add_option("--report", folder, "Folder to write the figures into, as JSON and as a readable table")
+      ->type_name("DIR");
+}
+
+}  // namespace fb

@@ -1,0 +1,25 @@
+// Options that several verbs share, declared the same way in each.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fb {
+
+void add_threads(CLI::App& verb, Parallel& parallel);
+void add_seed(CLI::App& verb, std::uint64_t& seed);
+void add_poses(CLI::App& verb, std::uint64_t& poses);
+void add_mix(CLI::App& verb, std::string& mix);
+void add_sources(CLI::App& verb, std::vector<std::string>& sources);
+void add_archive(CLI::App& verb, std::string& archive);
+void add_json_flag(CLI::App& verb, bool& json);
+void add_report(CLI::App& verb, std::string& folder);
+
+}  // namespace fb

@@ -1,0 +1,14 @@
+// The verbs of the tool, a file each. Each function declares a verb's options; the verb runs while the command line is
+// parsed, prints results on standard output and progress on standard error, and throws fb::Error when it fails.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace fb {
+
+void add_inspect(CLI::App& tool);
+void add_pose(CLI::App& tool);
+
+}  // namespace fb
