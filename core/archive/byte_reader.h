@@ -81,7 +81,7 @@ class ByteReader {
   std::vector<std::uint32_t> planes32(std::uint32_t count, const char* what);
   // Fails unless everything was read.
   void end() const {
-    if (left() != 0) damaged("it should end here");
+    if (left() != 0) damaged("the section should end here");
   }
 
  private:

@@ -87,6 +87,7 @@ std::vector<float> decode_in_order(const ByteReader& in, std::span<const std::by
   GuardedPoints decoder(expected);
   if (!decoder.Decode({}, &buffer, &cloud).ok() || cloud.num_points() != expected.vertices)
     in.damaged("the Draco points cannot be decoded");
+  if (buffer.remaining_size() != 0) in.damaged("the Draco data should end here");
   std::vector<float> points(std::size_t(3) * expected.vertices);
   for (std::uint32_t v = 0; v < expected.vertices; ++v)
     cloud.attribute(0)->GetMappedValue(draco::PointIndex(v), &points[std::size_t(3) * v]);
@@ -101,6 +102,7 @@ std::vector<float> decode_by_index(const ByteReader& in, std::span<const std::by
   GuardedMesh decoder(expected);
   if (!decoder.Decode({}, &buffer, &mesh).ok() || mesh.num_points() != expected.vertices)
     in.damaged("the Draco mesh cannot be decoded");
+  if (buffer.remaining_size() != 0) in.damaged("the Draco data should end here");
   std::vector<float> points(std::size_t(3) * expected.vertices);
   std::vector<bool> given(expected.vertices);
   for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {

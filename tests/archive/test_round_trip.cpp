@@ -3,19 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "archive/reader.h"
 #include "archive/writer.h"
+#include "archive_editor.h"
 #include "base/status.h"
 #include "test_models.h"
 
 namespace fb {
 namespace {
-
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
-}
 
 // The bound of FORMAT.md on what rounding to 16 bits changes in a row, checked row by row.
 void check_quantized(const std::vector<float>& before, const std::vector<float>& after, std::size_t row_length) {
@@ -30,12 +26,6 @@ void check_quantized(const std::vector<float>& before, const std::vector<float>&
   }
 }
 
-void check_same_mesh(const Mesh& a, const Mesh& b) {
-  CHECK(same_bits(a.points, b.points));
-  CHECK(a.polygon_sizes == b.polygon_sizes);
-  CHECK(a.polygon_corners == b.polygon_corners);
-}
-
 void check_same(const FaceModel& a, const FaceModel& b) {
   CHECK(a.schema.name == b.schema.name);
   CHECK(a.schema.units == b.schema.units);
@@ -47,7 +37,9 @@ void check_same(const FaceModel& a, const FaceModel& b) {
     CHECK(x.group == y.group);
     CHECK(same_bits({x.minimum, x.maximum, x.rest}, {y.minimum, y.maximum, y.rest}));
   }
-  check_same_mesh(a.rest, b.rest);
+  CHECK(same_bits(a.rest.points, b.rest.points));
+  CHECK(a.rest.polygon_sizes == b.rest.polygon_sizes);
+  CHECK(a.rest.polygon_corners == b.rest.polygon_corners);
   CHECK(a.provenance == b.provenance);
 
   REQUIRE(a.network.features.size() == b.network.features.size());
@@ -101,7 +93,7 @@ Proof random_proof(const FaceModel& model, std::size_t poses) {
 TEST_CASE("a model comes back with all its parts") {
   FaceModel model = tiny_model();
   model.schema.units = "furlongs";
-  model.schema.up_axis = "z";
+  model.schema.up_axis = std::string("z");
   model.network.regions.push_back(model.network.regions[0]);
   model.network.regions[1].name = "second \xc3\xa9";
   model.network.regions[1].features = {5, 4, 3, 2, 1, 0};

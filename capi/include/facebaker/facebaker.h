@@ -63,7 +63,7 @@ FB_API const char* fb_last_error(void);
 
 /* ---- Version ----------------------------------------------------------------------------------------------------- */
 
-/* The library's version, "0.1.0", and as a number: major * 1,000,000 + minor * 1,000 + patch. */
+/* The library's version, "major.minor.patch", and as a number: major * 1,000,000 + minor * 1,000 + patch. */
 FB_API const char* fb_version_string(void);
 FB_API uint32_t fb_version(void);
 /* The newest .fbk format this library reads: major * 1,000 + minor. */

@@ -1,0 +1,362 @@
+#include <facebaker/facebaker.h>
+
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <span>
+
+#include "archive/reader.h"
+#include "base/file.h"
+#include "base/parallel.h"
+#include "crossing.h"
+#include "host_memory.h"
+#include "runtime/evaluator.h"
+#include "version.h"
+
+using fb::fail;
+using fb::Status;
+using fb::capi::crossing;
+using fb::capi::read_struct;
+using fb::capi::require;
+
+struct fb_model {
+  fb_model(const fb::Archive& archive, const fb_load_desc& desc)
+      : memory(desc.allocator),
+        evaluator(archive.model, memory, desc.max_model_bytes),
+        rest_pose(evaluator.schema().rest_pose()),
+        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
+        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),
+        diagonal(archive.model.rest.diagonal()),
+        provenance(archive.model.provenance) {}
+
+  mutable std::atomic<std::uint32_t> references = 1;
+  mutable fb::capi::HostMemory memory;
+  fb::Evaluator evaluator;
+  std::vector<float> rest_pose;
+  std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners;
+  double diagonal;
+  std::string provenance;
+};
+
+namespace {
+
+void retain(const fb_model* model) {
+  model->references.fetch_add(1, std::memory_order_relaxed);
+}
+
+void release(const fb_model* model) {
+  if (model->references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete model;
+}
+
+struct Reference {
+  explicit Reference(const fb_model* counted) : model(counted) { retain(model); }
+  ~Reference() { release(model); }
+  Reference(const Reference&) = delete;
+  Reference& operator=(const Reference&) = delete;
+  const fb_model* model;
+};
+
+thread_local char last_error[512];
+
+}  // namespace
+
+struct fb_scratch {
+  fb_scratch(const fb_model* model, std::uint32_t workers) : owner(model), workspaces(&model->memory) {
+    workspaces.reserve(workers);
+    for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
+  }
+  void require_model(const fb_model* model) const {
+    if (owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
+  }
+
+  Reference owner;  // outlives what is made of the model's memory
+  std::pmr::vector<fb::Workspace> workspaces;
+  std::uint64_t clamped = 0;
+};
+
+namespace {
+
+fb_model* load(std::span<const std::byte> bytes, const fb_load_desc& desc) {
+  const fb::Archive archive = fb::read_archive(bytes, {desc.max_model_bytes});
+  auto model = std::make_unique<fb_model>(archive, desc);
+  if (desc.log)
+    for (const std::string& note : archive.notes) desc.log(desc.log_user, note.c_str());
+  return model.release();
+}
+
+fb_load_desc read_load_desc(const fb_load_desc* given) {
+  fb_load_desc desc;
+  fb_load_desc_init(&desc);
+  if (given) desc = read_struct(*given, fb_load_desc_init, "fb_load_desc");
+  if (!desc.allocator.allocate != !desc.allocator.release)
+    fail(Status::invalid_argument, "fb_load_desc: an allocator needs both functions or none");
+  return desc;
+}
+
+std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
+  if (desc.threads > workers)
+    fail(Status::invalid_argument, "fb_batch_desc: %u threads, but scratch has %zu workers", desc.threads, workers);
+  if (desc.threads > 0) return desc.threads;
+  return desc.parallel_for ? workers : std::min(workers, fb::worker_count({}));
+}
+
+}  // namespace
+
+fb_status fb::capi::report(Status status, const char* message) noexcept {
+  std::size_t length = std::min(std::strlen(message), sizeof last_error - 1);
+  // A message that is cut ends with a whole UTF-8 character.
+  if (message[length] != '\0')
+    while (length > 0 && (message[length] & 0xc0) == 0x80) --length;
+  std::memmove(last_error, message, length);
+  last_error[length] = '\0';
+  return static_cast<fb_status>(status);
+}
+
+extern "C" {
+
+// ---- Status and version ----
+
+const char* fb_status_name(fb_status status) {
+  switch (status) {
+    case FB_OK:
+      return "FB_OK";
+    case FB_ERROR_INVALID_ARGUMENT:
+      return "FB_ERROR_INVALID_ARGUMENT";
+    case FB_ERROR_NOT_FOUND:
+      return "FB_ERROR_NOT_FOUND";
+    case FB_ERROR_IO:
+      return "FB_ERROR_IO";
+    case FB_ERROR_NOT_AN_ARCHIVE:
+      return "FB_ERROR_NOT_AN_ARCHIVE";
+    case FB_ERROR_CORRUPT:
+      return "FB_ERROR_CORRUPT";
+    case FB_ERROR_UNSUPPORTED:
+      return "FB_ERROR_UNSUPPORTED";
+    case FB_ERROR_LIMIT:
+      return "FB_ERROR_LIMIT";
+    case FB_ERROR_OUT_OF_MEMORY:
+      return "FB_ERROR_OUT_OF_MEMORY";
+    case FB_ERROR_NOT_FINITE:
+      return "FB_ERROR_NOT_FINITE";
+    case FB_ERROR_BAD_DATA:
+      return "FB_ERROR_BAD_DATA";
+    case FB_ERROR_RIG:
+      return "FB_ERROR_RIG";
+    case FB_ERROR_INTERRUPTED:
+      return "FB_ERROR_INTERRUPTED";
+    case FB_ERROR_INTERNAL:
+      return "FB_ERROR_INTERNAL";
+    default:
+      return "unknown status";
+  }
+}
+
+const char* fb_last_error(void) {
+  return last_error;
+}
+
+const char* fb_version_string(void) {
+  return FB_VERSION_STRING;
+}
+
+uint32_t fb_version(void) {
+  return FB_VERSION_MAJOR * 1000000u + FB_VERSION_MINOR * 1000u + FB_VERSION_PATCH;
+}
+
+uint32_t fb_format_version(void) {
+  return fb::archive_format_version();
+}
+
+// ---- Loading ----
+
+void fb_load_desc_init(fb_load_desc* desc) {
+  if (!desc) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  desc->max_file_bytes = desc->max_model_bytes = std::uint64_t(4) << 30;
+}
+
+fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) {
+  return crossing([&] {
+    require(path, "path");
+    require(model, "model");
+    const fb_load_desc known = read_load_desc(desc);
+    *model = load(fb::read_file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes), known);
+  });
+}
+
+fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model) {
+  return crossing([&] {
+    require(bytes, "bytes");
+    require(model, "model");
+    *model = load({static_cast<const std::byte*>(bytes), size}, read_load_desc(desc));
+  });
+}
+
+void fb_retain(fb_model* model) {
+  if (model) retain(model);
+}
+
+void fb_release(fb_model* model) {
+  if (model) release(model);
+}
+
+// ---- What is in it ----
+
+uint32_t fb_vertex_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.vertex_count()) : 0;
+}
+
+uint32_t fb_control_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.control_count()) : 0;
+}
+
+uint32_t fb_coefficient_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.coefficient_count()) : 0;
+}
+
+const char* fb_name(const fb_model* model) {
+  return model ? model->evaluator.schema().name.c_str() : nullptr;
+}
+
+const char* fb_units(const fb_model* model) {
+  return model ? model->evaluator.schema().units.c_str() : nullptr;
+}
+
+const char* fb_up_axis(const fb_model* model) {
+  return model ? model->evaluator.schema().up_axis.c_str() : nullptr;
+}
+
+const char* fb_provenance(const fb_model* model) {
+  return model ? model->provenance.c_str() : nullptr;
+}
+
+void fb_control_init(fb_control* control) {
+  if (!control) return;
+  *control = {};
+  control->struct_size = sizeof *control;
+}
+
+fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control) {
+  return crossing([&] {
+    require(model, "model");
+    require(control, "control");
+    fb::capi::require_size(control->struct_size, "fb_control");
+    const auto& controls = model->evaluator.schema().controls;
+    if (index >= controls.size()) fail(Status::invalid_argument, "control %u of %zu", index, controls.size());
+    const fb::Control& found = controls[index];
+    const fb_control full = {
+        control->struct_size, 0, found.name.c_str(), found.group.c_str(), found.minimum, found.maximum, found.rest, 0};
+    std::memcpy(control, &full, std::min<std::size_t>(control->struct_size, sizeof full));
+  });
+}
+
+fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index) {
+  return crossing([&] {
+    require(model, "model");
+    require(name, "name");
+    require(index, "index");
+    const fb::RigSchema& schema = model->evaluator.schema();
+    const auto found = schema.find(name);
+    if (!found)
+      fail(Status::not_found, "there is no control \"%s\"; the closest is \"%s\"", name,
+           std::string(schema.closest(name)).c_str());
+    *index = static_cast<uint32_t>(*found);
+  });
+}
+
+const float* fb_rest_controls(const fb_model* model) {
+  return model ? model->rest_pose.data() : nullptr;
+}
+
+const float* fb_rest_positions(const fb_model* model) {
+  return model ? model->evaluator.rest_positions().data() : nullptr;
+}
+
+double fb_diagonal(const fb_model* model) {
+  return model ? model->diagonal : 0;
+}
+
+uint32_t fb_polygon_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->polygon_sizes.size()) : 0;
+}
+
+const uint32_t* fb_polygon_sizes(const fb_model* model) {
+  return model ? model->polygon_sizes.data() : nullptr;
+}
+
+uint32_t fb_polygon_corner_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->polygon_corners.size()) : 0;
+}
+
+const uint32_t* fb_polygon_corners(const fb_model* model) {
+  return model ? model->polygon_corners.data() : nullptr;
+}
+
+uint64_t fb_runtime_bytes(const fb_model* model) {
+  return model ? model->evaluator.bytes() : 0;
+}
+
+// ---- Posing ----
+
+fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
+  return crossing([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    if (workers == 0) fail(Status::invalid_argument, "workers is 0");
+    *scratch = new fb_scratch(model, workers);
+  });
+}
+
+void fb_scratch_destroy(fb_scratch* scratch) {
+  delete scratch;
+}
+
+fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions) {
+  return crossing([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    require(controls, "controls");
+    require(positions, "positions");
+    scratch->require_model(model);
+    model->evaluator.evaluate(controls, positions, scratch->workspaces[0]);
+    scratch->clamped = scratch->workspaces[0].clamped();
+  });
+}
+
+uint64_t fb_clamped_count(const fb_scratch* scratch) {
+  return scratch ? scratch->clamped : 0;
+}
+
+void fb_batch_desc_init(fb_batch_desc* desc) {
+  if (!desc) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+}
+
+fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc) {
+  return crossing([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    require(desc, "desc");
+    scratch->require_model(model);
+    const fb_batch_desc known = read_struct(*desc, fb_batch_desc_init, "fb_batch_desc");
+    if (known.poses > 0) {
+      require(known.controls, "fb_batch_desc: controls");
+      require(known.positions, "fb_batch_desc: positions");
+    }
+    const fb::Parallel parallel = {static_cast<int>(batch_threads(known, scratch->workspaces.size())),
+                                   known.parallel_for, known.parallel_user};
+    model->evaluator.evaluate_batch({known.poses,
+                                     {known.controls, known.control_floats},
+                                     known.control_stride,
+                                     {known.positions, known.position_floats},
+                                     known.pose_stride,
+                                     known.vertex_stride},
+                                    scratch->workspaces, parallel);
+    scratch->clamped = 0;
+    for (const fb::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
+  });
+}
+
+}  // extern "C"

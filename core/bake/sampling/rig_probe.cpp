@@ -1,0 +1,135 @@
+#include "bake/sampling/rig_probe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/rig/evaluate_parallel.h"
+
+namespace fb {
+namespace {
+
+// A spread of vertices is enough to tell motions apart, and keeps every response in memory whatever the mesh.
+constexpr std::size_t most_vertices = 1000;
+
+// Pairs below this cosine work against each other.
+constexpr double opposition = -0.5;
+
+void gather(const float* points, std::size_t vertices, std::size_t stride, std::vector<float>& out) {
+  for (std::size_t v = 0; v < vertices; v += stride) out.insert(out.end(), points + 3 * v, points + 3 * v + 3);
+}
+
+double rms(double squares, std::size_t coordinates) {
+  return std::sqrt(squares / (static_cast<double>(coordinates) / 3));
+}
+
+}  // namespace
+
+RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : diagonal_(rig.rest().diagonal()) {
+  const RigSchema& schema = rig.schema();
+  const std::size_t width = schema.control_count(), vertices = rig.rest().vertex_count(), size = 3 * vertices;
+  const std::size_t stride = (vertices + most_vertices - 1) / most_vertices;
+  std::vector<float> rest;
+  gather(rig.rest().points.data(), vertices, stride, rest);
+  motion_.resize(width);
+  bend_.resize(width);
+  directions_.resize(2 * width);
+  progress.begin("probing controls", width);
+  const std::size_t batch = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
+  std::vector<float> controls, points;
+  for (std::size_t first = 0; first < width; first += batch) {
+    const std::size_t count = std::min(batch, width - first);
+    controls.clear();
+    for (std::size_t pose = 0; pose < count * values; ++pose) {
+      std::vector<float> values_of = schema.rest_pose();
+      const Control& control = schema.controls[first + pose / values];
+      const float t = static_cast<float>(pose % values) / (values - 1);
+      values_of[first + pose / values] = control.minimum * (1 - t) + control.maximum * t;
+      controls.insert(controls.end(), values_of.begin(), values_of.end());
+    }
+    points.resize(count * values * size);
+    try {
+      evaluate_parallel(rig, controls, count * values, points, parallel);
+    } catch (const PoseError& error) {
+      fail(error.status(), "control \"%s\" moved alone, value %zu of %zu: %s",
+           schema.controls[first + error.pose() / values].name.c_str(), error.pose() % values + 1, values,
+           error.reason().c_str());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      std::vector<float> responses;
+      for (std::size_t k = 0; k < values; ++k)
+        gather(points.data() + (i * values + k) * size, vertices, stride, responses);
+      measure(schema, first + i, rest, responses.data());
+      if (motion_[first + i] == 0)
+        progress.note(format("control \"%s\" alone moves nothing", schema.controls[first + i].name.c_str()));
+    }
+    progress.step(first + count);
+  }
+  find_regions(schema);
+  find_opposed();
+}
+
+void RigProbe::measure(const RigSchema& schema, std::size_t control, const std::vector<float>& rest,
+                       const float* responses) {
+  const std::size_t size = rest.size();
+  for (std::size_t k = 0; k < values; ++k) {
+    const float* here = responses + k * size;
+    double moved = 0, bent = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double d = double(here[i]) - rest[i];
+      moved += d * d;
+      if (k == 0 || k + 1 == values) continue;
+      const double second = double(here[i - size]) - 2 * double(here[i]) + here[i + size];
+      bent += second * second;
+    }
+    motion_[control] = std::max(motion_[control], rms(moved, size) / diagonal_);
+    if (k > 0 && k + 1 < values) bend_[control][k - 1] = rms(bent, size) / diagonal_;
+  }
+  const Control& c = schema.controls[control];
+  for (const bool up : {false, true}) {
+    if ((up ? c.maximum : c.minimum) == c.rest) continue;
+    std::vector<float>& direction = directions_[2 * control + up];
+    direction.assign(responses + (up ? values - 1 : 0) * size, responses + (up ? values : 1) * size);
+    double squares = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      direction[i] -= rest[i];
+      squares += double(direction[i]) * direction[i];
+    }
+    if (squares == 0) direction.clear();
+    for (float& d : direction) d = static_cast<float>(d / std::sqrt(squares));
+  }
+}
+
+void RigProbe::find_regions(const RigSchema& schema) {
+  double total = 0;
+  for (std::size_t c = 0; c < schema.control_count(); ++c) {
+    const std::string& group = schema.controls[c].group;
+    auto region = std::find_if(regions_.begin(), regions_.end(), [&](const Region& r) { return r.name == group; });
+    if (region == regions_.end()) region = regions_.insert(region, Region{group, {}, 0});
+    region->controls.push_back(c);
+    region->energy += motion_[c] * motion_[c];
+    total += motion_[c] * motion_[c];
+  }
+  for (Region& region : regions_)
+    region.energy = total > 0 ? region.energy / total : 1.0 / static_cast<double>(regions_.size());
+}
+
+void RigProbe::find_opposed() {
+  const std::size_t ends = directions_.size();
+  opposed_.assign(ends * ends, 0);
+  for (const Region& region : regions_)
+    for (const std::size_t a : region.controls)
+      for (const std::size_t b : region.controls) {
+        if (b <= a) continue;
+        for (std::size_t i = 2 * a; i < 2 * a + 2; ++i)
+          for (std::size_t j = 2 * b; j < 2 * b + 2; ++j) {
+            const std::vector<float>&x = directions_[i], &y = directions_[j];
+            if (x.empty() || y.empty()) continue;
+            double cosine = 0;
+            for (std::size_t k = 0; k < x.size(); ++k) cosine += double(x[k]) * y[k];
+            opposed_[i * ends + j] = opposed_[j * ends + i] = cosine < opposition;
+          }
+      }
+  directions_.clear();
+}
+
+}  // namespace fb

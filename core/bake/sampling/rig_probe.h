@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+namespace fb {
+
+// Controls of one group; all controls without a group are one region together.
+struct Region {
+  std::string name;
+  std::vector<std::size_t> controls;
+  double energy = 0;  // its share of the motion of single controls; shares sum to 1
+};
+
+// What a rig shows when each control is moved alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances
+// are root mean squares over (at most a thousand) vertices, over the diagonal.
+class RigProbe {
+ public:
+  static constexpr std::size_t values = 5;
+
+  // Asks for 5 poses per control; notes controls that move nothing.
+  RigProbe(Source& rig, const Parallel& parallel, Progress& progress);
+
+  const std::vector<Region>& regions() const { return regions_; }
+  // How far the control moves the mesh at most.
+  double motion(std::size_t control) const { return motion_[control]; }
+  // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range.
+  const std::array<double, 3>& bend(std::size_t control) const { return bend_[control]; }
+  // True if the two controls, moved from rest to these ends of their ranges, push the same vertices in opposite
+  // directions. Only asked within one region.
+  bool opposed(std::size_t a, bool a_up, std::size_t b, bool b_up) const {
+    return opposed_[(2 * a + a_up) * 2 * motion_.size() + 2 * b + b_up] != 0;
+  }
+
+ private:
+  void measure(const RigSchema& schema, std::size_t control, const std::vector<float>& rest, const float* responses);
+  void find_regions(const RigSchema& schema);
+  void find_opposed();
+
+  std::vector<Region> regions_;
+  std::vector<double> motion_;
+  std::vector<std::array<double, 3>> bend_;
+  std::vector<std::vector<float>> directions_;  // displacement at both ends (2 c: minimum, 2 c + 1: maximum), length 1
+  std::vector<std::uint8_t> opposed_;
+  double diagonal_;
+};
+
+}  // namespace fb

@@ -1,0 +1,309 @@
+#include <algorithm>
+#include <chrono>
+#include <cinttypes>
+#include <cmath>
+
+#include "bake/dataset/dataset_index.h"
+#include "bake/dataset/npy.h"
+#include "bake/dataset/rest_mesh.h"
+#include "bake/rig/evaluate_parallel.h"
+#include "bake/sampling/sampling.h"
+#include "base/hash.h"
+
+namespace fs = std::filesystem;
+
+namespace fb {
+namespace {
+
+constexpr std::size_t shard_bytes = std::size_t{64} << 20;
+constexpr double shard_seconds = 20, breath_seconds = 0.5;  // a shard's work; the time between two looks at Ctrl-C
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// A hash over things of any kind, one after the other.
+class Digest {
+ public:
+  template <class T>
+  Digest& add(std::span<const T> values) {
+    value = hash64_of(values, value);
+    return *this;
+  }
+  Digest& add(const std::string& text) {
+    const std::uint64_t length = text.size();
+    return add(std::span(&length, 1)).add(std::span<const char>(text));
+  }
+  template <class T>
+  Digest& add(const std::vector<T>& values) {
+    return add(std::span<const T>(values));
+  }
+  Digest& add(std::uint64_t number) { return add(std::span<const std::uint64_t>(&number, 1)); }
+
+  Digest& add(const Clip& clip) {
+    return add(clip.name)
+        .add(static_cast<std::uint64_t>(clip.kind))
+        .add(static_cast<std::uint64_t>(clip.split))
+        .add(std::span<const double>(&clip.fps, 1))
+        .add(clip.frames)
+        .add(clip.controls);
+  }
+
+  // What a rig says of itself, without its clips.
+  Digest& add(const Source& rig) {
+    add(rig.schema().name);
+    for (const Control& c : rig.schema().controls)
+      add(c.name).add(c.group).add(std::vector<float>{c.minimum, c.maximum, c.rest});
+    return add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
+  }
+
+  std::uint64_t value = 0;
+};
+
+std::uint64_t hash_of_plan(const Source& rig, const PosePlan& plan) {
+  Digest digest;
+  digest.add(rig);
+  for (const Clip& clip : plan) digest.add(clip);
+  return digest.value;
+}
+
+std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options) {
+  Digest digest;
+  digest.add(rig).add(options.poses).add(options.seed).add(options.mix).add(options.shots).add(options.held_out);
+  for (const std::vector<Clip>& clips : {rig.clips(), options.extra})
+    for (const Clip& clip : clips) digest.add(clip);
+  return digest.value;
+}
+
+// A file name made from a clip's name, different for every clip.
+std::string file_stem(const std::string& name, std::vector<std::string>& taken) {
+  std::string stem;
+  for (const char c : name) {
+    const bool plain =
+        (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+    stem += plain ? c : '_';
+  }
+  while (std::find(taken.begin(), taken.end(), stem) != taken.end()) stem += '_';
+  taken.push_back(stem);
+  return stem;
+}
+
+DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIndex::Sampling& sampling) {
+  DatasetIndex index;
+  index.schema = rig.schema();
+  index.rest_points = "rest.npy";
+  index.rest_faces = "faces.npy";
+  index.sampling = sampling;
+  std::vector<std::string> taken = {"rest", "faces"};
+  for (const Clip& clip : plan) {
+    const std::string stem = file_stem(clip.name, taken), points = stem + ".points.npy";
+    DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
+    const std::size_t shards = (clip.frames + sampling.shard_frames - 1) / sampling.shard_frames;
+    for (std::size_t i = 0; i < shards; ++i) entry.points.push_back(shards == 1 ? points : shard_name(points, i));
+    index.clips.push_back(std::move(entry));
+  }
+  return index;
+}
+
+// True if the file is an array of this shape; one that is damaged is sampled again.
+bool holds(const fs::path& path, const std::vector<std::size_t>& shape) {
+  try {
+    return NpyFile(path).shape() == shape;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+class Sampler {
+ public:
+  Sampler(Source& rig, const PosePlan& plan, const fs::path& folder, const Parallel& parallel, Progress& progress)
+      : rig_(rig),
+        plan_(plan),
+        folder_(folder),
+        parallel_(parallel),
+        progress_(progress),
+        width_(rig.schema().control_count()),
+        size_(rig.rest().points.size()) {
+    for (const Clip& clip : plan) report_.poses += clip.frames;
+  }
+
+  SampleReport run(std::uint64_t request) {
+    const std::uint64_t hash = hash_of_plan(rig_, plan_);
+    const bool resuming = fs::exists(folder_ / dataset_file);
+    if (resuming) {
+      const std::optional<DatasetIndex::Sampling> before = read_dataset_index(folder_).sampling;
+      if (!before || before->plan != hash)
+        fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
+             folder_.c_str());
+      index_ = make_index(rig_, plan_, *before);
+    } else {
+      std::error_code error;
+      fs::create_directories(folder_, error);
+      if (error) fail(Status::io, "%s: cannot be made: %s", folder_.c_str(), error.message().c_str());
+      index_ = make_index(rig_, plan_, {request, hash, frames_per_shard()});
+      write_dataset_index(folder_, index_);
+    }
+    write_plan();
+    write_shards(resuming);
+    return report_;
+  }
+
+ private:
+  // By size and by the rig's speed, measured on the plan's first poses. A power of two, so that little noise in the
+  // measurement changes nothing.
+  std::size_t frames_per_shard() {
+    const Clip& clip = plan_.at(0);
+    double seconds = 0;
+    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {
+      const std::size_t frames = std::min(count, clip.frames);
+      std::vector<float> points(frames * size_);
+      const double start = seconds_now();
+      evaluate(clip, 0, 0, frames, points);
+      seconds = (seconds_now() - start) / static_cast<double>(frames);
+    }
+    const double by_time = shard_seconds / std::max(seconds, 1e-9);
+    const double by_size = static_cast<double>(shard_bytes) / static_cast<double>(size_ * sizeof(float));
+    std::size_t frames = 1;
+    while (static_cast<double>(2 * frames) <= std::min(by_time, by_size)) frames *= 2;
+    return frames;
+  }
+
+  void write_plan() {
+    if (!holds(folder_ / index_.rest_points, {size_ / 3, 3}) || !fs::exists(folder_ / index_.rest_faces))
+      write_npy_mesh(rig_.rest(), folder_ / index_.rest_points, folder_ / index_.rest_faces);
+    for (std::size_t i = 0; i < plan_.size(); ++i) {
+      const fs::path path = folder_ / index_.clips[i].controls[0];
+      const std::vector<std::size_t> shape = {plan_[i].frames, width_};
+      if (!holds(path, shape)) write_npy(path, shape, plan_[i].controls);
+    }
+  }
+
+  void write_shards(bool resuming) {
+    progress_.begin("sampling poses", report_.poses);
+    const std::size_t shard_frames = index_.sampling->shard_frames;
+    bool compared = false;
+    std::size_t done = 0;
+    for (std::size_t i = 0; i < plan_.size(); ++i) {
+      std::size_t first = 0;
+      for (const std::string& name : index_.clips[i].points) {
+        const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
+        const fs::path path = folder_ / name;
+        if (resuming && holds(path, {frames, size_ / 3, 3})) {
+          if (!compared) compare(path, i, done, first);
+          compared = true;
+        } else {
+          write_shard(path, i, done, first, frames);
+        }
+        first += frames;
+        done += frames;
+        progress_.step(done);
+      }
+    }
+  }
+
+  // The plan cannot tell whether the rig behind it has changed: one pose can.
+  void compare(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first) {
+    std::vector<float> before(size_), now(size_);
+    NpyFile(path).read(0, 1, before);
+    evaluate(plan_[clip], done, first, 1, now);
+    const double tolerance = 1e-5 * rig_.rest().diagonal();
+    for (std::size_t i = 0; i < size_; ++i)
+      if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
+        fail(Status::invalid_argument,
+             "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it "
+             "into a new folder",
+             path.c_str(), i / 3, plan_[clip].name.c_str(), first);
+  }
+
+  void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
+    NpyWriter writer(path, {frames, size_ / 3, 3});
+    for (std::size_t frame = 0; frame < frames;) {
+      const std::size_t count = std::min(at_once_, frames - frame);
+      points_.resize(count * size_);
+      const double start = seconds_now();
+      evaluate(plan_[clip], done + frame, first + frame, count, points_);
+      const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
+      const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
+      at_once_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * breath_seconds), 1, most);
+      writer.append(points_);
+      frame += count;
+      report_.evaluated += count;
+      progress_.step(done + frame);
+    }
+    writer.commit();
+  }
+
+  // `done`: number of the first pose within the plan.
+  void evaluate(const Clip& clip, std::size_t done, std::size_t first, std::size_t count, std::span<float> points) {
+    try {
+      evaluate_parallel(rig_, std::span(clip.controls).subspan(first * width_, count * width_), count, points,
+                        parallel_);
+    } catch (const PoseError& error) {
+      fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s", done + error.pose(), clip.name.c_str(),
+           first + error.pose(), error.reason().c_str());
+    }
+  }
+
+  Source& rig_;
+  const PosePlan& plan_;
+  const fs::path& folder_;
+  const Parallel parallel_;
+  Progress& progress_;
+  const std::size_t width_, size_;
+  DatasetIndex index_;
+  SampleReport report_;
+  std::vector<float> points_;
+  std::size_t at_once_ = 1;  // poses between two looks at Ctrl-C
+};
+
+// The plan that lies in a folder.
+PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
+  PosePlan plan;
+  for (const DatasetIndex::Entry& entry : index.clips) {
+    Clip clip = read_clip(entry.name, folder / entry.controls.at(0), index.schema);
+    clip.kind = entry.kind;
+    clip.split = entry.split;
+    clip.fps = entry.fps;
+    plan.push_back(std::move(clip));
+  }
+  return plan;
+}
+
+SampleReport write_samples(Source& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
+                           const Parallel& parallel, Progress& progress) {
+  if (!rig.live())
+    fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
+  if (plan.empty()) fail(Status::invalid_argument, "the plan has no clips");
+  return Sampler(rig, plan, folder, parallel, progress).run(request);
+}
+
+}  // namespace
+
+SampleReport sample_to_dataset(Source& rig, const PosePlan& plan, const fs::path& directory, const Parallel& parallel,
+                               Progress& progress) {
+  return write_samples(rig, plan, 0, directory, parallel, progress);
+}
+
+SampleReport sample(Source& rig, const SamplingOptions& options, const fs::path& directory, const Parallel& parallel,
+                    Progress& progress) {
+  const std::uint64_t request = hash_of_request(rig, options);
+  if (fs::exists(directory / dataset_file)) {
+    const DatasetIndex index = read_dataset_index(directory);
+    if (index.sampling && index.sampling->request == request) {
+      PosePlan plan;
+      try {
+        plan = read_plan(directory, index);
+      } catch (const Error&) {
+        plan.clear();  // stopped before all controls were written: planning again gives the same
+      }
+      if (!plan.empty() && hash_of_plan(rig, plan) == index.sampling->plan)
+        return write_samples(rig, plan, request, directory, parallel, progress);
+    } else if (!index.sampling || index.sampling->request != 0) {
+      fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
+           directory.c_str());
+    }
+  }
+  return write_samples(rig, make_plan(rig, options, parallel, progress), request, directory, parallel, progress);
+}
+
+}  // namespace fb

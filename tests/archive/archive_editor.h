@@ -1,0 +1,108 @@
+// Takes an archive apart, lets a test change anything in it, and puts it together with checksums that hold.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "archive/container.h"
+#include "base/hash.h"
+
+namespace fb {
+
+using Bytes = std::vector<std::byte>;
+
+inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+
+template <class T>
+void patch(Bytes& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+template <class T>
+void append(Bytes& bytes, T value) {
+  bytes.resize(bytes.size() + sizeof value);
+  patch(bytes, bytes.size() - sizeof value, value);
+}
+
+// Where field `offset` of row `row` of the section table lies in the file.
+inline std::size_t table_at(std::size_t row, std::size_t offset) {
+  return header_bytes + row * table_row_bytes + offset;
+}
+
+// Makes both outer checksums hold again after a change to header, table or sections.
+inline Bytes sealed(Bytes bytes) {
+  std::uint32_t count;
+  std::memcpy(&count, bytes.data() + 12, sizeof count);
+  const std::size_t table_end = table_at(count, 0);
+  patch(bytes, table_end, hash64(std::span(bytes).first(table_end)));
+  patch(bytes, bytes.size() - 8, hash64(std::span(bytes).first(bytes.size() - 8)));
+  return bytes;
+}
+
+struct ArchiveEditor {
+  struct Section {
+    std::string name;
+    std::uint32_t flags = 0, codec = 0;
+    std::uint64_t raw_bytes = 0;
+    Bytes stored;
+
+    // Replaces the contents, unpacked.
+    void set(Bytes contents) {
+      codec = 0;
+      raw_bytes = contents.size();
+      stored = std::move(contents);
+    }
+  };
+  std::uint16_t major = archive_major, minor = archive_minor;
+  std::vector<Section> sections;
+
+  // Opens an archive with all its sections unpacked.
+  explicit ArchiveEditor(std::span<const std::byte> bytes) {
+    Budget budget(UINT64_MAX);
+    for (const StoredSection& section : read_container(bytes)) {
+      sections.push_back({section.info.name, section.info.required ? section_required : 0u, 0, 0, {}});
+      sections.back().set(section.unpack(budget));
+    }
+  }
+
+  Section& operator[](const std::string& name) {
+    for (Section& section : sections)
+      if (section.name == name) return section;
+    sections.push_back({name, 0, 0, 0, {}});
+    return sections.back();
+  }
+
+  Bytes bytes() const {
+    Bytes out;
+    for (const unsigned char c : archive_magic) append(out, c);
+    append(out, major);
+    append(out, minor);
+    append(out, static_cast<std::uint32_t>(sections.size()));
+    std::uint64_t offset = table_at(sections.size(), 0) + checksum_bytes, size = offset + checksum_bytes;
+    for (const Section& section : sections) size += section.stored.size();
+    append(out, size);
+    for (const Section& section : sections) {
+      char name[section_name_bytes] = {};
+      std::memcpy(name, section.name.data(), std::min(section.name.size(), sizeof name));
+      for (const char c : name) append(out, c);
+      append(out, section.flags);
+      append(out, section.codec);
+      append(out, offset);
+      append(out, std::uint64_t(section.stored.size()));
+      append(out, section.raw_bytes);
+      append(out, hash64(section.stored));
+      offset += section.stored.size();
+    }
+    append(out, std::uint64_t(0));
+    for (const Section& section : sections) out.insert(out.end(), section.stored.begin(), section.stored.end());
+    append(out, std::uint64_t(0));
+    return sealed(std::move(out));
+  }
+};
+
+}  // namespace fb

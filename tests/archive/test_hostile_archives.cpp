@@ -1,0 +1,280 @@
+// Archives that are cut, damaged or made to mislead: every one is refused with a sentence, none is believed.
+#include <doctest/doctest.h>
+
+#include <functional>
+
+#include "archive/reader.h"
+#include "archive/writer.h"
+#include "archive_editor.h"
+#include "base/status.h"
+#include "test_models.h"
+
+namespace fb {
+namespace {
+
+struct Outcome {
+  Status status = Status::ok;
+  std::string message;
+};
+
+Outcome outcome(std::span<const std::byte> bytes, const ReadLimits& limits = {}) {
+  try {
+    read_archive(bytes, limits);
+    return {};
+  } catch (const Error& error) {
+    return {error.status(), error.what()};
+  }
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+void check_refused(std::span<const std::byte> bytes, Status status, const std::string& part,
+                   const ReadLimits& limits = {}) {
+  const Outcome seen = outcome(bytes, limits);
+  CHECK_MESSAGE(seen.status == status, "status " << static_cast<int>(seen.status) << ": " << seen.message);
+  CHECK_MESSAGE(contains(seen.message, part), seen.message);
+}
+
+Bytes tiny_archive() {
+  FaceModel model = tiny_model();
+  Proof proof;
+  proof.controls = model.schema.rest_pose();
+  proof.vertices = {3};
+  proof.positions = {1, 2, 3};
+  return write_archive(model, proof);
+}
+
+// The rest mesh as an edgebreaker mesh, where the tiny model's is a list of points.
+Bytes manifold_archive() {
+  FaceModel model = tiny_model();
+  model.rest = grid_mesh(6, 5);
+  return write_archive(model, {});
+}
+
+Bytes text(const std::string& s) {
+  const auto bytes = std::as_bytes(std::span(s));
+  return {bytes.begin(), bytes.end()};
+}
+
+// An archive with one section's contents changed.
+Bytes changed(const char* section, const std::function<void(Bytes&)>& change) {
+  ArchiveEditor archive(tiny_archive());
+  Bytes contents = archive[section].stored;
+  change(contents);
+  archive[section].set(contents);
+  return archive.bytes();
+}
+
+}  // namespace
+
+TEST_CASE("the editor gives back what it opened") {
+  const Bytes bytes = ArchiveEditor(tiny_archive()).bytes();
+  CHECK(outcome(bytes).status == Status::ok);
+}
+
+TEST_CASE("every prefix is refused") {
+  const Bytes bytes = tiny_archive();
+  check_refused({}, Status::not_an_archive, "empty");
+  for (std::size_t size = 1; size < bytes.size(); ++size) {
+    const Bytes prefix(bytes.begin(), bytes.begin() + size);  // its own allocation, so that sanitizers see its end
+    check_refused(prefix, Status::corrupt, format("truncated: it ends at byte %zu", size));
+  }
+}
+
+TEST_CASE("every flipped bit is refused") {
+  Bytes bytes = tiny_archive();
+  std::size_t accepted = 0, silent = 0;
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= std::byte(1 << bit % 8);
+    const Outcome seen = outcome(bytes);
+    accepted += seen.status == Status::ok;
+    silent += seen.message.empty();
+    bytes[bit / 8] ^= std::byte(1 << bit % 8);
+  }
+  CHECK(accepted == 0);
+  CHECK(silent == 0);
+  CHECK(outcome(bytes).status == Status::ok);
+}
+
+TEST_CASE("damage is named with its place") {
+  Bytes bytes = tiny_archive();
+  const auto sections = read_container(bytes);
+  for (const StoredSection& section : sections) {
+    Bytes damaged = bytes;
+    damaged[section.info.offset] ^= std::byte(1);
+    check_refused(
+        damaged, Status::corrupt,
+        format("section \"%s\" (byte %llu)", section.info.name.c_str(), (unsigned long long)section.info.offset));
+  }
+  Bytes damaged = bytes;
+  damaged[table_at(2, 3)] ^= std::byte(1);
+  check_refused(damaged, Status::corrupt, "header and section table (bytes 0 to 416)");
+  damaged = bytes;
+  damaged.back() ^= std::byte(1);
+  check_refused(damaged, Status::corrupt, "the whole archive");
+}
+
+TEST_CASE("bytes after the end are refused") {
+  Bytes bytes = tiny_archive();
+  const std::size_t size = bytes.size();
+  bytes.push_back(std::byte(0));
+  check_refused(bytes, Status::corrupt, format("ends at byte %zu, and 1 more bytes follow", size));
+}
+
+TEST_CASE("other files are not archives") {
+  check_refused(text("#!/bin/sh\necho hello\n"), Status::not_an_archive, "not an .fbk archive");
+  check_refused(text("\x89PNG\r\n\x1a\n and so on and on and on"), Status::not_an_archive, "not an .fbk archive");
+  check_refused(Bytes(4096), Status::not_an_archive, "not an .fbk archive");
+  Bytes as_text = tiny_archive();
+  as_text.erase(as_text.begin() + 4);  // CR LF became LF
+  check_refused(as_text, Status::corrupt, "transferred as text");
+}
+
+TEST_CASE("other format versions are refused by number") {
+  ArchiveEditor archive(tiny_archive());
+  archive.minor = 7;
+  check_refused(archive.bytes(), Status::unsupported, "format version 0.7; this library reads 0.1");
+  archive.major = 3;
+  check_refused(archive.bytes(), Status::unsupported, "format version 3.7; this library reads 0.1");
+  // A newer version may lay out everything after its number differently.
+  Bytes bytes = archive.bytes();
+  bytes.resize(40);
+  check_refused(bytes, Status::unsupported, "format version 3.7");
+}
+
+TEST_CASE("unknown sections are skipped if optional, refused if required") {
+  ArchiveEditor archive(tiny_archive());
+  archive["hair"].set(text("something newer"));
+  const Archive read = read_archive(archive.bytes());
+  REQUIRE(read.notes.size() == 1);
+  CHECK(contains(read.notes[0], "\"hair\""));
+  CHECK(read.sections.back().name == "hair");
+  CHECK(read.sections.back().raw_bytes == 15);
+  CHECK(!read.sections.back().required);
+  archive["hair"].flags = section_required;
+  check_refused(archive.bytes(), Status::unsupported, "section \"hair\"");
+}
+
+TEST_CASE("sections in another order are read") {
+  ArchiveEditor archive(tiny_archive());
+  std::reverse(archive.sections.begin(), archive.sections.end());
+  CHECK(read_archive(archive.bytes()).model.schema.name == "tiny");
+}
+
+TEST_CASE("a missing section is refused by name") {
+  for (const char* name : {"definition", "polygons", "geometry", "network", "basis"}) {
+    ArchiveEditor archive(tiny_archive());
+    archive[name].name = "gone";
+    archive["gone"].flags = 0;
+    check_refused(archive.bytes(), Status::corrupt, format("no section \"%s\"", name));
+  }
+}
+
+TEST_CASE("a table that lies is refused") {
+  const Bytes bytes = tiny_archive();
+  const auto lie = [&](std::size_t at, auto value, Status status, const char* part) {
+    Bytes patched = bytes;
+    patch(patched, at, value);
+    check_refused(sealed(patched), status, part);
+  };
+  lie(table_at(1, 24), std::uint64_t(424), Status::corrupt, "overlaps the part before it");
+  lie(table_at(1, 24), std::uint64_t(1) << 40, Status::corrupt, "does not follow the part before it");
+  lie(table_at(0, 24), std::uint64_t(0), Status::corrupt, "overlaps the part before it");
+  lie(table_at(6, 32), UINT64_MAX, Status::corrupt, "runs past byte");
+  lie(table_at(0, 32), UINT64_MAX - 423, Status::corrupt, "runs past byte");
+  lie(table_at(0, 0), std::uint64_t(0), Status::corrupt, "section name");
+  lie(table_at(0, 8), std::uint64_t(0x0a), Status::corrupt, "not printable ASCII");
+  lie(table_at(0, 16), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
+  lie(table_at(0, 20), std::uint32_t(9), Status::unsupported, "unknown codec 9");
+  lie(table_at(0, 40), std::uint64_t(1) << 50, Status::limit, "beyond the limit");
+  lie(table_at(0, 40), std::uint64_t(1) << 20, Status::corrupt, "does not unpack to the 1048576 bytes");
+  lie(table_at(0, 20), std::uint32_t(0), Status::corrupt, "not packed, yet declares");
+
+  Bytes many = bytes;
+  patch(many, 12, std::uint32_t(65));
+  check_refused(many, Status::corrupt, "announces 65 sections");
+  ArchiveEditor archive(bytes);
+  archive.sections.push_back(archive.sections[0]);
+  check_refused(archive.bytes(), Status::corrupt, "already is a section of this name");
+  archive.sections.pop_back();
+  archive.sections.pop_back();
+  Bytes gap = archive.bytes();
+  gap.insert(gap.end() - 8, std::byte(0));
+  patch(gap, 16, std::uint64_t(gap.size()));
+  check_refused(sealed(gap), Status::corrupt, "the last section ends at byte");
+}
+
+TEST_CASE("contents that lie are refused by section") {
+  const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* part) {
+    check_refused(changed(section, [&](Bytes& b) { patch(b, at, value); }), status, part);
+  };
+  lie("definition", 0, UINT32_MAX, Status::corrupt, "section \"definition\"");
+  lie("definition", 19, std::uint32_t(31), Status::corrupt, "section \"geometry\"");
+  lie("definition", 19, UINT32_MAX, Status::corrupt, "more vertices than the format allows");
+  lie("definition", 23, UINT32_MAX, Status::corrupt, "controls need more than");
+  lie("polygons", 0, UINT32_MAX, Status::corrupt, "polygon sizes needs 17179869180 bytes");
+  lie("polygons", 4, std::uint32_t(7), Status::corrupt, "do not add up");
+  lie("geometry", 0, std::uint32_t(2), Status::unsupported, "unknown order 2");
+  lie("geometry", 4, std::uint8_t(0), Status::corrupt, "not of the kind");
+  lie("geometry", 15, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
+  lie("network", 0, UINT32_MAX, Status::corrupt, "features need more than");
+  lie("network", 4, std::uint32_t(17), Status::unsupported, "unknown kind 17");
+  lie("network", 8, std::uint32_t(5), Status::corrupt, "names control 5 of 5");
+  lie("network", 12, std::uint32_t(0x7fc00000), Status::corrupt, "feature 0 has scale nan");
+  lie("basis", 0, std::uint32_t(3), Status::corrupt, "row groups go beyond the last row");
+  lie("basis", 4, std::uint32_t(3), Status::corrupt, "lists column");
+  lie("basis", 8, UINT32_MAX, Status::corrupt, "row groups need more than");
+  lie("basis", 12, std::uint32_t(0), Status::corrupt, "section \"basis\"");
+  lie("proof", 0, UINT32_MAX, Status::corrupt, "proof controls needs");
+  lie("proof", 8, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
+}
+
+TEST_CASE("contents cut short or too long are refused") {
+  const ArchiveEditor whole(tiny_archive());
+  for (std::size_t s = 0; s < whole.sections.size(); ++s) {
+    if (whole.sections[s].name == "provenance") continue;  // any text is one
+    INFO(whole.sections[s].name);
+    ArchiveEditor archive = whole;
+    std::size_t accepted = 0;
+    for (std::size_t size = 0; size < whole.sections[s].stored.size(); ++size) {
+      archive.sections[s].set({whole.sections[s].stored.begin(), whole.sections[s].stored.begin() + size});
+      accepted += outcome(archive.bytes()).status == Status::ok;
+    }
+    CHECK(accepted == 0);
+    Bytes longer = whole.sections[s].stored;
+    longer.push_back(std::byte(0));
+    archive.sections[s].set(longer);
+    check_refused(archive.bytes(), Status::corrupt, "should end here");
+  }
+}
+
+// With valid checksums around it, a changed byte may mean another valid model; it must never crash or run away.
+TEST_CASE("changed contents never crash the reader") {
+  for (const Bytes& bytes : {tiny_archive(), manifold_archive()}) {
+    const ArchiveEditor whole(bytes);
+    ArchiveEditor archive = whole;
+    for (std::size_t s = 0; s < whole.sections.size(); ++s) {
+      for (std::size_t at = 0; at < whole.sections[s].stored.size(); ++at)
+        for (const int mask : {0x01, 0x80, 0xff}) {
+          archive.sections[s].stored[at] ^= std::byte(mask);
+          const Outcome seen = outcome(archive.bytes(), {std::uint64_t(1) << 24});
+          REQUIRE((seen.status == Status::ok || !seen.message.empty()));
+          archive.sections[s].stored[at] ^= std::byte(mask);
+        }
+    }
+  }
+}
+
+TEST_CASE("the caller's limit holds") {
+  const Bytes bytes = tiny_archive();
+  check_refused(bytes, Status::limit, "beyond the limit of 4000 bytes", {4000});
+  CHECK(outcome(bytes, {20000}).status == Status::ok);
+  for (std::uint64_t limit = 0; limit < 20000; limit += 97) {
+    const Status status = outcome(bytes, {limit}).status;
+    REQUIRE((status == Status::limit || status == Status::ok));
+  }
+}
+
+}  // namespace fb

@@ -1,0 +1,126 @@
+// Rest meshes survive exactly, however odd: vertices, their order, every bit; polygons, their order, first corners.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "archive/reader.h"
+#include "archive/writer.h"
+#include "archive_editor.h"
+#include "base/status.h"
+#include "test_models.h"
+
+namespace fb {
+namespace {
+
+FaceModel model_of(Mesh mesh) {
+  FaceModel model = tiny_model();
+  model.rest = std::move(mesh);
+  const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
+  model.basis = make_basis(rows, 5, std::vector<float>(std::size_t(5) * rows, 0.5f));
+  return model;
+}
+
+void check_survives(const Mesh& mesh, const char* what) {
+  INFO(what);
+  const Mesh after = read_archive(write_archive(model_of(mesh), {})).model.rest;
+  CHECK(same_bits(mesh.points, after.points));
+  CHECK(mesh.polygon_sizes == after.polygon_sizes);
+  CHECK(mesh.polygon_corners == after.polygon_corners);
+}
+
+PointOrder stored_order(const Mesh& mesh) {
+  ArchiveEditor archive(write_archive(model_of(mesh), {}));
+  std::uint32_t order;
+  std::memcpy(&order, archive["geometry"].stored.data(), sizeof order);
+  return static_cast<PointOrder>(order);
+}
+
+void add_polygon(Mesh& mesh, std::vector<std::uint32_t> corners) {
+  mesh.polygon_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+  mesh.polygon_corners.insert(mesh.polygon_corners.end(), corners.begin(), corners.end());
+}
+
+// Points scattered in space, and these polygons.
+Mesh mesh_of(std::size_t vertices, const std::vector<std::vector<std::uint32_t>>& polygons) {
+  Random random(5);
+  Mesh mesh;
+  mesh.points = random_values(random, 3 * vertices, 10);
+  for (const auto& polygon : polygons) add_polygon(mesh, polygon);
+  return mesh;
+}
+
+// The same surface with its vertices in random order.
+Mesh shuffled(const Mesh& mesh) {
+  std::vector<std::uint32_t> place(mesh.vertex_count());
+  std::iota(place.begin(), place.end(), 0u);
+  Random random(9);
+  for (std::size_t i = place.size(); i-- > 1;)
+    std::swap(place[i], place[random.below(static_cast<std::uint32_t>(i + 1))]);
+  Mesh out = mesh;
+  for (std::size_t v = 0; v < place.size(); ++v)
+    for (int axis = 0; axis < 3; ++axis) out.points[3 * place[v] + axis] = mesh.points[3 * v + axis];
+  for (auto& corner : out.polygon_corners) corner = place[corner];
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a regular surface survives, through Draco's edgebreaker") {
+  check_survives(grid_mesh(20, 30), "grid");
+  check_survives(shuffled(grid_mesh(20, 30)), "shuffled grid");
+  CHECK(stored_order(grid_mesh(20, 30)) == PointOrder::by_index);
+  CHECK(stored_order(shuffled(grid_mesh(20, 30))) == PointOrder::by_index);
+  check_survives(mesh_of(4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}), "closed surface");
+}
+
+TEST_CASE("odd topology survives") {
+  check_survives(mesh_of(5, {{0, 1, 2}, {1, 3, 2}}), "isolated vertex at the end");
+  check_survives(mesh_of(5, {{1, 2, 3}, {2, 4, 3}}), "isolated vertex at the beginning");
+  check_survives(mesh_of(5, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}), "three triangles on one edge");
+  check_survives(mesh_of(5, {{0, 1, 2}, {0, 3, 4}}), "bow tie");
+  check_survives(mesh_of(4, {{0, 1, 2}, {1, 2, 3}}), "flipped winding");
+  check_survives(mesh_of(4, {{0, 1, 2}, {0, 1, 2}, {1, 3, 2}}), "polygon twice");
+  check_survives(mesh_of(4, {{0, 1, 2}, {2, 1, 0}, {1, 3, 2}}), "polygon and its back");
+  check_survives(mesh_of(4, {{0, 1, 2}, {1, 1, 3}, {2, 2, 2}}), "degenerate polygons");
+  check_survives(mesh_of(7, {{0, 1, 2}, {3, 4, 5, 6}}), "two islands");
+  check_survives(mesh_of(2, {}), "two vertices without polygons");
+  check_survives(mesh_of(500, {}), "points without polygons");
+}
+
+TEST_CASE("duplicate and seam vertices are not merged") {
+  Mesh mesh = mesh_of(6, {{0, 1, 2}, {3, 5, 4}});
+  for (int axis = 0; axis < 3; ++axis) {
+    mesh.points[3 * 3 + axis] = mesh.points[3 * 1 + axis];
+    mesh.points[3 * 4 + axis] = mesh.points[3 * 2 + axis];
+  }
+  check_survives(mesh, "seam of coincident vertices");
+  Mesh same = grid_mesh(5, 5);
+  for (std::size_t v = 1; v < 20; ++v) std::copy_n(same.points.begin(), 3, same.points.begin() + 3 * v);
+  check_survives(same, "twenty vertices on one point");
+}
+
+TEST_CASE("polygons of every size keep their order and first corner") {
+  Mesh mesh = mesh_of(40, {});
+  std::uint32_t first = 3;
+  for (std::uint32_t size = 3; size <= 12; ++size) {
+    std::vector<std::uint32_t> corners;
+    for (std::uint32_t k = 0; k < size; ++k) corners.push_back((first + 7 * k) % 40);
+    add_polygon(mesh, corners);
+    first += size;
+  }
+  check_survives(mesh, "sizes 3 to 12");
+  std::vector<std::uint32_t> big(1000);
+  std::iota(big.begin(), big.end(), 0u);
+  std::rotate(big.begin(), big.begin() + 333, big.end());
+  check_survives(mesh_of(1000, {{0, 1, 2}, big}), "a polygon of a thousand corners");
+}
+
+TEST_CASE("coordinates keep every bit") {
+  Mesh mesh = grid_mesh(4, 4);
+  const float odd[] = {-0.0f, 1e-45f, -1e-40f, 3e38f, -3e38f, 0x1.fffffep-1f};
+  std::copy(std::begin(odd), std::end(odd), mesh.points.begin());
+  check_survives(mesh, "signed zero, denormals, the largest numbers");
+}
+
+}  // namespace fb

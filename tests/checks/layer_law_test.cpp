@@ -1,0 +1,85 @@
+#include "layer_law.h"
+
+#include <doctest/doctest.h>
+
+using checks::layer_violations;
+using checks::SourceTree;
+
+TEST_CASE("the tree keeps the law of layers") {
+  const SourceTree tree = checks::read_source_tree(FB_SOURCE_ROOT);
+  REQUIRE(tree.size() > 50);
+  for (const std::string& violation : layer_violations(tree)) FAIL_CHECK(violation);
+}
+
+namespace {
+
+// Violations of a tree of one file that holds `line`, beside a file of every layer.
+std::vector<std::string> planted(const std::string& path, const std::string& line) {
+  SourceTree tree = {{"core/base/file.h", ""},
+                     {"core/model/mesh.h", ""},
+                     {"core/archive/reader.h", ""},
+                     {"core/archive/section_writer.h", ""},
+                     {"core/runtime/evaluator.h", ""},
+                     {"core/bake/rig/source.h", ""},
+                     {"core/bake/measure/errors.h", ""},
+                     {"capi/include/facebaker/facebaker.h", ""},
+                     {"capi/bake_api.h", ""},
+                     {"capi/crossing.h", ""},
+                     {"packager/verbs.h", ""},
+                     {"samples/hello/hello.h", ""},
+                     {"tests/rigs/support/skin.h", ""},
+                     {path, "// first\n  # include " + line + "\n"}};
+  return layer_violations(tree);
+}
+
+}  // namespace
+
+TEST_CASE("planted violations are caught") {
+  const std::pair<const char*, const char*> forbidden[] = {
+      {"core/base/x.cpp", "\"model/mesh.h\""},
+      {"core/model/x.h", "\"archive/reader.h\""},
+      {"core/model/x.h", "\"base/file.h\""},
+      {"core/model/x.h", "<thread>"},
+      {"core/archive/x_reader.cpp", "\"archive/section_writer.h\""},
+      {"core/archive/x_reader.cpp", "\"section_writer.h\""},
+      {"core/archive/x_writer.cpp", "\"bake/rig/source.h\""},
+      {"core/runtime/x.cpp", "\"archive/section_writer.h\""},
+      {"core/runtime/x.cpp", "\"bake/rig/source.h\""},
+      {"core/runtime/x.cpp", "\"../bake/rig/source.h\""},
+      {"core/bake/train/x.cpp", "\"runtime/evaluator.h\""},
+      {"core/bake/rig/x.cpp", "\"crossing.h\""},
+      {"capi/runtime_api.cpp", "\"bake/rig/source.h\""},
+      {"capi/runtime_api.cpp", "\"bake_api.h\""},
+      {"capi/include/facebaker/x.h", "\"base/file.h\""},
+      {"samples/hello/x.c", "\"base/file.h\""},
+      {"bindings/python/x.c", "\"runtime/evaluator.h\""},
+      {"packager/x.cpp", "\"support/skin.h\""},
+      {"core/bake/rig/x.cpp", "\"rigs/support/skin.h\""},
+  };
+  for (const auto& [path, line] : forbidden) {
+    CAPTURE(path);
+    CAPTURE(line);
+    const auto violations = planted(path, line);
+    REQUIRE(violations.size() == 1);
+    CHECK(violations[0].find(std::string(path) + ":2: ") == 0);
+  }
+}
+
+TEST_CASE("what the law allows passes") {
+  const std::pair<const char*, const char*> allowed[] = {
+      {"core/archive/x_writer.cpp", "\"archive/reader.h\""},
+      {"core/bake/measure/x.cpp", "\"runtime/evaluator.h\""},
+      {"core/bake/rig/x.cpp", "<facebaker/facebaker.h>"},
+      {"capi/bake_x.cpp", "\"bake/rig/source.h\""},
+      {"packager/x.cpp", "\"bake/measure/errors.h\""},
+      {"samples/hello/x.c", "<facebaker/facebaker.h>"},
+      {"samples/hello/x.c", "\"hello.h\""},
+      {"tests/bake/x.cpp", "\"runtime/evaluator.h\""},
+      {"core/model/x.h", "<vector>"},
+  };
+  for (const auto& [path, line] : allowed) {
+    CAPTURE(path);
+    CAPTURE(line);
+    CHECK(planted(path, line).empty());
+  }
+}

@@ -1,0 +1,55 @@
+#include "tidy_tree.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <regex>
+
+namespace checks {
+
+std::vector<std::string> stray_openmp(const SourceTree& tree) {
+  static const std::regex pragma("(^|\n)[ \t]*#[ \t]*pragma[ \t]+omp\\b|_Pragma[ \t]*\\([ \t]*\"omp\\b");
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    if (file.is_code() && file.path != "core/base/parallel.cpp" && std::regex_search(file.text, pragma))
+      offences.push_back(file.path + ": an OpenMP pragma; use base/parallel.h");
+  }
+  return offences;
+}
+
+std::vector<std::string> repeated_names(const SourceTree& tree) {
+  std::map<std::string, std::string> seen;
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    if (!file.is_code()) continue;
+    const auto [first, fresh] = seen.emplace(file.name(), file.path);
+    if (!fresh) offences.push_back(file.path + ": there is " + first->second + " already");
+  }
+  return offences;
+}
+
+std::vector<std::string> long_files(const SourceTree& tree) {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
+    if (lines > 600) offences.push_back(file.path + ": " + std::to_string(lines) + " lines");
+  }
+  return offences;
+}
+
+std::vector<std::string> typed_versions(const SourceTree& tree, const std::string& version) {
+  const auto part_of_number = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) || c == '.'; };
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    if (file.path == "CHANGELOG.md") continue;
+    for (std::size_t at = file.text.find(version); at != std::string::npos; at = file.text.find(version, at + 1)) {
+      const std::size_t end = at + version.size();
+      const bool longer = (at > 0 && part_of_number(file.text[at - 1])) ||
+                          (end < file.text.size() && std::isdigit(static_cast<unsigned char>(file.text[end])));
+      if (!longer) offences.push_back(file.path + ": types the version, which only VERSION does");
+    }
+  }
+  return offences;
+}
+
+}  // namespace checks

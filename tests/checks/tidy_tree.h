@@ -1,0 +1,20 @@
+// Small rules that keep the tree easy to find one's way in. Each function returns one line for each offence.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "source_tree.h"
+
+namespace checks {
+
+// OpenMP pragmas outside core/base/parallel.cpp: everything else runs loops through parallel_for.
+std::vector<std::string> stray_openmp(const SourceTree& tree);
+// Code files of one name: a file is known by its name alone. Build files and READMEs are no code.
+std::vector<std::string> repeated_names(const SourceTree& tree);
+// Files of more than 600 lines.
+std::vector<std::string> long_files(const SourceTree& tree);
+// Places other than VERSION and the change log where the version is typed.
+std::vector<std::string> typed_versions(const SourceTree& tree, const std::string& version);
+
+}  // namespace checks

@@ -1,0 +1,59 @@
+#include "tidy_tree.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+using checks::SourceTree;
+
+namespace {
+
+const std::filesystem::path root = FB_SOURCE_ROOT;
+
+std::string typed_version() {
+  std::string version;
+  std::getline(std::ifstream(root / "VERSION"), version);
+  return version;
+}
+
+void none(const std::vector<std::string>& offences) {
+  for (const std::string& offence : offences) FAIL_CHECK(offence);
+}
+
+}  // namespace
+
+TEST_CASE("the tree is tidy") {
+  const SourceTree tree = checks::read_source_tree(root);
+  none(checks::stray_openmp(tree));
+  none(checks::repeated_names(tree));
+  none(checks::long_files(tree));
+  const std::string version = typed_version();
+  REQUIRE(version.size() >= 5);
+  none(checks::typed_versions(tree, version));
+}
+
+TEST_CASE("stray OpenMP pragmas are found") {
+  CHECK(checks::stray_openmp({{"core/base/parallel.cpp", "#pragma omp parallel for\n"}}).empty());
+  CHECK(checks::stray_openmp({{"core/base/x.cpp", "// about #pragma omp\n#pragma once\n"}}).empty());
+  CHECK(checks::stray_openmp({{"core/base/x.cpp", "int a;\n # pragma omp simd\n"}}).size() == 1);
+  CHECK(checks::stray_openmp({{"packager/x.h", "_Pragma(\"omp parallel\")"}}).size() == 1);
+}
+
+TEST_CASE("repeated names are found") {
+  CHECK(checks::repeated_names({{"core/CMakeLists.txt", ""}, {"capi/CMakeLists.txt", ""}}).empty());
+  CHECK(checks::repeated_names({{"core/base/hash.h", ""}, {"core/base/hash.cpp", ""}}).empty());
+  CHECK(checks::repeated_names({{"core/base/hash.h", ""}, {"samples/hash.h", ""}}).size() == 1);
+}
+
+TEST_CASE("long files are found") {
+  CHECK(checks::long_files({{"a.py", std::string(600, '\n')}}).empty());
+  CHECK(checks::long_files({{"a.py", std::string(601, '\n')}}).size() == 1);
+}
+
+TEST_CASE("typed versions are found") {
+  const auto typed = [](const char* path, const char* text) { return checks::typed_versions({{path, text}}, "1.2.3"); };
+  CHECK(typed("CHANGELOG.md", "## 1.2.3").empty());
+  CHECK(typed("a.py", "11.2.3 1.2.34 0.1.2.3").empty());
+  CHECK(typed("a.py", "version = \"1.2.3\"").size() == 1);
+  CHECK(typed("README.md", "This is 1.2.3.").size() == 1);
+}
