@@ -1,0 +1,91 @@
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder of its own for one test, gone afterwards.
+struct TemporaryFolder {
+  fs::path path = fs::temp_directory_path() / format("facebaker-file-test-%d", getpid());
+  TemporaryFolder() {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~TemporaryFolder() { fs::remove_all(path); }
+  std::size_t entries() const { return std::distance(fs::directory_iterator(path), fs::directory_iterator()); }
+};
+
+Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
+  try {
+    read_file(path, limit);
+    return Status::ok;
+  } catch (const Error& error) {
+    CHECK_MESSAGE(std::string(error.what()).find(path.string()) == 0, error.what());
+    return error.status();
+  }
+}
+
+}  // namespace
+
+TEST_CASE("what is written is read, also when empty or larger than a block") {
+  TemporaryFolder folder;
+  for (const std::size_t size : {0, 1, 65536, 200001}) {
+    std::vector<std::byte> bytes(size);
+    for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(i * 7);
+    write_file(folder.path / "f", bytes);
+    CHECK(read_file(folder.path / "f") == bytes);
+  }
+  write_file(folder.path / "f", std::string("text"));
+  CHECK(read_file(folder.path / "f").size() == 4);
+  CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("reading names what is wrong with a file") {
+  TemporaryFolder folder;
+  CHECK(status_of(folder.path / "missing") == Status::not_found);
+  CHECK(status_of(folder.path) == Status::io);
+  write_file(folder.path / "f", std::string("12345"));
+  CHECK(status_of(folder.path / "f", 4) == Status::limit);
+  CHECK(status_of(folder.path / "f", 5) == Status::ok);
+}
+
+TEST_CASE("a file that is not committed leaves the old one, and nothing beside it") {
+  TemporaryFolder folder;
+  const fs::path path = folder.path / "f";
+  write_file(path, std::string("old"));
+  {
+    AtomicFile file(path);
+    file.write(std::as_bytes(std::span("new")));
+    CHECK(read_file(path).size() == 3);
+    CHECK(folder.entries() == 2);
+  }
+  CHECK(read_file(path).size() == 3);
+  CHECK(folder.entries() == 1);
+}
+
+TEST_CASE("writing where nothing can be written fails by name") {
+  TemporaryFolder folder;
+  CHECK_THROWS_WITH_AS(write_file(folder.path, std::string()), doctest::Contains("is a directory"), Error);
+  CHECK_THROWS_WITH_AS(write_file(folder.path / "no" / "f", std::string()), doctest::Contains("cannot be written"),
+                       Error);
+  CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("a full disk is reported, not swallowed") {
+  if (!fs::exists("/dev/full")) return;
+  TemporaryFolder folder;
+  const fs::path path = folder.path / "f";
+  // The partial file is replaced by a link to a device on which every write fails.
+  fs::create_symlink("/dev/full", path.string() + format(".partial-%d", getpid()));
+  CHECK_THROWS_WITH_AS(write_file(path, std::vector<std::byte>(100000)), doctest::Contains("writing failed"), Error);
+  CHECK(folder.entries() == 0);
+}
+
+}  // namespace fb

@@ -1,0 +1,98 @@
+// The small parts of base: random numbers, hashes, checked sizes, formatted failures, progress.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/checked.h"
+#include "base/hash.h"
+#include "base/progress.h"
+#include "base/random.h"
+#include "base/status.h"
+
+namespace fb {
+
+TEST_CASE("a seed gives the same numbers for ever") {
+  Random random(1, 2);
+  CHECK(random.next() == 5948053812914333585u);
+  CHECK(random.next() == 10371359604880545516u);
+  CHECK(Random(1, 2).next() != Random(1, 3).next());
+  CHECK(Random(1, 2).next() != Random(2, 2).next());
+}
+
+TEST_CASE("random numbers keep their range and their moments") {
+  Random random(42);
+  double sum = 0, squares = 0, normal = 0, normal_squares = 0;
+  int hits[5] = {};
+  const int count = 20000;
+  for (int i = 0; i < count; ++i) {
+    const float u = random.uniform();
+    REQUIRE(u >= 0);
+    REQUIRE(u < 1);
+    sum += u;
+    squares += u * u;
+    const float v = random.uniform(-3, -1);
+    REQUIRE(v >= -3);
+    REQUIRE(v <= -1);
+    const std::uint32_t k = random.below(5);
+    REQUIRE(k < 5);
+    ++hits[k];
+    const float n = random.normal();
+    normal += n;
+    normal_squares += n * n;
+  }
+  CHECK(std::fabs(sum / count - 0.5) < 0.01);
+  CHECK(std::fabs(squares / count - 1.0 / 3) < 0.01);
+  CHECK(std::fabs(normal / count) < 0.03);
+  CHECK(std::fabs(normal_squares / count - 1) < 0.03);
+  for (const int h : hits) CHECK(std::abs(h - count / 5) < count / 50);
+}
+
+TEST_CASE("hash64 is XXH64") {
+  CHECK(hash64({}) == 0xef46db3751d8e999u);
+  const std::string text = "abc";
+  CHECK(hash64(std::as_bytes(std::span(text))) == 0x44bc2cf5ad770999u);
+  CHECK(hash64(std::as_bytes(std::span(text)), 1) != 0x44bc2cf5ad770999u);
+}
+
+TEST_CASE("sizes that overflow fail instead of wrapping") {
+  CHECK(checked_multiply(3, 4, "x") == 12);
+  CHECK(checked_multiply(SIZE_MAX, 1, "x") == SIZE_MAX);
+  CHECK_THROWS_WITH_AS(checked_multiply(SIZE_MAX, 2, "weights"), doctest::Contains("weights"), Error);
+  CHECK(checked_add(SIZE_MAX - 1, 1, "x") == SIZE_MAX);
+  CHECK_THROWS_WITH_AS(checked_add(SIZE_MAX, 1, "weights"), doctest::Contains("weights"), Error);
+  CHECK(checked_u32(UINT32_MAX, "x") == UINT32_MAX);
+  CHECK_THROWS_WITH_AS(checked_u32(std::size_t(1) << 32, "corners"), doctest::Contains("corners"), Error);
+}
+
+TEST_CASE("failures carry a status and a sentence of any length") {
+  try {
+    fail(Status::rig, "control %d: %s", 7, std::string(3000, 'x').c_str());
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::rig);
+    CHECK(error.what() == "control 7: " + std::string(3000, 'x'));
+  }
+  CHECK(format("%s", "").empty());
+}
+
+TEST_CASE("progress passes steps on and stops when asked") {
+  struct Recorder : Progress {
+    std::uint64_t last = 0, stop_at = 3;
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t done) override { last = done; }
+    bool cancelled() const override { return last >= stop_at; }
+    void note(std::string_view) override {}
+  } recorder;
+  recorder.step(2);
+  CHECK(recorder.last == 2);
+  try {
+    recorder.step(3);
+    FAIL("was not interrupted");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::interrupted);
+  }
+  silent_progress().begin("anything", 1);
+  CHECK_FALSE(silent_progress().cancelled());
+}
+
+}  // namespace fb
