@@ -1,0 +1,25 @@
+#!/bin/sh
+# Sets up, builds and runs all tests of one or more presets (default: release).
+#   tests/run.sh [PRESET...]
+# Ends with ctest's summary; the exit code is 0 only if everything passed.
+set -eu
+cd "$(dirname "$0")/.."
+[ $# -gt 0 ] || set -- release
+
+# Waiting threads must not hold cores that others need.
+export OMP_WAIT_POLICY=PASSIVE
+cores=$(nproc)
+
+samples/setup.sh
+for preset in "$@"; do
+  case "$preset" in tsan) samples/setup.sh --tsan ;; esac
+done
+if [ ! -d "${FB_SHARED_RIGS:-../shared/rigs}" ]; then
+  echo "note: there is no ${FB_SHARED_RIGS:-../shared/rigs}; tests on real rigs will be skipped" >&2
+fi
+
+for preset in "$@"; do
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" --parallel "$cores"
+  ctest --preset "$preset" --parallel "$cores" --output-on-failure
+done
