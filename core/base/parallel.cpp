@@ -51,11 +51,13 @@ void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
     if (count > UINT32_MAX) fail(Status::limit, "a parallel loop of %zu items", count);
     parallel.host(
         parallel.host_user, static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(workers),
-        [](void* context, std::uint32_t index, std::uint32_t worker) { static_cast<Loop*>(context)->run(index, worker); },
+        [](void* context, std::uint32_t index, std::uint32_t worker) {
+          static_cast<Loop*>(context)->run(index, worker);
+        },
         &loop);
 #ifdef _OPENMP
   } else if (workers > 1 && !omp_in_parallel()) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast<int>(workers))
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(workers))
     for (std::size_t index = 0; index < count; ++index) loop.run(index, omp_get_thread_num());
 #endif
   } else {

@@ -1,4 +1,5 @@
-// The one way loops run in parallel: serial, on a host's threads, or OpenMP. parallel.cpp is the only file with a pragma.
+// The one way loops run in parallel: serial, on a host's threads, or OpenMP. parallel.cpp is the only file with a
+// pragma.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +13,7 @@ namespace fb {
 class LoopBody {
  public:
   template <class F>
-    requires(!std::is_same_v<std::remove_cvref_t<F>, LoopBody>)
-  LoopBody(F&& body)  // NOLINT: implicit on purpose
+  requires(!std::is_same_v<std::remove_cvref_t<F>, LoopBody>) LoopBody(F&& body)  // NOLINT: implicit on purpose
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(body)))),
         call_([](void* object, std::size_t index, std::size_t worker) {
           (*static_cast<std::remove_reference_t<F>*>(object))(index, worker);

@@ -14,8 +14,8 @@ struct FaceModel {
   RigSchema schema;
   Mesh rest;
   Network network;
-  Basis basis;            // rows = 3 x vertices, columns = network.coefficient_count()
-  std::string provenance; // a JSON object: recipe, creator, seed, sources, figures; read by people and `inspect`
+  Basis basis;             // rows = 3 x vertices, columns = network.coefficient_count()
+  std::string provenance;  // a JSON object: recipe, creator, seed, sources, figures; read by people and `inspect`
 };
 
 // Checks every part and that they fit each other.

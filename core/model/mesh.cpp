@@ -43,7 +43,8 @@ void check(const Mesh& mesh) {
       fail(Status::bad_data, "rest mesh: polygon %zu has %u corners", p, mesh.polygon_sizes[p]);
     for (std::uint32_t k = 0; k < mesh.polygon_sizes[p]; ++k, ++corners) {
       if (corners >= mesh.polygon_corners.size())
-        fail(Status::bad_data, "rest mesh: polygon %zu runs past the %zu corners given", p, mesh.polygon_corners.size());
+        fail(Status::bad_data, "rest mesh: polygon %zu runs past the %zu corners given", p,
+             mesh.polygon_corners.size());
       if (mesh.polygon_corners[corners] >= mesh.vertex_count())
         fail(Status::bad_data, "rest mesh: polygon %zu names vertex %u of %zu", p, mesh.polygon_corners[corners],
              mesh.vertex_count());

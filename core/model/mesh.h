@@ -9,9 +9,9 @@ namespace fb {
 // A polygon mesh as the rig made it: vertices are never merged, dropped or reordered; polygons keep their order and
 // their first corner. Isolated, duplicate and non-manifold vertices are allowed.
 struct Mesh {
-  std::vector<float> points;                  // 3 x vertices, xyz interleaved
-  std::vector<std::uint32_t> polygon_sizes;   // corners of each polygon, >= 3
-  std::vector<std::uint32_t> polygon_corners; // vertex indices, polygon after polygon
+  std::vector<float> points;                   // 3 x vertices, xyz interleaved
+  std::vector<std::uint32_t> polygon_sizes;    // corners of each polygon, >= 3
+  std::vector<std::uint32_t> polygon_corners;  // vertex indices, polygon after polygon
 
   std::size_t vertex_count() const { return points.size() / 3; }
   // Length of the diagonal of the bounding box of all vertices: the unit of every reported error.

@@ -14,7 +14,8 @@ bool finite(const std::vector<float>& values) {
 }
 
 void check(const DenseLayer& layer, std::size_t inputs, const char* where) {
-  if (layer.inputs != inputs) fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, inputs);
+  if (layer.inputs != inputs)
+    fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, inputs);
   if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", where);
   if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, where) ||
       layer.bias.size() != layer.outputs)
@@ -24,7 +25,8 @@ void check(const DenseLayer& layer, std::size_t inputs, const char* where) {
     fail(Status::bad_data, "%s skips from %u inputs to %u outputs", where, layer.inputs, layer.outputs);
   if (layer.activation > Activation::relu)
     fail(Status::unsupported, "%s has unknown activation %u", where, static_cast<unsigned>(layer.activation));
-  if (!finite(layer.weights) || !finite(layer.bias)) fail(Status::not_finite, "%s holds a weight that is not finite", where);
+  if (!finite(layer.weights) || !finite(layer.bias))
+    fail(Status::not_finite, "%s holds a weight that is not finite", where);
 }
 
 }  // namespace
@@ -59,7 +61,8 @@ void check(const Network& network, std::size_t control_count) {
   for (const Region& region : network.regions) {
     for (const std::uint32_t f : region.features)
       if (f >= network.features.size())
-        fail(Status::bad_data, "region \"%s\" names feature %u of %zu", region.name.c_str(), f, network.features.size());
+        fail(Status::bad_data, "region \"%s\" names feature %u of %zu", region.name.c_str(), f,
+             network.features.size());
     if (region.layers.empty()) fail(Status::bad_data, "region \"%s\" has no layers", region.name.c_str());
     std::size_t width = region.features.size();
     for (std::size_t l = 0; l < region.layers.size(); ++l) {

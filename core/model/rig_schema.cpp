@@ -10,7 +10,9 @@
 
 namespace fb {
 
-float Control::reach() const { return std::max(maximum - rest, rest - minimum); }
+float Control::reach() const {
+  return std::max(maximum - rest, rest - minimum);
+}
 
 std::optional<std::size_t> RigSchema::find(std::string_view control) const {
   for (std::size_t i = 0; i < controls.size(); ++i)
@@ -58,10 +60,11 @@ void check(const RigSchema& schema) {
     if (!std::isfinite(c.minimum) || !std::isfinite(c.maximum) || !std::isfinite(c.rest))
       fail(Status::not_finite, "control \"%s\": its range or default is not a number", c.name.c_str());
     if (!(c.minimum < c.maximum))
-      fail(Status::bad_data, "control \"%s\": minimum %g is not below maximum %g", c.name.c_str(), c.minimum, c.maximum);
-    if (c.rest < c.minimum || c.rest > c.maximum)
-      fail(Status::bad_data, "control \"%s\": default %g is outside its range %g..%g", c.name.c_str(), c.rest, c.minimum,
+      fail(Status::bad_data, "control \"%s\": minimum %g is not below maximum %g", c.name.c_str(), c.minimum,
            c.maximum);
+    if (c.rest < c.minimum || c.rest > c.maximum)
+      fail(Status::bad_data, "control \"%s\": default %g is outside its range %g..%g", c.name.c_str(), c.rest,
+           c.minimum, c.maximum);
   }
 }
 

@@ -36,7 +36,8 @@ struct RigSchema {
 // Fails by name on an empty or duplicate name, a range that is empty or not finite, a rest value outside it.
 void check(const RigSchema& schema);
 
-// Fails unless both have the same controls in the same order with the same ranges; `a_name`, `b_name` say whose they are.
+// Fails unless both have the same controls in the same order with the same ranges; `a_name`, `b_name` say whose they
+// are.
 void check_same_controls(const RigSchema& a, const char* a_name, const RigSchema& b, const char* b_name);
 
 }  // namespace fb

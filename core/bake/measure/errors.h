@@ -21,8 +21,9 @@ struct Errors {
   std::size_t worst_frame = 0;
 };
 
-// Sums errors frame by frame. Partial sums of consecutive frames are joined with `append`, in order, so the figures do not
-// depend on how frames were spread over threads (they do depend, in the last digits, on how they were cut in blocks).
+// Sums errors frame by frame. Partial sums of consecutive frames are joined with `append`, in order, so the figures do
+// not depend on how frames were spread over threads (they do depend, in the last digits, on how they were cut in
+// blocks).
 class ErrorSums {
  public:
   // Both are 3 x vertices floats.

@@ -28,8 +28,8 @@ struct BakeOptions {
   std::string mix = "dense";    // of those poses: "dense" or "paper"
   std::uint32_t epochs = 0;     // passes over the training poses; 0: the recipe's own
   Parallel parallel;
-  // A folder for what makes resuming possible: sampled poses, basis, checkpoints. Made if missing; a later bake with the
-  // same options goes on from what is there.
+  // A folder for what makes resuming possible: sampled poses, basis, checkpoints. Made if missing; a later bake with
+  // the same options goes on from what is there.
   std::filesystem::path work;
 };
 
@@ -41,7 +41,7 @@ struct Baked {
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling
-  double quantisation = 0;       // worst deviation of the packed from the unpacked model on random poses, over the diagonal
+  double quantisation = 0;  // worst deviation of the packed from the unpacked model on random poses, over the diagonal
 };
 
 // Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.

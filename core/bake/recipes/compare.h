@@ -11,10 +11,10 @@ namespace fb {
 
 // One method on one use: a column of the paper's Table 1.
 struct MethodReport {
-  std::string name;     // "linear", "paper"
+  std::string name;  // "linear", "paper"
   Use use = Use::variant;
-  EvalReport independent;  // unseen: clips of the split test
-  EvalReport dependency;   // data it was trained on (at most 4,000 frames, evenly spaced)
+  EvalReport independent;   // unseen: clips of the split test
+  Errors dependency;        // data it was trained on (at most 4,000 frames, evenly spaced)
   std::uint64_t bytes = 0;  // of the archive
   std::size_t parameters = 0, coefficients = 0, poses = 0;
   double train_seconds = 0;

@@ -1,0 +1,111 @@
+#include "bake/recipes/bake.h"
+
+#include <array>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "archive/reader.h"
+#include "archive/writer.h"
+#include "bake/measure/verify.h"
+#include "bake/recipes/recipe.h"
+#include "bake/recipes/record.h"
+#include "base/random.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear}};
+
+// Training poses and as many random ones: where packing is compared with the model in memory.
+std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {
+  constexpr std::size_t count = 128;
+  std::vector<float> controls = poses.thinned(count).controls();
+  for (std::size_t i = 0; i < count; ++i) {
+    Random random(seed, i);
+    for (const Control& control : poses.source().schema().controls) {
+      const bool on = random.uniform() < 0.25f;
+      const float value = random.uniform(control.minimum, control.maximum);
+      controls.push_back(on ? value : control.rest);
+    }
+  }
+  return controls;
+}
+
+}  // namespace
+
+const Recipe& recipe_named(const std::string& name) {
+  std::string list;
+  for (const Recipe& recipe : recipes) {
+    if (name == recipe.name) return recipe;
+    list += (list.empty() ? "" : ", ") + std::string(recipe.name);
+  }
+  fail(Status::not_found, "there is no recipe \"%s\"; there are %s", name.c_str(), list.c_str());
+}
+
+Use use_from(std::string_view name) {
+  for (const Use use : {Use::variant, Use::backlot})
+    if (name == name_of(use)) return use;
+  fail(Status::not_found, "\"%.*s\" is no use; there are variant, backlot", static_cast<int>(name.size()), name.data());
+}
+
+const char* name_of(Use use) {
+  return use == Use::variant ? "variant" : "backlot";
+}
+
+std::vector<std::string> recipe_names() {
+  std::vector<std::string> names;
+  for (const Recipe& recipe : recipes) names.push_back(recipe.name);
+  return names;
+}
+
+PoseSet training_poses(Source& data, Use use) {
+  return PoseSet(data, [use](const Clip& clip) {
+    return clip.split == Split::train && (use == Use::backlot || clip.kind != ClipKind::shot);
+  });
+}
+
+Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+  const Recipe& recipe = recipe_named(options.recipe);
+  const PoseSet poses = training_poses(data, options.use);
+  if (poses.size() == 0)
+    fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s",
+         data.schema().name.c_str(), name_of(options.use), options.use == Use::variant ? " that is not a shot" : "");
+  std::filesystem::create_directories(options.work);
+
+  Baked baked;
+  const auto start = std::chrono::steady_clock::now();
+  FaceModel model = recipe.make(poses, rig, options, progress);
+  baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  baked.poses = poses.size();
+  baked.coefficients = model.basis.columns;
+  baked.parameters = model.network.parameter_count();
+
+  progress.begin("packing", 2);
+  const FaceModel packed = read_archive(write_archive(model, {})).model;
+  progress.step(1);
+  baked.quantisation = worst_difference(model, packed, poses_to_pack_by(poses, options.seed));
+  model.provenance = nlohmann::ordered_json{{"creator", "FaceBaker " FB_VERSION},
+                                            {"recipe", options.recipe},
+                                            {"use", name_of(options.use)},
+                                            {"seed", options.seed},
+                                            {"source", data.schema().name},
+                                            {"training_poses", baked.poses},
+                                            {"coefficients", baked.coefficients},
+                                            {"parameters", baked.parameters},
+                                            {"quantisation_over_diagonal", baked.quantisation}}
+                         .dump();
+  baked.archive = write_archive(model, make_proof(packed, options.seed));
+  verify_archive(baked.archive);
+  progress.step(2);
+  return baked;
+}
+
+Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
+  recipe_named(options.recipe);
+  if (!source.live()) return bake_recorded(source, nullptr, options, progress);
+  const std::unique_ptr<Source> data = record(source, options, Recording::training_only, progress);
+  return bake_recorded(*data, &source, options, progress);
+}
+
+}  // namespace fb

@@ -1,0 +1,65 @@
+#include "bake/recipes/compare.h"
+
+#include <algorithm>
+
+#include "bake/recipes/recipe.h"
+#include "bake/recipes/record.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::size_t dependency_poses = 4000;
+
+bool any_clip(const Source& data, bool (*wanted)(const Clip&)) {
+  return std::any_of(data.clips().begin(), data.clips().end(), wanted);
+}
+
+MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+  const Baked baked = bake_recorded(data, rig, options, progress);
+  MethodReport report;
+  report.name = options.recipe;
+  report.use = options.use;
+  report.independent = evaluate_archive(baked.archive, data, Split::test, options.parallel, progress);
+  report.dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).thinned(dependency_poses),
+                                          options.parallel, progress);
+  report.bytes = baked.archive.size();
+  report.parameters = baked.parameters;
+  report.coefficients = baked.coefficients;
+  report.poses = baked.poses;
+  report.train_seconds = baked.train_seconds;
+  return report;
+}
+
+}  // namespace
+
+CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
+                      Progress& progress) {
+  for (const std::string& method : methods) recipe_named(method);
+  std::unique_ptr<Source> recorded;
+  if (source.live()) recorded = record(source, options, Recording::with_test, progress);
+  Source& data = recorded ? *recorded : source;
+  if (!any_clip(data, [](const Clip& clip) { return clip.split == Split::test; }))
+    fail(Status::bad_data,
+         "\"%s\" has no test split: mark clips that are left out of training with \"split\": \"test\"",
+         data.schema().name.c_str());
+
+  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), {}};
+  for (const Use use : {Use::variant, Use::backlot}) {
+    if (use == Use::backlot && training_poses(data, use).size() == training_poses(data, Use::variant).size()) continue;
+    if (use == Use::variant && training_poses(data, use).size() == 0) {
+      progress.note("every clip to train on is a shot: there is no variant to compare");
+      continue;
+    }
+    for (const std::string& method : methods) {
+      BakeOptions one = options;
+      one.recipe = method;
+      one.use = use;
+      one.work = options.work / (method + "." + name_of(use));
+      report.methods.push_back(run_method(data, source.live() ? &source : nullptr, one, progress));
+    }
+  }
+  return report;
+}
+
+}  // namespace fb

@@ -1,0 +1,67 @@
+#include "bake/rig/pose_set.h"
+
+#include <algorithm>
+
+namespace fb {
+
+PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted) : source_(&source) {
+  for (std::size_t c = 0; c < source.clips().size(); ++c) {
+    const Clip& clip = source.clips()[c];
+    if (!wanted(clip) || clip.frames == 0) continue;
+    ranges_.push_back({c, 0, clip.frames, size_});
+    size_ += clip.frames;
+  }
+}
+
+PoseSet PoseSet::thinned(std::size_t count) const {
+  if (size_ <= count) return *this;
+  PoseSet thin(*source_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t pose = i * size_ / count;
+    for_runs(pose, 1, [&](std::size_t clip, std::size_t frame, std::size_t, std::size_t) {
+      thin.ranges_.push_back({clip, frame, 1, i});
+    });
+  }
+  thin.size_ = count;
+  return thin;
+}
+
+std::vector<float> PoseSet::controls() const {
+  const std::size_t width = source_->schema().control_count();
+  std::vector<float> all;
+  all.reserve(size_ * width);
+  for (const Range& range : ranges_) {
+    const float* first = source_->clips()[range.clip].controls.data() + range.frame * width;
+    all.insert(all.end(), first, first + range.count * width);
+  }
+  return all;
+}
+
+void PoseSet::for_runs(std::size_t first, std::size_t count,
+                       const std::function<void(std::size_t, std::size_t, std::size_t, std::size_t)>& visit) const {
+  auto range = std::upper_bound(ranges_.begin(), ranges_.end(), first,
+                                [](std::size_t pose, const Range& r) { return pose < r.first_pose; }) -
+               1;
+  for (std::size_t done = 0; done < count; ++range) {
+    const std::size_t inside = first + done - range->first_pose;
+    const std::size_t run = std::min(range->count - inside, count - done);
+    visit(range->clip, range->frame + inside, run, done);
+    done += run;
+  }
+}
+
+void PoseSet::read_points(std::size_t first, std::size_t count, std::span<float> points) const {
+  const std::size_t width = source_->rest().points.size();
+  for_runs(first, count, [&](std::size_t clip, std::size_t frame, std::size_t run, std::size_t offset) {
+    source_->read(clip, frame, run, points.subspan(offset * width, run * width));
+  });
+}
+
+void PoseSet::read_displacements(std::size_t first, std::size_t count, std::span<float> displacements) const {
+  read_points(first, count, displacements);
+  const std::vector<float>& rest = source_->rest().points;
+  for (std::size_t pose = 0; pose < count; ++pose)
+    for (std::size_t i = 0; i < rest.size(); ++i) displacements[pose * rest.size() + i] -= rest[i];
+}
+
+}  // namespace fb

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "bake/rig/source.h"
+
+namespace fb {
+
+// Frames picked from a source's clips, seen as one row of poses: what is trained on, or measured.
+class PoseSet {
+ public:
+  // All frames of the clips that `wanted` accepts. The source must outlive the set.
+  PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted);
+
+  // Every n-th pose, so that at most `count` remain.
+  PoseSet thinned(std::size_t count) const;
+
+  Source& source() const { return *source_; }
+  std::size_t size() const { return size_; }
+  std::vector<float> controls() const;  // size x controls
+  // Points of poses [first, first + count): count x 3 x vertices floats; and their displacements from the rest mesh.
+  void read_points(std::size_t first, std::size_t count, std::span<float> points) const;
+  void read_displacements(std::size_t first, std::size_t count, std::span<float> displacements) const;
+
+ private:
+  explicit PoseSet(Source& source) : source_(&source) {}
+  // Calls visit(clip, first frame, count, offset in the block) for the runs of consecutive frames of a block.
+  void for_runs(std::size_t first, std::size_t count,
+                const std::function<void(std::size_t, std::size_t, std::size_t, std::size_t)>& visit) const;
+
+  struct Range {
+    std::size_t clip, frame, count, first_pose;  // poses first_pose.. are frames frame.. of the clip
+  };
+  Source* source_;
+  std::vector<Range> ranges_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace fb
