@@ -19,14 +19,14 @@ struct Packed {
   std::vector<std::byte> stored;
 };
 
-// zstd where it makes a section smaller. Level 19 takes seconds on megabytes of weights and gains next to nothing
+// zstd where it saves more than a few bytes. Level 19 takes seconds on megabytes of weights and gains next to nothing
 // there.
 Packed pack(const char* name, bool required, std::vector<std::byte> raw) {
   std::vector<std::byte> zipped(ZSTD_compressBound(raw.size()));
   const int level = raw.size() < (1u << 20) ? 19 : 12;
   const std::size_t size = ZSTD_compress(zipped.data(), zipped.size(), raw.data(), raw.size(), level);
   if (ZSTD_isError(size)) fail(Status::internal, "section \"%s\": %s", name, ZSTD_getErrorName(size));
-  if (size >= raw.size()) return {name, required, Codec::none, raw.size(), std::move(raw)};
+  if (size + 64 > raw.size()) return {name, required, Codec::none, raw.size(), std::move(raw)};
   zipped.resize(size);
   return {name, required, Codec::zstd, raw.size(), std::move(zipped)};
 }

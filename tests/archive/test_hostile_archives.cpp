@@ -187,10 +187,10 @@ TEST_CASE("a table that lies is refused") {
   lie(table_at(0, 0), std::uint64_t(0), Status::corrupt, "section name");
   lie(table_at(0, 8), std::uint64_t(0x0a), Status::corrupt, "not printable ASCII");
   lie(table_at(0, 16), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
-  lie(table_at(0, 20), std::uint32_t(9), Status::unsupported, "unknown codec 9");
-  lie(table_at(0, 40), std::uint64_t(1) << 50, Status::limit, "beyond the limit");
-  lie(table_at(0, 40), std::uint64_t(1) << 20, Status::corrupt, "does not unpack to the 1048576 bytes");
-  lie(table_at(0, 20), std::uint32_t(0), Status::corrupt, "not packed, yet declares");
+  lie(table_at(1, 20), std::uint32_t(9), Status::unsupported, "unknown codec 9");
+  lie(table_at(1, 40), std::uint64_t(1) << 50, Status::limit, "beyond the limit");
+  lie(table_at(1, 40), std::uint64_t(1) << 20, Status::corrupt, "does not unpack to the 1048576 bytes");
+  lie(table_at(1, 20), std::uint32_t(0), Status::corrupt, "not packed, yet declares");
 
   Bytes many = bytes;
   patch(many, 12, std::uint32_t(65));
