@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so) or \"sample\", the built-in face.\n"
       "Exit code: 0 success, 1 failure, 2 wrong use.");
+  fb::add_sample(tool);
   fb::add_inspect(tool);
   fb::add_pose(tool);
 

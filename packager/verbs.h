@@ -8,6 +8,7 @@ class App;
 
 namespace fb {
 
+void add_sample(CLI::App& tool);
 void add_inspect(CLI::App& tool);
 void add_pose(CLI::App& tool);
 
