@@ -1,0 +1,13 @@
+# Fails if LIBRARY needs anything but the system's own libraries.
+execute_process(COMMAND ${READELF} --dynamic ${LIBRARY} OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE "[][]" " " dynamic "${dynamic}") # brackets would join the elements of a list
+string(REGEX MATCHALL "Shared library: +[^ ]+" entries "${dynamic}")
+if(NOT entries MATCHES "libc\\.so")
+  message(FATAL_ERROR "${LIBRARY}: found no needed libraries in\n${dynamic}")
+endif()
+foreach(entry ${entries})
+  string(REGEX REPLACE ".* " "" name "${entry}")
+  if(NOT name MATCHES "^(libc|libm|libstdc\\+\\+|libgcc_s|libgomp|ld-linux[a-z0-9_-]*)\\.so")
+    message(FATAL_ERROR "${LIBRARY} needs ${name}")
+  endif()
+endforeach()

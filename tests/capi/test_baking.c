@@ -1,0 +1,221 @@
+/* A rig the host describes itself, through sampling and baking to a face that poses. */
+#include "capi_test.h"
+
+#include <facebaker/facebaker_bake.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define CONTROLS 2
+#define VERTICES 8
+
+static const float cube[3 * VERTICES] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+static const uint32_t sizes[] = {4, 4};
+static const uint32_t corners[] = {0, 1, 2, 3, 4, 5, 6, 7};
+static const fb_rig_control rig_controls[CONTROLS] = {{"lift", "top", 0, 1, 0}, {"slide", NULL, -1, 1, 0}};
+
+/* lift raises the upper four vertices, slide moves all of them along x. */
+static fb_status evaluate(void* user, uint64_t poses, const float* controls, float* positions, char* message,
+                          uint32_t message_size) {
+  if (*(int*)user) {
+    snprintf(message, message_size, "out of clay");
+    return FB_ERROR_RIG;
+  }
+  for (uint64_t p = 0; p < poses; ++p, controls += CONTROLS)
+    for (int v = 0; v < VERTICES; ++v, positions += 3) {
+      memcpy(positions, cube + 3 * v, 3 * sizeof(float));
+      positions[0] += 0.5f * controls[1];
+      if (v >= 4) positions[2] += 0.25f * controls[0];
+    }
+  return FB_OK;
+}
+
+static fb_rig describe(int* broken) {
+  fb_rig rig = {.struct_size = sizeof rig,
+                .abi = FB_RIG_ABI,
+                .name = "cube",
+                .units = "m",
+                .up_axis = "z",
+                .flags = FB_RIG_THREAD_SAFE,
+                .control_count = CONTROLS,
+                .controls = rig_controls,
+                .vertex_count = VERTICES,
+                .polygon_count = 2,
+                .rest_positions = cube,
+                .polygon_sizes = sizes,
+                .polygon_corners = corners,
+                .user = broken,
+                .evaluate = evaluate};
+  return rig;
+}
+
+static char folder[64];
+
+static int make_folder(void** state) {
+  (void)state;
+  snprintf(folder, sizeof folder, "capi_baking_%ld", (long)getpid());
+  char command[128];
+  snprintf(command, sizeof command, "mkdir %s", folder);
+  return system(command);
+}
+
+static int remove_folder(void** state) {
+  (void)state;
+  char command[128];
+  snprintf(command, sizeof command, "rm -rf %s", folder);
+  return system(command);
+}
+
+static const char* in_folder(const char* name) {
+  static char path[128];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return path;
+}
+
+typedef struct Watch {
+  int calls, stop;
+} Watch;
+
+static int32_t watch(void* user, const char* stage, uint64_t done, uint64_t total) {
+  Watch* w = user;
+  ++w->calls;
+  assert_true(strlen(stage) > 0 && done <= total);
+  return w->stop;
+}
+
+static void a_rig_becomes_a_face(void** state) {
+  (void)state;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  const fb_source source = {NULL, &rig};
+  Watch seen = {0, 0};
+  fb_bake_desc desc;
+  fb_bake_desc_init(&desc);
+  desc.threads = 1;
+  desc.sources = &source;
+  desc.source_count = 1;
+  desc.archive = in_folder("cube.fbk");
+  desc.recipe = "linear";
+  desc.poses = 100;
+  desc.progress = watch;
+  desc.progress_user = &seen;
+  assert_ok(fb_bake(&desc));
+  assert_true(seen.calls > 0);
+
+  fb_model* model = NULL;
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_load(in_folder("cube.fbk"), NULL, &model));
+  assert_string_equal(fb_name(model), "cube");
+  assert_string_equal(fb_up_axis(model), "z");
+  assert_ok(fb_scratch_create(model, 1, &scratch));
+  const float pose[CONTROLS] = {0.5f, -1};
+  float expected[3 * VERTICES], positions[3 * VERTICES];
+  assert_ok(evaluate(&broken, 1, pose, expected, NULL, 0));
+  assert_ok(fb_evaluate(model, scratch, pose, positions));
+  for (int i = 0; i < 3 * VERTICES; ++i) assert_true(fabsf(positions[i] - expected[i]) < 1e-3f);
+  fb_scratch_destroy(scratch);
+  fb_release(model);
+}
+
+static void a_rig_is_sampled_to_a_dataset_that_can_be_baked(void** state) {
+  (void)state;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  char directory[128];
+  snprintf(directory, sizeof directory, "%s/dataset", folder);
+  fb_sample_desc sampling;
+  fb_sample_desc_init(&sampling);
+  sampling.source.rig = &rig;
+  sampling.directory = directory;
+  sampling.poses = 100;
+  assert_ok(fb_sample(&sampling));
+
+  const fb_source source = {directory, NULL};
+  fb_bake_desc desc;
+  fb_bake_desc_init(&desc);
+  desc.sources = &source;
+  desc.source_count = 1;
+  desc.archive = in_folder("from_dataset.fbk");
+  desc.recipe = "linear";
+  assert_ok(fb_bake(&desc));
+  fb_model* model = NULL;
+  assert_ok(fb_load(in_folder("from_dataset.fbk"), NULL, &model));
+  assert_int_equal(fb_vertex_count(model), VERTICES);
+  fb_release(model);
+}
+
+static void a_host_may_interrupt(void** state) {
+  (void)state;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  Watch seen = {0, 1};
+  fb_sample_desc desc;
+  fb_sample_desc_init(&desc);
+  desc.source.rig = &rig;
+  desc.directory = in_folder("interrupted");
+  desc.poses = 100;
+  desc.progress = watch;
+  desc.progress_user = &seen;
+  assert_int_equal(fb_sample(&desc), FB_ERROR_INTERRUPTED);
+}
+
+static void assert_bake_refused(const fb_bake_desc* desc, fb_status expected, const char* message_part) {
+  assert_int_equal(fb_bake(desc), expected);
+  if (!strstr(fb_last_error(), message_part)) fail_msg("\"%s\" does not contain \"%s\"", fb_last_error(), message_part);
+  assert_int_not_equal(access(desc->archive ? desc->archive : "", F_OK), 0);
+}
+
+static void wrong_requests_are_refused(void** state) {
+  (void)state;
+  int broken = 1;
+  const fb_rig rig = describe(&broken);
+  const fb_source two[2] = {{NULL, &rig}, {"nowhere", NULL}}, both = {"nowhere", &rig}, none = {NULL, NULL};
+  fb_bake_desc good, desc;
+  fb_bake_desc_init(&good);
+  good.sources = two;
+  good.source_count = 1;
+  good.archive = in_folder("refused.fbk");
+  assert_bake_refused(&good, FB_ERROR_RIG, "out of clay");
+  desc = good, desc.sources = NULL;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "sources");
+  desc = good, desc.archive = NULL;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "archive");
+  desc = good, desc.source_count = 0;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "source");
+  desc = good, desc.source_count = 2;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "alone");
+  desc = good, desc.sources = &both;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
+  desc = good, desc.sources = &none;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
+  desc = good, desc.sources = two + 1;
+  assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "nowhere");
+  desc = good, desc.use = "toast";
+  assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "toast");
+  desc = good, desc.struct_size = 4;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "struct_size");
+  broken = 0;
+  desc = good, desc.recipe = "soup";
+  assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "soup");
+  assert_int_equal(fb_bake(NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_sample(NULL), FB_ERROR_INVALID_ARGUMENT);
+  fb_sample_desc sampling;
+  fb_sample_desc_init(&sampling);
+  sampling.source.rig = &rig;
+  assert_int_equal(fb_sample(&sampling), FB_ERROR_INVALID_ARGUMENT);
+  assert_non_null(strstr(fb_last_error(), "directory"));
+  fb_sample_desc_init(NULL);
+  fb_bake_desc_init(NULL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_rig_becomes_a_face),
+      cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
+      cmocka_unit_test(a_host_may_interrupt),
+      cmocka_unit_test(wrong_requests_are_refused),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
