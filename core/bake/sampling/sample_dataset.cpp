@@ -181,15 +181,15 @@ class Sampler {
   void write_shards(bool resuming) {
     progress_.begin("sampling poses", report_.poses);
     const std::size_t shard_frames = index_.sampling->shard_frames;
-    bool compared = false;
     std::size_t done = 0;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
+      bool compared = false;
       std::size_t first = 0;
       for (const std::string& name : index_.clips[i].points) {
         const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
         const fs::path path = folder_ / name;
         if (resuming && holds(path, {frames, size_ / 3, 3})) {
-          if (!compared) compare(path, i, done, first);
+          if (!compared) compare(path, i, done, first, frames / 2);
           compared = true;
         } else {
           write_shard(path, i, done, first, frames);
@@ -201,18 +201,17 @@ class Sampler {
     }
   }
 
-  // The plan cannot tell whether the rig behind it has changed: one pose can.
-  void compare(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first) {
+  // The plan cannot tell whether the rig behind it has changed: one pose of each clip can.
+  void compare(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frame) {
     std::vector<float> before(size_), now(size_);
-    NpyFile(path).read(0, 1, before);
-    evaluate(plan_[clip], done, first, 1, now);
+    NpyFile(path).read(frame, 1, before);
+    evaluate(plan_[clip], done + frame, first + frame, 1, now);
     const double tolerance = 1e-5 * rig_.rest().diagonal();
     for (std::size_t i = 0; i < size_; ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
         fail(Status::invalid_argument,
-             "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it "
-             "into a new folder",
-             path.c_str(), i / 3, plan_[clip].name.c_str(), first);
+             "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder",
+             path.c_str(), i / 3, plan_[clip].name.c_str(), first + frame);
   }
 
   void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
