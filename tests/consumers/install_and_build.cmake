@@ -1,0 +1,22 @@
+# Installs the build into a folder of its own, then builds and runs programs that know nothing but that folder.
+function(run)
+  execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/app)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component sdk)
+
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/app -B ${WORK}/app -DCMAKE_PREFIX_PATH=${WORK}/prefix -DHELLO=${HELLO}
+    -DCMAKE_C_COMPILER=${CC} -DCMAKE_CXX_COMPILER=${CXX})
+run(${CMAKE_COMMAND} --build ${WORK}/app)
+run(${WORK}/app/hello ${FIXTURE} jaw_open 1)
+run(${WORK}/app/author)
+
+if(PKG_CONFIG)
+  set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
+  execute_process(COMMAND ${PKG_CONFIG} --cflags --libs facebaker OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run(${CC} -std=c99 -pedantic-errors -Wall -Wextra -Werror ${HELLO} ${flags} -lm -Wl,-rpath,${WORK}/prefix/${LIBDIR}
+      -o ${WORK}/app/hello_by_pkg_config)
+  run(${WORK}/app/hello_by_pkg_config ${FIXTURE} jaw_open 1)
+endif()
