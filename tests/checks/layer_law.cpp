@@ -1,9 +1,7 @@
 #include "layer_law.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
-#include <regex>
 #include <set>
 
 namespace checks {
@@ -26,9 +24,8 @@ std::string layer_of(const std::string& path) {
   if (begins(path, "core/bake/measure/")) return "bake/measure";
   if (begins(path, "capi/include/")) return "public headers";
   if (begins(path, "capi/")) return stem.find("bake") != std::string::npos ? "authoring C ABI" : "C ABI";
-  static const std::regex folder("(?:core/)?([a-z_]+)/.*");
-  std::smatch match;
-  return std::regex_match(path, match, folder) ? match[1].str() : "";
+  const std::size_t begin = begins(path, "core/") ? 5 : 0, end = path.find('/', begin);
+  return end == std::string::npos ? "" : path.substr(begin, end - begin);
 }
 
 // What each layer may include besides itself.
@@ -77,6 +74,14 @@ bool barred_from_model(const std::string& include) {
   return barred.contains(include);
 }
 
+// What is between the quotes or brackets of an include; "" if the line includes nothing.
+std::string included_by(std::string_view line) {
+  const auto rest = after_directive(line, "include");
+  if (!rest || rest->empty()) return "";
+  const std::size_t end = rest->find(rest->front() == '<' ? '>' : '"', 1);
+  return end == std::string_view::npos ? "" : std::string(rest->substr(1, end - 1));
+}
+
 }  // namespace
 
 std::vector<std::string> layer_violations(const SourceTree& tree) {
@@ -84,25 +89,21 @@ std::vector<std::string> layer_violations(const SourceTree& tree) {
   for (const SourceFile& file : tree) paths.insert(file.path);
 
   std::vector<std::string> violations;
-  static const std::regex include("[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"]+)[>\"]");
   for (const SourceFile& file : tree) {
     const std::string layer = layer_of(file.path);
     const auto allowed = law().find(layer);
     if (!file.is_code() || allowed == law().end()) continue;
-    std::size_t line = 1;
-    for (std::size_t begin = 0; begin < file.text.size(); ++line) {
-      const std::size_t end = std::min(file.text.find('\n', begin), file.text.size());
-      const auto first = file.text.begin() + static_cast<std::ptrdiff_t>(begin);
-      const auto last = file.text.begin() + static_cast<std::ptrdiff_t>(end);
-      begin = end + 1;
-      std::smatch match;
-      if (!std::regex_search(first, last, match, include, std::regex_constants::match_continuous)) continue;
-      const std::string target = resolve(match[1], file.path, paths);
-      const std::string where = file.path + ":" + std::to_string(line) + ": " + layer + " may not include ";
-      if (layer == "model" && barred_from_model(match[1])) {
-        violations.push_back(where + match[1].str());
-      } else if (!target.empty() && layer_of(target) != layer && !allowed->second.contains(layer_of(target))) {
-        violations.push_back(where + layer_of(target) + " (" + target + ")");
+    std::size_t number = 0;
+    for (const std::string_view line : lines_of(file.text)) {
+      ++number;
+      const std::string include = included_by(line);
+      if (include.empty()) continue;
+      const std::string target = resolve(include, file.path, paths), target_layer = layer_of(target);
+      const std::string where = file.path + ":" + std::to_string(number) + ": " + layer + " may not include ";
+      if (layer == "model" && barred_from_model(include)) {
+        violations.push_back(where + include);
+      } else if (!target.empty() && target_layer != layer && !allowed->second.contains(target_layer)) {
+        violations.push_back(where + target_layer + " (" + target + ")");
       }
     }
   }

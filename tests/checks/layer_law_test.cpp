@@ -13,8 +13,12 @@ TEST_CASE("the tree keeps the law of layers") {
 
 namespace {
 
-// Violations of a tree of one file that holds `line`, beside a file of every layer.
-std::vector<std::string> planted(const std::string& path, const std::string& line) {
+struct Planted {
+  const char *path, *include;
+};
+
+// Violations of a tree that has a file of every layer, and one more with an include in its second line.
+std::vector<std::string> violations_of(const Planted& plant) {
   SourceTree tree = {{"core/base/file.h", ""},
                      {"core/model/mesh.h", ""},
                      {"core/archive/reader.h", ""},
@@ -28,14 +32,14 @@ std::vector<std::string> planted(const std::string& path, const std::string& lin
                      {"packager/verbs.h", ""},
                      {"samples/hello/hello.h", ""},
                      {"tests/rigs/support/skin.h", ""},
-                     {path, "// first\n  # include " + line + "\n"}};
+                     {plant.path, std::string("// first\n  # include ") + plant.include + "\n"}};
   return layer_violations(tree);
 }
 
 }  // namespace
 
 TEST_CASE("planted violations are caught") {
-  const std::pair<const char*, const char*> forbidden[] = {
+  const Planted forbidden[] = {
       {"core/base/x.cpp", "\"model/mesh.h\""},
       {"core/model/x.h", "\"archive/reader.h\""},
       {"core/model/x.h", "\"base/file.h\""},
@@ -56,17 +60,17 @@ TEST_CASE("planted violations are caught") {
       {"packager/x.cpp", "\"support/skin.h\""},
       {"core/bake/rig/x.cpp", "\"rigs/support/skin.h\""},
   };
-  for (const auto& [path, line] : forbidden) {
-    CAPTURE(path);
-    CAPTURE(line);
-    const auto violations = planted(path, line);
+  for (const Planted& plant : forbidden) {
+    CAPTURE(plant.path);
+    CAPTURE(plant.include);
+    const auto violations = violations_of(plant);
     REQUIRE(violations.size() == 1);
-    CHECK(violations[0].find(std::string(path) + ":2: ") == 0);
+    CHECK(violations[0].find(std::string(plant.path) + ":2: ") == 0);
   }
 }
 
 TEST_CASE("what the law allows passes") {
-  const std::pair<const char*, const char*> allowed[] = {
+  const Planted allowed[] = {
       {"core/archive/x_writer.cpp", "\"archive/reader.h\""},
       {"core/bake/measure/x.cpp", "\"runtime/evaluator.h\""},
       {"core/bake/rig/x.cpp", "<facebaker/facebaker.h>"},
@@ -77,9 +81,9 @@ TEST_CASE("what the law allows passes") {
       {"tests/bake/x.cpp", "\"runtime/evaluator.h\""},
       {"core/model/x.h", "<vector>"},
   };
-  for (const auto& [path, line] : allowed) {
-    CAPTURE(path);
-    CAPTURE(line);
-    CHECK(planted(path, line).empty());
+  for (const Planted& plant : allowed) {
+    CAPTURE(plant.path);
+    CAPTURE(plant.include);
+    CHECK(violations_of(plant).empty());
   }
 }

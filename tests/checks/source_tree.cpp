@@ -12,6 +12,29 @@ bool SourceFile::is_code() const {
   return extensions.contains(extension());
 }
 
+std::optional<std::string_view> after_directive(std::string_view line, std::string_view directive) {
+  const auto skip_blanks = [&] { line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size())); };
+  const auto skip = [&](std::string_view word) {
+    skip_blanks();
+    if (!line.starts_with(word)) return false;
+    line.remove_prefix(word.size());
+    return true;
+  };
+  if (!skip("#") || !skip(directive)) return std::nullopt;
+  skip_blanks();
+  return line;
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.push_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
 SourceTree read_source_tree(const std::filesystem::path& root) {
   static const std::set<std::string> extensions = {".c",    ".cpp", ".h",   ".hpp",   ".inl",  ".py", ".sh", ".md",
                                                    ".json", ".txt", ".map", ".cmake", ".toml", ".in", ".cs", ".js"};

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace checks {
@@ -16,6 +18,13 @@ struct SourceFile {
   std::string extension() const { return std::filesystem::path(path).extension().string(); }
   bool is_code() const;  // C or C++
 };
+
+// What follows a preprocessor directive: "<x>" for "include" in the line "  # include <x>". Nothing if the line is not
+// one.
+std::optional<std::string_view> after_directive(std::string_view line, std::string_view directive);
+
+// The lines of a text, without their ends.
+std::vector<std::string_view> lines_of(std::string_view text);
 
 // Sorted by path.
 using SourceTree = std::vector<SourceFile>;

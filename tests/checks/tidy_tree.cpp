@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <regex>
 
 namespace checks {
 
 std::vector<std::string> stray_openmp(const SourceTree& tree) {
-  static const std::regex pragma("(^|\n)[ \t]*#[ \t]*pragma[ \t]+omp\\b|_Pragma[ \t]*\\([ \t]*\"omp\\b");
+  const auto is_openmp = [](std::string_view line) {
+    return after_directive(line, "pragma").value_or("").starts_with("omp ") ||
+           line.find("_Pragma(\"omp ") != std::string_view::npos;
+  };
   std::vector<std::string> offences;
   for (const SourceFile& file : tree) {
-    if (file.is_code() && file.path != "core/base/parallel.cpp" && std::regex_search(file.text, pragma))
+    if (!file.is_code() || file.path == "core/base/parallel.cpp") continue;
+    const auto lines = lines_of(file.text);
+    if (std::any_of(lines.begin(), lines.end(), is_openmp))
       offences.push_back(file.path + ": an OpenMP pragma; use base/parallel.h");
   }
   return offences;
@@ -31,7 +35,7 @@ std::vector<std::string> repeated_names(const SourceTree& tree) {
 std::vector<std::string> long_files(const SourceTree& tree) {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree) {
-    const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
+    const auto lines = lines_of(file.text).size();
     if (lines > 600) offences.push_back(file.path + ": " + std::to_string(lines) + " lines");
   }
   return offences;

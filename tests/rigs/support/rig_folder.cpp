@@ -4,7 +4,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <regex>
+#include <sstream>
 #include <stdexcept>
 
 namespace rigs {
@@ -33,12 +33,11 @@ Array<T> parse_npy(const std::string& bytes, const char* type, const std::vector
   std::size_t count = 1;
   const std::size_t open = header.find('('), close = header.find(')');
   if (open == std::string::npos || close == std::string::npos) refuse("the header has no shape");
-  const std::string lengths = header.substr(open, close - open);
-  static const std::regex number("[0-9]{1,9}");
-  for (std::sregex_iterator it(lengths.begin(), lengths.end(), number), end; it != end; ++it) {
-    array.shape.push_back(std::stoul(it->str()));
-    if (array.shape.back() > bytes.size()) refuse("the shape is larger than the file");
-    count *= array.shape.back();
+  std::istringstream lengths(header.substr(open + 1, close - open - 1));
+  for (std::size_t length = 0; lengths >> length; lengths.ignore(1, ',')) {
+    if (length > bytes.size()) refuse("the shape is larger than the file");
+    array.shape.push_back(length);
+    count *= length;
   }
   if (array.shape.size() != expected.size()) refuse("wrong number of dimensions");
   for (std::size_t axis = 0; axis < expected.size(); ++axis) {
