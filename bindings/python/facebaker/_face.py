@@ -1,0 +1,156 @@
+import collections
+import ctypes
+import json
+import os
+import threading
+import weakref
+
+import numpy
+
+from ._library import BatchDesc, ControlStruct, check, library
+
+Control = collections.namedtuple("Control", "name group minimum maximum rest")
+Control.__doc__ = "One number an animator moves: its name, its region (may be empty), its range and its value at rest."
+
+
+def load(source):
+    """Loads a face from a path, or from the bytes of an archive."""
+    handle = ctypes.c_void_p()
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        data = bytes(source)
+        check(library.fb_load_memory(data, len(data), None, ctypes.byref(handle)))
+    else:
+        check(library.fb_load(os.fsencode(source), None, ctypes.byref(handle)))
+    return Face(handle)
+
+
+class Face:
+    """A loaded face. Its arrays are read-only views of the model. Threads may share it; evaluations of one face take turns,
+    so use evaluate_batch for speed."""
+
+    def __init__(self, handle):
+        """For load(); takes over the reference in handle."""
+        self._handle = handle
+        self._closer = weakref.finalize(self, library.fb_release, handle)
+        self._scratches = {}
+        self._lock = threading.Lock()
+        self._clamped = 0
+        self.vertex_count = library.fb_vertex_count(handle)
+        self.control_count = library.fb_control_count(handle)
+        self.coefficient_count = library.fb_coefficient_count(handle)
+        self.name = library.fb_name(handle).decode()
+        self.units = library.fb_units(handle).decode()
+        self.up_axis = library.fb_up_axis(handle).decode()
+        self.diagonal = library.fb_diagonal(handle)
+        self.runtime_bytes = library.fb_runtime_bytes(handle)
+        self.controls = tuple(self._control(index) for index in range(self.control_count))
+
+    def _control(self, index):
+        struct = ControlStruct()
+        library.fb_control_init(struct)
+        check(library.fb_control_at(self._handle, index, struct))
+        return Control(struct.name.decode(), struct.group.decode(), struct.minimum, struct.maximum, struct.rest)
+
+    def _view(self, pointer, count, shape=None):
+        """An array over memory of the model, which it keeps alive."""
+        if count == 0:
+            return numpy.empty(0, numpy.uint32)
+        memory = ctypes.cast(pointer, ctypes.POINTER(pointer._type_ * count)).contents
+        memory._face = self
+        array = numpy.ctypeslib.as_array(memory)
+        array.flags.writeable = False
+        return array.reshape(shape) if shape else array
+
+    @property
+    def provenance(self):
+        """How the archive was made, as it says itself: a dictionary."""
+        return json.loads(library.fb_provenance(self._handle))
+
+    @property
+    def names(self):
+        return [control.name for control in self.controls]
+
+    @property
+    def ranges(self):
+        """(controls, 2): minimum and maximum of every control."""
+        return numpy.array([(c.minimum, c.maximum) for c in self.controls], numpy.float32)
+
+    @property
+    def rest_controls(self):
+        return self._view(library.fb_rest_controls(self._handle), self.control_count)
+
+    @property
+    def rest_positions(self):
+        """(vertices, 3)."""
+        return self._view(library.fb_rest_positions(self._handle), 3 * self.vertex_count, (self.vertex_count, 3))
+
+    @property
+    def polygon_sizes(self):
+        """Corners of every polygon."""
+        return self._view(library.fb_polygon_sizes(self._handle), library.fb_polygon_count(self._handle))
+
+    @property
+    def polygon_corners(self):
+        """Vertex indices, polygon after polygon."""
+        return self._view(library.fb_polygon_corners(self._handle), library.fb_polygon_corner_count(self._handle))
+
+    @property
+    def clamped_count(self):
+        """How many control values the last evaluation clamped to their ranges."""
+        return self._clamped
+
+    def find(self, name):
+        """The index of a control; the error names the closest one there is."""
+        index = ctypes.c_uint32()
+        check(library.fb_find_control(self._handle, name.encode(), ctypes.byref(index)))
+        return index.value
+
+    def evaluate(self, controls):
+        """(controls,) -> (vertices, 3), float32."""
+        controls = self._floats(controls, 1)
+        positions = numpy.empty((self.vertex_count, 3), numpy.float32)
+        with self._lock:
+            scratch = self._scratch(1)
+            check(library.fb_evaluate(self._handle, scratch, _pointer(controls), _pointer(positions)))
+            self._clamped = library.fb_clamped_count(scratch)
+        return positions
+
+    def evaluate_batch(self, controls, threads=0, out=None):
+        """(poses, controls) -> (poses, vertices, 3), float32, the same bits as evaluate. threads 0: all cores. `out`, if
+        given, is a contiguous float32 array of that shape."""
+        controls = self._floats(controls, 2)
+        shape = (len(controls), self.vertex_count, 3)
+        if out is None:
+            out = numpy.empty(shape, numpy.float32)
+        elif out.shape != shape or out.dtype != numpy.float32 or not out.flags.c_contiguous or not out.flags.writeable:
+            raise ValueError(f"out must be a writable contiguous float32 array of shape {shape}")
+        desc = BatchDesc()
+        library.fb_batch_desc_init(desc)
+        desc.threads = threads
+        desc.poses = len(controls)
+        desc.controls, desc.control_floats = _pointer(controls), controls.size
+        desc.positions, desc.position_floats = _pointer(out), out.size
+        with self._lock:
+            scratch = self._scratch(threads or os.cpu_count() or 1)
+            check(library.fb_evaluate_batch(self._handle, scratch, desc))
+            self._clamped = library.fb_clamped_count(scratch)
+        return out
+
+    def _floats(self, controls, dimensions):
+        controls = numpy.ascontiguousarray(controls, numpy.float32)
+        if controls.ndim != dimensions or controls.shape[-1] != self.control_count:
+            wanted = (self.control_count,) if dimensions == 1 else ("poses", self.control_count)
+            raise ValueError(f"controls have shape {controls.shape}, not {wanted}")
+        return controls
+
+    def _scratch(self, workers):
+        if workers not in self._scratches:
+            handle = ctypes.c_void_p()
+            check(library.fb_scratch_create(self._handle, workers, ctypes.byref(handle)))
+            weakref.finalize(self, library.fb_scratch_destroy, handle)
+            self._scratches[workers] = handle
+        return self._scratches[workers]
+
+
+def _pointer(array):
+    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_float))

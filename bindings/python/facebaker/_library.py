@@ -1,0 +1,112 @@
+"""libfacebaker as ctypes sees it: finding it, its structs, its functions, its errors."""
+
+import ctypes
+import ctypes.util
+import os
+import pathlib
+from ctypes import POINTER, Structure, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+
+
+class Error(Exception):
+    """A call that failed. `status` is the number of facebaker.h, `status_name` its constant."""
+
+    def __init__(self, status, status_name, message):
+        super().__init__(message)
+        self.status = status
+        self.status_name = status_name
+
+
+class ControlStruct(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("name", c_char_p),
+        ("group", c_char_p),
+        ("minimum", c_float),
+        ("maximum", c_float),
+        ("rest", c_float),
+        ("reserved_float", c_float),
+    ]
+
+
+class BatchDesc(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("poses", c_uint64),
+        ("controls", POINTER(c_float)),
+        ("control_floats", c_uint64),
+        ("control_stride", c_uint64),
+        ("positions", POINTER(c_float)),
+        ("position_floats", c_uint64),
+        ("pose_stride", c_uint64),
+        ("vertex_stride", c_uint64),
+        ("parallel_for", c_void_p),
+        ("parallel_user", c_void_p),
+    ]
+
+
+# name: (result, arguments). Handles are void pointers.
+_FUNCTIONS = {
+    "fb_status_name": (c_char_p, [c_int32]),
+    "fb_last_error": (c_char_p, []),
+    "fb_version_string": (c_char_p, []),
+    "fb_load": (c_int32, [c_char_p, c_void_p, POINTER(c_void_p)]),
+    "fb_load_memory": (c_int32, [c_char_p, c_size_t, c_void_p, POINTER(c_void_p)]),
+    "fb_release": (None, [c_void_p]),
+    "fb_vertex_count": (c_uint32, [c_void_p]),
+    "fb_control_count": (c_uint32, [c_void_p]),
+    "fb_coefficient_count": (c_uint32, [c_void_p]),
+    "fb_name": (c_char_p, [c_void_p]),
+    "fb_units": (c_char_p, [c_void_p]),
+    "fb_up_axis": (c_char_p, [c_void_p]),
+    "fb_provenance": (c_char_p, [c_void_p]),
+    "fb_control_init": (None, [POINTER(ControlStruct)]),
+    "fb_control_at": (c_int32, [c_void_p, c_uint32, POINTER(ControlStruct)]),
+    "fb_find_control": (c_int32, [c_void_p, c_char_p, POINTER(c_uint32)]),
+    "fb_rest_controls": (POINTER(c_float), [c_void_p]),
+    "fb_rest_positions": (POINTER(c_float), [c_void_p]),
+    "fb_diagonal": (c_double, [c_void_p]),
+    "fb_polygon_count": (c_uint32, [c_void_p]),
+    "fb_polygon_sizes": (POINTER(c_uint32), [c_void_p]),
+    "fb_polygon_corner_count": (c_uint32, [c_void_p]),
+    "fb_polygon_corners": (POINTER(c_uint32), [c_void_p]),
+    "fb_runtime_bytes": (c_uint64, [c_void_p]),
+    "fb_scratch_create": (c_int32, [c_void_p, c_uint32, POINTER(c_void_p)]),
+    "fb_scratch_destroy": (None, [c_void_p]),
+    "fb_evaluate": (c_int32, [c_void_p, c_void_p, POINTER(c_float), POINTER(c_float)]),
+    "fb_clamped_count": (c_uint64, [c_void_p]),
+    "fb_batch_desc_init": (None, [POINTER(BatchDesc)]),
+    "fb_evaluate_batch": (c_int32, [c_void_p, c_void_p, POINTER(BatchDesc)]),
+}
+
+
+def _candidates():
+    named = os.environ.get("FACEBAKER_LIBRARY")
+    if named:
+        return [named]
+    beside = sorted(pathlib.Path(__file__).parent.glob("libfacebaker.so*"))
+    found = ctypes.util.find_library("facebaker")
+    return [str(path) for path in beside] + ([found] if found else [])
+
+
+def _open():
+    candidates = _candidates()
+    if not candidates:
+        raise ImportError("libfacebaker was not found; name it in the environment variable FACEBAKER_LIBRARY")
+    library = ctypes.CDLL(candidates[0])
+    for name, (result, arguments) in _FUNCTIONS.items():
+        function = getattr(library, name)
+        function.restype = result
+        function.argtypes = arguments
+    return library
+
+
+library = _open()
+__version__ = library.fb_version_string().decode()
+
+
+def check(status):
+    """Raises Error unless status is FB_OK. To be called on the thread whose call gave the status."""
+    if status != 0:
+        raise Error(status, library.fb_status_name(status).decode(), library.fb_last_error().decode("utf-8", "replace"))

@@ -1,0 +1,122 @@
+import gc
+import os
+import pathlib
+import threading
+import unittest
+
+try:
+    import numpy
+except ImportError:
+    raise unittest.SkipTest("NumPy is not installed")
+
+import facebaker
+
+FIXTURE = pathlib.Path(os.environ["FB_FIXTURE"])
+
+
+def random_poses(face, count):
+    low, high = face.ranges.T
+    return numpy.random.default_rng(1).uniform(low, high, (count, face.control_count)).astype(numpy.float32)
+
+
+class FaceTest(unittest.TestCase):
+    def setUp(self):
+        self.face = facebaker.load(FIXTURE)
+
+    def test_what_is_in_it(self):
+        face = self.face
+        self.assertEqual(face.name, "tiny")
+        self.assertEqual((face.units, face.up_axis), ("cm", "y"))
+        self.assertEqual(face.names, ["jaw_open", "mouth_side", "brow_raise", "lid_close", "nose_wrinkle"])
+        self.assertEqual(face.controls[2], ("brow_raise", "brow", 0, 1, 0.25))
+        self.assertEqual(face.ranges.shape, (5, 2))
+        self.assertEqual(face.ranges[3].tolist(), [0, 2])
+        self.assertEqual(face.rest_controls.tolist(), [0, 0, 0.25, 0, 0])
+        self.assertEqual(face.rest_positions.shape, (30, 3))
+        self.assertEqual(face.polygon_sizes.sum(), len(face.polygon_corners))
+        self.assertEqual(face.polygon_sizes[-2:].tolist(), [3, 5])
+        self.assertEqual(face.polygon_corners[-5:].tolist(), [29, 28, 22, 16, 17])
+        self.assertEqual(face.provenance["recipe"], "tiny")
+        self.assertGreater(face.diagonal, 0)
+        self.assertGreater(face.runtime_bytes, 0)
+        version = pathlib.Path(__file__).parents[3] / "VERSION"
+        self.assertEqual(facebaker.__version__, version.read_text().strip())
+
+    def test_rest_is_exact_and_a_control_moves_vertices(self):
+        face = self.face
+        self.assertTrue(numpy.array_equal(face.evaluate(face.rest_controls), face.rest_positions))
+        pose = face.rest_controls.copy()
+        pose[face.find("jaw_open")] = 1
+        self.assertFalse(numpy.array_equal(face.evaluate(pose), face.rest_positions))
+
+    def test_batches_equal_single_poses(self):
+        face = self.face
+        poses = random_poses(face, 20)
+        single = numpy.stack([face.evaluate(pose) for pose in poses])
+        for threads in 0, 1, 3:
+            self.assertTrue(numpy.array_equal(face.evaluate_batch(poses, threads), single))
+        out = numpy.zeros((20, 30, 3), numpy.float32)
+        self.assertIs(face.evaluate_batch(poses[:, ::-1][:, ::-1].astype(float), out=out), out)
+        self.assertTrue(numpy.array_equal(out, single))
+        self.assertEqual(face.evaluate_batch(poses[:0]).shape, (0, 30, 3))
+
+    def test_clamping_is_counted(self):
+        self.face.evaluate([9, -9, 0.5, 0, 0])
+        self.assertEqual(self.face.clamped_count, 2)
+
+    def test_bytes_load_like_a_path(self):
+        face = facebaker.load(FIXTURE.read_bytes())
+        self.assertTrue(numpy.array_equal(face.rest_positions, self.face.rest_positions))
+
+    def test_views_are_read_only_and_outlive_the_face(self):
+        rest = facebaker.load(FIXTURE).rest_positions
+        gc.collect()
+        self.assertTrue(numpy.array_equal(rest, self.face.rest_positions))
+        with self.assertRaises(ValueError):
+            rest[0] = 0
+
+    def test_threads_may_share_a_face(self):
+        poses = random_poses(self.face, 8)
+        expected = self.face.evaluate_batch(poses)
+        wrong = []
+
+        def work(index):
+            for _ in range(50):
+                if not numpy.array_equal(self.face.evaluate(poses[index]), expected[index]):
+                    wrong.append(index)
+
+        threads = [threading.Thread(target=work, args=(index,)) for index in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+
+    def assert_error(self, name, part, call, *arguments):
+        with self.assertRaises(facebaker.Error) as caught:
+            call(*arguments)
+        self.assertEqual(caught.exception.status_name, name)
+        self.assertIn(part, str(caught.exception))
+
+    def test_errors_carry_a_status(self):
+        self.assert_error("FB_ERROR_NOT_FOUND", "/nowhere/face.fbk", facebaker.load, "/nowhere/face.fbk")
+        self.assert_error("FB_ERROR_IO", "directory", facebaker.load, "/")
+        self.assert_error("FB_ERROR_NOT_AN_ARCHIVE", "", facebaker.load, b"GIF89a")
+        self.assert_error("FB_ERROR_CORRUPT", "", facebaker.load, FIXTURE.read_bytes()[:-1])
+        self.assert_error("FB_ERROR_NOT_FOUND", '"jaw_open"', self.face.find, "jaw_opne")
+        self.assert_error("FB_ERROR_NOT_FINITE", '"brow_raise"', self.face.evaluate, [0, 0, float("nan"), 0, 0])
+
+    def test_wrong_shapes_are_refused(self):
+        for controls in [0] * 4, [[0] * 5]:
+            with self.assertRaises(ValueError):
+                self.face.evaluate(controls)
+        for controls in [0] * 5, [[0] * 4]:
+            with self.assertRaises(ValueError):
+                self.face.evaluate_batch(controls)
+        for out in numpy.zeros((1, 30, 3)), numpy.zeros((2, 30, 3), numpy.float32):
+            with self.assertRaises(ValueError):
+                self.face.evaluate_batch([[0] * 5], out=out)
+
+
+if __name__ == "__main__":
+    unittest.main()
