@@ -1,0 +1,203 @@
+#include "bake/recipes/bake.h"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "archive/reader.h"
+#include "archive/writer.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/verify.h"
+#include "bake/recipes/compare.h"
+#include "base/status.h"
+#include "memory_source.h"
+
+using namespace fb;
+
+namespace {
+
+struct WorkFolder {
+  std::filesystem::path path;
+  WorkFolder() {
+    static int count = 0;
+    path = std::filesystem::temp_directory_path() /
+           ("fb_recipes_" + std::to_string(getpid()) + "_" + std::to_string(count++));
+    std::filesystem::remove_all(path);
+  }
+  ~WorkFolder() { std::filesystem::remove_all(path); }
+};
+
+void linear_formula(const float* c, std::span<float> points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) points[i] += c[k] * (c[k] > 0 ? 0.5f : 0.2f) * std::sin(float(i * (k + 1)));
+}
+
+void curved_formula(const float* c, std::span<float> points) {
+  linear_formula(c, points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] += 0.6f * c[0] * c[1] * std::cos(0.3f * float(i));
+}
+
+// Excitations, dense poses, a training shot and a test shot of a face with a product corrective.
+MemorySource curved_face(bool live = false) {
+  MemorySource source(4, 8, curved_formula, live);
+  source.add_clip("dense", ClipKind::dense, Split::train, 1200, 0.6f, 1);
+  source.add_clip("shot", ClipKind::shot, Split::train, 300, 0.5f, 2);
+  source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
+  source.add_clip("unseen", ClipKind::shot, Split::test, 200, 0.5f, 4);
+  return source;
+}
+
+BakeOptions options_in(const WorkFolder& folder, const std::string& recipe = "paper") {
+  BakeOptions options;
+  options.recipe = recipe;
+  options.epochs = 3;
+  options.work = folder.path;
+  return options;
+}
+
+double unseen_mse(const std::vector<std::byte>& archive, Source& source) {
+  return evaluate_archive(archive, source, Split::test, {}, silent_progress()).total.mse;
+}
+
+struct StopIn final : Progress {
+  explicit StopIn(std::string_view stage) : wanted(stage) {}
+  void begin(std::string_view stage, std::uint64_t) override { inside = stage == wanted; }
+  void update(std::uint64_t done) override { stopped = stopped || (inside && done > 10); }
+  bool cancelled() const override { return stopped; }
+  void note(std::string_view) override {}
+  std::string_view wanted;
+  bool inside = false, stopped = false;
+};
+
+}  // namespace
+
+TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordings") {
+  WorkFolder folder;
+  for (const float active : {0.2f, 0.7f}) {  // alone often enough, and too rarely: the rest is fitted
+    MemorySource source(4, 8, linear_formula);
+    source.add_clip("poses", ClipKind::dense, Split::train, active < 0.5f ? 400 : 60, active, 1);
+    source.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
+    const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
+    CHECK(baked.coefficients == 8);
+    CHECK(baked.parameters == 0);
+    CHECK(unseen_mse(baked.archive, source) < (active < 0.5f ? 1e-9 : 1e-6));
+  }
+}
+
+TEST_CASE("the paper's network beats linear blendshapes on a face with a corrective") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  const Baked linear = bake(source, options_in(folder, "linear"), silent_progress());
+  BakeOptions options = options_in(folder);
+  options.epochs = 25;
+  const Baked paper = bake(source, options, silent_progress());
+  CHECK(unseen_mse(paper.archive, source) < 0.5 * unseen_mse(linear.archive, source));
+  CHECK(paper.poses == 1500);
+  CHECK(paper.quantisation < 1e-4);
+  const FaceModel model = read_archive(paper.archive).model;
+  REQUIRE(model.network.regions.size() == 1);
+  CHECK(model.network.regions[0].layers.size() == 9);
+  CHECK(model.network.regions[0].layers[7].skip);
+  CHECK(verify_archive(paper.archive).worst <= verify_tolerance);
+}
+
+TEST_CASE("an archive is the same bytes whatever the threads, and after an interruption") {
+  WorkFolder once, twice, stopped;
+  MemorySource source = curved_face();
+  BakeOptions options = options_in(once);
+  options.parallel.threads = 1;
+  const std::vector<std::byte> whole = bake(source, options, silent_progress()).archive;
+  options = options_in(twice);
+  options.parallel.threads = 3;
+  CHECK(bake(source, options, silent_progress()).archive == whole);
+  for (const char* stage : {"finding blendshapes", "training"}) {
+    StopIn progress(stage);
+    CHECK_THROWS_AS(bake(source, options_in(stopped), progress), Error);
+  }
+  CHECK(bake(source, options_in(stopped), silent_progress()).archive == whole);
+}
+
+TEST_CASE("a variant never reads a shot, and nothing reads validation or test clips") {
+  struct Watched final : MemorySource {
+    using MemorySource::MemorySource;
+    std::string read_clips;
+    void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override {
+      if (read_clips.find(clips()[clip].name) == std::string::npos) read_clips += clips()[clip].name + " ";
+      MemorySource::read(clip, first, count, points);
+    }
+  };
+  Watched source(4, 6, curved_formula);
+  source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.6f, 1);
+  source.add_clip("shot", ClipKind::shot, Split::train, 50, 0.5f, 2);
+  source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
+  source.add_clip("unseen", ClipKind::shot, Split::test, 50, 0.5f, 4);
+  WorkFolder folder;
+  BakeOptions options = options_in(folder);
+  options.epochs = 1;
+  options.use = Use::variant;
+  CHECK(bake(source, options, silent_progress()).poses == 300);
+  CHECK(source.read_clips == "dense ");
+  options.use = Use::backlot;
+  CHECK(bake(source, options, silent_progress()).poses == 350);
+  CHECK(source.read_clips == "dense shot ");
+}
+
+TEST_CASE("compare reports every method as variant and backlot, measured on unseen clips alone") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  const CompareReport report = compare(source, {"linear", "paper"}, options_in(folder), silent_progress());
+  REQUIRE(report.methods.size() == 4);
+  for (const MethodReport& method : report.methods) {
+    REQUIRE(method.independent.clips.size() == 1);
+    CHECK(method.independent.clips[0].name == "unseen");
+    CHECK(method.independent.total.frames == 200);
+    CHECK(method.dependency.frames == (method.use == Use::variant ? 1200 : 1500));
+    CHECK(method.bytes > 0);
+  }
+  CHECK(report.methods[1].name == "paper");
+  CHECK(report.methods[1].use == Use::variant);
+  CHECK(report.methods[1].independent.total.mse < report.methods[0].independent.total.mse);
+}
+
+TEST_CASE("what cannot be baked or compared is refused by name") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  CHECK_THROWS_WITH(bake(source, options_in(folder, "papre"), silent_progress()), doctest::Contains("\"papre\""));
+  CHECK_THROWS_WITH(compare(source, {"linear", "nonsense"}, options_in(folder), silent_progress()),
+                    doctest::Contains("\"nonsense\""));
+  CHECK_THROWS_WITH(use_from("crowd"), doctest::Contains("variant, backlot"));
+
+  MemorySource untested(4, 6, curved_formula);
+  untested.add_clip("dense", ClipKind::dense, Split::train, 30, 0.6f, 1);
+  CHECK_THROWS_WITH(compare(untested, {"linear"}, options_in(folder), silent_progress()),
+                    doctest::Contains("no test split"));
+  MemorySource only_shots(4, 6, curved_formula);
+  only_shots.add_clip("shot", ClipKind::shot, Split::train, 30, 0.6f, 1);
+  BakeOptions variant = options_in(folder);
+  variant.use = Use::variant;
+  CHECK_THROWS_WITH(bake(only_shots, variant, silent_progress()), doctest::Contains("not a shot"));
+}
+
+TEST_CASE("an archive is measured only against its own face") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
+  MemorySource larger(4, 9, curved_formula), wider(5, 8, curved_formula);
+  larger.add_clip("unseen", ClipKind::shot, Split::test, 5, 0.5f, 4);
+  wider.add_clip("unseen", ClipKind::shot, Split::test, 5, 0.5f, 4);
+  CHECK_THROWS_WITH(unseen_mse(baked.archive, larger), doctest::Contains("vertices"));
+  CHECK_THROWS_WITH(unseen_mse(baked.archive, wider), doctest::Contains("controls"));
+}
+
+TEST_CASE("an archive whose proof does not hold is refused") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  Archive archive = read_archive(bake(source, options_in(folder, "linear"), silent_progress()).archive);
+  const std::size_t somewhere = archive.proof.positions.size() / 2;
+  archive.proof.positions[somewhere] += static_cast<float>(1e-5 * archive.model.rest.diagonal());
+  CHECK_THROWS_WITH(verify_archive(write_archive(archive.model, archive.proof)),
+                    doctest::Contains("does not pose as it did"));
+}
