@@ -1,0 +1,83 @@
+#include "head_shape.h"
+
+#include "anatomy.h"
+
+namespace sample_face {
+namespace {
+
+// Smooth minimum: blends two surfaces over a distance k.
+float blend(float a, float b, float k) {
+  const float h = std::max(k - std::fabs(a - b), 0.0f) / k;
+  return std::min(a, b) - h * h * k * 0.25f;
+}
+
+// a with b taken away, the edge rounded over k.
+float carve(float a, float b, float k) {
+  return -blend(-a, b, k);
+}
+
+float ball(Vec3 p, Vec3 centre, float radius) {
+  return length(p - centre) - radius;
+}
+
+// Bound of the distance to an ellipsoid, exact on the surface.
+float ellipsoid(Vec3 p, Vec3 centre, Vec3 radii) {
+  const Vec3 d = p - centre;
+  const Vec3 q{d.x / radii.x, d.y / radii.y, d.z / radii.z};
+  const Vec3 g{q.x / radii.x, q.y / radii.y, q.z / radii.z};
+  const float k = length(q), m = length(g);
+  return m > 1e-6f ? k * (k - 1) / m : -std::min({radii.x, radii.y, radii.z});
+}
+
+// A cone with round ends: radius ra at a, rb at b.
+float limb(Vec3 p, Vec3 a, Vec3 b, float ra, float rb) {
+  const Vec3 ab = b - a;
+  const float t = clamp01(dot(p - a, ab) / dot(ab, ab));
+  return length(p - a - ab * t) - mix(ra, rb, t);
+}
+
+}  // namespace
+
+float head_distance(Vec3 p) {
+  p.x = std::fabs(p.x);
+  float d = ellipsoid(p, {0, 3.4f, -1.6f}, {7.5f, 8.7f, 9.3f});                            // cranium
+  d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.3f, 6.0f, 6.3f}), 2.0f);                   // forehead
+  d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.9f, 6.0f, 6.0f}), 2.6f);                  // middle face
+  d = blend(d, limb(p, {5.3f, -5.0f, -0.3f}, {1.9f, -9.2f, 5.2f}, 1.3f, 1.7f), 2.2f);      // jaw
+  d = blend(d, ellipsoid(p, {0, -9.5f, 6.3f}, {1.75f, 1.55f, 1.75f}), 1.7f);               // chin
+  d = blend(d, ball(p, {3.7f, -3.1f, 4.9f}, 2.55f), 2.0f);                                 // cheekbones
+  d = blend(d, ellipsoid(p, {0, -6.9f, 5.7f}, {3.0f, 2.5f, 2.75f}), 1.9f);                 // over the teeth
+  d = blend(d, limb(p, {1.2f, 2.35f, 7.1f}, {4.9f, 2.5f, 4.9f}, 0.95f, 0.9f), 1.5f);       // brow ridge
+  d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.4f}, 4.6f, 5.0f), 2.2f);          // neck
+  d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.6f}, {2.1f, 1.55f, 1.75f}), 1.6f);      // sockets
+  d = carve(d, ball(p, {0, -8.45f, 9.75f}, 0.85f), 1.3f);                                  // under the lower lip
+  d = blend(d, ball(p, kEyeCentre, kEyeRadius + kLidThickness), 0.55f);                    // lids over the eyeballs
+  float nose = limb(p, {0, 1.3f, 7.6f}, {0, -3.0f, 9.75f}, 0.62f, 0.78f);                  // bridge
+  nose = blend(nose, ellipsoid(p, {0, -3.45f, 9.9f}, {1.0f, 0.92f, 1.0f}), 0.8f);          // tip
+  nose = blend(nose, ellipsoid(p, {1.12f, -3.95f, 8.95f}, {0.72f, 0.68f, 0.95f}), 0.45f);  // wings
+  d = blend(d, nose, 0.85f);
+  return carve(d, limb(p, {0, -4.9f, 9.55f}, {0, -5.9f, 9.1f}, 0.2f, 0.3f), 0.5f);  // philtrum
+}
+
+Vec3 head_normal(Vec3 p) {
+  constexpr float h = 0.02f;
+  return unit({head_distance({p.x + h, p.y, p.z}) - head_distance({p.x - h, p.y, p.z}),
+               head_distance({p.x, p.y + h, p.z}) - head_distance({p.x, p.y - h, p.z}),
+               head_distance({p.x, p.y, p.z + h}) - head_distance({p.x, p.y, p.z - h})});
+}
+
+Vec3 onto_head(Vec3 p) {
+  for (int step = 0; step < 2; ++step) p -= head_normal(p) * (head_distance(p) * 0.95f);
+  return p;
+}
+
+Vec3 hit_head(Vec3 from, Vec3 direction) {
+  for (int step = 0; step < 40; ++step) {
+    const float d = head_distance(from);
+    if (d < 1e-3f) break;
+    from += direction * (d * 0.8f);
+  }
+  return from;
+}
+
+}  // namespace sample_face

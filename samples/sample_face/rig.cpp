@@ -1,0 +1,45 @@
+#include "rig.h"
+
+#include "anatomy.h"
+#include "skin_weights.h"
+
+namespace sample_face {
+
+Rig::Rig()
+    : mesh_(build_face_mesh()),
+      jaw_weight_(jaw_weights(mesh_)),
+      motion_(add_motion_controls(controls_)),
+      jaw_(mesh_, jaw_weight_),
+      lips_(mesh_),
+      lids_{Lids(mesh_, 0), Lids(mesh_, 1)},
+      eyes_(mesh_),
+      tongue_(mesh_),
+      bend_(mesh_) {
+  const Canvas canvas = make_canvas(mesh_, jaw_weight_);
+  add_pose_shapes(canvas, controls_, terms_);
+  add_tweakers(canvas, controls_, terms_);
+  add_correctives(canvas, controls_, terms_);
+  rest_.resize(mesh_.points.size());
+  pose(std::vector<float>(controls_.list().size(), 0.0f).data(), rest_.data());
+}
+
+void Rig::pose(const float* c, Vec3* points) const {
+  std::copy(mesh_.points.begin(), mesh_.points.end(), points);
+  for (const Term& term : terms_)
+    if (const float w = term.weight(c); w != 0) term.delta.apply(w, points);
+  const Motion jaw = Jaw::motion(motion_, c);
+  const std::array<Motion, 2> eyes = {Eyes::motion(motion_, c, 0), Eyes::motion(motion_, c, 1)};
+  lips_.roll(motion_, c, points);
+  tongue_.pose(motion_, c, points);
+  jaw_.pose(jaw, points);
+  lips_.swing(motion_, c, points);
+  lips_.touch(motion_, c, jaw, points);
+  for (int eye = 0; eye < 2; ++eye) {
+    const Vec3 centre = eye_centre(eye == 0 ? 1 : -1);
+    lids_[eye].pose(motion_, c, eyes[eye].turn({0, 0, 1}), eyes[eye](centre) - centre, points);
+  }
+  eyes_.pose(motion_, c, eyes, points);
+  bend_.pose(motion_, c, points);
+}
+
+}  // namespace sample_face
