@@ -9,7 +9,8 @@ poses=${1:-3000}
 export OMP_WAIT_POLICY=PASSIVE
 samples/setup.sh
 cmake --preset release
-cmake --build --preset release --parallel "$(nproc)" --target facebaker rig_sample
+cmake --build --preset release --parallel "$(nproc)" \
+  --target facebaker rig_sample libfacebaker libfacebaker_bake
 
 facebaker=build/release/bin/facebaker
 out=build/quickstart
