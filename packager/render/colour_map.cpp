@@ -8,8 +8,8 @@
 namespace fb {
 
 Vector3 map_colour(float value, float full) {
-  static constexpr std::array<Vector3, 6> stops = {{{0.86f, 0.87f, 0.88f},
-                                                    {0.98f, 0.88f, 0.45f},
+  static constexpr std::array<Vector3, 6> stops = {{{0.90f, 0.91f, 0.92f},
+                                                    {0.96f, 0.84f, 0.42f},
                                                     {0.97f, 0.64f, 0.20f},
                                                     {0.87f, 0.33f, 0.20f},
                                                     {0.60f, 0.11f, 0.33f},

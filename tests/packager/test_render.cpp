@@ -1,0 +1,219 @@
+// Properties a picture must have, whatever its exact pixels.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "render/colour_map.h"
+#include "render/panels.h"
+#include "render/png_file.h"
+#include "render/rasterizer.h"
+#include "render/shading.h"
+#include "render/surface.h"
+#include "render/text.h"
+
+using namespace fb;
+
+namespace {
+
+struct Shape {
+  std::vector<float> points;
+  std::vector<std::uint32_t> triangles;
+};
+
+// A square of side 2 that faces +z.
+Shape square(float z = 0) {
+  return {{-1, -1, z, 1, -1, z, 1, 1, z, -1, 1, z}, {0, 1, 2, 0, 2, 3}};
+}
+
+// A sphere of radius 1 from rings and segments, mirror-symmetric in x.
+Shape sphere(std::uint32_t rings = 24, std::uint32_t segments = 48) {
+  Shape shape;
+  for (std::uint32_t r = 0; r <= rings; ++r)
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const double latitude = M_PI * r / rings, longitude = 2 * M_PI * (s + 0.5) / segments;
+      shape.points.insert(shape.points.end(),
+                          {float(std::sin(latitude) * std::sin(longitude)), float(std::cos(latitude)),
+                           float(std::sin(latitude) * std::cos(longitude))});
+    }
+  for (std::uint32_t r = 0; r < rings; ++r)
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const std::uint32_t a = r * segments + s, b = r * segments + (s + 1) % segments;
+      shape.triangles.insert(shape.triangles.end(), {a, a + segments, b, b, a + segments, b + segments});
+    }
+  return shape;
+}
+
+// Pixels that show something: the backdrop is the same along a row, and the first column is always backdrop.
+std::vector<bool> silhouette(const Image& image) {
+  std::vector<bool> covered(image.pixels.size());
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      covered[std::size_t(y) * image.width + x] = !(image.at(x, y) == image.at(0, y));
+  return covered;
+}
+
+double share(const std::vector<bool>& covered) {
+  return double(std::count(covered.begin(), covered.end(), true)) / covered.size();
+}
+
+std::vector<bool> mirrored(const std::vector<bool>& covered, int width) {
+  std::vector<bool> other(covered.size());
+  for (std::size_t i = 0; i < covered.size(); ++i) other[i] = covered[i / width * width + width - 1 - i % width];
+  return other;
+}
+
+std::size_t differing(const std::vector<bool>& a, const std::vector<bool>& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+  return count;
+}
+
+const Canvas small = {.width = 160, .height = 160, .samples = 2};
+
+Image draw(const Shape& shape, const View& view = {}, const std::vector<float>& scalars = {}, float full = 1) {
+  return render({.triangles = shape.triangles, .points = shape.points, .scalars = scalars, .scalar_full = full},
+                frame(shape.points, "y", view, 1), small);
+}
+
+}  // namespace
+
+TEST_CASE("the camera fits what it frames into the picture, up to the margin") {
+  View view;
+  view.margin = 0.1f;
+  CHECK(share(silhouette(draw(square(), view))) == doctest::Approx(0.8 * 0.8).epsilon(0.03));
+  // A sphere's outline is a circle that touches the margins.
+  CHECK(share(silhouette(draw(sphere(), view))) == doctest::Approx(M_PI / 4 * 0.8 * 0.8).epsilon(0.05));
+}
+
+TEST_CASE("a region is what has to be in the picture, in place of the whole") {
+  const Shape shape = sphere();
+  View view;
+  view.region = Box{{-0.3f, -0.3f, 0.5f}, {0.3f, 0.3f, 2}};
+  const Camera near = frame(shape.points, "y", view, 1), whole = frame(shape.points, "y", {}, 1);
+  CHECK(near.position.z < 0.7f * whole.position.z);
+  float farthest = 0;  // from the middle of the picture; 1 is its edge
+  for (std::size_t v = 0; v < shape.points.size() / 3; ++v) {
+    const Vector3 p = vector_at(shape.points.data(), v);
+    if (std::fabs(p.x) > 0.3f || std::fabs(p.y) > 0.3f || p.z < 0.5f) continue;
+    const Vector3 e = near.to_camera(p);
+    farthest = std::max({farthest, std::fabs(e.x / e.z) * near.focal, std::fabs(e.y / e.z) * near.focal});
+  }
+  CHECK(farthest == doctest::Approx(1 - 2 * view.margin));
+}
+
+TEST_CASE("a symmetric shape has a symmetric outline, and opposite views mirrored ones") {
+  const auto front = silhouette(draw(sphere()));
+  CHECK(differing(front, mirrored(front, small.width)) < 10);
+  Shape lopsided = sphere();
+  for (std::size_t i = 0; i < lopsided.points.size(); i += 3)
+    if (lopsided.points[i + 2] > 0.5f) lopsided.points[i + 2] *= 2;  // a snout
+  View left, right;
+  left.yaw = -40;
+  right.yaw = 40;
+  const auto from_left = silhouette(draw(lopsided, left)), from_right = silhouette(draw(lopsided, right));
+  CHECK(differing(from_left, mirrored(from_right, small.width)) < 10);
+  CHECK(differing(from_left, from_right) > 500);
+}
+
+TEST_CASE("z-up is y-up turned") {
+  Shape shape = sphere();
+  for (std::size_t i = 0; i < shape.points.size(); i += 3) shape.points[i + 1] *= 1.4f;
+  Shape turned = shape;
+  for (std::size_t i = 0; i < shape.points.size(); i += 3) {
+    turned.points[i + 1] = -shape.points[i + 2];
+    turned.points[i + 2] = shape.points[i + 1];
+  }
+  View view;
+  view.yaw = 25;
+  view.pitch = 15;
+  const Image a = draw(shape, view);
+  const Image b =
+      render({.triangles = turned.triangles, .points = turned.points}, frame(turned.points, "z", view, 1), small);
+  CHECK(differing(silhouette(a), silhouette(b)) < 10);
+  const Rgb middle_a = a.at(80, 80), middle_b = b.at(80, 80);
+  CHECK(std::abs(middle_a.r - middle_b.r) <= 2);
+}
+
+TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
+  for (const bool front_first : {false, true}) {
+    Shape both = square(front_first ? 1.0f : -1.0f);
+    const Shape other = square(front_first ? -1.0f : 1.0f);
+    both.points.insert(both.points.end(), other.points.begin(), other.points.end());
+    for (const std::uint32_t corner : square().triangles) both.triangles.push_back(corner + 4);
+    const float first = front_first ? 1.0f : 0.0f;
+    const Image image = draw(both, {}, {first, first, first, first, 1 - first, 1 - first, 1 - first, 1 - first});
+    const Rgb seen = image.at(80, 80), full = to_srgb(shade_map({0, 0, 1}, map_colour(1, 1)));
+    CHECK(std::abs(seen.r - full.r) <= 2);
+    CHECK(std::abs(seen.g - full.g) <= 2);
+  }
+}
+
+TEST_CASE("an error map shows known values in the colours of its scale") {
+  for (const float value : {0.0f, 0.25f, 0.5f, 1.0f, 3.0f}) {
+    const Image image = draw(square(), {}, std::vector<float>(4, value), 1);
+    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_map({0, 0, 1}, map_colour(value, 1)));
+    CHECK(std::abs(seen.r - expected.r) <= 2);
+    CHECK(std::abs(seen.g - expected.g) <= 2);
+    CHECK(std::abs(seen.b - expected.b) <= 2);
+  }
+  // Lightness falls from no error to full error, so that the map also reads in grey.
+  float before = 2;
+  for (int i = 0; i <= 20; ++i) {
+    const Vector3 colour = map_colour(i / 20.0f, 1);
+    const float luminance = dot(colour, {0.2126f, 0.7152f, 0.0722f});
+    CHECK(luminance < before);
+    before = luminance;
+  }
+  CHECK(to_srgb(map_colour(9, 1)) == to_srgb(map_colour(1, 1)));
+}
+
+TEST_CASE("scales end on 1, 2 or 5") {
+  CHECK(round_scale(0.0013f) == doctest::Approx(0.002));
+  CHECK(round_scale(0.0021f) == doctest::Approx(0.005));
+  CHECK(round_scale(0.3f) == doctest::Approx(0.5));
+  CHECK(round_scale(0) == doctest::Approx(1e-6));
+}
+
+TEST_CASE("normals of a sphere point outwards; it has no grooves, its inside has no ridges") {
+  const Shape shape = sphere();
+  const auto normals = vertex_normals(shape.triangles, shape.points);
+  for (std::size_t v = 0; v < normals.size(); ++v) CHECK(dot(normals[v], vector_at(shape.points.data(), v)) > 0.98f);
+  for (const float hollowness : vertex_hollowness(shape.triangles, shape.points, normals)) CHECK(hollowness < 0);
+  std::vector<Vector3> inward = normals;
+  for (Vector3& n : inward) n = n * -1.0f;
+  for (const float hollowness : vertex_hollowness(shape.triangles, shape.points, inward)) CHECK(hollowness > 0);
+}
+
+TEST_CASE("pictures do not depend on threads") {
+  const Shape shape = sphere();
+  const Scene scene = {.triangles = shape.triangles, .points = shape.points};
+  const Camera camera = frame(shape.points, "y", {}, 1);
+  CHECK(render(scene, camera, small, {.threads = 1}).pixels == render(scene, camera, small, {.threads = 4}).pixels);
+}
+
+TEST_CASE("points that are behind the camera or not there do no harm") {
+  Shape shape = sphere();
+  Camera camera = frame(shape.points, "y", {}, 1);
+  camera.position = {0, 0, 0};
+  CHECK(render({.triangles = shape.triangles, .points = shape.points}, camera, small).pixels.size() == 160 * 160);
+  CHECK(share(silhouette(render({.triangles = {}, .points = {}}, frame({}, "y", {}, 1), small))) == 0);
+}
+
+TEST_CASE("panels stand side by side with their scale, and text stays inside the picture") {
+  const Image red(100, 80, {255, 0, 0}), blue(100, 80, {0, 0, 255});
+  const Image plain = compose({{red, "left", {}}, {blue, "right", {}}});
+  const Image scaled = compose({{red, "left", {}}, {blue, "right", 0.5f}});
+  CHECK(plain.width > 200);
+  CHECK(plain.height > 80 + text_height(1));
+  CHECK(scaled.width > plain.width);
+  CHECK(std::count(plain.pixels.begin(), plain.pixels.end(), Rgb{255, 0, 0}) == 8000);
+  CHECK(std::count(plain.pixels.begin(), plain.pixels.end(), Rgb{0, 0, 255}) == 8000);
+  Image page(40, 20, {255, 255, 255});
+  draw_text(page, 2, 2, "max", {0, 0, 0}, 1);
+  const auto inked = std::count(page.pixels.begin(), page.pixels.end(), Rgb{0, 0, 0});
+  CHECK(inked > 20);
+  CHECK(inked < 200);
+  draw_text(page, -30, -5, "cut off on every side, \xc3\xa4 too", {0, 0, 0}, 3);
+}

@@ -1,0 +1,73 @@
+#include <doctest/doctest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "archive/writer.h"
+#include "base/file.h"
+#include "base/status.h"
+#include "test_models.h"
+#include "tool_files.h"
+#include "tool_run.h"
+
+using Json = nlohmann::json;
+
+TEST_CASE("inspect --json holds the promised keys with the model's own numbers") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  const fb::FaceModel model = write_tiny_archive(archive);
+  const ToolRun run = run_tool({"inspect", archive, "--json"});
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.err.empty());
+  const Json json = Json::parse(run.out);
+  CHECK(json.at("vertices") == model.rest.vertex_count());
+  CHECK(json.at("controls") == model.schema.control_count());
+  CHECK(json.at("polygons") == model.rest.polygon_sizes.size());
+  CHECK(json.at("units") == "cm");
+  CHECK(json.at("recipe") == "tiny");
+  CHECK(json.at("certificate").is_null());
+  CHECK(json.at("provenance").at("recipe") == "tiny");
+  CHECK(json.at("runtime_bytes").get<std::uint64_t>() > model.basis.value_count() * sizeof(float));
+  CHECK(json.at("bytes").at("total") == std::filesystem::file_size(archive));
+  std::uint64_t sections = 0;
+  for (const auto& [name, bytes] : json.at("bytes").items())
+    if (name != "total") sections += bytes.get<std::uint64_t>();
+  CHECK(sections > 0);
+  CHECK(sections < std::filesystem::file_size(archive));
+  const Json& layers = json.at("network").at("regions").at(0).at("layers");
+  REQUIRE(layers.size() == model.network.regions[0].layers.size());
+  CHECK(layers.at(1).at("skip") == true);
+  CHECK(layers.at(1).at("activation") == "relu");
+  CHECK(json.at("control_list").at(2).at("name") == "brow_raise");
+  CHECK(json.at("control_list").at(2).at("default") == 0.25);
+}
+
+TEST_CASE("inspect for people names the face, and lists controls when asked") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  write_tiny_archive(archive);
+  const ToolRun brief = run_tool({"inspect", archive}), full = run_tool({"inspect", archive, "--controls"});
+  CHECK(brief.exit_code == 0);
+  CHECK(brief.out.find("tiny") != std::string::npos);
+  CHECK(brief.out.find("nose_wrinkle") == std::string::npos);
+  CHECK(full.out.find("nose_wrinkle") != std::string::npos);
+}
+
+TEST_CASE("provenance that is no JSON, or deeply nested, does no harm") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  for (const std::string& provenance : {std::string("{\"recipe\": 3, "), std::string(200000, '['),
+                                        "{\"a\":" + std::string(200000, '[') + std::string(200000, ']') + "}"}) {
+    fb::FaceModel model = fb::tiny_model();
+    model.provenance = provenance;
+    std::vector<std::byte> bytes;
+    try {
+      bytes = fb::write_archive(model, {});
+    } catch (const fb::Error&) {
+      continue;  // the writer may refuse it; a stranger's writer would not
+    }
+    fb::write_file(archive, bytes);
+    const ToolRun run = run_tool({"inspect", archive, "--json"});
+    CHECK(run.exit_code == 0);
+    CHECK(Json::parse(run.out).at("recipe").is_null());
+  }
+}

@@ -1,0 +1,120 @@
+// What every verb has in common: help, wrong use, bad files, and a full disk.
+#include <doctest/doctest.h>
+
+#include "base/file.h"
+#include "tool_files.h"
+#include "tool_run.h"
+
+namespace {
+
+const std::vector<std::string> verbs = {"sample", "inspect", "pose"};
+
+}  // namespace
+
+TEST_CASE("every verb explains itself and every option has a description") {
+  const ToolRun overview = run_tool({"--help"});
+  CHECK(overview.exit_code == 0);
+  for (const std::string& verb : verbs) {
+    CAPTURE(verb);
+    CHECK(overview.out.find("\n  " + verb + " ") != std::string::npos);
+    const ToolRun help = run_tool({verb, "--help"});
+    CHECK(help.exit_code == 0);
+    CHECK(help.err.empty());
+    CHECK(help.out.find("Usage: facebaker " + verb) != std::string::npos);
+    // An option without a description ends its line after the name and type.
+    CHECK(help.out.find("--json") != std::string::npos);
+  }
+}
+
+TEST_CASE("the version is printed") {
+  const ToolRun run = run_tool({"--version"});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out.starts_with("facebaker "));
+}
+
+TEST_CASE("wrong use exits with 2 and one line that says where help is") {
+  const std::vector<std::vector<std::string>> wrong = {{},
+                                                       {"juggle"},
+                                                       {"pose"},
+                                                       {"inspect"},
+                                                       {"inspect", "a.fbk", "--frobnicate"},
+                                                       {"pose", "a.fbk"},
+                                                       {"sample", "sample"},
+                                                       {"sample", "sample", "--out", "x", "--mix", "thin"},
+                                                       {"sample", "sample", "--out", "x", "--poses", "0"},
+                                                       {"pose", "a.fbk", "--out", "x.obj", "--threads", "-1"},
+                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"}};
+  for (const auto& arguments : wrong) {
+    const ToolRun run = run_tool(arguments);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 2);
+    CHECK(run.out.empty());
+    CHECK(run.err.starts_with("facebaker"));
+    CHECK(run.err.ends_with("(see --help)\n"));
+  }
+}
+
+TEST_CASE("files that are no archives are refused by name, whatever the verb") {
+  const ScratchFolder folder;
+  const std::string good = folder / "good.fbk", missing = folder / "missing.fbk", foreign = folder / "foreign.fbk",
+                    cut = folder / "cut.fbk", flipped = folder / "flipped.fbk", empty = folder / "empty.fbk";
+  write_tiny_archive(good);
+  auto bytes = fb::read_file(good);
+  fb::write_file(foreign, std::string("PK\3\4 this is something else altogether, as long as a header is"));
+  fb::write_file(empty, std::string());
+  fb::write_file(cut, std::span(bytes).first(bytes.size() - 9));
+  bytes[bytes.size() / 2] ^= std::byte{4};
+  fb::write_file(flipped, bytes);
+  const auto before = folder.names();
+  for (const std::string& archive : {missing, folder.path(), foreign, cut, flipped, empty}) {
+    for (const auto& arguments : std::vector<std::vector<std::string>>{
+             {"inspect", archive}, {"inspect", archive, "--json"}, {"pose", archive, "--out", folder / "x.png"}}) {
+      const ToolRun run = run_tool(arguments);
+      CAPTURE(run.err);
+      CHECK(run.exit_code == 1);
+      CHECK(run.out.empty());
+      CHECK(is_complaint(run.err, arguments[0], {}));
+    }
+  }
+  CHECK(is_complaint(run_tool({"inspect", missing}).err, "inspect", {missing, "no such file"}));
+  CHECK(is_complaint(run_tool({"inspect", folder.path()}).err, "inspect", {folder.path(), "directory"}));
+  CHECK(folder.names() == before);
+}
+
+TEST_CASE("no place to write to fails before anything is left behind") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  write_tiny_archive(archive);
+  for (const char* ending : {".png", ".obj", ".glb"}) {
+    const std::string nowhere = folder / (std::string("no/such/folder/x") + ending);
+    const ToolRun run = run_tool({"pose", archive, "--out", nowhere});
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "pose", {nowhere, "cannot be written"}));
+    CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
+  }
+}
+
+TEST_CASE("a disk that fills up leaves the old file and no partial one") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  write_tiny_archive(archive);
+  for (const char* ending : {".png", ".obj", ".glb"}) {
+    const std::string out = folder / (std::string("pose") + ending);
+    fb::write_file(out, std::string("precious"));
+    ToolSetting full;
+    full.largest_file = 100;
+    const ToolRun run = run_tool({"pose", archive, "--out", out}, full);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "pose", {out, "writing failed"}));
+    const auto kept = fb::read_file(out);
+    CHECK(std::string(reinterpret_cast<const char*>(kept.data()), kept.size()) == "precious");
+    std::filesystem::remove(out);
+    CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
+  }
+  if (std::filesystem::exists("/dev/full")) {
+    const ToolRun run = run_tool({"inspect", archive, "--json"}, {.standard_output = "/dev/full"});
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "inspect", {"standard output"}));
+  }
+}

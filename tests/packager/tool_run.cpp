@@ -1,0 +1,73 @@
+#include "tool_run.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace {
+
+// An unnamed file that takes what a process prints.
+class Capture {
+ public:
+  Capture() {
+    char name[] = "/tmp/facebaker-print-XXXXXX";
+    descriptor_ = mkstemp(name);
+    if (descriptor_ < 0) throw std::runtime_error("no temporary file");
+    unlink(name);
+  }
+  ~Capture() { close(descriptor_); }
+  int descriptor() const { return descriptor_; }
+  std::string text() const {
+    lseek(descriptor_, 0, SEEK_SET);
+    std::string text;
+    std::array<char, 4096> block;
+    for (ssize_t got; (got = read(descriptor_, block.data(), block.size())) > 0;) text.append(block.data(), got);
+    return text;
+  }
+
+ private:
+  int descriptor_;
+};
+
+[[noreturn]] void become_tool(std::vector<char*>& arguments, int out, int err, const ToolSetting& setting) {
+  if (!setting.standard_output.empty()) out = open(setting.standard_output.c_str(), O_WRONLY);
+  dup2(out, STDOUT_FILENO);
+  dup2(err, STDERR_FILENO);
+  if (setting.largest_file) {
+    signal(SIGXFSZ, SIG_IGN);  // so that writing fails, as on a full disk
+    const rlimit limit = {setting.largest_file, setting.largest_file};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  execv(FB_TOOL, arguments.data());
+  _exit(127);
+}
+
+}  // namespace
+
+ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting) {
+  std::vector<std::string> words = {"facebaker"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const Capture out, err;
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) become_tool(pointers, out.descriptor(), err.descriptor(), setting);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};
+}
+
+bool is_complaint(const std::string& err, const std::string& verb, const std::vector<std::string>& words) {
+  const bool one_line = std::count(err.begin(), err.end(), '\n') == 1 && err.back() == '\n';
+  return one_line && err.starts_with("facebaker " + verb + ": ") &&
+         std::all_of(words.begin(), words.end(), [&](const auto& word) { return err.find(word) != std::string::npos; });
+}

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+struct ToolRun {
+  int exit_code = -1;  // 128 + signal if one ended it
+  std::string out, err;
+};
+
+struct ToolSetting {
+  std::string standard_output;     // where it goes instead of ToolRun::out; empty: nowhere else
+  unsigned long largest_file = 0;  // bytes any file may grow to before writing fails; 0: no limit
+};
+
+// Runs build/.../facebaker with these arguments and waits for it.
+ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting = {});
+
+// True if the message is one line "facebaker VERB: ..." that has all these words in it.
+bool is_complaint(const std::string& err, const std::string& verb, const std::vector<std::string>& words);
