@@ -54,6 +54,7 @@ void AtomicFile::fail_here(const char* what) {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail_here("writing failed");
 }
 

@@ -107,8 +107,9 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   if (status != FB_OK) return status;
   copy_declarations(rig);
   if (!*lie) return FB_OK;
-  LIE("abi") rig->abi = FB_RIG_ABI + 1;
-  LIE("struct size") rig->struct_size = 8;
+  /* what a host cannot read it cannot destroy either */
+  LIE("abi") free(rig->user), rig->abi = FB_RIG_ABI + 1;
+  LIE("struct size") free(rig->user), rig->struct_size = 8;
   LIE("no name") rig->name = NULL;
   LIE("no units") rig->units = "";
   LIE("up axis") rig->up_axis = "x";
