@@ -26,7 +26,11 @@ int main(int argc, char** argv) {
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so) or \"sample\", the built-in face.\n"
       "Exit code: 0 success, 1 failure, 2 wrong use.");
   fb::add_sample(tool);
+  fb::add_bake(tool);
+  fb::add_eval(tool);
+  fb::add_compare(tool);
   fb::add_inspect(tool);
+  fb::add_verify(tool);
   fb::add_pose(tool);
 
   fb::watch_interrupts();

@@ -9,7 +9,11 @@ class App;
 namespace fb {
 
 void add_sample(CLI::App& tool);
+void add_bake(CLI::App& tool);
+void add_eval(CLI::App& tool);
+void add_compare(CLI::App& tool);
 void add_inspect(CLI::App& tool);
+void add_verify(CLI::App& tool);
 void add_pose(CLI::App& tool);
 
 }  // namespace fb

@@ -7,7 +7,7 @@
 
 namespace {
 
-const std::vector<std::string> verbs = {"sample", "inspect", "pose"};
+const std::vector<std::string> verbs = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose"};
 
 }  // namespace
 

@@ -1,0 +1,87 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "bake/recipes/bake.h"
+#include "base/file.h"
+#include "progress_bar.h"
+#include "report_folder.h"
+#include "report_json.h"
+#include "table.h"
+#include "verb_options.h"
+#include "verbs.h"
+
+namespace fb {
+namespace {
+
+struct BakeVerb {
+  std::vector<std::string> sources;
+  std::string out, use = "backlot", work, report;
+  BakeOptions options;
+  bool json = false;
+
+  void run();
+};
+
+std::string bake_text(const Baked& baked) {
+  Table table({"figure", "value"});
+  table.add({"bytes", std::to_string(baked.archive.size())});
+  table.add({"poses trained on", std::to_string(baked.poses)});
+  table.add({"coefficients", std::to_string(baked.coefficients)});
+  table.add({"trained numbers", std::to_string(baked.parameters)});
+  table.add({"training, seconds", format("%.1f", baked.train_seconds)});
+  table.add({"rounding, worst / diagonal", format("%.2e", baked.quantisation)});
+  return table.text();
+}
+
+void BakeVerb::run() {
+  { const AtomicFile probe(out); }  // better to learn now than in an hour that it cannot be written
+  options.use = use_from(use);
+  options.work = work.empty() ? out + ".work" : work;
+  const auto source = open_sources(sources);
+  Baked baked;
+  {
+    ProgressBar progress;
+    baked = bake(*source, options, progress);
+  }
+  write_file(out, baked.archive);
+  if (!report.empty()) write_report(report, "bake", bake_json(out, baked), bake_text(baked));
+  if (work.empty()) std::filesystem::remove_all(options.work);
+  std::fputs(json ? bake_json(out, baked).c_str() : (out + "\n" + bake_text(baked)).c_str(), stdout);
+}
+
+}  // namespace
+
+void add_bake(CLI::App& tool) {
+  auto verb = std::make_shared<BakeVerb>();
+  CLI::App* app = tool.add_subcommand("bake", "Learn a face from poses and write it as an archive");
+  add_sources(*app, verb->sources);
+  app->add_option("--out", verb->out, "The archive to write (.fbk); it appears complete or not at all")
+      ->type_name("FACE.fbk")
+      ->required();
+  app->add_option("--recipe", verb->options.recipe, "How to learn")
+      ->check(CLI::IsMember(recipe_names()))
+      ->capture_default_str();
+  app->add_option("--use", verb->use, "variant: shots are not trained on; backlot: they are")
+      ->check(CLI::IsMember({"variant", "backlot"}))
+      ->capture_default_str();
+  add_poses(*app, verb->options.poses);
+  add_mix(*app, verb->options.mix);
+  app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: the recipe's own number")
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--work", verb->work,
+                  "Folder that keeps what makes resuming possible; by default <out>.work, which is "
+                  "removed once the archive is whole")
+      ->type_name("DIR");
+  add_report(*app, verb->report);
+  add_seed(*app, verb->options.seed);
+  add_threads(*app, verb->options.parallel);
+  add_json_flag(*app, verb->json);
+  app->footer(
+      "--poses and --mix are for rigs; a dataset is used as it is. Ctrl-C keeps what is done: the same command "
+      "goes on from there.");
+  app->callback([verb] { verb->run(); });
+}
+
+}  // namespace fb

@@ -1,0 +1,72 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "bake/measure/evaluate.h"
+#include "base/file.h"
+#include "progress_bar.h"
+#include "report_folder.h"
+#include "report_json.h"
+#include "table.h"
+#include "verb_options.h"
+#include "verbs.h"
+
+namespace fb {
+namespace {
+
+struct EvalVerb {
+  std::string archive, split = "test", json, report;
+  std::vector<std::string> sources;
+  Parallel parallel;
+
+  void run();
+};
+
+std::string eval_text(const EvalReport& report) {
+  Table table({"clip", "kind", "split", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
+  const auto add = [&](const std::string& name, const char* kind, const char* split, const Errors& e) {
+    std::vector<std::string> row = {name, kind, split, std::to_string(e.frames)};
+    for (const double figure : {e.mse, e.rms, e.mean, e.p99, e.max, e.mfm}) row.push_back(format("%.2e", figure));
+    table.add(std::move(row));
+  };
+  for (const ClipErrors& clip : report.clips) add(clip.name, name_of(clip.kind), name_of(clip.split), clip.errors);
+  add("total", "", "", report.total);
+  return table.text() + format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", report.diagonal,
+                               report.units.c_str());
+}
+
+void EvalVerb::run() {
+  if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
+  const auto bytes = read_file(archive);
+  const auto source = open_sources(sources);
+  std::optional<Split> only;
+  if (split != "all") only = split_from(split);
+  EvalReport result;
+  {
+    ProgressBar progress;
+    result = evaluate_archive(bytes, *source, only, parallel, progress);
+  }
+  const std::string figures = eval_json(archive, result), table = eval_text(result);
+  if (!json.empty() && json != "-") write_file(json, figures);
+  if (!report.empty()) write_report(report, "eval", figures, table);
+  std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& tool) {
+  auto verb = std::make_shared<EvalVerb>();
+  CLI::App* app = tool.add_subcommand("eval", "Measure an archive against the true rig");
+  add_archive(*app, verb->archive);
+  add_sources(*app, verb->sources);
+  app->add_option("--split", verb->split, "Which clips to measure on")
+      ->check(CLI::IsMember({"train", "validation", "test", "all"}))
+      ->capture_default_str();
+  app->add_option("--json", verb->json, "Write the figures as JSON; - for standard output, in place of the table")
+      ->type_name("FILE");
+  add_report(*app, verb->report);
+  add_threads(*app, verb->parallel);
+  app->callback([verb] { verb->run(); });
+}
+
+}  // namespace fb

@@ -1,0 +1,19 @@
+// The figures of measuring and baking as JSON text, indented, ending in a newline. Keys are an interface: they are only
+// ever added.
+#pragma once
+
+#include <string>
+
+#include "bake/measure/evaluate.h"
+#include "bake/measure/verify.h"
+#include "bake/recipes/bake.h"
+#include "bake/recipes/compare.h"
+
+namespace fb {
+
+std::string eval_json(const std::string& archive, const EvalReport& report);
+std::string compare_json(const CompareReport& report);
+std::string bake_json(const std::string& archive, const Baked& baked);
+std::string verify_json(const std::string& archive, const VerifyReport& report);
+
+}  // namespace fb

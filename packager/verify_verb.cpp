@@ -1,0 +1,40 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "bake/measure/verify.h"
+#include "base/file.h"
+#include "report_json.h"
+#include "verb_options.h"
+#include "verbs.h"
+
+namespace fb {
+namespace {
+
+struct VerifyVerb {
+  std::string archive;
+  bool json = false;
+
+  void run() const {
+    const VerifyReport report = verify_archive(read_file(archive));
+    if (json)
+      std::fputs(verify_json(archive, report).c_str(), stdout);
+    else if (report.poses == 0)
+      std::printf("%s: whole; it carries no poses to check\n", archive.c_str());
+    else
+      std::printf("%s: whole; %zu poses of %zu vertices evaluate as archived (off by at most %.1e of the diagonal)\n",
+                  archive.c_str(), report.poses, report.vertices, report.worst);
+  }
+};
+
+}  // namespace
+
+void add_verify(CLI::App& tool) {
+  auto verb = std::make_shared<VerifyVerb>();
+  CLI::App* app = tool.add_subcommand("verify", "Check that an archive is whole and still computes what was archived");
+  add_archive(*app, verb->archive);
+  add_json_flag(*app, verb->json);
+  app->callback([verb] { verb->run(); });
+}
+
+}  // namespace fb
