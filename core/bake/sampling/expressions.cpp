@@ -43,7 +43,7 @@ class PoseMaker {
 
   // Moves `count` controls of a region, drawn without preference. A control that works against one already moved is
   // usually passed over: faces do not pull and push at once, but rigs are asked to now and then.
-  void express(const Region& region, std::size_t count, Strength strength, Random& random) {
+  void express(const ControlGroup& region, std::size_t count, Strength strength, Random& random) {
     std::vector<std::size_t> order = region.controls;
     std::vector<std::pair<std::size_t, bool>> moved;
     for (std::size_t i = 0; i < order.size() && moved.size() < count; ++i) {
@@ -67,9 +67,10 @@ class PoseMaker {
 };
 
 // `count` different regions, in random order.
-std::vector<const Region*> draw_regions(const std::vector<Region>& regions, std::size_t count, Random& random) {
-  std::vector<const Region*> drawn;
-  for (const Region& region : regions) drawn.push_back(&region);
+std::vector<const ControlGroup*> draw_regions(const std::vector<ControlGroup>& regions, std::size_t count,
+                                              Random& random) {
+  std::vector<const ControlGroup*> drawn;
+  for (const ControlGroup& region : regions) drawn.push_back(&region);
   for (std::size_t i = 0; i < count; ++i)
     std::swap(drawn[i], drawn[i + random.below(static_cast<std::uint32_t>(drawn.size() - i))]);
   drawn.resize(count);
@@ -77,11 +78,11 @@ std::vector<const Region*> draw_regions(const std::vector<Region>& regions, std:
 }
 
 // How many of `total` controls each region gets: by the root of its size, at least one, at most 60 %.
-std::vector<std::size_t> share_out(const std::vector<const Region*>& regions, double total) {
+std::vector<std::size_t> share_out(const std::vector<const ControlGroup*>& regions, double total) {
   double sum = 0;
-  for (const Region* region : regions) sum += std::sqrt(static_cast<double>(region->controls.size()));
+  for (const ControlGroup* region : regions) sum += std::sqrt(static_cast<double>(region->controls.size()));
   std::vector<std::size_t> counts;
-  for (const Region* region : regions) {
+  for (const ControlGroup* region : regions) {
     const double size = static_cast<double>(region->controls.size());
     const double most = std::ceil(0.6 * size), wanted = std::round(total * std::sqrt(size) / sum);
     counts.push_back(static_cast<std::size_t>(std::clamp(wanted, 1.0, most)));
@@ -90,13 +91,13 @@ std::vector<std::size_t> share_out(const std::vector<const Region*>& regions, do
 }
 
 // `probability` of each control, as a count.
-std::size_t draw_count(const Region& region, float probability, Random& random) {
+std::size_t draw_count(const ControlGroup& region, float probability, Random& random) {
   return static_cast<std::size_t>(probability * static_cast<float>(region.controls.size()) + random.uniform());
 }
 
-const Region& draw_by_energy(const std::vector<Region>& regions, Random& random) {
+const ControlGroup& draw_by_energy(const std::vector<ControlGroup>& regions, Random& random) {
   double u = random.uniform();
-  for (const Region& region : regions) {
+  for (const ControlGroup& region : regions) {
     if (u < region.energy) return region;
     u -= region.energy;
   }
@@ -133,11 +134,11 @@ std::vector<float> make_dense(const RigSchema& schema, const RigProbe& probe, st
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, heavy ? Stream::heavy : Stream::dense, i);
     PoseMaker maker(schema, probe);
-    const Region* heaviest = heavy ? &draw_by_energy(probe.regions(), random) : nullptr;
+    const ControlGroup* heaviest = heavy ? &draw_by_energy(probe.regions(), random) : nullptr;
     const float u = random.uniform();
     const float density = heavy ? 0.05f + 0.5f * u * u : 0.05f + 0.85f * u * std::sqrt(u);
     const Strength strength = draw_strength(random);
-    for (const Region& region : probe.regions()) {
+    for (const ControlGroup& region : probe.regions()) {
       const float here = &region == heaviest ? random.uniform(0.3f, 0.9f) : density * random.uniform(0.0f, 2.0f);
       maker.express(region, draw_count(region, std::min(here, 0.95f), random), strength, random);
     }
@@ -172,7 +173,7 @@ std::vector<float> make_calisthenics(const RigSchema& schema, const RigProbe& pr
   for (std::size_t sequence = 0; sequence * walk < poses; ++sequence) {
     Random random = open_stream(seed, Stream::calisthenics, sequence);
     const std::size_t count = std::min<std::size_t>(1 + random.below(2), probe.regions().size());
-    std::vector<const Region*> regions = draw_regions(probe.regions(), count, random);
+    std::vector<const ControlGroup*> regions = draw_regions(probe.regions(), count, random);
     regions[0] = &probe.regions()[sequence % probe.regions().size()];
     if (count == 2 && regions[1] == regions[0]) regions.pop_back();
     std::vector<float> keys = schema.rest_pose();

@@ -103,20 +103,21 @@ void RigProbe::find_regions(const RigSchema& schema) {
   double total = 0;
   for (std::size_t c = 0; c < schema.control_count(); ++c) {
     const std::string& group = schema.controls[c].group;
-    auto region = std::find_if(regions_.begin(), regions_.end(), [&](const Region& r) { return r.name == group; });
-    if (region == regions_.end()) region = regions_.insert(region, Region{group, {}, 0});
+    auto region =
+        std::find_if(regions_.begin(), regions_.end(), [&](const ControlGroup& r) { return r.name == group; });
+    if (region == regions_.end()) region = regions_.insert(region, ControlGroup{group, {}, 0});
     region->controls.push_back(c);
     region->energy += motion_[c] * motion_[c];
     total += motion_[c] * motion_[c];
   }
-  for (Region& region : regions_)
+  for (ControlGroup& region : regions_)
     region.energy = total > 0 ? region.energy / total : 1.0 / static_cast<double>(regions_.size());
 }
 
 void RigProbe::find_opposed() {
   const std::size_t ends = directions_.size();
   opposed_.assign(ends * ends, 0);
-  for (const Region& region : regions_)
+  for (const ControlGroup& region : regions_)
     for (const std::size_t a : region.controls)
       for (const std::size_t b : region.controls) {
         if (b <= a) continue;

@@ -12,7 +12,7 @@
 namespace fb {
 
 // Controls of one group; all controls without a group are one region together.
-struct Region {
+struct ControlGroup {
   std::string name;
   std::vector<std::size_t> controls;
   double energy = 0;  // its share of the motion of single controls; shares sum to 1
@@ -27,7 +27,7 @@ class RigProbe {
   // Asks for 5 poses per control; notes controls that move nothing.
   RigProbe(Source& rig, const Parallel& parallel, Progress& progress);
 
-  const std::vector<Region>& regions() const { return regions_; }
+  const std::vector<ControlGroup>& regions() const { return regions_; }
   // How far the control moves the mesh at most.
   double motion(std::size_t control) const { return motion_[control]; }
   // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range.
@@ -43,7 +43,7 @@ class RigProbe {
   void find_regions(const RigSchema& schema);
   void find_opposed();
 
-  std::vector<Region> regions_;
+  std::vector<ControlGroup> regions_;
   std::vector<double> motion_;
   std::vector<std::array<double, 3>> bend_;
   std::vector<std::vector<float>> directions_;  // displacement at both ends (2 c: minimum, 2 c + 1: maximum), length 1
