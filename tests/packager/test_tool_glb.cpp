@@ -1,62 +1,15 @@
-// pose writes glTF that a reader who knows nothing of us turns back into the evaluator's positions.
+// pose and the sample pose_face write glTF that a reader who knows nothing of us turns back into the evaluator's
+// positions.
 #include <doctest/doctest.h>
-#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
+#include "glb_reading.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
 namespace {
-
-tinygltf::Model load(const std::string& path) {
-  tinygltf::Model model;
-  tinygltf::TinyGLTF loader;
-  std::string error, warning;
-  const bool loaded = loader.LoadBinaryFromFile(&model, &error, &warning, path);
-  CAPTURE(error);
-  CAPTURE(warning);
-  REQUIRE(loaded);
-  CHECK(error.empty());
-  CHECK(warning.empty());
-  return model;
-}
-
-template <class T>
-std::vector<T> view_values(const tinygltf::Model& model, int view, std::size_t offset, std::size_t count) {
-  const auto& v = model.bufferViews.at(view);
-  const auto& data = model.buffers.at(v.buffer).data;
-  REQUIRE(v.byteOffset + offset + count * sizeof(T) <= data.size());
-  REQUIRE(offset + count * sizeof(T) <= v.byteLength);
-  std::vector<T> values(count);
-  std::memcpy(values.data(), data.data() + v.byteOffset + offset, count * sizeof(T));
-  return values;
-}
-
-// Floats of an accessor, sparse or not, that lie within the bounds it states.
-std::vector<float> floats(const tinygltf::Model& model, int index) {
-  const auto& a = model.accessors.at(index);
-  REQUIRE(a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT);
-  const std::size_t width = a.type == TINYGLTF_TYPE_VEC3 ? 3 : 1;
-  std::vector<float> values(a.count * width);
-  if (a.bufferView >= 0) values = view_values<float>(model, a.bufferView, a.byteOffset, values.size());
-  if (a.sparse.isSparse) {
-    const auto where = view_values<std::uint32_t>(model, a.sparse.indices.bufferView, 0, a.sparse.count);
-    const auto what = view_values<float>(model, a.sparse.values.bufferView, 0, a.sparse.count * width);
-    CHECK(std::is_sorted(where.begin(), where.end()));
-    for (std::size_t i = 0; i < where.size(); ++i) {
-      REQUIRE(where[i] < a.count);
-      std::copy_n(&what[i * width], width, &values[where[i] * width]);
-    }
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    CHECK(values[i] >= a.minValues.at(i % width));
-    CHECK(values[i] <= a.maxValues.at(i % width));
-  }
-  return values;
-}
 
 void check_unit_length(const std::vector<float>& normals) {
   for (std::size_t v = 0; v < normals.size(); v += 3)
@@ -76,7 +29,7 @@ void check_animation(std::size_t frames, std::size_t largest_target_count) {
   const fb::FaceModel face = write_tiny_archive(archive);
   const auto expected = evaluate_clip(face, write_clip(clip, face.schema, frames));
   REQUIRE(run_tool({"pose", archive, "--clip", clip, "--fps", "24", "--out", out}).exit_code == 0);
-  const tinygltf::Model model = load(out);
+  const tinygltf::Model model = load_glb(out);
   const auto& primitive = model.meshes.at(0).primitives.at(0);
   const std::size_t targets = primitive.targets.size(), size = face.rest.points.size();
   REQUIRE(targets > 0);
@@ -118,7 +71,7 @@ TEST_CASE("a pose becomes one mesh with every vertex in order, normals and trian
   REQUIRE(run_tool({"pose", archive, "--set", "jaw_open=1", "--out", out}).exit_code == 0);
   auto controls = face.schema.rest_pose();
   controls[0] = 1;
-  const tinygltf::Model model = load(out);
+  const tinygltf::Model model = load_glb(out);
   CHECK(model.asset.version == "2.0");
   CHECK(model.animations.empty());
   CHECK(model.nodes.at(0).scale == std::vector<double>(3, 0.01));  // centimetres
@@ -135,4 +88,22 @@ TEST_CASE("a short clip becomes its frames as morph targets") {
 
 TEST_CASE("a long clip becomes the basis as morph targets") {
   check_animation(40, 5);
+}
+
+TEST_CASE("the sample pose_face writes the same mesh through the C API") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", out = folder / "pose.glb";
+  const fb::FaceModel face = write_tiny_archive(archive);
+  REQUIRE(run_program(FB_POSE_FACE, {archive, out, "jaw_open=1"}).exit_code == 0);
+  auto controls = face.schema.rest_pose();
+  controls[0] = 1;
+  const tinygltf::Model model = load_glb(out);
+  const auto& primitive = model.meshes.at(0).primitives.at(0);
+  CHECK(floats(model, primitive.attributes.at("POSITION")) == evaluate_clip(face, controls));
+  check_unit_length(floats(model, primitive.attributes.at("NORMAL")));
+  const auto& indices = model.accessors.at(primitive.indices);
+  CHECK(view_values<std::uint32_t>(model, indices.bufferView, 0, indices.count) == face.rest.triangles());
+  const ToolRun misspelt = run_program(FB_POSE_FACE, {archive, folder / "x.glb", "jaw_opne=1"});
+  CHECK(misspelt.exit_code == 1);
+  CHECK(misspelt.err.find("jaw_open") != std::string::npos);
 }

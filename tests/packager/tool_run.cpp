@@ -36,7 +36,7 @@ class Capture {
   int descriptor_;
 };
 
-[[noreturn]] void become_tool(std::vector<char*>& arguments, int out, int err, const ToolSetting& setting) {
+[[noreturn]] void become(std::vector<char*>& arguments, int out, int err, const ToolSetting& setting) {
   if (!setting.standard_output.empty()) out = open(setting.standard_output.c_str(), O_WRONLY);
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
@@ -45,14 +45,14 @@ class Capture {
     const rlimit limit = {setting.largest_file, setting.largest_file};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
-  execv(FB_TOOL, arguments.data());
+  execv(arguments[0], arguments.data());
   _exit(127);
 }
 
 }  // namespace
 
-ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting) {
-  std::vector<std::string> words = {"facebaker"};
+ToolRun run_program(const std::string& path, const std::vector<std::string>& arguments, const ToolSetting& setting) {
+  std::vector<std::string> words = {path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -60,10 +60,14 @@ ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& s
   const Capture out, err;
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become_tool(pointers, out.descriptor(), err.descriptor(), setting);
+  if (child == 0) become(pointers, out.descriptor(), err.descriptor(), setting);
   int status = 0;
   waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};
+}
+
+ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting) {
+  return run_program(FB_TOOL, arguments, setting);
 }
 
 bool is_complaint(const std::string& err, const std::string& verb, const std::vector<std::string>& words) {

@@ -13,6 +13,10 @@ struct ToolSetting {
   unsigned long largest_file = 0;  // bytes any file may grow to before writing fails; 0: no limit
 };
 
+// Runs a program with these arguments and waits for it.
+ToolRun run_program(const std::string& path, const std::vector<std::string>& arguments,
+                    const ToolSetting& setting = {});
+
 // Runs build/.../facebaker with these arguments and waits for it.
 ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting = {});
 
