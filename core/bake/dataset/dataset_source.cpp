@@ -61,6 +61,11 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) {
     note_range(clip);
     ShardedArray points;
     if (!entry.points.empty()) {
+      if (index.sampling)
+        for (const std::string& name : entry.points)
+          if (!std::filesystem::exists(folder / name))
+            fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
+                 (folder / name).c_str());
       points = ShardedArray(shard_files(folder, entry.points), {rest_.vertex_count(), 3}, points_need.c_str());
       if (points.rows() != clip.frames)
         fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of points", folder.c_str(),

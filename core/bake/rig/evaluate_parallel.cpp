@@ -6,7 +6,8 @@ namespace fb {
 
 void evaluate_parallel(Source& source, std::span<const float> controls, std::size_t count, std::span<float> points,
                        const Parallel& parallel) {
-  constexpr std::size_t block = 32;
+  // Few poses of a slow rig are spread too; blocks do not depend on the number of threads.
+  const std::size_t block = std::clamp<std::size_t>(count / 8, 1, 32);
   const std::size_t width = source.schema().control_count(), size = source.rest().points.size();
   if (controls.size() != count * width || points.size() != count * size)
     fail(Status::invalid_argument, "%zu poses need %zu control values and %zu coordinates, not %zu and %zu", count,

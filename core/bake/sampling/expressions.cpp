@@ -77,14 +77,14 @@ std::vector<const ControlGroup*> draw_regions(const std::vector<ControlGroup>& r
   return drawn;
 }
 
-// How many of `total` controls each region gets: by the root of its size, at least one, at most 60 %.
+// How many of `total` controls each region gets: by the root of its size, at least one, at most 80 %.
 std::vector<std::size_t> share_out(const std::vector<const ControlGroup*>& regions, double total) {
   double sum = 0;
   for (const ControlGroup* region : regions) sum += std::sqrt(static_cast<double>(region->controls.size()));
   std::vector<std::size_t> counts;
   for (const ControlGroup* region : regions) {
     const double size = static_cast<double>(region->controls.size());
-    const double most = std::ceil(0.6 * size), wanted = std::round(total * std::sqrt(size) / sum);
+    const double most = std::ceil(0.8 * size), wanted = std::round(total * std::sqrt(size) / sum);
     counts.push_back(static_cast<std::size_t>(std::clamp(wanted, 1.0, most)));
   }
   return counts;

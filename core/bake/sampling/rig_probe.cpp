@@ -8,28 +8,32 @@
 namespace fb {
 namespace {
 
-// A spread of vertices is enough to tell motions apart, and keeps every response in memory whatever the mesh.
+// A spread of vertices is enough to tell whether motions oppose each other, and fits in memory for every control.
 constexpr std::size_t most_vertices = 1000;
 
 // Pairs below this cosine work against each other.
 constexpr double opposition = -0.5;
 
-void gather(const float* points, std::size_t vertices, std::size_t stride, std::vector<float>& out) {
-  for (std::size_t v = 0; v < vertices; v += stride) out.insert(out.end(), points + 3 * v, points + 3 * v + 3);
-}
-
-double rms(double squares, std::size_t coordinates) {
-  return std::sqrt(squares / (static_cast<double>(coordinates) / 3));
+// Displacement of spread vertices, scaled to length 1; empty if they do not move.
+std::vector<float> direction(const std::vector<float>& rest, const float* points) {
+  const std::size_t vertices = rest.size() / 3, stride = (vertices + most_vertices - 1) / most_vertices;
+  std::vector<float> direction;
+  double squares = 0;
+  for (std::size_t v = 0; v < vertices; v += stride)
+    for (std::size_t i = 3 * v; i < 3 * v + 3; ++i) {
+      direction.push_back(points[i] - rest[i]);
+      squares += double(direction.back()) * direction.back();
+    }
+  if (squares == 0) return {};
+  for (float& d : direction) d = static_cast<float>(d / std::sqrt(squares));
+  return direction;
 }
 
 }  // namespace
 
 RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : diagonal_(rig.rest().diagonal()) {
   const RigSchema& schema = rig.schema();
-  const std::size_t width = schema.control_count(), vertices = rig.rest().vertex_count(), size = 3 * vertices;
-  const std::size_t stride = (vertices + most_vertices - 1) / most_vertices;
-  std::vector<float> rest;
-  gather(rig.rest().points.data(), vertices, stride, rest);
+  const std::size_t width = schema.control_count(), size = rig.rest().points.size();
   motion_.resize(width);
   bend_.resize(width);
   directions_.resize(2 * width);
@@ -55,10 +59,7 @@ RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : 
            error.reason().c_str());
     }
     for (std::size_t i = 0; i < count; ++i) {
-      std::vector<float> responses;
-      for (std::size_t k = 0; k < values; ++k)
-        gather(points.data() + (i * values + k) * size, vertices, stride, responses);
-      measure(schema, first + i, rest, responses.data());
+      measure(rig, first + i, points.data() + i * values * size);
       if (motion_[first + i] == 0)
         progress.note(format("control \"%s\" alone moves nothing", schema.controls[first + i].name.c_str()));
     }
@@ -68,9 +69,10 @@ RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : 
   find_opposed();
 }
 
-void RigProbe::measure(const RigSchema& schema, std::size_t control, const std::vector<float>& rest,
-                       const float* responses) {
+void RigProbe::measure(const Source& rig, std::size_t control, const float* responses) {
+  const std::vector<float>& rest = rig.rest().points;
   const std::size_t size = rest.size();
+  const auto root_mean = [&](double squares) { return std::sqrt(3 * squares / static_cast<double>(size)) / diagonal_; };
   for (std::size_t k = 0; k < values; ++k) {
     const float* here = responses + k * size;
     double moved = 0, bent = 0;
@@ -81,22 +83,13 @@ void RigProbe::measure(const RigSchema& schema, std::size_t control, const std::
       const double second = double(here[i - size]) - 2 * double(here[i]) + here[i + size];
       bent += second * second;
     }
-    motion_[control] = std::max(motion_[control], rms(moved, size) / diagonal_);
-    if (k > 0 && k + 1 < values) bend_[control][k - 1] = rms(bent, size) / diagonal_;
+    motion_[control] = std::max(motion_[control], root_mean(moved));
+    if (k > 0 && k + 1 < values) bend_[control][k - 1] = root_mean(bent);
   }
-  const Control& c = schema.controls[control];
-  for (const bool up : {false, true}) {
-    if ((up ? c.maximum : c.minimum) == c.rest) continue;
-    std::vector<float>& direction = directions_[2 * control + up];
-    direction.assign(responses + (up ? values - 1 : 0) * size, responses + (up ? values : 1) * size);
-    double squares = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      direction[i] -= rest[i];
-      squares += double(direction[i]) * direction[i];
-    }
-    if (squares == 0) direction.clear();
-    for (float& d : direction) d = static_cast<float>(d / std::sqrt(squares));
-  }
+  const Control& c = rig.schema().controls[control];
+  for (const bool up : {false, true})
+    if ((up ? c.maximum : c.minimum) != c.rest)
+      directions_[2 * control + up] = direction(rest, responses + (up ? values - 1 : 0) * size);
 }
 
 void RigProbe::find_regions(const RigSchema& schema) {

@@ -39,7 +39,7 @@ class RigProbe {
   }
 
  private:
-  void measure(const RigSchema& schema, std::size_t control, const std::vector<float>& rest, const float* responses);
+  void measure(const Source& rig, std::size_t control, const float* responses);
   void find_regions(const RigSchema& schema);
   void find_opposed();
 
