@@ -215,6 +215,15 @@ TEST_CASE("fields of dataset.json are checked by name") {
   }
 }
 
+TEST_CASE("every prefix of dataset.json is refused") {
+  ToyDataset toy;
+  const std::string whole = toy.json;
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    toy.json = whole.substr(0, length);
+    failure(Status::bad_data, [&] { toy.open(); });
+  }
+}
+
 TEST_CASE("arrays that do not fit are refused by file") {
   using Spoil = std::function<void(const Folder&)>;
   const float nan = NAN;
