@@ -132,11 +132,11 @@ TEST_CASE("the rest mesh may be a mesh file") {
              {"v 0 0 0\nf 1 1", "line 2: a face of 2 corners"},
              {"v 0 0 0\nf 1 1 a", "line 2: \"a\" is no corner"},
              {"", "not a positive multiple of 3"}};
-  for (const auto& [text, message] : bad) {
-    CAPTURE(text);
-    std::ofstream(toy.folder / "rest.obj") << text;
+  for (const auto& wrong : bad) {
+    CAPTURE(wrong.text);
+    std::ofstream(toy.folder / "rest.obj") << wrong.text;
     const std::string what = failure(Status::bad_data, [&] { toy.open(); });
-    CHECK_MESSAGE(contains(what, message), what);
+    CHECK_MESSAGE(contains(what, wrong.message), what);
   }
 }
 
@@ -205,12 +205,12 @@ TEST_CASE("fields of dataset.json are checked by name") {
       {"\"talk.points.npy\"", "\"none.points.npy\"", "none.points.npy: no such file, and no shard none.000.points.npy",
        Status::not_found},
   };
-  for (const auto& [from, to, message, status] : spoiled) {
-    CAPTURE(from);
+  for (const auto& wrong : spoiled) {
+    CAPTURE(wrong.from);
     ToyDataset toy;
-    toy.replace(from, to);
-    const std::string what = failure(status, [&] { toy.open(); });
-    CHECK_MESSAGE(contains(what, message), what);
+    toy.replace(wrong.from, wrong.to);
+    const std::string what = failure(wrong.status, [&] { toy.open(); });
+    CHECK_MESSAGE(contains(what, wrong.message), what);
     CHECK_MESSAGE(contains(what, toy.folder.path()), what);
   }
 }
@@ -288,12 +288,12 @@ TEST_CASE("arrays that do not fit are refused by file") {
       {[](const Folder& f) { std::filesystem::remove(f / "later.controls.npy"); }, "later.controls.npy: no such file",
        Status::not_found},
   };
-  for (const auto& [spoil, message, status] : spoiled) {
-    CAPTURE(message);
+  for (const auto& wrong : spoiled) {
+    CAPTURE(wrong.message);
     const ToyDataset toy;
-    spoil(toy.folder);
-    const std::string what = failure(status, [&] { toy.open(); });
-    CHECK_MESSAGE(contains(what, message), what);
+    wrong.spoil(toy.folder);
+    const std::string what = failure(wrong.status, [&] { toy.open(); });
+    CHECK_MESSAGE(contains(what, wrong.message), what);
   }
 }
 

@@ -109,12 +109,12 @@ TEST_CASE("what is no readable array is refused by name") {
       {"{'descr", "a string without an end"},
       {"", "no '{' where one belongs"},
   };
-  for (const auto& [text, message] : bad) {
-    CAPTURE(text);
-    write_raw<float>(path, 1, text, {1, 2});
-    Status status = contains(message, "overflows") ? Status::limit : Status::bad_data;
+  for (const auto& wrong : bad) {
+    CAPTURE(wrong.header);
+    write_raw<float>(path, 1, wrong.header, {1, 2});
+    Status status = contains(wrong.message, "overflows") ? Status::limit : Status::bad_data;
     const std::string what = failure(status, [&] { NpyFile file(path); });
-    CHECK_MESSAGE(contains(what, message), what);
+    CHECK_MESSAGE(contains(what, wrong.message), what);
     CHECK(contains(what, path));
   }
   write_raw<float>(path, 3, "{}", {});

@@ -77,10 +77,10 @@ TEST_CASE("a rig that lies is refused by name") {
       {"clip nan", Status::not_finite, "clip \"frown\", frame 4: control \"jawOpen\" is nan"},
       {"first pose only", Status::not_finite, "the rest pose cannot be evaluated"},
   };
-  for (const auto& [lie, status, message] : lies) {
-    CAPTURE(lie);
-    const std::string what = failure(status, [&] { open_liar(lie); });
-    CHECK_MESSAGE(contains(what, message), what);
+  for (const auto& wrong : lies) {
+    CAPTURE(wrong.lie);
+    const std::string what = failure(wrong.status, [&] { open_liar(wrong.lie); });
+    CHECK_MESSAGE(contains(what, wrong.message), what);
     CHECK_MESSAGE(contains(what, FB_LYING_RIG), what);
   }
 }
@@ -101,15 +101,15 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own sente
       {"fails without words", Status::rig, "pose 12345: rig \"toy\" failed: status 11 without a message"},
       {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\" puts vertex 17 at a place that is not finite"},
       {"fails on blocks", Status::rig, "pose 0: rig \"toy\" failed: too many poses for me (on a block of 32 poses"}};
-  for (const auto& [lie, status, message] : lies) {
-    const auto rig = open_liar(lie);
+  for (const auto& wrong : lies) {
+    const auto rig = open_liar(wrong.lie);
     for (const int threads : {1, 2}) {
-      const std::string parallel =
-          failure(status, [&] { evaluate_parallel(*rig, controls, count, points, Parallel{.threads = threads}); });
-      CHECK_MESSAGE(contains(parallel, message), parallel);
+      const std::string parallel = failure(
+          wrong.status, [&] { evaluate_parallel(*rig, controls, count, points, Parallel{.threads = threads}); });
+      CHECK_MESSAGE(contains(parallel, wrong.message), parallel);
     }
-    const std::string serial = failure(status, [&] { rig->evaluate(controls, count, points); });
-    CHECK_MESSAGE(contains(serial, message), serial);
+    const std::string serial = failure(wrong.status, [&] { rig->evaluate(controls, count, points); });
+    CHECK_MESSAGE(contains(serial, wrong.message), serial);
   }
 }
 

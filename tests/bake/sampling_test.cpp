@@ -73,8 +73,8 @@ TEST_CASE("a plan has the poses asked for, in the kinds of its mix, within all r
       {"dense", {{"excitations", 50}, {"calisthenics", 50}, {"dense", 451}, {"heavy", 450}}},
   };
   const auto toy = open_toy();
-  for (const auto& [mix, frames] : mixes) {
-    const PosePlan plan = plan_toy({.poses = 1001, .mix = mix});
+  for (const auto& wanted : mixes) {
+    const PosePlan plan = plan_toy({.poses = 1001, .mix = wanted.mix});
     std::size_t training = 0;
     for (const Clip& clip : plan) {
       REQUIRE(clip.controls.size() == clip.frames * width);
@@ -86,8 +86,8 @@ TEST_CASE("a plan has the poses asked for, in the kinds of its mix, within all r
       if (clip.kind != ClipKind::shot) training += clip.frames;
     }
     CHECK(training == 1001);
-    CHECK(plan.size() == frames.size() + 2);
-    for (const auto& [name, count] : frames) CHECK(clip_named(plan, name).frames == count);
+    CHECK(plan.size() == wanted.frames.size() + 2);
+    for (const auto& [name, count] : wanted.frames) CHECK(clip_named(plan, name).frames == count);
     CHECK(clip_named(plan, "talk").split == Split::train);
     CHECK(clip_named(plan, "frown").split == Split::test);
     CHECK(same(clip_named(plan, "frown"), toy->clips()[1]));
@@ -315,9 +315,9 @@ TEST_CASE("sampling that was interrupted goes on where it stopped") {
   CHECK(
       contains(failure(Status::interrupted, [&] { sample_to_dataset(*toy, plan, folder.path(), {}, stop); }), "kept"));
   std::size_t shards = 0;
-  for (const auto& [name, bytes] : files_of(folder.path())) {
-    CHECK_MESSAGE(!contains(name, "partial"), name);
-    shards += contains(name, ".points.npy");
+  for (const auto& file : files_of(folder.path())) {
+    CHECK_MESSAGE(!contains(file.first, "partial"), file.first);
+    shards += contains(file.first, ".points.npy");
   }
   CHECK(shards >= 4);
   std::filesystem::resize_file(folder / "excitations.001.points.npy", 1000);  // as a full disk might leave it
