@@ -45,6 +45,8 @@ class Capture {
     const rlimit limit = {setting.largest_file, setting.largest_file};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
+  std::string variable = setting.environment;
+  if (!variable.empty()) putenv(variable.data());
   execv(arguments[0], arguments.data());
   _exit(127);
 }
@@ -61,6 +63,15 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become(pointers, out.descriptor(), err.descriptor(), setting);
+  if (!setting.interrupt_when_exists.empty()) {
+    // Until the path is there or the child is gone, which is left for waitpid below to find.
+    siginfo_t gone = {};
+    while (access(setting.interrupt_when_exists.c_str(), F_OK) != 0 && gone.si_pid == 0) {
+      waitid(P_PID, child, &gone, WEXITED | WNOHANG | WNOWAIT);
+      usleep(2000);
+    }
+    kill(child, SIGINT);
+  }
   int status = 0;
   waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};

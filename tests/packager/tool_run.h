@@ -9,8 +9,10 @@ struct ToolRun {
 };
 
 struct ToolSetting {
-  std::string standard_output;     // where it goes instead of ToolRun::out; empty: nowhere else
-  unsigned long largest_file = 0;  // bytes any file may grow to before writing fails; 0: no limit
+  std::string standard_output = {};        // where it goes instead of ToolRun::out; empty: nowhere else
+  unsigned long largest_file = 0;          // bytes any file may grow to before writing fails; 0: no limit
+  std::string environment = {};            // one variable more, "NAME=VALUE"
+  std::string interrupt_when_exists = {};  // Ctrl-C once this path is there
 };
 
 // Runs a program with these arguments and waits for it.

@@ -1,0 +1,250 @@
+// From a rig to figures through the command line: sample, bake, verify, eval, compare, and a picture beside the rig.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bake/dataset/npy.h"
+#include "base/file.h"
+#include "tool_files.h"
+#include "tool_run.h"
+
+using Json = nlohmann::json;
+
+namespace {
+
+const std::vector<std::string> figures = {"mse", "rms", "mean", "p99", "max", "mfm"};
+
+std::string text_of(const std::string& path) {
+  const auto bytes = fb::read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void sample_toy(const std::string& dataset) {
+  const ToolRun run = run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "200"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+}
+
+std::vector<std::string> quick_bake(const std::string& source, const std::string& out) {
+  return {"bake", source, "--out", out, "--epochs", "1"};
+}
+
+// Changes one number of a NumPy file.
+void poke(const std::string& path, std::size_t index, float value) {
+  const fb::NpyFile file(path);
+  std::vector<float> values(file.rows() * file.row_size());
+  file.read(0, file.rows(), values);
+  values.at(index) = value;
+  fb::write_npy(path, file.shape(), std::span<const float>(values));
+}
+
+Json read_index(const std::string& dataset) {
+  return Json::parse(text_of(dataset + "/dataset.json"));
+}
+void write_index(const std::string& dataset, const Json& index) {
+  std::filesystem::remove(dataset + "/dataset.json");
+  fb::write_file(dataset + "/dataset.json", index.dump());
+}
+
+}  // namespace
+
+TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", archive = folder / "toy.fbk", json = folder / "eval.json";
+  sample_toy(dataset);
+  const ToolRun again = run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "200", "--json"});
+  REQUIRE(again.exit_code == 0);
+  CHECK(Json::parse(again.out).at("evaluated") == 0);  // all of it was there
+
+  const ToolRun bake = run_tool({"bake", dataset, "--out", archive, "--recipe", "paper", "--epochs", "2", "--report",
+                                 folder / "report", "--json"});
+  CAPTURE(bake.err);
+  REQUIRE(bake.exit_code == 0);
+  const Json baked = Json::parse(bake.out);
+  CHECK(baked.at("bytes") == std::filesystem::file_size(archive));
+  for (const char* key : {"poses", "coefficients", "parameters", "train_seconds", "quantisation"})
+    CHECK(baked.contains(key));
+  CHECK(folder.names() == std::vector<std::string>{"data", "report", "toy.fbk"});
+  CHECK(text_of(folder / "report/bake.json") == bake.out);
+
+  const ToolRun verify = run_tool({"verify", archive, "--json"});
+  REQUIRE(verify.exit_code == 0);
+  CHECK(Json::parse(verify.out).at("poses") > 0);
+  CHECK(Json::parse(verify.out).at("worst") == 0);
+
+  const ToolRun eval = run_tool({"eval", archive, dataset, "--json", json, "--report", folder / "report"});
+  CAPTURE(eval.err);
+  REQUIRE(eval.exit_code == 0);
+  const Json measured = Json::parse(text_of(json));
+  CHECK(measured.at("archive") == archive);
+  CHECK(measured.at("units") == "cm");
+  CHECK(measured.at("diagonal") > 0);
+  REQUIRE(measured.at("clips").size() == 1);
+  CHECK(measured["clips"][0].at("name") == "frown");
+  CHECK(measured["clips"][0].at("kind") == "shot");
+  CHECK(measured["clips"][0].at("split") == "test");
+  CHECK(measured["clips"][0].at("frames") == 12);
+  for (const std::string& figure : figures) {
+    CHECK(measured["clips"][0].at(figure) > 0);
+    CHECK(measured.at("total").at(figure) == measured["clips"][0].at(figure));
+  }
+  CHECK(text_of(folder / "report/eval.json") == text_of(json));
+  CHECK(eval.out.find("frown") != std::string::npos);
+
+  const ToolRun picture = run_tool({"pose", archive, "--set", "jawOpen=1", "--beside", FB_TOY_RIG, "--size", "64x64",
+                                    "--out", folder / "toy.png", "--json"});
+  CAPTURE(picture.err);
+  REQUIRE(picture.exit_code == 0);
+  CHECK(Json::parse(picture.out).at("max") > 0);
+  CHECK(std::filesystem::exists(folder / "toy.png"));
+}
+
+TEST_CASE("the same seed gives the same archive, whatever the threads; the kept work is used again") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data";
+  sample_toy(dataset);
+  const auto bake = [&](const std::string& out, const std::string& threads) {
+    return run_tool({"bake", dataset, "--out", out, "--epochs", "2", "--threads", threads, "--work", folder / "work"});
+  };
+  REQUIRE(bake(folder / "one.fbk", "1").exit_code == 0);
+  std::filesystem::remove_all(folder / "work");
+  REQUIRE(bake(folder / "two.fbk", "2").exit_code == 0);
+  REQUIRE(bake(folder / "three.fbk", "1").exit_code == 0);
+  CHECK(text_of(folder / "one.fbk") == text_of(folder / "two.fbk"));
+  CHECK(text_of(folder / "one.fbk") == text_of(folder / "three.fbk"));
+}
+
+TEST_CASE("compare lists every method with its figures") {
+  const ScratchFolder folder;
+  const ToolRun run = run_tool({"compare", FB_TOY_RIG, "--poses", "150", "--epochs", "1", "--methods", "linear,paper",
+                                "--json", folder / "compare.json"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Json json = Json::parse(text_of(folder / "compare.json"));
+  std::vector<std::string> names;
+  for (const Json& method : json.at("methods")) {
+    names.push_back(method.at("name").get<std::string>() + " " + method.at("use").get<std::string>());
+    CHECK(method.at("bytes") > 0);
+    CHECK(method.at("train_seconds") >= 0);
+    CHECK(method.at("clips").size() > 0);
+    for (const std::string& figure : figures) {
+      CHECK(method.at("total").at(figure) >= 0);
+      CHECK(method.at("dependency").at(figure) >= 0);
+    }
+  }
+  CHECK(names == std::vector<std::string>{"linear variant", "paper variant", "linear backlot", "paper backlot"});
+  CHECK(run.out.find("backlot") != std::string::npos);
+}
+
+TEST_CASE("datasets that contradict themselves are refused by file, and nothing is written") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  const auto refused = [&](const std::string& name, const std::vector<std::string>& words, auto&& spoil) {
+    const std::string dataset = folder / name;
+    sample_toy(dataset);
+    spoil(dataset);
+    const ToolRun run = run_tool(quick_bake(dataset, archive));
+    CAPTURE(name);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 1);
+    CHECK(run.err.find("facebaker bake: ") != std::string::npos);
+    for (const std::string& word : words) CHECK(run.err.find(word) != std::string::npos);
+    CHECK(!std::filesystem::exists(archive));
+  };
+  refused("nan", {"dense", "frame 2", "vertex 7", "not finite"},
+          [](const std::string& data) { poke(data + "/dense.points.npy", 2 * 150 + 7 * 3, NAN); });
+  refused("nan-control", {"dense", "frame 1", "jawOpen"},
+          [](const std::string& data) { poke(data + "/dense.controls.npy", 1 * 6 + 3, NAN); });
+  refused("truncated", {"dense.points.npy", "truncated"}, [](const std::string& data) {
+    std::filesystem::resize_file(data + "/dense.points.npy",
+                                 std::filesystem::file_size(data + "/dense.points.npy") - 1);
+  });
+  refused("missing", {"dense.points.npy"},
+          [](const std::string& data) { std::filesystem::remove(data + "/dense.points.npy"); });
+  refused("narrow", {"dense.controls.npy", "shape"}, [](const std::string& data) {
+    fb::write_npy(data + "/dense.controls.npy", {4, 5}, std::span<const float>(std::vector<float>(20)));
+  });
+  refused("twice", {"dataset.json", "jawOpen"}, [](const std::string& data) {
+    Json index = read_index(data);
+    index["controls"][0]["name"] = "jawOpen";
+    write_index(data, index);
+  });
+  refused("not-json", {"dataset.json"}, [](const std::string& data) {
+    std::filesystem::remove(data + "/dataset.json");
+    fb::write_file(data + "/dataset.json", std::string("{\"format\": "));
+  });
+}
+
+TEST_CASE("sources that are none, rigs that fail, and a dataset without test clips are refused") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", dataset = folder / "data";
+  fb::write_file(folder / "rig.so", std::string("no library"));
+  for (const std::string& source : {folder / "nothing", folder.path(), folder / "rig.so", std::string("/dev/null")}) {
+    const ToolRun run = run_tool(quick_bake(source, archive));
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "bake", {source}));
+    CHECK(folder.names() == std::vector<std::string>{"rig.so"});
+  }
+  const ToolRun failing =
+      run_tool({"sample", FB_LYING_RIG, "--out", dataset, "--poses", "200"}, {.environment = "FB_LIE=fails on a pose"});
+  CAPTURE(failing.err);
+  CHECK(failing.exit_code == 1);
+  CHECK(failing.err.find("facebaker sample: ") != std::string::npos);
+  CHECK(failing.err.find("did not converge") != std::string::npos);
+  std::filesystem::remove_all(dataset);
+
+  sample_toy(dataset);
+  const ToolRun recorded = run_tool({"sample", dataset, "--out", folder / "copy"});
+  CHECK(recorded.exit_code == 1);
+  CHECK(is_complaint(recorded.err, "sample", {dataset, "recording"}));
+
+  REQUIRE(run_tool(quick_bake(dataset, archive)).exit_code == 0);
+  Json index = read_index(dataset);
+  for (Json& clip : index["clips"]) clip["split"] = "train";
+  write_index(dataset, index);
+  const ToolRun eval = run_tool({"eval", archive, dataset});
+  CHECK(eval.exit_code == 1);
+  CHECK(eval.err.find("facebaker eval: ") != std::string::npos);
+  CHECK(eval.err.find("test") != std::string::npos);
+  // Nor is another face's archive measured against it.
+  write_tiny_archive(folder / "tiny.fbk");
+  const ToolRun other = run_tool({"eval", folder / "tiny.fbk", dataset, "--split", "train"});
+  CHECK(other.exit_code == 1);
+  CHECK(other.err.find("facebaker eval: ") != std::string::npos);
+}
+
+TEST_CASE("a bake that cannot write its archive says so before it works, and on a full disk loses nothing") {
+  const ScratchFolder folder;
+  const ToolRun nowhere = run_tool(quick_bake(FB_TOY_RIG, folder / "no/such/folder/face.fbk"));
+  CHECK(nowhere.exit_code == 1);
+  CHECK(is_complaint(nowhere.err, "bake", {"face.fbk", "cannot be written"}));
+  CHECK(folder.names().empty());
+
+  const std::string dataset = folder / "data", archive = folder / "face.fbk";
+  sample_toy(dataset);
+  fb::write_file(archive, std::string("precious"));
+  const ToolRun full = run_tool(quick_bake(dataset, archive), {.largest_file = 500});
+  CHECK(full.exit_code == 1);
+  CHECK(full.err.find("facebaker bake: ") != std::string::npos);
+  CHECK(text_of(archive) == "precious");
+  for (const std::string& name : folder.names()) CHECK(name.find(".partial") == std::string::npos);
+}
+
+TEST_CASE("Ctrl-C stops a bake without an archive, and the same command goes on") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", archive = folder / "face.fbk", work = folder / "work";
+  sample_toy(dataset);
+  const auto bake = [&](const std::string& epochs, const ToolSetting& setting) {
+    return run_tool({"bake", dataset, "--out", archive, "--epochs", epochs, "--work", work}, setting);
+  };
+  const ToolRun stopped = bake("1000000", {.interrupt_when_exists = work});
+  CAPTURE(stopped.err);
+  CHECK(stopped.exit_code == 1);
+  CHECK(stopped.err.find("stopping") != std::string::npos);
+  CHECK(stopped.err.find("kept") != std::string::npos);
+  CHECK(!std::filesystem::exists(archive));
+  CHECK(std::filesystem::exists(work));
+  CHECK(bake("1", {}).exit_code == 0);
+  CHECK(std::filesystem::exists(archive));
+}
