@@ -10,6 +10,7 @@ float soft_limit(float x) {
 }
 
 constexpr std::array<float, 4> kJoints = {2.2f, 3.6f, 4.8f, 5.9f};  // depths of the tongue's joints at rest
+constexpr std::array<float, 4> kDroop = {-0.30f, 0.10f, 0.18f, 0.36f};       // as it comes out, radians a joint
 constexpr float kTongueY = -7.95f;
 
 }  // namespace
@@ -57,7 +58,7 @@ void Tongue::pose(const MotionControls& m, const float* c, Vec3* points) const {
   std::array<Motion, 4> chain;
   Motion parent;
   for (int j = 0; j < 4; ++j) {
-    const float turn = radians(24), droop = j > 0 ? 0.20f * out * out : 0.0f;
+    const float turn = radians(24), droop = kDroop[j] * out * out;
     const Vec3 pivot{0, kTongueY, kJoints[j]};
     parent = parent * motion_about(pivot, -turn * c[m.tongue_pitch[j]] + droop, turn * c[m.tongue_yaw[j]],
                                    radians(18) * c[m.tongue_twist]);
@@ -77,7 +78,7 @@ void Tongue::pose(const MotionControls& m, const float* c, Vec3* points) const {
     Vec3 turned = p + (before - p) + (chain[joint](p) - before) * t;
     // Stretching out: the points run ahead along the way the chain points.
     const Vec3 ahead = joint == 0 ? Vec3{0, 0, 1} : unit(chain[joint].turn({0, 0, 1}));
-    turned += ahead * (3.6f * out * along * along) + Vec3{0, 0.75f * out * along, 0};
+    turned += ahead * (3.6f * out * along * along) + Vec3{0, 0.95f * out * smoothstep(0.1f, 0.75f, along), 0};
     posed += turned - p + (p - posed);
   }
 }

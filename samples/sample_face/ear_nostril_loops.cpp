@@ -22,62 +22,51 @@ constexpr EarRing kEar[] = {
 void add_ear_loops(FaceMesh& mesh, const Ring& outer, int a, int b, int side) {
   const Vec3 middle = hit_head({12, -1.2f, -0.9f}, {-1, 0, 0});
   const Vec3 back = unit({0.42f, 0.0f, -0.9f}), up = unit({0.05f, 1, -0.16f}), out = unit({0.9f, 0, 0.42f});
-  const int count = int(outer.size());
   Ring previous;
   for (const EarRing& e : kEar) {
+    const bool base = &e == kEar;
     Ring ring;
-    for (int i = 0; i < count; ++i) {
-      // Walk the hole's rectangle as an ellipse: corner to corner, evenly by index.
-      const float along = (float(i) + 0.5f * float(b)) / float(count);  // 0 in the middle of the left side
-      (void)a;
-      float angle = 2 * kPi * along + kPi;
-      if (side < 0) angle = angle;
-      const float c = std::cos(angle), s = std::sin(angle);
-      // Egg: narrower at the lobe. On the left ear the grid's right is the ear's back.
-      const float egg = 1 - 0.22f * (1 - s) * 0.5f - 0.08f * std::max(0.0f, -s);
-      const float x = (side > 0 ? c : -c) * e.half_length * egg;
-      Vec3 p = middle + back * (e.back + x) + up * (e.up + s * e.half_height) + out * e.out;
-      if (&e == &kEar[0]) p = onto_head(p);
+    for (std::size_t i = 0; i < outer.size(); ++i) {
+      // Round the ellipse by index, from the middle of the hole's left side; an ear is narrower at the lobe.
+      const float angle = 2 * kPi * (float(i) + 0.5f * float(b)) / float(outer.size()) + kPi;
+      const float s = std::sin(angle), c = std::cos(angle) * float(side);  // the grid's right is the left ear's back
+      const float egg = 0.89f + 0.11f * s - 0.08f * std::max(0.0f, -s);
+      Vec3 p = middle + back * (e.back + c * e.half_length * egg) + up * (e.up + s * e.half_height) + out * e.out;
+      if (base) p = onto_head(p);
       if (side < 0) p = mirrored(p);
-      if (&e == &kEar[0]) {
-        mesh.points[outer[i]] = p;
-        ring.push_back(outer[i]);
-      } else {
-        ring.push_back(mesh.add(p));
-      }
+      if (base) mesh.points[outer[i]] = p;
+      ring.push_back(base ? outer[i] : mesh.add(p));
     }
-    if (!previous.empty()) mesh.bridge(previous, ring);
+    if (!base) mesh.bridge(previous, ring);
     previous = ring;
   }
   mesh.cap(previous, a, b);
 }
 
 void add_nostril_loops(FaceMesh& mesh, const Ring& outer, int a, int b, int side) {
+  // Ellipses seen from below, the second pair of numbers their half sizes; how deep they lie under the skin.
   struct Step {
-    Vec3 centre, radii;
+    float x, z, half_x, half_z, depth;
   };
-  constexpr Step kSteps[] = {{{0.62f, -4.42f, 9.35f}, {0.34f, 0, 0.55f}},
-                             {{0.63f, -4.1f, 9.35f}, {0.27f, 0, 0.45f}},
-                             {{0.6f, -3.4f, 9.2f}, {0.2f, 0, 0.35f}}};
+  constexpr Step kSteps[] = {{0.66f, 9.50f, 0.34f, 0.46f, 0},
+                             {0.66f, 9.50f, 0.27f, 0.37f, -0.01f},
+                             {0.66f, 9.48f, 0.25f, 0.34f, 0.2f},
+                             {0.60f, 9.30f, 0.16f, 0.24f, 1.4f}};
   Ring previous;
   for (const Step& step : kSteps) {
+    const bool rim = &step == kSteps;
     Ring ring;
     for (std::size_t i = 0; i < outer.size(); ++i) {
+      // The grid's up runs forwards here, towards the tip; the nostrils close in on each other there.
       const float angle = 2 * kPi * float(i) / float(outer.size()) + radians(225);
-      // Seen from below and in front: the grid's up is forwards, towards the tip.
-      Vec3 p = step.centre + Vec3{step.radii.x * std::cos(angle) * float(side), 0, step.radii.z * std::sin(angle)};
-      p.x -= 0.25f * (p.z - step.centre.z) * 1.0f;
-      if (side < 0) p = p;
-      if (&step == &kSteps[0]) p = onto_head(p);
+      const float x = step.half_x * std::cos(angle) * float(side), z = step.half_z * std::sin(angle);
+      Vec3 p = hit_head({step.x + x - 0.32f * z, -5.0f, step.z + z}, {0, 1, 0});
+      p.y += step.depth;
       if (side < 0) p = mirrored(p);
-      if (&step == &kSteps[0]) {
-        mesh.points[outer[i]] = p;
-        ring.push_back(outer[i]);
-      } else {
-        ring.push_back(mesh.add(p));
-      }
+      if (rim) mesh.points[outer[i]] = p;
+      ring.push_back(rim ? outer[i] : mesh.add(p));
     }
-    if (!previous.empty()) mesh.bridge(previous, ring);
+    if (!rim) mesh.bridge(previous, ring);
     previous = ring;
   }
   mesh.cap(previous, a, b);

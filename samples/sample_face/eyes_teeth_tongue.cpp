@@ -52,7 +52,7 @@ void add_eye(FaceMesh& mesh, int eye) {
 void add_teeth(FaceMesh& mesh, bool upper) {
   const Index first = Index(mesh.points.size());
   const float up = upper ? 1.0f : -1.0f;
-  const float width = upper ? 2.25f : 2.1f, front = upper ? 7.75f : 7.5f, biting = kMouthY + (upper ? -0.05f : -0.13f);
+  const float width = upper ? 2.25f : 2.1f, front = upper ? 8.0f : 7.5f, biting = kMouthY + (upper ? -0.55f : -0.42f);
   // Section through a tooth: (outwards, towards the gum), all round.
   constexpr std::array<std::array<float, 2>, 8> kSection = {{{0.12f, 1.7f},
                                                              {0.16f, 0.9f},

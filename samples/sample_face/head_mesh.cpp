@@ -33,15 +33,18 @@ constexpr Row kRows[] = {
     {-7.0f, 0, 0, 0.02f},
     {-6.4f, 0, 0, 0},
     {-5.8f, 0, 0, 0},
-    {-5.3f, 0, 0, 0},  // top of the mouth's hole
-    {-4.9f, 0, 0, 0},
-    {-4.4f, -0.01f, 0, 0},
-    {-3.8f, 0.01f, 0, 0},
-    {-3.2f, 0.02f, 0, 0},
-    {-2.6f, 0, 0, 0},  // bottom of the eyes' holes
-    {-1.95f, 0, 0, 0},
-    {-1.3f, 0, 0, 0},
-    {-0.65f, 0, 0, 0},
+    {-5.3f, 0, 0, 0},    // top of the mouth's hole
+    {-4.95f, 0, 0, 0},  // bottom of the nostrils
+    {-4.6f, 0, 0, 0},
+    {-4.2f, 0, 0, 0},  // top of the nostrils
+    {-3.9f, 0, 0, 0},
+    {-3.5f, 0, 0, 0},
+    {-3.1f, 0, 0, 0},
+    {-2.75f, 0, 0, 0},
+    {-2.4f, 0, 0, 0},  // bottom of the eyes' holes
+    {-1.8f, 0, 0, 0},
+    {-1.2f, 0, 0, 0},
+    {-0.6f, 0, 0, 0},
     {0.0f, 0, 0, 0},
     {0.65f, 0, 0, 0},
     {1.3f, 0, 0, 0},
@@ -49,14 +52,14 @@ constexpr Row kRows[] = {
     {2.6f, 0, 0, 0},  // top of the eyes' holes
     {3.2f, 0, 0, 0},
     {3.8f, 0, 0, 0},
-    {4.3f, 0.03f, 0.03f, 0.03f},
-    {4.6f, 0.1f, 0.1f, 0.1f},
-    {4.8f, 0.18f, 0.18f, 0.18f},
-    {4.9f, 0.27f, 0.27f, 0.27f},
-    {5.0f, 0.38f, 0.38f, 0.38f},
-    {5.0f, 0.51f, 0.51f, 0.51f},
-    {5.0f, 0.67f, 0.67f, 0.67f},
-    {5.0f, 0.87f, 0.87f, 0.87f},
+    {4.2f, 0.03f, 0.03f, 0.03f},
+    {4.4f, 0.1f, 0.1f, 0.1f},
+    {4.5f, 0.18f, 0.18f, 0.18f},
+    {4.6f, 0.27f, 0.27f, 0.27f},
+    {4.6f, 0.38f, 0.38f, 0.38f},
+    {4.6f, 0.51f, 0.51f, 0.51f},
+    {4.6f, 0.67f, 0.67f, 0.67f},
+    {4.6f, 0.87f, 0.87f, 0.87f},
 };
 constexpr int kRowCount = int(std::size(kRows));
 
@@ -65,8 +68,8 @@ struct Hole {
   int column, row, a, b;
 };
 constexpr Hole kMouthHole{-8, 12, 16, 6};
-constexpr Hole kEyeHole{3, 23, 8, 8};
-constexpr Hole kEarHole{17, 20, 3, 10};
+constexpr Hole kEyeHole{5, 26, 8, 8};
+constexpr Hole kEarHole{18, 22, 3, 10};
 constexpr Hole kNostrilHole{1, 19, 2, 2};
 
 constexpr Hole mirrored(Hole h) {
@@ -79,10 +82,11 @@ int wrap(int column) {
   return (column % kColumns + kColumns) % kColumns;
 }
 
-// Angle round the head of a column: close together in the face, wide behind the temples.
+// Angle round the head of a column: closest together on the nose, wide behind the temples.
 float column_angle(int column) {
+  constexpr float kNose = 2.6f, kFace = 4.0f, kBack = (180 - 6 * kNose - 9 * kFace) / 15;  // degrees a column
   const int k = column <= kColumns / 2 ? column : kColumns - column;
-  const float degrees = k <= 13 ? 3.8f * float(k) : 49.4f + (180 - 49.4f) / 17 * float(k - 13);
+  const float degrees = kNose * float(std::min(k, 6)) + kFace * float(std::clamp(k - 6, 0, 9)) + kBack * float(std::max(k - 15, 0));
   return radians(column <= kColumns / 2 ? degrees : -degrees);
 }
 
@@ -128,7 +132,7 @@ void relax(FaceMesh& mesh, const std::vector<bool>& free) {
       neighbours[q[i]].push_back(q[(i + 1) % 4]);
       neighbours[q[(i + 1) % 4]].push_back(q[i]);
     }
-  constexpr int kSteps = 24;
+  constexpr int kSteps = 40;
   for (int step = 0; step < kSteps; ++step) {
     std::vector<Vec3> next = mesh.points;
     for (std::size_t v = 0; v < next.size(); ++v) {

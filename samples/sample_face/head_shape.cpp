@@ -36,27 +36,38 @@ float limb(Vec3 p, Vec3 a, Vec3 b, float ra, float rb) {
   return length(p - a - ab * t) - mix(ra, rb, t);
 }
 
+// How far the eyebrow stands out: a ridge along an arc over the eye, thick near the nose, fine at the temple.
+float eyebrow(Vec3 p) {
+  if (p.z < 3) return 0;
+  const float t = clamp01((p.x - 1.2f) / 4.3f);  // along the arc
+  const float arc = 3.0f + 0.75f * std::sin(kPi * std::pow(t, 0.85f)) - 0.15f * t;
+  const float across = (p.y - arc) / mix(0.55f, 0.38f, t);
+  const float past = std::max({0.0f, 1.2f - p.x, p.x - 5.5f}) / 0.4f;
+  return 0.34f * mix(1.0f, 0.65f, t) * std::exp(-across * across - past * past);
+}
+
 }  // namespace
 
 float head_distance(Vec3 p) {
   p.x = std::fabs(p.x);
-  float d = ellipsoid(p, {0, 3.4f, -1.6f}, {7.5f, 8.7f, 9.3f});                            // cranium
-  d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.3f, 6.0f, 6.3f}), 2.0f);                   // forehead
-  d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.9f, 6.0f, 6.0f}), 2.6f);                  // middle face
-  d = blend(d, limb(p, {5.3f, -5.0f, -0.3f}, {1.9f, -9.2f, 5.2f}, 1.3f, 1.7f), 2.2f);      // jaw
-  d = blend(d, ellipsoid(p, {0, -9.5f, 6.3f}, {1.75f, 1.55f, 1.75f}), 1.7f);               // chin
-  d = blend(d, ball(p, {3.7f, -3.1f, 4.9f}, 2.55f), 2.0f);                                 // cheekbones
-  d = blend(d, ellipsoid(p, {0, -6.9f, 5.7f}, {3.0f, 2.5f, 2.75f}), 1.9f);                 // over the teeth
-  d = blend(d, limb(p, {1.2f, 2.35f, 7.1f}, {4.9f, 2.5f, 4.9f}, 0.95f, 0.9f), 1.5f);       // brow ridge
-  d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.4f}, 4.6f, 5.0f), 2.2f);          // neck
-  d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.6f}, {2.1f, 1.55f, 1.75f}), 1.6f);      // sockets
-  d = carve(d, ball(p, {0, -8.45f, 9.75f}, 0.85f), 1.3f);                                  // under the lower lip
+  float d = ellipsoid(p, {0, 3.0f, -1.5f}, {7.4f, 8.2f, 9.1f});                            // cranium
+  d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.2f, 5.9f, 6.3f}), 2.0f);                   // forehead
+  d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.7f, 5.9f, 6.0f}), 2.6f);                  // middle face
+  d = blend(d, limb(p, {4.9f, -5.6f, 0.2f}, {1.7f, -9.3f, 5.3f}, 1.2f, 1.6f), 2.4f);      // jaw
+  d = blend(d, ellipsoid(p, {0, -9.7f, 6.6f}, {1.6f, 1.45f, 1.75f}), 1.6f);                // chin
+  d = blend(d, ball(p, {3.75f, -3.0f, 5.0f}, 2.5f), 1.9f);                                 // cheekbones
+  d = blend(d, ellipsoid(p, {0, -6.8f, 5.6f}, {3.0f, 2.5f, 2.75f}), 1.9f);                 // over the teeth
+  d = blend(d, limb(p, {1.2f, 2.45f, 7.1f}, {4.9f, 2.6f, 4.9f}, 0.95f, 0.9f), 1.5f);       // brow ridge
+  d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.2f}, 4.0f, 4.3f), 2.4f);          // neck
+  d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.6f}, {2.1f, 1.6f, 1.75f}), 1.6f);       // sockets
+  d = carve(d, ball(p, {0, -8.55f, 9.7f}, 0.8f), 1.3f);                                    // under the lower lip
   d = blend(d, ball(p, kEyeCentre, kEyeRadius + kLidThickness), 0.55f);                    // lids over the eyeballs
-  float nose = limb(p, {0, 1.3f, 7.6f}, {0, -3.0f, 9.75f}, 0.62f, 0.78f);                  // bridge
-  nose = blend(nose, ellipsoid(p, {0, -3.45f, 9.9f}, {1.0f, 0.92f, 1.0f}), 0.8f);          // tip
-  nose = blend(nose, ellipsoid(p, {1.12f, -3.95f, 8.95f}, {0.72f, 0.68f, 0.95f}), 0.45f);  // wings
-  d = blend(d, nose, 0.85f);
-  return carve(d, limb(p, {0, -4.9f, 9.55f}, {0, -5.9f, 9.1f}, 0.2f, 0.3f), 0.5f);  // philtrum
+  d -= eyebrow(p);
+  float nose = limb(p, {0, 1.3f, 7.6f}, {0, -3.0f, 9.6f}, 0.6f, 0.85f);                    // bridge
+  nose = blend(nose, ellipsoid(p, {0, -3.4f, 9.75f}, {1.12f, 0.98f, 1.05f}), 0.8f);        // tip
+  nose = blend(nose, ellipsoid(p, {1.14f, -3.78f, 8.95f}, {0.72f, 0.70f, 0.95f}), 0.45f);     // wings
+  d = blend(d, nose, 0.9f);
+  return carve(d, limb(p, {0, -4.95f, 9.5f}, {0, -5.9f, 9.2f}, 0.2f, 0.3f), 0.5f);         // philtrum
 }
 
 Vec3 head_normal(Vec3 p) {

@@ -16,9 +16,9 @@ struct ProfileStep {
   float forward_upper, away_upper, forward_lower, away_lower;
 };
 constexpr ProfileStep kProfile[] = {
-    {kLipBorder, 0.05f, 1.00f, 0.02f, 1.00f}, {kLipRise, 0.24f, 0.84f, 0.30f, 0.80f},
-    {kLipMiddle, 0.46f, 0.50f, 0.50f, 0.50f}, {kLipFront, 0.44f, 0.20f, 0.44f, 0.20f},
-    {kLipSeam, 0.18f, 0.03f, 0.18f, 0.03f},   {kLipInner, -0.22f, 0.10f, -0.22f, 0.10f},
+    {kLipBorder, 0.04f, 1.00f, 0.02f, 1.00f}, {kLipRise, 0.20f, 0.84f, 0.26f, 0.80f},
+    {kLipMiddle, 0.34f, 0.55f, 0.44f, 0.52f}, {kLipFront, 0.33f, 0.22f, 0.38f, 0.20f},
+    {kLipSeam, 0.14f, 0.03f, 0.14f, 0.03f},   {kLipInner, -0.22f, 0.10f, -0.22f, 0.10f},
     {kLipBack, -0.55f, 0.55f, -0.55f, 0.55f},
 };
 
@@ -35,12 +35,12 @@ static_assert(std::size(kBag) == kMouthRings - kBagFirst);
 
 float upper_height(float across) {  // cupid's bow
   const float a = std::fabs(across);
-  return 0.74f * (1 - a * a * a) *
+  return 0.86f * (1 - a * a * a) *
          (1 + 0.22f * std::exp(-std::pow((a - 0.24f) / 0.16f, 2.0f)) - 0.10f * std::exp(-std::pow(a / 0.12f, 2.0f)));
 }
 
 float lower_height(float across) {
-  return 0.92f * std::pow(1 - across * across, 0.85f);
+  return 1.02f * std::pow(1 - across * across, 0.9f);
 }
 
 // The line between the lips: falls a little from the middle, rises at the corners.
@@ -69,6 +69,7 @@ void add_mouth_loops(FaceMesh& mesh, const Ring& outer) {
     const float across = mouth_column(i).across;
     const Vec3 start{kMouthHalfWidth * across, line_height(across), 14};
     line[i] = hit_head(start, {0, 0, -1});
+    line[i].z -= 0.10f * std::pow(std::fabs(across), 6.0f);  // the corners are drawn in
     const Vec3 n = head_normal(line[i]);
     forward[i] = unit({n.x * 0.8f, 0, n.z});
   }
@@ -81,13 +82,13 @@ void add_mouth_loops(FaceMesh& mesh, const Ring& outer) {
       const float ahead = (c.side > 0 ? step.forward_upper : step.forward_lower);
       const float away =
           c.side > 0 ? step.away_upper * upper_height(c.across) : -step.away_lower * lower_height(c.across);
-      Vec3 p = line[i] + forward[i] * (ahead > 0 ? ahead * mix(0.25f, 1.0f, open) : ahead);
+      Vec3 p = line[i] + forward[i] * (ahead > 0 ? ahead * mix(0.05f, 1.0f, open) : ahead);
       p.y += away;
       if (c.side == 0) p.x += (step.ring <= kLipMiddle ? 0.16f * float(kLipFront - step.ring) / 3 : 0.0f) * c.across;
       if (step.ring == kLipBorder || step.ring == kLipRise) {
         const Vec3 skin = onto_head(p);
         p = step.ring == kLipBorder ? skin + head_normal(skin) * 0.03f
-                                    : mix(p, skin + forward[i] * (ahead * mix(0.3f, 1.0f, open)), 0.7f);
+                                    : mix(p, skin + forward[i] * (ahead * mix(0.1f, 1.0f, open)), 0.7f);
       }
       mesh.mouth[step.ring][i] = mesh.add(p);
     }

@@ -194,40 +194,30 @@ std::vector<PoseShape> mouth_side_shapes() {
       {"neck_tense",
        "neck",
        true,
-       {{{3.4f, -13.8f, 2.0f}, {1.5f, 3.4f, 2.5f}, {0.25f, 0, 0}, kAll, 0.28f},
+       {{{2.7f, -13.8f, 0.7f}, {1.5f, 3.4f, 2.5f}, {0.25f, 0, 0}, kAll, 0.28f},
         {{3.2f, -10.9f, 5.2f}, {2.4f, 1.4f, 2.5f}, {0.2f, -0.35f, 0}, kFace}}},
       {"neck_turn",
        "neck",
        true,
-       {{{2.2f, -14.4f, 2.6f}, {1.1f, 3.2f, 2.4f}, {0, 0, 0}, kAll, 0.34f},
-        {{0.9f, -16.4f, 2.0f}, {1.0f, 1.4f, 2}, {0, 0, 0}, kAll, 0.2f}}},
+       {{{1.9f, -14.4f, 1.1f}, {1.1f, 3.2f, 2.4f}, {0, 0, 0}, kAll, 0.34f},
+        {{0.9f, -16.4f, 1.1f}, {1.0f, 1.4f, 2}, {0, 0, 0}, kAll, 0.2f}}},
   };
 }
 
 std::vector<PoseShape> mouth_middle_shapes() {
   const Vec3 corner{2.6f, -7.1f, 8.2f};
   return {
-      {"pucker",
-       "mouth",
-       false,
-       {{corner, {2.4f, 2.0f, 3}, {-1.25f, 0, 0.55f}},
-        {mirrored(corner), {2.4f, 2.0f, 3}, {1.25f, 0, 0.55f}},
-        {{1.15f, -7.1f, 9.0f}, {1.6f, 1.5f, 2.5f}, {-0.30f, 0, 0.38f}},
-        {{-1.15f, -7.1f, 9.0f}, {1.6f, 1.5f, 2.5f}, {0.30f, 0, 0.38f}},
-        {{0, -7.1f, 9.1f}, {2.4f, 1.7f, 2.5f}, {0, 0, 0.45f}},
-        {{0, -6.3f, 9.2f}, {1.6f, 1.0f, 2}, {0, 0.16f, 0.1f}, kUp},
-        {{0, -8.0f, 9.1f}, {1.6f, 1.0f, 2}, {0, -0.16f, 0.12f}, kLow},
-        {{4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {-0.15f, 0, 0}, kFace, -0.25f},
-        {{-4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {0.15f, 0, 0}, kFace, -0.25f}},
+      {"pucker", "mouth", false,
+       {{{0, -7.1f, 8.7f}, {6.0f, 3.0f, 4.5f}, {0, 0, 0.5f}, kAll, 0, {-0.50f, 0.12f, 0}},
+        {corner, {2.0f, 1.8f, 3}, {-0.62f, 0, 0.25f}}, {mirrored(corner), {2.0f, 1.8f, 3}, {0.62f, 0, 0.25f}},
+        {{0, -7.1f, 9.1f}, {2.2f, 1.8f, 2.5f}, {0, 0, 0.5f}, kAll, 0, {0, 0.14f, 0}},
+        {{4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {-0.15f, 0, 0}, kFace, -0.22f}, {{-4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {0.15f, 0, 0}, kFace, -0.22f}},
        {},
        {{corner, {2.2f, 1.8f, 3}, {0.08f, 0, 0.22f}}, {mirrored(corner), {2.2f, 1.8f, 3}, {-0.08f, 0, 0.22f}}}},
-      {"funnel",
-       "mouth",
-       false,
-       {{corner, {2.3f, 1.9f, 3}, {-0.75f, 0, 0.4f}},
-        {mirrored(corner), {2.3f, 1.9f, 3}, {0.75f, 0, 0.4f}},
-        {{0, -6.4f, 9.1f}, {2.2f, 1.2f, 2.5f}, {0, 0.48f, 0.42f}, kUp},
-        {{0, -7.9f, 9.0f}, {2.2f, 1.3f, 2.5f}, {0, -0.55f, 0.42f}, kLow}},
+      {"funnel", "mouth", false,
+       {{{0, -7.1f, 8.7f}, {5.0f, 2.9f, 4.5f}, {0, 0, 0.4f}, kAll, 0, {-0.42f, 0.05f, 0}},
+        {corner, {2.0f, 1.8f, 3}, {-0.3f, 0, 0.2f}}, {mirrored(corner), {2.0f, 1.8f, 3}, {0.3f, 0, 0.2f}},
+        {{0, -6.4f, 9.1f}, {2.6f, 1.4f, 2.5f}, {0, 0.5f, 0.3f}, kUp}, {{0, -7.9f, 9.0f}, {2.6f, 1.5f, 2.5f}, {0, -0.6f, 0.3f}, kLow}},
        {},
        {{{0, -7.1f, 9.0f}, {2.4f, 1.7f, 2.5f}, {0, 0, 0.2f}}}},
       {"chin_raise",
@@ -271,16 +261,18 @@ std::vector<PoseShape> mouth_middle_shapes() {
       {"throat_puff",
        "neck",
        false,
-       {{{0, -12.4f, 4.6f}, {3.2f, 2.0f, 3.5f}, {0, -0.2f, 0}, kFace, 0.6f}},
-       {{{0, -12.4f, 4.6f}, {3.0f, 2.0f, 3.5f}, {0, 0.1f, 0}, kFace, -0.35f}}},
+       {{{0, -12.0f, 3.2f}, {3.2f, 2.4f, 3.5f}, {0, -0.2f, 0}, kFace, 0.6f}},
+       {{{0, -12.0f, 3.2f}, {3.0f, 2.4f, 3.5f}, {0, 0.1f, 0}, kFace, -0.35f}}},
       {"swallow",
        "neck",
        false,
-       {{{0, -13.2f, 3.9f}, {1.3f, 1.4f, 2}, {0, 0.5f, 0}, kAll, 0.30f}},
+       {{{0, -13.6f, 1.7f}, {1.5f, 1.7f, 2}, {0, 0.5f, 0}, kAll, 0.30f}},
        {},
-       {{{0, -13.0f, 3.9f}, {1.5f, 1.4f, 2}, {0, 0, 0}, kAll, 0.2f}}},
+       {{{0, -13.4f, 1.7f}, {1.5f, 1.7f, 2}, {0, 0, 0}, kAll, 0.2f}}},
   };
 }
+
+std::vector<Stroke> throat_strokes() { return {{{0, -12.2f, 3.0f}, {4.2f, 3.0f, 3.8f}, {0, -0.6f, 0.9f}}}; }
 
 std::vector<Stroke> mirrored(std::vector<Stroke> strokes) {
   for (Stroke& s : strokes) s = sample_face::mirrored(s);
@@ -290,6 +282,8 @@ std::vector<Stroke> mirrored(std::vector<Stroke> strokes) {
 }  // namespace
 
 void add_pose_shapes(const Canvas& canvas, Controls& controls, std::vector<Term>& terms) {
+  // The throat gives way to the opening jaw.
+  terms.push_back({Law::side, {{{controls.index("jaw_open"), 1}}}, 1, paint(canvas, throat_strokes())});
   const auto add = [&](const PoseShape& shape, const std::string& suffix, bool mirror) {
     const int control = controls.add(shape.name + suffix, shape.group, !shape.negative.empty());
     const auto draw = [&](Law law, float sign, const std::vector<Stroke>& strokes) {

@@ -4,6 +4,18 @@
 #include "skin_weights.h"
 
 namespace sample_face {
+namespace {
+
+// Skin gives less and less the further it is drawn: what all shapes together ask for stays within kReach.
+void resist(const FaceMesh& mesh, Vec3* points) {
+  constexpr float kReach = 1.7f;  // cm
+  for (Index v = 0; v < mesh.skin.count; ++v) {
+    const Vec3 asked = points[v] - mesh.points[v];
+    points[v] = mesh.points[v] + asked * (1 / std::sqrt(1 + dot(asked, asked) / (kReach * kReach)));
+  }
+}
+
+}  // namespace
 
 Rig::Rig()
     : mesh_(build_face_mesh()),
@@ -27,6 +39,7 @@ void Rig::pose(const float* c, Vec3* points) const {
   std::copy(mesh_.points.begin(), mesh_.points.end(), points);
   for (const Term& term : terms_)
     if (const float w = term.weight(c); w != 0) term.delta.apply(w, points);
+  resist(mesh_, points);
   const Motion jaw = Jaw::motion(motion_, c);
   const std::array<Motion, 2> eyes = {Eyes::motion(motion_, c, 0), Eyes::motion(motion_, c, 1)};
   lips_.roll(motion_, c, points);

@@ -13,8 +13,8 @@ void hold_skin(const FaceMesh& mesh, std::vector<float>& held) {
     // Height over the line from the corner of the mouth to the hinge, and onwards under the ear.
     const float t = clamp01((p.z - kJawHinge.z) / (7.6f - kJawHinge.z));
     const float line = mix(kJawHinge.y - 2.2f, kMouthY, t);
-    if (p.y > line + mix(1.6f, 2.1f, t) || p.z < -2.5f || p.y < -14.6f) held[v] = 0;
-    const bool under = p.y < -11.4f && p.z < 5.6f;
+    if (p.y > line + mix(1.6f, 2.1f, t) || p.z < -2.5f || p.y < -13.4f) held[v] = 0;
+    const bool under = p.y < -10.6f && p.z < 6.2f;
     if (p.y < line - 2.3f && p.z > 1.5f && !under) held[v] = 1;
   }
 }
@@ -27,8 +27,7 @@ void hold_lips(const FaceMesh& mesh, std::vector<float>& held) {
       float& weight = held[mesh.mouth[ring][i]];
       if (!lips && ring < kLipBorder) continue;
       // Each lip follows its own jaw in the middle; the corners hang half way between.
-      const float corner = smoothstep(0.5f, 1.0f, std::fabs(c.across));
-      const float own = mix(1.0f, 0.5f, corner);
+      const float own = 0.5f + 0.5f * std::sqrt(1 - c.across * c.across);
       weight = c.side == 0 ? 0.5f : c.side > 0 ? 1 - own : own;
       if (ring > kLipBack) {  // the bag loses its jaw's half towards the throat
         const float depth = float(ring - kLipBack) / float(kMouthRings - kLipBack);

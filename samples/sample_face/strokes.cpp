@@ -38,7 +38,7 @@ Delta paint(const Canvas& canvas, const std::vector<Stroke>& strokes) {
       if (s.on == On::upper) weight *= 1 - canvas.lower[v];
       if (s.on == On::lower) weight *= canvas.lower[v];
       if (s.on == On::face) weight *= 1 - canvas.lips[v];
-      moves[v] += (s.move + canvas.normals[v] * s.push) * weight;
+      moves[v] += (s.move + canvas.normals[v] * s.push + scale(s.grow, d)) * weight;
     }
   return sparse(moves);
 }

@@ -19,11 +19,12 @@ struct Stroke {
   Vec3 move;            // cm at the centre
   On on = On::all;
   float push = 0;  // cm along the skin's normal at the centre
+  Vec3 grow{};     // cm a centimetre away from the centre: negative draws together
 };
 
 inline Stroke mirrored(Stroke s) {
   s.centre = mirrored(s.centre);
-  s.move = mirrored(s.move);
+  s.move = mirrored(s.move);  // grow is the same on both sides
   return s;
 }
 
