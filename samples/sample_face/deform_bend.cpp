@@ -16,11 +16,11 @@ Bend::Bend(const FaceMesh& mesh) {
 }
 
 void Bend::pose(const MotionControls& m, const float* c, Vec3* points) const {
-  const float squash = c[m.squash], bend = radians(7) * c[m.bend];
+  const float squash = c[m.squash], bend = radians(9) * c[m.bend];
   if (squash == 0 && bend == 0) return;
   for (const Weighted& w : moved_) {
     Vec3& p = points[w.vertex];
-    const float stretch = -0.85f * squash * w.weight;
+    const float stretch = -1.0f * squash * w.weight;
     p.x *= 1 - 0.09f * stretch * (1 + 0.3f * stretch);  // what gets longer gets thinner
     p.y += -stretch;
     const float a = bend * w.weight, sine = a - a * a * a / 6, drop = a * a / 2;

@@ -9,8 +9,8 @@ float soft_limit(float x) {
   return std::tanh(x);
 }
 
-constexpr std::array<float, 4> kJoints = {2.2f, 3.6f, 4.8f, 5.9f};  // depths of the tongue's joints at rest
-constexpr std::array<float, 4> kDroop = {-0.30f, 0.10f, 0.18f, 0.36f};       // as it comes out, radians a joint
+constexpr std::array<float, 4> kJoints = {2.2f, 3.6f, 4.8f, 5.9f};      // depths of the tongue's joints at rest
+constexpr std::array<float, 4> kDroop = {-0.30f, 0.10f, 0.18f, 0.36f};  // as it comes out, radians a joint
 constexpr float kTongueY = -7.95f;
 
 }  // namespace

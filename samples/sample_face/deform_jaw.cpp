@@ -31,7 +31,7 @@ Motion Jaw::motion(const MotionControls& m, const float* c) {
   const float open = c[m.jaw_open], side = c[m.jaw_side], forward = c[m.jaw_forward];
   // The hinge itself slides forward and down as the jaw opens, and on one side as it swings.
   const Vec3 slide{0.25f * side, -0.15f * open * open, 0.35f * open * open + 0.55f * forward};
-  return motion_about(kJawHinge, radians(25) * open, radians(6.5f) * side,
+  return motion_about(kJawHinge, radians(28) * open * (0.6f + 0.4f * open), radians(6.5f) * side,
                       radians(4) * c[m.jaw_twist] + radians(2) * side * open, slide);
 }
 

@@ -33,7 +33,7 @@ constexpr Row kRows[] = {
     {-7.0f, 0, 0, 0.02f},
     {-6.4f, 0, 0, 0},
     {-5.8f, 0, 0, 0},
-    {-5.3f, 0, 0, 0},    // top of the mouth's hole
+    {-5.3f, 0, 0, 0},   // top of the mouth's hole
     {-4.95f, 0, 0, 0},  // bottom of the nostrils
     {-4.6f, 0, 0, 0},
     {-4.2f, 0, 0, 0},  // top of the nostrils
@@ -86,7 +86,8 @@ int wrap(int column) {
 float column_angle(int column) {
   constexpr float kNose = 2.6f, kFace = 4.0f, kBack = (180 - 6 * kNose - 9 * kFace) / 15;  // degrees a column
   const int k = column <= kColumns / 2 ? column : kColumns - column;
-  const float degrees = kNose * float(std::min(k, 6)) + kFace * float(std::clamp(k - 6, 0, 9)) + kBack * float(std::max(k - 15, 0));
+  const float degrees =
+      kNose * float(std::min(k, 6)) + kFace * float(std::clamp(k - 6, 0, 9)) + kBack * float(std::max(k - 15, 0));
   return radians(column <= kColumns / 2 ? degrees : -degrees);
 }
 

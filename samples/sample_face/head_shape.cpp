@@ -50,24 +50,24 @@ float eyebrow(Vec3 p) {
 
 float head_distance(Vec3 p) {
   p.x = std::fabs(p.x);
-  float d = ellipsoid(p, {0, 3.0f, -1.5f}, {7.4f, 8.2f, 9.1f});                            // cranium
-  d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.2f, 5.9f, 6.3f}), 2.0f);                   // forehead
-  d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.7f, 5.9f, 6.0f}), 2.6f);                  // middle face
-  d = blend(d, limb(p, {4.9f, -5.6f, 0.2f}, {1.7f, -9.3f, 5.3f}, 1.2f, 1.6f), 2.4f);      // jaw
-  d = blend(d, ellipsoid(p, {0, -9.7f, 6.6f}, {1.6f, 1.45f, 1.75f}), 1.6f);                // chin
-  d = blend(d, ball(p, {3.75f, -3.0f, 5.0f}, 2.5f), 1.9f);                                 // cheekbones
-  d = blend(d, ellipsoid(p, {0, -6.8f, 5.6f}, {3.0f, 2.5f, 2.75f}), 1.9f);                 // over the teeth
-  d = blend(d, limb(p, {1.2f, 2.45f, 7.1f}, {4.9f, 2.6f, 4.9f}, 0.95f, 0.9f), 1.5f);       // brow ridge
-  d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.2f}, 4.0f, 4.3f), 2.4f);          // neck
-  d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.6f}, {2.1f, 1.6f, 1.75f}), 1.6f);       // sockets
-  d = carve(d, ball(p, {0, -8.55f, 9.7f}, 0.8f), 1.3f);                                    // under the lower lip
-  d = blend(d, ball(p, kEyeCentre, kEyeRadius + kLidThickness), 0.55f);                    // lids over the eyeballs
+  float d = ellipsoid(p, {0, 3.0f, -1.5f}, {7.4f, 8.2f, 9.1f});                       // cranium
+  d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.2f, 5.9f, 6.3f}), 2.0f);              // forehead
+  d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.7f, 5.9f, 6.0f}), 2.6f);             // middle face
+  d = blend(d, limb(p, {4.9f, -5.6f, 0.2f}, {1.7f, -9.3f, 5.3f}, 1.2f, 1.6f), 2.4f);  // jaw
+  d = blend(d, ellipsoid(p, {0, -9.7f, 6.6f}, {1.6f, 1.45f, 1.75f}), 1.6f);           // chin
+  d = blend(d, ball(p, {3.75f, -3.0f, 5.0f}, 2.5f), 1.9f);                            // cheekbones
+  d = blend(d, ellipsoid(p, {0, -6.8f, 5.6f}, {3.0f, 2.5f, 2.75f}), 1.9f);            // over the teeth
+  d = blend(d, limb(p, {1.2f, 2.45f, 7.1f}, {4.9f, 2.6f, 4.9f}, 0.95f, 0.9f), 1.5f);  // brow ridge
+  d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.2f}, 4.0f, 4.3f), 2.4f);     // neck
+  d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.6f}, {2.1f, 1.6f, 1.75f}), 1.6f);  // sockets
+  d = carve(d, ball(p, {0, -8.55f, 9.7f}, 0.8f), 1.3f);                               // under the lower lip
+  d = blend(d, ball(p, kEyeCentre, kEyeRadius + kLidThickness), 0.55f);               // lids over the eyeballs
   d -= eyebrow(p);
   float nose = limb(p, {0, 1.3f, 7.6f}, {0, -3.0f, 9.6f}, 0.6f, 0.85f);                    // bridge
   nose = blend(nose, ellipsoid(p, {0, -3.4f, 9.75f}, {1.12f, 0.98f, 1.05f}), 0.8f);        // tip
-  nose = blend(nose, ellipsoid(p, {1.14f, -3.78f, 8.95f}, {0.72f, 0.70f, 0.95f}), 0.45f);     // wings
+  nose = blend(nose, ellipsoid(p, {1.14f, -3.78f, 8.95f}, {0.72f, 0.70f, 0.95f}), 0.45f);  // wings
   d = blend(d, nose, 0.9f);
-  return carve(d, limb(p, {0, -4.95f, 9.5f}, {0, -5.9f, 9.2f}, 0.2f, 0.3f), 0.5f);         // philtrum
+  return carve(d, limb(p, {0, -4.95f, 9.5f}, {0, -5.9f, 9.2f}, 0.2f, 0.3f), 0.5f);  // philtrum
 }
 
 Vec3 head_normal(Vec3 p) {

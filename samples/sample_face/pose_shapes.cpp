@@ -207,17 +207,25 @@ std::vector<PoseShape> mouth_side_shapes() {
 std::vector<PoseShape> mouth_middle_shapes() {
   const Vec3 corner{2.6f, -7.1f, 8.2f};
   return {
-      {"pucker", "mouth", false,
+      {"pucker",
+       "mouth",
+       false,
        {{{0, -7.1f, 8.7f}, {6.0f, 3.0f, 4.5f}, {0, 0, 0.5f}, kAll, 0, {-0.50f, 0.12f, 0}},
-        {corner, {2.0f, 1.8f, 3}, {-0.62f, 0, 0.25f}}, {mirrored(corner), {2.0f, 1.8f, 3}, {0.62f, 0, 0.25f}},
+        {corner, {2.0f, 1.8f, 3}, {-0.62f, 0, 0.25f}},
+        {mirrored(corner), {2.0f, 1.8f, 3}, {0.62f, 0, 0.25f}},
         {{0, -7.1f, 9.1f}, {2.2f, 1.8f, 2.5f}, {0, 0, 0.5f}, kAll, 0, {0, 0.14f, 0}},
-        {{4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {-0.15f, 0, 0}, kFace, -0.22f}, {{-4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {0.15f, 0, 0}, kFace, -0.22f}},
+        {{4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {-0.15f, 0, 0}, kFace, -0.22f},
+        {{-4.3f, -6.4f, 6.6f}, {2.0f, 2.2f, 2.5f}, {0.15f, 0, 0}, kFace, -0.22f}},
        {},
        {{corner, {2.2f, 1.8f, 3}, {0.08f, 0, 0.22f}}, {mirrored(corner), {2.2f, 1.8f, 3}, {-0.08f, 0, 0.22f}}}},
-      {"funnel", "mouth", false,
+      {"funnel",
+       "mouth",
+       false,
        {{{0, -7.1f, 8.7f}, {5.0f, 2.9f, 4.5f}, {0, 0, 0.4f}, kAll, 0, {-0.42f, 0.05f, 0}},
-        {corner, {2.0f, 1.8f, 3}, {-0.3f, 0, 0.2f}}, {mirrored(corner), {2.0f, 1.8f, 3}, {0.3f, 0, 0.2f}},
-        {{0, -6.4f, 9.1f}, {2.6f, 1.4f, 2.5f}, {0, 0.5f, 0.3f}, kUp}, {{0, -7.9f, 9.0f}, {2.6f, 1.5f, 2.5f}, {0, -0.6f, 0.3f}, kLow}},
+        {corner, {2.0f, 1.8f, 3}, {-0.3f, 0, 0.2f}},
+        {mirrored(corner), {2.0f, 1.8f, 3}, {0.3f, 0, 0.2f}},
+        {{0, -6.4f, 9.1f}, {2.6f, 1.4f, 2.5f}, {0, 0.5f, 0.3f}, kUp},
+        {{0, -7.9f, 9.0f}, {2.6f, 1.5f, 2.5f}, {0, -0.6f, 0.3f}, kLow}},
        {},
        {{{0, -7.1f, 9.0f}, {2.4f, 1.7f, 2.5f}, {0, 0, 0.2f}}}},
       {"chin_raise",
@@ -272,7 +280,9 @@ std::vector<PoseShape> mouth_middle_shapes() {
   };
 }
 
-std::vector<Stroke> throat_strokes() { return {{{0, -12.2f, 3.0f}, {4.2f, 3.0f, 3.8f}, {0, -0.6f, 0.9f}}}; }
+std::vector<Stroke> throat_strokes() {
+  return {{{0, -12.2f, 3.0f}, {4.2f, 3.0f, 3.8f}, {0, -0.6f, 0.9f}}};
+}
 
 std::vector<Stroke> mirrored(std::vector<Stroke> strokes) {
   for (Stroke& s : strokes) s = sample_face::mirrored(s);

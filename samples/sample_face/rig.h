@@ -19,6 +19,7 @@ class Rig {
   // The points with all controls at 0, exactly as pose gives them; mesh().points before the deformers' rounding.
   const std::vector<Vec3>& rest() const { return rest_; }
   const Controls& controls() const { return controls_; }
+  const MotionControls& motions() const { return motion_; }
   const std::vector<Term>& terms() const { return terms_; }
   // points: one per vertex. May be called from several threads at once; equal controls give equal bits.
   void pose(const float* controls, Vec3* points) const;
