@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/colour_map.h"
+#include "render/exposure.h"
 #include "render/shading.h"
 #include "render/surface.h"
 
@@ -19,14 +20,14 @@ struct Prepared {
   const Scene& scene;
   std::vector<Projected> projected;
   std::vector<Vector3> eye_points, eye_normals;  // camera space
-  std::vector<float> hollowness;
+  std::vector<float> exposure;
 };
 
-Prepared prepare(const Scene& scene, const Camera& camera, int width, int height) {
+Prepared prepare(const Scene& scene, const Camera& camera, int width, int height, const Parallel& parallel) {
   Prepared p{scene, {}, {}, {}, {}};
   const std::size_t vertices = scene.points.size() / 3;
   const auto normals = vertex_normals(scene.triangles, scene.points);
-  p.hollowness = vertex_hollowness(scene.triangles, scene.points, normals);
+  p.exposure = vertex_exposure(scene.triangles, scene.points, normals, parallel);
   p.projected.resize(vertices);
   p.eye_points.resize(vertices);
   p.eye_normals.resize(vertices);
@@ -93,17 +94,17 @@ Vector3 shade(const Prepared& p, const Hit& hit) {
       cross(p.eye_points[corner[1]] - p.eye_points[corner[0]], p.eye_points[corner[2]] - p.eye_points[corner[0]]);
   const bool inside = dot(flat, to_eye) < 0;
   if (inside) normal = normal * -1.0f;
-  const float exposure = inside ? 0.3f : 1.0f;
+  const float exposure = inside ? 0.1f : blend(p.exposure);
   if (!p.scene.scalars.empty())
-    return shade_map(normal, map_colour(blend(p.scene.scalars), p.scene.scalar_full)) * exposure;
-  return shade_clay(normal, to_eye, inside ? 0 : blend(p.hollowness), clay) * exposure;
+    return shade_map(normal, exposure, map_colour(blend(p.scene.scalars), p.scene.scalar_full));
+  return shade_clay(normal, to_eye, exposure, clay);
 }
 
 }  // namespace
 
 Image render(const Scene& scene, const Camera& camera, const Canvas& canvas, const Parallel& parallel) {
   const int samples = canvas.samples, width = canvas.width * samples, height = canvas.height * samples;
-  const Prepared prepared = prepare(scene, camera, width, height);
+  const Prepared prepared = prepare(scene, camera, width, height, parallel);
   Image image(canvas.width, canvas.height);
   constexpr int band = 16;  // rows of pixels drawn as one piece of work
   const std::size_t bands = (canvas.height + band - 1) / band;

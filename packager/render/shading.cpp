@@ -20,14 +20,9 @@ const Light lights[] = {
     {normalized({-0.85f, 0.30f, -0.60f}), {0.30f, 0.30f, 0.32f}, 0.0f},
 };
 
-float smoothstep(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
 }  // namespace
 
-Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float hollowness, Vector3 colour) {
+Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float exposure, Vector3 colour) {
   const float sky = 0.5f + 0.5f * normal.y;
   Vector3 diffuse = mix(Vector3{0.10f, 0.085f, 0.08f}, Vector3{0.19f, 0.21f, 0.24f}, sky);
   Vector3 gloss;
@@ -40,14 +35,13 @@ Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float hollowness, Vector3 col
     const float h4 = half * half * half * half, h16 = h4 * h4 * h4 * h4;
     gloss = gloss + light.colour * (0.09f * h16 * h4 * facing);
   }
-  // Grooves see less of the studio.
-  const float open = 1 - 0.75f * smoothstep(0.02f, 0.55f, hollowness) + 0.12f * smoothstep(0.05f, 0.6f, -hollowness);
-  return (colour * diffuse + gloss) * open;
+  // The lamps are large, so what sees little of the sky sees little of them too.
+  return (colour * diffuse + gloss) * (0.04f + 0.96f * exposure);
 }
 
-Vector3 shade_map(Vector3 normal, Vector3 colour) {
+Vector3 shade_map(Vector3 normal, float exposure, Vector3 colour) {
   const float facing = std::max(0.0f, dot(normal, lights[0].direction));
-  return colour * (0.62f + 0.38f * facing);
+  return colour * (0.40f + 0.25f * exposure + 0.35f * facing);
 }
 
 Vector3 backdrop(float t) {

@@ -13,8 +13,4 @@ namespace fb {
 // triangles: three vertex indices each; points: 3 x vertices.
 std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, std::span<const float> points);
 
-// How hollow the surface is around each vertex, from -1 (ridge) over 0 (flat) to 1 (groove).
-std::vector<float> vertex_hollowness(std::span<const std::uint32_t> triangles, std::span<const float> points,
-                                     std::span<const Vector3> normals);
-
 }  // namespace fb

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "render/colour_map.h"
+#include "render/exposure.h"
 #include "render/panels.h"
 #include "render/png_file.h"
 #include "render/rasterizer.h"
@@ -144,7 +145,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
     for (const std::uint32_t corner : square().triangles) both.triangles.push_back(corner + 4);
     const float first = front_first ? 1.0f : 0.0f;
     const Image image = draw(both, {}, {first, first, first, first, 1 - first, 1 - first, 1 - first, 1 - first});
-    const Rgb seen = image.at(80, 80), full = to_srgb(shade_map({0, 0, 1}, map_colour(1, 1)));
+    const Rgb seen = image.at(80, 80), full = to_srgb(shade_map({0, 0, 1}, 1, map_colour(1, 1)));
     CHECK(std::abs(seen.r - full.r) <= 2);
     CHECK(std::abs(seen.g - full.g) <= 2);
   }
@@ -153,7 +154,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
 TEST_CASE("an error map shows known values in the colours of its scale") {
   for (const float value : {0.0f, 0.25f, 0.5f, 1.0f, 3.0f}) {
     const Image image = draw(square(), {}, std::vector<float>(4, value), 1);
-    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_map({0, 0, 1}, map_colour(value, 1)));
+    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_map({0, 0, 1}, 1, map_colour(value, 1)));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
@@ -176,14 +177,40 @@ TEST_CASE("scales end on 1, 2 or 5") {
   CHECK(round_scale(0) == doctest::Approx(1e-6));
 }
 
-TEST_CASE("normals of a sphere point outwards; it has no grooves, its inside has no ridges") {
+TEST_CASE("normals of a sphere point outwards, and it is open to the whole sky, but not inside") {
   const Shape shape = sphere();
-  const auto normals = vertex_normals(shape.triangles, shape.points);
+  auto normals = vertex_normals(shape.triangles, shape.points);
   for (std::size_t v = 0; v < normals.size(); ++v) CHECK(dot(normals[v], vector_at(shape.points.data(), v)) > 0.98f);
-  for (const float hollowness : vertex_hollowness(shape.triangles, shape.points, normals)) CHECK(hollowness < 0);
-  std::vector<Vector3> inward = normals;
-  for (Vector3& n : inward) n = n * -1.0f;
-  for (const float hollowness : vertex_hollowness(shape.triangles, shape.points, inward)) CHECK(hollowness > 0);
+  for (const float exposure : vertex_exposure(shape.triangles, shape.points, normals, {})) CHECK(exposure > 0.97f);
+  for (Vector3& n : normals) n = n * -1.0f;
+  for (const float exposure : vertex_exposure(shape.triangles, shape.points, normals, {})) CHECK(exposure < 0.1f);
+}
+
+TEST_CASE("a wall takes half of the sky from the floor beside it") {
+  // The floor y = 0 reaches from the wall x = 0 to x = 4; both are cut fine.
+  Shape corner;
+  const int steps = 40;
+  const auto sheet = [&](Vector3 origin, Vector3 along, Vector3 across) {
+    const auto first = static_cast<std::uint32_t>(corner.points.size() / 3);
+    for (int i = 0; i <= steps; ++i)
+      for (int j = 0; j <= steps; ++j) {
+        const Vector3 p = origin + along * (float(i) / steps) + across * (float(j) / steps);
+        corner.points.insert(corner.points.end(), {p.x, p.y, p.z});
+      }
+    for (std::uint32_t i = 0; i < steps; ++i)
+      for (std::uint32_t j = 0; j < steps; ++j) {
+        const std::uint32_t a = first + i * (steps + 1) + j, b = a + steps + 1;
+        corner.triangles.insert(corner.triangles.end(), {a, a + 1, b, b, a + 1, b + 1});
+      }
+  };
+  sheet({0, 0, -2}, {0, 0, 4}, {4, 0, 0});
+  sheet({0, 0, -2}, {0, 4, 0}, {0, 0, 4});
+  const std::vector<Vector3> upward(corner.points.size() / 3, {0, 1, 0});
+  const auto exposure = vertex_exposure(corner.triangles, corner.points, upward, {});
+  const auto on_floor = [&](int i, int j) { return exposure[i * (steps + 1) + j]; };
+  CHECK(on_floor(steps / 2, 3) == doctest::Approx(0.55).epsilon(0.15));
+  CHECK(on_floor(steps / 2, steps) > 0.8f);
+  CHECK(on_floor(steps / 2, 3) < on_floor(steps / 2, steps / 2));
 }
 
 TEST_CASE("pictures do not depend on threads") {
