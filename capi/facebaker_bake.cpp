@@ -7,7 +7,6 @@
 #include "bake/recipes/bake.h"
 #include "bake/rig/rig_source.h"
 #include "bake/sampling/sampling.h"
-#include "base/file.h"
 #include "crossing.h"
 
 using fb::fail;
@@ -114,10 +113,9 @@ fb_status fb_bake(const fb_bake_desc* desc) {
     options.seed = known.seed;
     options.poses = known.poses;
     options.parallel = on(known.threads);
-    options.work = known.archive + std::string(".work");
     HostProgress progress(known.progress, known.progress_user);
     const std::unique_ptr<fb::Source> source = open(known.sources, known.source_count);
-    fb::write_file(known.archive, fb::bake(*source, options, progress).archive);
+    fb::bake_to_file(*source, known.archive, options, progress);
   });
 }
 

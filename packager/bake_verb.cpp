@@ -3,7 +3,6 @@
 #include <memory>
 
 #include "bake/recipes/bake.h"
-#include "base/file.h"
 #include "progress_bar.h"
 #include "report_folder.h"
 #include "report_json.h"
@@ -35,18 +34,15 @@ std::string bake_text(const Baked& baked) {
 }
 
 void BakeVerb::run() {
-  { const AtomicFile probe(out); }  // better to learn now than in an hour that it cannot be written
   options.use = use_from(use);
-  options.work = work.empty() ? out + ".work" : work;
+  options.work = work;
   const auto source = open_sources(sources);
   Baked baked;
   {
     ProgressBar progress;
-    baked = bake(*source, options, progress);
+    baked = bake_to_file(*source, out, options, progress);
   }
-  write_file(out, baked.archive);
   if (!report.empty()) write_report(report, "bake", bake_json(out, baked), bake_text(baked));
-  if (work.empty()) std::filesystem::remove_all(options.work);
   std::fputs(json ? bake_json(out, baked).c_str() : (out + "\n" + bake_text(baked)).c_str(), stdout);
 }
 

@@ -114,7 +114,7 @@ typedef struct fb_bake_desc {
   const fb_source* sources; /* datasets of one character together, or one rig */
   uint32_t source_count;
   uint32_t reserved;
-  const char* archive;      /* the .fbk to write; "<archive>.work" beside it holds what makes resuming possible */
+  const char* archive;      /* the .fbk to write; "<archive>.work" beside it keeps what is done until it is whole */
   const char* recipe;       /* "paper" (default) or "linear" */
   const char* use;          /* "variant" (no shots in training) or "backlot" (default) */
   uint64_t poses;           /* sampled when the source is a rig; default 20,000 */

@@ -9,6 +9,7 @@
 #include "bake/measure/verify.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
+#include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
 
@@ -106,6 +107,16 @@ Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   if (!source.live()) return bake_recorded(source, nullptr, options, progress);
   const std::unique_ptr<Source> data = record(source, options, Recording::training_only, progress);
   return bake_recorded(*data, &source, options, progress);
+}
+
+Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress) {
+  { const AtomicFile trial(path); }  // better to learn now than in an hour that it cannot be written
+  const bool own_folder = options.work.empty();
+  if (own_folder) (options.work = path) += ".work";
+  Baked baked = bake(source, options, progress);
+  write_file(path, baked.archive);
+  if (own_folder) std::filesystem::remove_all(options.work);
+  return baked;
 }
 
 }  // namespace fb

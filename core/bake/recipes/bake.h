@@ -47,4 +47,8 @@ struct Baked {
 // Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.
 Baked bake(Source& source, const BakeOptions& options, Progress& progress);
 
+// bake, then writes the archive, which appears complete or not at all; that it can be written is tried first. Without a
+// work folder it uses "<path>.work" and removes that once the archive is whole.
+Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress);
+
 }  // namespace fb
