@@ -26,21 +26,55 @@ struct CompareVerb {
   void run();
 };
 
-// One row a method and use, in the arrangement of the paper's Table 1.
-std::string compare_text(const CompareReport& report) {
-  Table table(
-      {"method", "use", "independent mse", "max", "mfm", "dependency mse", "max", "mfm", "bytes", "training s"});
-  for (const MethodReport& method : report.methods) {
-    std::vector<std::string> row = {method.name, name_of(method.use)};
-    for (const Errors* errors : {&method.independent.total, &method.dependency})
-      for (const double figure : {errors->mse, errors->max, errors->mfm}) row.push_back(format("%.2e", figure));
-    row.push_back(std::to_string(method.bytes));
-    row.push_back(format("%.1f", method.train_seconds));
-    table.add(std::move(row));
+// A table with a column for every method and use; each row is named and filled from the method's report.
+class MethodTable {
+ public:
+  MethodTable(const CompareReport& report, const char* head) : report_(report), table_(heads(report, head)) {}
+
+  template <class Cell>
+  void row(std::string name, const Cell& cell) {
+    std::vector<std::string> row = {std::move(name)};
+    for (const MethodReport& method : report_.methods) row.push_back(cell(method));
+    table_.add(std::move(row));
   }
-  return format("%s: errors over the diagonal, %g %s. Independent: unseen clips; dependency: data trained on.\n\n",
-                report.name.c_str(), report.diagonal, report.units.c_str()) +
-         table.text();
+  std::string text() const { return table_.text() + "\n"; }
+
+ private:
+  static std::vector<std::string> heads(const CompareReport& report, const char* head) {
+    std::vector<std::string> heads = {head};
+    for (const MethodReport& method : report.methods) heads.push_back(method.name + " " + name_of(method.use));
+    return heads;
+  }
+  const CompareReport& report_;
+  Table table_;
+};
+
+// The paper's Table 1 with more figures, then the unseen clips one by one, then what each method costs.
+std::string compare_text(const CompareReport& report) {
+  const auto figure = [](double value) { return format("%.2e", value); };
+  MethodTable errors(report, "Table 1");
+  for (const auto& [test, of] : {std::pair{"independent", +[](const MethodReport& m) { return m.independent.total; }},
+                                 std::pair{"dependency", +[](const MethodReport& m) { return m.dependency; }}}) {
+    errors.row(std::string(test) + " MSE", [&](const MethodReport& m) { return figure(of(m).mse); });
+    errors.row(std::string(test) + " max err", [&](const MethodReport& m) { return figure(of(m).max); });
+    errors.row(std::string(test) + " p99", [&](const MethodReport& m) { return figure(of(m).p99); });
+    errors.row(std::string(test) + " mfm", [&](const MethodReport& m) { return figure(of(m).mfm); });
+  }
+  MethodTable clips(report, "independent MSE by clip");
+  for (std::size_t c = 0; c < report.methods.at(0).independent.clips.size(); ++c)
+    clips.row(report.methods[0].independent.clips[c].name,
+              [&](const MethodReport& m) { return figure(m.independent.clips[c].errors.mse); });
+  MethodTable costs(report, "cost");
+  costs.row("archive, bytes", [](const MethodReport& m) { return std::to_string(m.bytes); });
+  costs.row("poses trained on", [](const MethodReport& m) { return std::to_string(m.poses); });
+  costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
+  costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });
+  costs.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
+  return format(
+             "%s: errors over the diagonal of the rest mesh, %g %s; mfm: mean over frames of the worst vertex.\n"
+             "Independent: clips nothing was trained on. Dependency: data trained on.\n\n",
+             report.name.c_str(), report.diagonal, report.units.c_str()) +
+         errors.text() + clips.text() + costs.text();
 }
 
 // A folder of this process for intermediate files, removed with everything in it.

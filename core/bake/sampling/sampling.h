@@ -21,7 +21,7 @@ struct SamplingOptions {
   std::string mix = "dense";
   bool shots = true;        // also take the rig's own clips, with their splits
   bool held_out = true;     // if no clip is of split test: also make_held_out
-  std::vector<Clip> extra;  // clips of the user; values outside their range are clamped, and that is noted
+  std::vector<Clip> extra = {};  // clips of the user; values outside their range are clamped, and that is noted
 };
 
 // Controls to evaluate, clip by clip. All values are finite and within their ranges.
