@@ -13,6 +13,13 @@ constexpr std::array<float, 4> kJoints = {2.2f, 3.6f, 4.8f, 5.9f};      // depth
 constexpr std::array<float, 4> kDroop = {-0.30f, 0.10f, 0.18f, 0.36f};  // as it comes out, radians a joint
 constexpr float kTongueY = -7.95f;
 
+// What the tongue lies on, in the jaw's own space: the floor of the mouth, up over the teeth and the lower lip, and
+// down.
+float tongue_floor(float z) {
+  constexpr float kDeep = -10.5f, kOverLip = -6.95f;
+  return mix(kDeep, kOverLip, smoothstep(6.5f, 7.7f, z) * (1 - smoothstep(9.3f, 11.2f, z)));
+}
+
 }  // namespace
 
 Eyes::Eyes(const FaceMesh& mesh) : spans_(mesh.eyes) {
@@ -49,6 +56,12 @@ void Eyes::pose(const MotionControls& m, const float* c, const std::array<Motion
 
 Tongue::Tongue(const FaceMesh& mesh) : span_(mesh.tongue) {
   rest_.assign(mesh.points.begin() + span_.first, mesh.points.begin() + span_.first + span_.count);
+  for (const Vec3& p : rest_) {
+    float lowest = p.y;
+    for (const Vec3& q : rest_)
+      if (std::fabs(q.z - p.z) < 0.01f) lowest = std::min(lowest, q.y);
+    above_.push_back(p.y - lowest);
+  }
 }
 
 void Tongue::pose(const MotionControls& m, const float* c, Vec3* points) const {
@@ -79,7 +92,8 @@ void Tongue::pose(const MotionControls& m, const float* c, Vec3* points) const {
     // Stretching out: the points run ahead along the way the chain points.
     const Vec3 ahead = joint == 0 ? Vec3{0, 0, 1} : unit(chain[joint].turn({0, 0, 1}));
     turned += ahead * (3.6f * out * along * along) + Vec3{0, 0.95f * out * smoothstep(0.1f, 0.75f, along), 0};
-    posed += turned - p + (p - posed);
+    turned.y = std::max(turned.y, tongue_floor(turned.z) + above_[i]);
+    posed = turned;
   }
 }
 

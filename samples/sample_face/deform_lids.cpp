@@ -26,7 +26,7 @@ Lids::Lids(const FaceMesh& mesh, int eye) : eye_(eye), centre_(eye_centre(eye ==
   }
 }
 
-void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, Vec3* points) const {
+void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, float cheek, Vec3* points) const {
   constexpr float kMeetAt = 0.28f;            // of the opening's height, where the lids meet
   constexpr float kClosest = radians(0.25f);  // between closed lids
   const float blink = c[m.blink[eye_]], look = std::asin(std::clamp(gaze.y, -1.0f, 1.0f));
@@ -40,7 +40,7 @@ void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, 
     float up = blink * (mix(lower, upper, kMeetAt) - k.elevation);
     const float tilt = radians(7) * c[m.lid_tilt[eye_]] * k.tilt;
     const float own = half == 0 ? radians(c[m.upper_lid[eye_]] > 0 ? 12 : 26) * c[m.upper_lid[eye_]] + 0.75f * look
-                                : radians(13) * c[m.lower_lid[eye_]] + 0.4f * look;
+                                : radians(13) * c[m.lower_lid[eye_]] + 0.4f * look + radians(9) * cheek;
     float segment_up = 0, segment_full = 0;
     for (int s = 0; s < 5; ++s) {
       segment_up += k.segments[s] * c[m.lid_up[eye_][half][s]];

@@ -50,8 +50,8 @@ void add_nostril_loops(FaceMesh& mesh, const Ring& outer, int a, int b, int side
   };
   constexpr Step kSteps[] = {{0.66f, 9.50f, 0.34f, 0.46f, 0},
                              {0.66f, 9.50f, 0.27f, 0.37f, -0.01f},
-                             {0.66f, 9.48f, 0.25f, 0.34f, 0.2f},
-                             {0.60f, 9.30f, 0.16f, 0.24f, 1.4f}};
+                             {0.65f, 9.58f, 0.25f, 0.33f, 0.25f},
+                             {0.58f, 9.85f, 0.17f, 0.22f, 1.0f}};
   Ring previous;
   for (const Step& step : kSteps) {
     const bool rim = &step == kSteps;

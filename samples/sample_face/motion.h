@@ -68,7 +68,8 @@ class Lids {
  public:
   Lids(const FaceMesh& mesh, int eye);
   // `gaze` is the eye's unit line of sight, `shift` where its centre moved to.
-  void pose(const MotionControls& m, const float* controls, Vec3 gaze, Vec3 shift, Vec3* points) const;
+  // `cheek`, 0 to 1, is how far the cheek pushes the lower lid up.
+  void pose(const MotionControls& m, const float* controls, Vec3 gaze, Vec3 shift, float cheek, Vec3* points) const;
 
  private:
   struct Column {
@@ -108,6 +109,7 @@ class Tongue {
  private:
   Span span_;
   std::vector<Vec3> rest_;
+  std::vector<float> above_;  // height over the underside
 };
 
 // The lower face as a whole: squashes, stretches, bends sideways.

@@ -46,7 +46,7 @@ float lower_height(float across) {
 // The line between the lips: falls a little from the middle, rises at the corners.
 float line_height(float across) {
   const float a = across * across;
-  return kMouthY + 0.05f - 0.22f * a + 0.30f * a * a;
+  return kMouthY + 0.05f - 0.24f * a + 0.44f * a * a;
 }
 
 }  // namespace

@@ -31,6 +31,12 @@ Rig::Rig()
   add_pose_shapes(canvas, controls_, terms_);
   add_tweakers(canvas, controls_, terms_);
   add_correctives(canvas, controls_, terms_);
+  const char* const sides[2] = {"_L", "_R"};
+  for (int side = 0; side < 2; ++side) {
+    smile_[side] = controls_.index(std::string("smile") + sides[side]);
+    cheek_raise_[side] = controls_.index(std::string("cheek_raise") + sides[side]);
+    squint_[side] = controls_.index(std::string("squint") + sides[side]);
+  }
   rest_.resize(mesh_.points.size());
   pose(std::vector<float>(controls_.list().size(), 0.0f).data(), rest_.data());
 }
@@ -49,7 +55,8 @@ void Rig::pose(const float* c, Vec3* points) const {
   lips_.touch(motion_, c, jaw, points);
   for (int eye = 0; eye < 2; ++eye) {
     const Vec3 centre = eye_centre(eye == 0 ? 1 : -1);
-    lids_[eye].pose(motion_, c, eyes[eye].turn({0, 0, 1}), eyes[eye](centre) - centre, points);
+    const float cheek = std::min(1.0f, 0.5f * c[smile_[eye]] + 0.6f * c[cheek_raise_[eye]] + 0.7f * c[squint_[eye]]);
+    lids_[eye].pose(motion_, c, eyes[eye].turn({0, 0, 1}), eyes[eye](centre) - centre, cheek, points);
   }
   eyes_.pose(motion_, c, eyes, points);
   bend_.pose(motion_, c, points);

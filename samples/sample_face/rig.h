@@ -36,6 +36,7 @@ class Rig {
   Eyes eyes_;
   Tongue tongue_;
   Bend bend_;
+  std::array<int, 2> smile_{}, cheek_raise_{}, squint_{};  // controls that push the lower lids, left and right
   std::vector<Vec3> rest_;
 };
 
