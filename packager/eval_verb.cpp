@@ -1,10 +1,15 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
+#include "archive/reader.h"
 #include "bake/measure/evaluate.h"
 #include "base/file.h"
+#include "pictures.h"
+#include "pose_animation.h"
 #include "progress_bar.h"
+#include "render/png_file.h"
 #include "report_folder.h"
 #include "report_json.h"
 #include "table.h"
@@ -35,6 +40,24 @@ std::string eval_text(const EvalReport& report) {
                                report.units.c_str());
 }
 
+// The frame with the largest error of all: the true rig, the archive, and where they differ.
+void write_worst_frame(const std::string& folder, std::span<const std::byte> archive, Source& source,
+                       const EvalReport& report, const Parallel& parallel) {
+  const auto worst = std::max_element(report.clips.begin(), report.clips.end(),
+                                      [](const auto& a, const auto& b) { return a.errors.max < b.errors.max; });
+  const auto& clips = source.clips();
+  const auto clip = std::find_if(clips.begin(), clips.end(), [&](const Clip& c) { return c.name == worst->name; });
+  if (worst == report.clips.end() || clip == clips.end()) return;
+  const FaceModel model = read_archive(archive).model;
+  const std::size_t width = model.schema.control_count();
+  const std::span<const float> controls(&clip->controls[worst->errors.worst_frame * width], width);
+  std::vector<float> truth(model.rest.points.size());
+  source.read(static_cast<std::size_t>(clip - clips.begin()), worst->errors.worst_frame, 1, truth);
+  const Portrait portrait(model.rest, model.schema.up_axis, {}, {}, parallel);
+  const auto predicted = evaluate_frames(Evaluator(model), controls, parallel);
+  write_png(folder + "/worst.png", portrait.draw_beside(truth, predicted, 0).image);
+}
+
 void EvalVerb::run() {
   if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
   const auto bytes = read_file(archive);
@@ -48,7 +71,10 @@ void EvalVerb::run() {
   }
   const std::string figures = eval_json(archive, result), table = eval_text(result);
   if (!json.empty() && json != "-") write_file(json, figures);
-  if (!report.empty()) write_report(report, "eval", figures, table);
+  if (!report.empty()) {
+    write_report(report, "eval", figures, table);
+    write_worst_frame(report, bytes, *source, result, parallel);
+  }
   std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
 }
 
@@ -64,7 +90,7 @@ void add_eval(CLI::App& tool) {
       ->capture_default_str();
   app->add_option("--json", verb->json, "Write the figures as JSON; - for standard output, in place of the table")
       ->type_name("FILE");
-  add_report(*app, verb->report);
+  add_report(*app, verb->report, ", and a picture of the worst frame");
   add_threads(*app, verb->parallel);
   app->callback([verb] { verb->run(); });
 }

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "json_text.h"
+
 namespace fb {
 namespace {
 
@@ -66,7 +68,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
       {"control_list", std::move(controls)},
       {"notes", archive.notes},
       {"provenance", provenance_of(archive)}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json);
 }
 
 std::string recipe_of(const Archive& archive) {

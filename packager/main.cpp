@@ -16,6 +16,12 @@ int complain(const CLI::App& tool, const std::string& message, int exit_code) {
   return exit_code;
 }
 
+// After Ctrl-C.
+std::string farewell(const CLI::App& tool) {
+  const bool resumable = tool.got_subcommand("sample") || tool.got_subcommand("bake");
+  return resumable ? "interrupted; what is done is kept, run the same command to go on" : "interrupted";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,6 +49,8 @@ int main(int argc, char** argv) {
     if (!tool.get_subcommands().empty()) return complain(tool, wrong.what() + std::string(" (see --help)"), 2);
     return complain(tool, argc > 1 ? fb::format("no verb \"%s\" (see --help)", argv[1]) : "give a verb (see --help)",
                     2);
+  } catch (const fb::Error& error) {
+    return complain(tool, error.status() == fb::Status::interrupted ? farewell(tool) : error.what(), 1);
   } catch (const std::bad_alloc&) {
     return complain(tool, "out of memory", 1);
   } catch (const std::exception& error) {

@@ -10,6 +10,7 @@
 #include "bake/rig/source.h"
 #include "base/file.h"
 #include "export/obj_file.h"
+#include "json_text.h"
 #include "pictures.h"
 #include "pose_animation.h"
 #include "pose_controls.h"
@@ -100,7 +101,7 @@ void PoseVerb::print(const Poses& poses) const {
   if (json) {
     nlohmann::ordered_json figures = {{"files", files_}, {"frames", poses.frames}, {"clamped", poses.clamped}};
     if (!beside.empty()) figures["max"] = worst_;
-    std::printf("%s\n", figures.dump(2).c_str());
+    std::fputs(json_text(figures).c_str(), stdout);
     return;
   }
   for (const std::string& file : files_) std::printf("%s\n", file.c_str());

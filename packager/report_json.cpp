@@ -2,14 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "json_text.h"
+
 namespace fb {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string text(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 void add_figures(Json& to, const Errors& errors) {
   to["frames"] = errors.frames;
@@ -41,11 +39,11 @@ Json clip_list(const EvalReport& report) {
 }  // namespace
 
 std::string eval_json(const std::string& archive, const EvalReport& report) {
-  return text({{"archive", archive},
-               {"units", report.units},
-               {"diagonal", report.diagonal},
-               {"clips", clip_list(report)},
-               {"total", figures(report.total)}});
+  return json_text({{"archive", archive},
+                    {"units", report.units},
+                    {"diagonal", report.diagonal},
+                    {"clips", clip_list(report)},
+                    {"total", figures(report.total)}});
 }
 
 std::string compare_json(const CompareReport& report) {
@@ -61,27 +59,27 @@ std::string compare_json(const CompareReport& report) {
                        {"coefficients", method.coefficients},
                        {"poses", method.poses},
                        {"train_seconds", method.train_seconds}});
-  return text(
+  return json_text(
       {{"name", report.name}, {"units", report.units}, {"diagonal", report.diagonal}, {"methods", std::move(methods)}});
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {
-  return text({{"archive", archive},
-               {"bytes", baked.archive.size()},
-               {"poses", baked.poses},
-               {"coefficients", baked.coefficients},
-               {"parameters", baked.parameters},
-               {"train_seconds", baked.train_seconds},
-               {"quantisation", baked.quantisation}});
+  return json_text({{"archive", archive},
+                    {"bytes", baked.archive.size()},
+                    {"poses", baked.poses},
+                    {"coefficients", baked.coefficients},
+                    {"parameters", baked.parameters},
+                    {"train_seconds", baked.train_seconds},
+                    {"quantisation", baked.quantisation}});
 }
 
 std::string verify_json(const std::string& archive, const VerifyReport& report) {
-  return text({{"archive", archive},
-               {"bytes", report.bytes},
-               {"poses", report.poses},
-               {"vertices", report.vertices},
-               {"worst", report.worst},
-               {"tolerance", verify_tolerance}});
+  return json_text({{"archive", archive},
+                    {"bytes", report.bytes},
+                    {"poses", report.poses},
+                    {"vertices", report.vertices},
+                    {"worst", report.worst},
+                    {"tolerance", verify_tolerance}});
 }
 
 }  // namespace fb

@@ -5,6 +5,7 @@
 
 #include "bake/sampling/sampling.h"
 #include "base/status.h"
+#include "json_text.h"
 #include "progress_bar.h"
 #include "verb_options.h"
 #include "verbs.h"
@@ -40,10 +41,7 @@ void SampleVerb::run() {
     report = sample(*rig, options, out, parallel, progress);
   }
   if (json)
-    std::printf("%s\n",
-                nlohmann::ordered_json{{"dataset", out}, {"poses", report.poses}, {"evaluated", report.evaluated}}
-                    .dump(2)
-                    .c_str());
+    std::fputs(json_text({{"dataset", out}, {"poses", report.poses}, {"evaluated", report.evaluated}}).c_str(), stdout);
   else
     std::printf("%s: %zu poses, %zu of them evaluated now\n", out.c_str(), report.poses, report.evaluated);
 }

@@ -13,7 +13,9 @@ std::string Table::text() const {
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     for (std::size_t c = 0; c < widths.size(); ++c) {
-      const std::string cell = c < rows_[r].size() ? rows_[r][c] : "";
+      std::string cell = c < rows_[r].size() ? rows_[r][c] : "";
+      for (char& byte : cell)
+        if (static_cast<unsigned char>(byte) < 32 || byte == 127) byte = '?';
       const std::string space(widths[c] - cell.size(), ' ');
       text += "| " + (c == 0 ? cell + space : space + cell) + " ";
     }

@@ -10,7 +10,8 @@ class Table {
  public:
   explicit Table(std::vector<std::string> heads) : rows_{std::move(heads)} {}
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  // One line a row; also a valid Markdown table.
+  // One line a row; also a valid Markdown table. Control characters, which names from a stranger's file may hold,
+  // become question marks.
   std::string text() const;
 
  private:

@@ -48,8 +48,9 @@ void add_json_flag(CLI::App& verb, bool& json) {
   verb.add_flag("--json", json, "Print the figures as JSON instead of text");
 }
 
-void add_report(CLI::App& verb, std::string& folder) {
-  verb.add_option("--report", folder, "Folder to write the figures into, as JSON and as a readable table")
+void add_report(CLI::App& verb, std::string& folder, const char* also) {
+  verb.add_option("--report", folder,
+                  std::string("Folder to write the figures into, as JSON and as a readable table") + also)
       ->type_name("DIR");
 }
 

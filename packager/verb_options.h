@@ -20,6 +20,7 @@ void add_mix(CLI::App& verb, std::string& mix);
 void add_sources(CLI::App& verb, std::vector<std::string>& sources);
 void add_archive(CLI::App& verb, std::string& archive);
 void add_json_flag(CLI::App& verb, bool& json);
-void add_report(CLI::App& verb, std::string& folder);
+// `also` continues the sentence of the help: what is written besides.
+void add_report(CLI::App& verb, std::string& folder, const char* also = "");
 
 }  // namespace fb
