@@ -101,6 +101,28 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
   CHECK(std::filesystem::exists(folder / "toy.png"));
 }
 
+TEST_CASE("clips of the user are sampled too, if they fit the rig") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", clip = folder / "mine.npy", wide = folder / "wide.npy";
+  fb::write_npy(clip, {3, 6}, std::span<const float>(std::vector<float>(18, 0.25f)));
+  fb::write_npy(wide, {3, 7}, std::span<const float>(std::vector<float>(21)));
+  const auto sample = [&](const std::string& text) {
+    return run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "50", "--clip", text});
+  };
+  for (const std::string& wrong : {wide, "=" + clip, "mine=" + wide, "mine=" + (folder / "none.npy")}) {
+    const ToolRun run = sample(wrong);
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "sample", {}));
+    CHECK(!std::filesystem::exists(dataset));
+  }
+  REQUIRE(sample("mine=" + clip).exit_code == 0);
+  const Json index = read_index(dataset);
+  bool found = false;
+  for (const Json& entry : index.at("clips")) found = found || entry.at("name") == "mine";
+  CHECK(found);
+  CHECK(fb::NpyFile(dataset + "/mine.points.npy").shape() == std::vector<std::size_t>{3, 50, 3});
+}
+
 TEST_CASE("the same seed gives the same archive, whatever the threads; the kept work is used again") {
   const ScratchFolder folder;
   const std::string dataset = folder / "data";
@@ -140,10 +162,11 @@ TEST_CASE("compare lists every method with its figures") {
 
 TEST_CASE("datasets that contradict themselves are refused by file, and nothing is written") {
   const ScratchFolder folder;
-  const std::string archive = folder / "face.fbk";
+  const std::string archive = folder / "face.fbk", good = folder / "good";
+  sample_toy(good);
   const auto refused = [&](const std::string& name, const std::vector<std::string>& words, auto&& spoil) {
     const std::string dataset = folder / name;
-    sample_toy(dataset);
+    std::filesystem::copy(good, dataset);
     spoil(dataset);
     const ToolRun run = run_tool(quick_bake(dataset, archive));
     CAPTURE(name);
