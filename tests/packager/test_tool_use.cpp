@@ -57,7 +57,8 @@ TEST_CASE("wrong use exits with 2 and one line that says where help is") {
 TEST_CASE("files that are no archives are refused by name, whatever the verb") {
   const ScratchFolder folder;
   const std::string good = folder / "good.fbk", missing = folder / "missing.fbk", foreign = folder / "foreign.fbk",
-                    cut = folder / "cut.fbk", flipped = folder / "flipped.fbk", empty = folder / "empty.fbk";
+                    cut = folder / "cut.fbk", flipped = folder / "flipped.fbk", empty = folder / "empty.fbk",
+                    newer = folder / "newer.fbk";
   write_tiny_archive(good);
   auto bytes = fb::read_file(good);
   fb::write_file(foreign, std::string("PK\3\4 this is something else altogether, as long as a header is"));
@@ -65,10 +66,16 @@ TEST_CASE("files that are no archives are refused by name, whatever the verb") {
   fb::write_file(cut, std::span(bytes).first(bytes.size() - 9));
   bytes[bytes.size() / 2] ^= std::byte{4};
   fb::write_file(flipped, bytes);
+  bytes[8] = std::byte{9};  // the major version
+  fb::write_file(newer, bytes);
   const auto before = folder.names();
-  for (const std::string& archive : {missing, folder.path(), foreign, cut, flipped, empty}) {
-    for (const auto& arguments : std::vector<std::vector<std::string>>{
-             {"inspect", archive}, {"inspect", archive, "--json"}, {"pose", archive, "--out", folder / "x.png"}}) {
+  for (const std::string& archive : {missing, folder.path(), foreign, cut, flipped, empty, newer}) {
+    for (const auto& arguments :
+         std::vector<std::vector<std::string>>{{"inspect", archive},
+                                               {"inspect", archive, "--json"},
+                                               {"verify", archive},
+                                               {"eval", archive, FB_TOY_RIG, "--json", folder / "x.json"},
+                                               {"pose", archive, "--out", folder / "x.png"}}) {
       const ToolRun run = run_tool(arguments);
       CAPTURE(run.err);
       CHECK(run.exit_code == 1);
@@ -78,6 +85,7 @@ TEST_CASE("files that are no archives are refused by name, whatever the verb") {
   }
   CHECK(is_complaint(run_tool({"inspect", missing}).err, "inspect", {missing, "no such file"}));
   CHECK(is_complaint(run_tool({"inspect", folder.path()}).err, "inspect", {folder.path(), "directory"}));
+  CHECK(is_complaint(run_tool({"verify", newer}).err, "verify", {"version", "9"}));
   CHECK(folder.names() == before);
 }
 
