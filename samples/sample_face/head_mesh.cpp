@@ -83,7 +83,7 @@ int wrap(int column) {
 }
 
 // Angle round the head of a column: closest together on the nose, wide behind the temples.
-float column_angle(int column) {
+float face_angle(int column) {
   constexpr float kNose = 2.6f, kFace = 4.0f, kBack = (180 - 6 * kNose - 9 * kFace) / 15;  // degrees a column
   const int k = column <= kColumns / 2 ? column : kColumns - column;
   const float degrees =
@@ -93,7 +93,10 @@ float column_angle(int column) {
 
 Vec3 grid_point(int row, int column) {
   const Row& r = kRows[row];
-  const float s = std::sin(column_angle(column)), c = std::cos(column_angle(column));
+  // The neck's columns are even; they become the face's towards the chin.
+  const float even = 2 * kPi / kColumns * float(column <= kColumns / 2 ? column : column - kColumns);
+  const float angle = mix(even, face_angle(column), smoothstep(0, 10, float(row)));
+  const float s = std::sin(angle), c = std::cos(angle);
   const float slope = r.side * s * s + (c > 0 ? r.front : r.back) * c * c;
   const Vec3 direction = unit({s, slope, c});
   return hit_head(Vec3{0, r.y, 0} + direction * 20, direction * -1);
@@ -169,7 +172,8 @@ void add_head(FaceMesh& mesh) {
   for (int eye = 0; eye < 2; ++eye) add_lid_loops(mesh, edge_of(grid, eye == 0 ? kEyeHole : mirrored(kEyeHole)), eye);
   free.resize(mesh.points.size(), false);
   for (int ring = 1; ring < kLipBorder; ++ring)
-    for (const Index v : mesh.mouth[ring]) free[v] = true;
+    for (int i = 0; i < kMouthColumns; ++i)
+      free[mesh.mouth[ring][i]] = ring + 1 < kLipBorder || mouth_column(i).side != 0;  // not drawn in past a corner
   for (const auto& lids : mesh.lids)
     for (int ring = 1; ring < kLidCrease; ++ring)
       for (const Index v : lids[ring]) free[v] = true;

@@ -42,15 +42,15 @@ float eyebrow(Vec3 p) {
   const float t = clamp01((p.x - 1.2f) / 4.3f);  // along the arc
   const float arc = 3.0f + 0.75f * std::sin(kPi * std::pow(t, 0.85f)) - 0.15f * t;
   const float across = (p.y - arc) / mix(0.55f, 0.38f, t);
-  const float past = std::max({0.0f, 1.2f - p.x, p.x - 5.5f}) / 0.4f;
-  return 0.34f * mix(1.0f, 0.65f, t) * std::exp(-across * across - past * past);
+  const float past = std::max({0.0f, 1.3f - p.x, p.x - 5.5f}) / 0.6f;
+  return (0.26f + 0.12f * std::sin(kPi * std::min(1.0f, t + 0.15f))) * std::exp(-across * across - past * past);
 }
 
 }  // namespace
 
 float head_distance(Vec3 p) {
   p.x = std::fabs(p.x);
-  float d = ellipsoid(p, {0, 3.0f, -1.5f}, {7.4f, 8.2f, 9.1f});                       // cranium
+  float d = ellipsoid(p, {0, 3.0f, -1.2f}, {7.4f, 8.2f, 8.6f});                       // cranium
   d = blend(d, ellipsoid(p, {0, 2.6f, 2.2f}, {6.2f, 5.9f, 6.3f}), 2.0f);              // forehead
   d = blend(d, ellipsoid(p, {0, -4.6f, 1.9f}, {5.7f, 5.9f, 6.0f}), 2.6f);             // middle face
   d = blend(d, limb(p, {4.9f, -5.6f, 0.2f}, {1.7f, -9.3f, 5.3f}, 1.2f, 1.6f), 2.4f);  // jaw

@@ -19,7 +19,7 @@ struct LidStep {
 constexpr LidStep kSteps[] = {
     {kLidCrease, 1.20f, 1.72f, 1.62f, 0.13f}, {kLidPlate, 1.13f, 1.42f, 1.36f, 0.19f},
     {kLidEdge, 1.06f, 1.14f, 1.12f, 0.205f},  {kLidMargin, 1.00f, 1.00f, 1.00f, 0.17f},
-    {kLidBack, 0.98f, 0.99f, 0.99f, 0.05f},   {kLidInner, 1.08f, 1.60f, 1.60f, 0.03f},
+    {kLidBack, 0.98f, 0.99f, 0.99f, 0.05f},   {kLidInner, 1.11f, 1.60f, 1.60f, 0.03f},
 };
 
 }  // namespace
@@ -43,7 +43,9 @@ void add_lid_loops(FaceMesh& mesh, const Ring& outer, int eye) {
       const float x = std::min(kHalfWidth * step.width, 0.985f * kEyeRadius) * c / kEyeRadius;
       const float rho = std::sqrt(1 - x * x);
       const Vec3 direction{side * x, rho * std::sin(elevation), rho * std::cos(elevation)};
-      const Vec3 p = centre + direction * (kEyeRadius + cornea_bulge(direction.z) + step.off);
+      // At the corners the lid's inside meets the skin, so that no look from the side goes behind it.
+      const float behind = step.ring == kLidInner ? 0.06f * c * c * c * c : 0.0f;
+      const Vec3 p = centre + direction * (kEyeRadius + cornea_bulge(direction.z) + step.off + behind);
       lids[step.ring][i] = mesh.add(p);
     }
   for (int ring = 1; ring < kLidCrease; ++ring)

@@ -17,8 +17,8 @@ struct ProfileStep {
 };
 constexpr ProfileStep kProfile[] = {
     {kLipBorder, 0.04f, 1.00f, 0.02f, 1.00f}, {kLipRise, 0.20f, 0.84f, 0.26f, 0.80f},
-    {kLipMiddle, 0.34f, 0.55f, 0.44f, 0.52f}, {kLipFront, 0.33f, 0.22f, 0.38f, 0.20f},
-    {kLipSeam, 0.14f, 0.03f, 0.14f, 0.03f},   {kLipInner, -0.22f, 0.10f, -0.22f, 0.10f},
+    {kLipMiddle, 0.34f, 0.55f, 0.44f, 0.52f}, {kLipFront, 0.33f, 0.17f, 0.38f, 0.16f},
+    {kLipSeam, 0.14f, 0.012f, 0.14f, 0.012f}, {kLipInner, -0.22f, 0.06f, -0.22f, 0.06f},
     {kLipBack, -0.55f, 0.55f, -0.55f, 0.55f},
 };
 
@@ -84,8 +84,11 @@ void add_mouth_loops(FaceMesh& mesh, const Ring& outer) {
           c.side > 0 ? step.away_upper * upper_height(c.across) : -step.away_lower * lower_height(c.across);
       Vec3 p = line[i] + forward[i] * (ahead > 0 ? ahead * mix(0.05f, 1.0f, open) : ahead);
       p.y += away;
-      if (c.side == 0) p.x += (step.ring <= kLipMiddle ? 0.16f * float(kLipFront - step.ring) / 3 : 0.0f) * c.across;
-      if (step.ring == kLipBorder || step.ring == kLipRise) {
+      if (c.side == 0 && step.ring <= kLipSeam) {
+        // At a corner the rings lie one behind the other on the way from the skin to where the lips meet.
+        const Vec3 skin = onto_head(line[i] + Vec3{0.14f * c.across, 0.05f, 0});
+        p = mix(skin, line[i], float(step.ring - kLipBorder) / float(kLipSeam - kLipBorder));
+      } else if (step.ring == kLipBorder || step.ring == kLipRise) {
         const Vec3 skin = onto_head(p);
         p = step.ring == kLipBorder ? skin + head_normal(skin) * 0.03f
                                     : mix(p, skin + forward[i] * (ahead * mix(0.1f, 1.0f, open)), 0.7f);
