@@ -15,7 +15,6 @@ inline constexpr float kMouthY = -7.1f;  // of the line between the lips
 inline constexpr float kMouthHalfWidth = 2.75f;
 
 inline constexpr Vec3 kJawHinge{0.0f, -2.6f, -0.6f};  // the axis runs along x
-inline constexpr Vec3 kTongueRoot{0.0f, -8.6f, 2.4f};
 
 inline Vec3 eye_centre(int side) {
   return {kEyeCentre.x * float(side), kEyeCentre.y, kEyeCentre.z};

@@ -79,21 +79,20 @@ void Tongue::pose(const MotionControls& m, const float* c, Vec3* points) const {
   }
   for (Index i = 0; i < span_.count; ++i) {
     const Vec3 rest = rest_[i];
-    Vec3& posed = points[span_.first + i];
-    Vec3 p = posed;
+    Vec3 p = rest;
     const float along = clamp01((rest.z - kJoints[0]) / (7.0f - kJoints[0]));
     p.x *= 1 + wide * along;
     p.y += gutter * along * (rest.x * rest.x - 0.4f);
     const int joint = rest.z > kJoints[3] ? 3 : rest.z > kJoints[2] ? 2 : rest.z > kJoints[1] ? 1 : 0;
     // Each joint's part begins softly over the end of the part before it.
-    const float t = smoothstep(kJoints[joint] - 0.0f, kJoints[joint] + 1.1f, rest.z);
+    const float t = smoothstep(kJoints[joint], kJoints[joint] + 1.1f, rest.z);
     const Vec3 before = joint == 0 ? p : chain[joint - 1](p);
-    Vec3 turned = p + (before - p) + (chain[joint](p) - before) * t;
+    Vec3 turned = mix(before, chain[joint](p), t);
     // Stretching out: the points run ahead along the way the chain points.
     const Vec3 ahead = joint == 0 ? Vec3{0, 0, 1} : unit(chain[joint].turn({0, 0, 1}));
     turned += ahead * (3.6f * out * along * along) + Vec3{0, 0.95f * out * smoothstep(0.1f, 0.75f, along), 0};
     turned.y = std::max(turned.y, tongue_floor(turned.z) + above_[i]);
-    posed = turned;
+    points[span_.first + i] = turned;
   }
 }
 

@@ -3,6 +3,12 @@
 #include "skin_weights.h"
 
 namespace sample_face {
+namespace {
+
+// How much of a segment's fullness each ring takes.
+constexpr std::array<float, kLidRings> kSwellFollow = {0, 0.4f, 0.4f, 0.4f, 1, 1, 1, 0, 0};
+
+}  // namespace
 
 Lids::Lids(const FaceMesh& mesh, int eye) : eye_(eye), centre_(eye_centre(eye == 0 ? 1 : -1)), rings_(mesh.lids[eye]) {
   for (int i = 0; i < kLidColumns; ++i) {
@@ -29,6 +35,7 @@ Lids::Lids(const FaceMesh& mesh, int eye) : eye_(eye), centre_(eye_centre(eye ==
 void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, float cheek, Vec3* points) const {
   constexpr float kMeetAt = 0.28f;            // of the opening's height, where the lids meet
   constexpr float kClosest = radians(0.25f);  // between closed lids
+  // How far each column of the lids turns about the eye's centre, upwards, and how full it is.
   const float blink = c[m.blink[eye_]], look = std::asin(std::clamp(gaze.y, -1.0f, 1.0f));
   std::array<float, kLidColumns> slide, swell;
   for (int i = 0; i < kLidColumns; ++i) {
@@ -50,6 +57,7 @@ void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, 
     slide[i] = up;
     swell[i] = 0.12f * segment_full;
   }
+  // Lids that would cross meet half way.
   for (int i = 0; i < kLidColumns; ++i) {
     const Column& k = columns_[i];
     if (k.sine <= 0.01f) continue;
@@ -72,12 +80,11 @@ void Lids::pose(const MotionControls& m, const float* c, Vec3 gaze, Vec3 shift, 
       // Off the eyeball as at rest, or further where the skin was drawn out; the cornea pushes the lid before it.
       const float r = length(turned);
       const float under = cornea_bulge(dot(turned, gaze) / r);
-      const float outer =
-          ring >= kLidPlate && ring <= kLidMargin ? swell[i] : swell[i] * 0.4f * float(ring < kLidPlate);
-      const float hold = ring < kLidCrease ? 0.0f : 1.0f;
-      const float wanted = std::max(r + (under - bulge_[ring][i]) * hold * follow,
-                                    kEyeRadius + under + std::min(off_[ring][i], kLidThickness + 0.05f) * hold);
-      const float out = (wanted - r) + outer;
+      float wanted = std::max(r, kEyeRadius + under);
+      if (ring >= kLidCrease)
+        wanted = std::max(r + (under - bulge_[ring][i]) * follow,
+                          kEyeRadius + under + std::min(off_[ring][i], kLidThickness + 0.05f));
+      const float out = wanted - r + swell[i] * kSwellFollow[ring];
       p += (turned - d) + shift * follow + turned * (out / r);
     }
   }

@@ -66,7 +66,7 @@ void add_teeth(FaceMesh& mesh, bool upper) {
   std::vector<Ring> sections;
   for (int i = 0; i <= kColumnsAll; ++i) {
     const float t = 2 * float(i) / kColumnsAll - 1, angle = t * radians(80);
-    const Vec3 out = unit({std::sin(angle), 0, std::cos(angle) * 1.0f});
+    const Vec3 out{std::sin(angle), 0, std::cos(angle)};
     const Vec3 arch{width * std::sin(angle), biting, front - 3.1f * (1 - std::cos(angle))};
     const float groove = i % kToothColumns == 0 ? 1.0f : 0.0f;  // between two teeth
     Ring ring;

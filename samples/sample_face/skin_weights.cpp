@@ -7,6 +7,7 @@ namespace {
 
 constexpr float kFree = -1;
 
+// Holds the upper face, the back of the head and the neck at 0, the chin and the body of the jaw at 1.
 void hold_skin(const FaceMesh& mesh, std::vector<float>& held) {
   for (Index v = 0; v < mesh.skin.count; ++v) {
     const Vec3 p = mesh.points[v];
@@ -19,13 +20,12 @@ void hold_skin(const FaceMesh& mesh, std::vector<float>& held) {
   }
 }
 
+// Holds the lips and the inside of the mouth.
 void hold_lips(const FaceMesh& mesh, std::vector<float>& held) {
-  for (int ring = kMouthOuter; ring < kMouthRings; ++ring)
+  for (int ring = kLipBorder; ring < kMouthRings; ++ring)
     for (int i = 0; i < kMouthColumns; ++i) {
       const MouthColumn c = mouth_column(i);
-      const bool lips = ring >= kLipBorder && ring <= kLipBack;
       float& weight = held[mesh.mouth[ring][i]];
-      if (!lips && ring < kLipBorder) continue;
       // Each lip follows its own jaw in the middle; the corners hang half way between.
       const float own = 0.5f + 0.5f * std::sqrt(1 - c.across * c.across);
       weight = c.side == 0 ? 0.5f : c.side > 0 ? 1 - own : own;
