@@ -4,7 +4,7 @@
 #   samples/quickstart.sh [POSES]
 set -eu
 cd "$(dirname "$0")/.."
-poses=${1:-3000}
+poses=${1:-8000}
 
 export OMP_WAIT_POLICY=PASSIVE
 samples/setup.sh
@@ -15,8 +15,11 @@ cmake --build --preset release --parallel "$(nproc)" \
 facebaker=build/release/bin/facebaker
 out=build/quickstart
 mkdir -p "$out"
-"$facebaker" sample sample --out "$out/data" --poses "$poses"
-"$facebaker" bake "$out/data" --out "$out/sample.fbk" --recipe paper
+data="$out/data-$poses"
+"$facebaker" sample sample --out "$data" --poses "$poses"
+"$facebaker" bake "$data" --out "$out/sample.fbk" --recipe paper
 "$facebaker" verify "$out/sample.fbk"
-"$facebaker" pose "$out/sample.fbk" --beside sample --out "$out/sample.png"
+"$facebaker" eval "$out/sample.fbk" "$data" --split test
+"$facebaker" pose "$out/sample.fbk" --beside sample --out "$out/sample.png" \
+  --set jaw_open=0.3 --set smile_L=0.9 --set smile_R=0.7 --set brow_inner_L=0.5 --set brow_outer_L=0.8
 echo "The baked face: $out/sample.fbk; beside the true rig: $out/sample.png"
