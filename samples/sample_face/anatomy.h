@@ -5,8 +5,8 @@
 
 namespace sample_face {
 
-inline constexpr float kEyeRadius = 1.75f;
-inline constexpr Vec3 kEyeCentre{3.3f, 0.0f, 6.0f};  // of the left eye
+inline constexpr float kEyeRadius = 1.95f;
+inline constexpr Vec3 kEyeCentre{3.4f, 0.0f, 5.9f};  // of the left eye
 inline constexpr float kCorneaHeight = 0.17f;        // of the bulge over the eye's sphere, on the line of sight
 inline constexpr float kCorneaAngle = radians(32);   // where the bulge ends, seen from the eye's centre
 inline constexpr float kLidThickness = 0.17f;

@@ -7,8 +7,8 @@ namespace sample_face {
 namespace {
 
 // The opening, seen from the eye's centre: half width (cm) and elevations (degrees) of its edge.
-constexpr float kHalfWidth = 1.56f;
-constexpr float kUpper = 26, kLower = 22, kTilt = 4;
+constexpr float kHalfWidth = 1.76f;
+constexpr float kUpper = 28, kLower = 23, kTilt = 4;
 
 // A ring of the lids: width and height relative to the opening (upper and lower half), and its distance from the eye's
 // sphere.
