@@ -17,9 +17,9 @@ struct LidStep {
   float width, upper, lower, off;
 };
 constexpr LidStep kSteps[] = {
-    {kLidCrease, 1.20f, 1.72f, 1.62f, 0.13f}, {kLidPlate, 1.13f, 1.42f, 1.36f, 0.19f},
-    {kLidEdge, 1.06f, 1.14f, 1.12f, 0.205f},  {kLidMargin, 1.00f, 1.00f, 1.00f, 0.17f},
-    {kLidBack, 0.98f, 0.99f, 0.99f, 0.05f},   {kLidInner, 1.11f, 1.60f, 1.60f, 0.03f},
+    {kLidCrease, 1.10f, 1.72f, 1.62f, 0.13f}, {kLidPlate, 1.08f, 1.42f, 1.36f, 0.19f},
+    {kLidEdge, 1.05f, 1.14f, 1.12f, 0.205f},  {kLidMargin, 1.00f, 1.00f, 1.00f, 0.17f},
+    {kLidBack, 0.98f, 0.99f, 0.99f, 0.05f},   {kLidInner, 1.28f, 1.60f, 1.60f, 0.03f},
 };
 
 }  // namespace
@@ -40,12 +40,10 @@ void add_lid_loops(FaceMesh& mesh, const Ring& outer, int eye) {
       const float t = lid_angle(eye, i), c = std::cos(t), s = std::sin(t);
       const float bow = s * (1 - 0.10f * c * (s > 0 ? 1.0f : -1.0f));  // upper arch peaks inside, lower outside
       const float elevation = radians((s > 0 ? kUpper * step.upper : kLower * step.lower) * bow + kTilt * c);
-      const float x = std::min(kHalfWidth * step.width, 0.985f * kEyeRadius) * c / kEyeRadius;
+      const float x = std::clamp(kHalfWidth / kEyeRadius * step.width * c, -0.985f, 0.985f);
       const float rho = std::sqrt(1 - x * x);
       const Vec3 direction{side * x, rho * std::sin(elevation), rho * std::cos(elevation)};
-      // At the corners the lid's inside meets the skin, so that no look from the side goes behind it.
-      const float behind = step.ring == kLidInner ? 0.06f * c * c * c * c : 0.0f;
-      const Vec3 p = centre + direction * (kEyeRadius + cornea_bulge(direction.z) + step.off + behind);
+      const Vec3 p = centre + direction * (kEyeRadius + cornea_bulge(direction.z) + step.off);
       lids[step.ring][i] = mesh.add(p);
     }
   for (int ring = 1; ring < kLidCrease; ++ring)
