@@ -36,7 +36,12 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  if (std::filesystem::is_directory(path_)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
+  std::error_code unreadable;
+  const auto there = std::filesystem::status(path_, unreadable);
+  if (std::filesystem::is_directory(there)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
+  // Renaming would put a file in the place of a device.
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+    fail(Status::io, "%s: cannot be written: is no regular file", path_.c_str());
   partial_ = path_;
   partial_ += ".partial-" + std::to_string(getpid());
   file_ = std::fopen(partial_.c_str(), "wb");

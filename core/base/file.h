@@ -15,7 +15,8 @@ namespace fb {
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
 // Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes what was not
-// committed. Fails with the path and the system's reason (disk full, no such folder, no permission).
+// committed. Fails with the path and the system's reason (disk full, no such folder, no permission), and on what is
+// there already but no regular file, such as a device.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

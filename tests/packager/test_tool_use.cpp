@@ -1,5 +1,6 @@
 // What every verb has in common: help, wrong use, bad files, and a full disk.
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "tool_files.h"
@@ -102,6 +103,17 @@ TEST_CASE("no place to write to fails before anything is left behind") {
   }
 }
 
+TEST_CASE("a pipe or device is not replaced by a file") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", pipe = folder / "pipe.obj";
+  write_tiny_archive(archive);
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const ToolRun run = run_tool({"pose", archive, "--out", pipe});
+  CHECK(run.exit_code == 1);
+  CHECK(is_complaint(run.err, "pose", {pipe, "no regular file"}));
+  CHECK(std::filesystem::is_fifo(pipe));
+}
+
 TEST_CASE("a disk that fills up leaves the old file and no partial one") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
@@ -120,7 +132,7 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
     std::filesystem::remove(out);
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   }
-  if (std::filesystem::exists("/dev/full")) {
+  if (std::filesystem::is_character_file("/dev/full")) {
     const ToolRun run = run_tool({"inspect", archive, "--json"}, {.standard_output = "/dev/full"});
     CHECK(run.exit_code == 1);
     CHECK(is_complaint(run.err, "inspect", {"standard output"}));
