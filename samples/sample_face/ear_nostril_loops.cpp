@@ -31,7 +31,9 @@ void add_ear_loops(FaceMesh& mesh, const Ring& outer, int a, int b, int side) {
       const float angle = 2 * kPi * (float(i) + 0.5f * float(b)) / float(outer.size()) + kPi;
       const float s = std::sin(angle), c = std::cos(angle) * float(side);  // the grid's right is the left ear's back
       const float egg = 0.89f + 0.11f * s - 0.08f * std::max(0.0f, -s);
-      Vec3 p = middle + back * (e.back + c * e.half_length * egg) + up * (e.up + s * e.half_height) + out * e.out;
+      const float hug = 1 - 0.55f * std::pow(std::max(0.0f, -s), 2.0f);  // the lobe lies close to the head
+      Vec3 p =
+          middle + back * (e.back + c * e.half_length * egg) + up * (e.up + s * e.half_height) + out * (e.out * hug);
       if (base) p = onto_head(p);
       if (side < 0) p = mirrored(p);
       if (base) mesh.points[outer[i]] = p;

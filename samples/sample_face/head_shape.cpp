@@ -58,6 +58,7 @@ float head_distance(Vec3 p) {
   d = blend(d, ball(p, {3.75f, -3.0f, 5.0f}, 2.5f), 1.9f);                            // cheekbones
   d = blend(d, ellipsoid(p, {0, -6.8f, 5.6f}, {3.0f, 2.5f, 2.75f}), 1.9f);            // over the teeth
   d = blend(d, limb(p, {1.2f, 2.45f, 7.1f}, {4.9f, 2.6f, 4.9f}, 0.95f, 0.9f), 1.5f);  // brow ridge
+  d = blend(d, ellipsoid(p, {0, 2.9f, 7.0f}, {1.7f, 1.5f, 1.25f}), 1.4f);             // between the brows
   d = blend(d, limb(p, {0, -9.0f, -2.2f}, {0, -18.5f, -3.2f}, 4.0f, 4.3f), 2.4f);     // neck
   d = carve(d, ellipsoid(p, {kEyeCentre.x, 0.1f, 8.75f}, {2.3f, 1.8f, 1.8f}), 1.6f);  // sockets
   d = carve(d, ball(p, {0, -8.55f, 9.7f}, 0.8f), 1.3f);                               // under the lower lip
