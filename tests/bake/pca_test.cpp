@@ -15,14 +15,14 @@ namespace {
 float shape(std::size_t k, std::size_t i) {
   return std::sin(0.37f * float((k + 1) * i) + float(k));
 }
-constexpr float sizes[] = {1.0f, 0.3f, 0.001f};
+constexpr float sizes[] = {1.0f, 0.3f, 0.02f};
 
 MemorySource three_shapes() {
   MemorySource source(4, 12, [](const float* c, std::span<float> points) {
     for (std::size_t i = 0; i < points.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) points[i] += sizes[k] * c[k] * shape(k, i);
   });
-  source.add_clip("poses", ClipKind::dense, Split::train, 400, 1.0f, 7);
+  source.add_clip("poses", ClipKind::dense, Split::train, 300, 1.0f, 7);
   return source;
 }
 
@@ -49,8 +49,8 @@ TEST_CASE("principal components hold the fraction asked for with as few as possi
   const PrincipalComponents most = principal_components(poses, 0.999, {}, silent_progress());
   CHECK(most.count == 2);
   CHECK(most.captured >= 0.999 * most.total);
-  CHECK(reconstruction_error(most, poses) < 0.0025);
-  const PrincipalComponents all = principal_components(poses, 0.99999999, {}, silent_progress());
+  CHECK(reconstruction_error(most, poses) < 0.05);
+  const PrincipalComponents all = principal_components(poses, 0.99999, {}, silent_progress());
   CHECK(all.count == 3);
   CHECK(reconstruction_error(all, poses) < 2e-5);
   for (std::size_t a = 0; a < all.count; ++a)
@@ -67,10 +67,10 @@ TEST_CASE("a spectrum longer than the sample is still caught") {
   MemorySource source(40, 6, [](const float* c, std::span<float> points) {
     for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[i % 40] * (1.0f + float(i) / 100.0f);
   });
-  source.add_clip("poses", ClipKind::dense, Split::train, 1200, 0.05f, 3);
+  source.add_clip("poses", ClipKind::dense, Split::train, 1100, 0.05f, 3);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const PrincipalComponents pca = principal_components(poses, 0.999999, {}, silent_progress());
-  CHECK(pca.captured >= 0.999999 * pca.total);
+  const PrincipalComponents pca = principal_components(poses, 0.99999, {}, silent_progress());
+  CHECK(pca.captured >= 0.99999 * pca.total);
   CHECK(pca.count == 40);
   CHECK(reconstruction_error(pca, poses) < 1e-4);
 }

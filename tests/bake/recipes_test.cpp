@@ -43,8 +43,8 @@ void curved_formula(const float* c, std::span<float> points) {
 // Excitations, dense poses, a training shot and a test shot of a face with a product corrective.
 MemorySource curved_face(bool live = false) {
   MemorySource source(4, 8, curved_formula, live);
-  source.add_clip("dense", ClipKind::dense, Split::train, 500, 0.6f, 1);
-  source.add_clip("shot", ClipKind::shot, Split::train, 150, 0.5f, 2);
+  source.add_clip("dense", ClipKind::dense, Split::train, 200, 0.6f, 1);
+  source.add_clip("shot", ClipKind::shot, Split::train, 56, 0.5f, 2);
   source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
   source.add_clip("unseen", ClipKind::shot, Split::test, 200, 0.5f, 4);
   return source;
@@ -53,7 +53,7 @@ MemorySource curved_face(bool live = false) {
 BakeOptions options_in(const WorkFolder& folder, const std::string& recipe = "paper") {
   BakeOptions options;
   options.recipe = recipe;
-  options.epochs = 8;
+  options.epochs = 14;
   options.work = folder.path;
   return options;
 }
@@ -92,10 +92,10 @@ TEST_CASE("the paper's network beats linear blendshapes on a face with a correct
   MemorySource source = curved_face();
   const Baked linear = bake(source, options_in(folder, "linear"), silent_progress());
   BakeOptions options = options_in(folder);
-  options.epochs = 60;
+  options.epochs = 150;
   const Baked paper = bake(source, options, silent_progress());
   CHECK(unseen_mse(paper.archive, source) < 0.5 * unseen_mse(linear.archive, source));
-  CHECK(paper.poses == 650);
+  CHECK(paper.poses == 256);
   CHECK(paper.quantisation < 1e-4);
   const FaceModel model = read_archive(paper.archive).model;
   REQUIRE(model.network.regions.size() == 1);
@@ -130,7 +130,7 @@ TEST_CASE("a variant never reads a shot, and nothing reads validation or test cl
     }
   };
   Watched source(4, 6, curved_formula);
-  source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.6f, 1);
+  source.add_clip("dense", ClipKind::dense, Split::train, 150, 0.6f, 1);
   source.add_clip("shot", ClipKind::shot, Split::train, 50, 0.5f, 2);
   source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
   source.add_clip("unseen", ClipKind::shot, Split::test, 50, 0.5f, 4);
@@ -138,10 +138,10 @@ TEST_CASE("a variant never reads a shot, and nothing reads validation or test cl
   BakeOptions options = options_in(folder);
   options.epochs = 1;
   options.use = Use::variant;
-  CHECK(bake(source, options, silent_progress()).poses == 300);
+  CHECK(bake(source, options, silent_progress()).poses == 150);
   CHECK(source.read_clips == "dense ");
   options.use = Use::backlot;
-  CHECK(bake(source, options, silent_progress()).poses == 350);
+  CHECK(bake(source, options, silent_progress()).poses == 200);
   CHECK(source.read_clips == "dense shot ");
 }
 
@@ -149,14 +149,14 @@ TEST_CASE("compare reports every method as variant and backlot, measured on unse
   WorkFolder folder;
   MemorySource source = curved_face();
   BakeOptions options = options_in(folder);
-  options.epochs = 60;
+  options.epochs = 150;
   const CompareReport report = compare(source, {"linear", "paper"}, options, silent_progress());
   REQUIRE(report.methods.size() == 4);
   for (const MethodReport& method : report.methods) {
     REQUIRE(method.independent.clips.size() == 1);
     CHECK(method.independent.clips[0].name == "unseen");
     CHECK(method.independent.total.frames == 200);
-    CHECK(method.dependency.frames == (method.use == Use::variant ? 500 : 650));
+    CHECK(method.dependency.frames == (method.use == Use::variant ? 200 : 256));
     CHECK(method.bytes > 0);
   }
   CHECK(report.methods[1].name == "paper");

@@ -20,7 +20,8 @@ struct PrincipalComponents {
   double total = 0, captured = 0;   // mean squared displacement of a pose: all of it, and inside the components
 };
 
-// The fewest components that hold `fraction` (0..1) of the squared displacement of all poses.
+// The fewest components that hold `fraction` (0 to 0.99999: products are in float) of the squared displacement of all
+// poses.
 //
 // Streams: poses are read in blocks, never held together, so memory is a few (rows x components) matrices plus the
 // coefficients. Randomised subspace iteration (Halko, Martinsson, Tropp, SIAM Review 2011) started from the exact

@@ -50,7 +50,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& path, std
   for (const Word size : sizes) {
     if (size > (bytes.size() - at) / sizeof(float)) return std::nullopt;
     std::vector<float> array(size);
-    std::memcpy(array.data(), bytes.data() + at, size * sizeof(float));
+    if (size > 0) std::memcpy(array.data(), bytes.data() + at, size * sizeof(float));
     at += size * sizeof(float);
     expected = hash64_of<float>(array, expected);
     checkpoint.arrays.push_back(std::move(array));
