@@ -20,3 +20,12 @@ if(PKG_CONFIG)
       -o ${WORK}/app/hello_by_pkg_config)
   run(${WORK}/app/hello_by_pkg_config ${FIXTURE} jaw_open 1)
 endif()
+
+# The installed tool finds the sample face under the prefix: it knows that its controls are not the fixture's.
+if(TOOL)
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+  execute_process(COMMAND ${WORK}/prefix/bin/facebaker eval ${FIXTURE} sample RESULT_VARIABLE code ERROR_VARIABLE complaint)
+  if(NOT code EQUAL 1 OR NOT complaint MATCHES "the source has [0-9]+")
+    message(FATAL_ERROR "the installed tool does not find the sample face: ${complaint}")
+  endif()
+endif()

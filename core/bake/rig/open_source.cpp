@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 namespace fb {
 namespace {
 
-// Where the built-in face may lie, most specific first: folders named by FACEBAKER_RIG_PATH, beside the program, beside
-// the library this code is part of, and where `install` puts it.
+// Where the built-in face may lie, most specific first: folders named by FACEBAKER_RIG_PATH, beside the program (in a
+// build, or installed under any prefix), beside the library this code is part of, and where `install` puts it.
 std::vector<fs::path> rig_folders() {
   std::vector<fs::path> folders;
   if (const char* list = std::getenv("FACEBAKER_RIG_PATH")) {
@@ -25,8 +25,11 @@ std::vector<fs::path> rig_folders() {
       if (!folder.empty()) folders.emplace_back(folder);
   }
   std::error_code error;
-  if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error)
-    folders.push_back(program.parent_path().parent_path() / "lib" / "rigs");
+  if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
+    const fs::path prefix = program.parent_path().parent_path();
+    folders.push_back(prefix / "lib" / "rigs");
+    folders.push_back(prefix / FB_INSTALL_LIBDIR / "facebaker" / "rigs");
+  }
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&open_source), &info) && info.dli_fname) {
     const fs::path here = fs::absolute(info.dli_fname).parent_path();
