@@ -181,7 +181,8 @@ fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) 
     require(path, "path");
     require(model, "model");
     const fb_load_desc known = read_load_desc(desc);
-    *model = load(fb::read_file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes), known);
+    const auto bytes = fb::read_file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
+    *model = fb::naming(path, [&] { return load(bytes, known); });
   });
 }
 

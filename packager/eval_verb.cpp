@@ -41,14 +41,13 @@ std::string eval_text(const EvalReport& report) {
 }
 
 // The frame with the largest error of all: the true rig, the archive, and where they differ.
-void write_worst_frame(const std::string& folder, std::span<const std::byte> archive, Source& source,
-                       const EvalReport& report, const Parallel& parallel) {
+void write_worst_frame(const std::string& folder, const FaceModel& model, Source& source, const EvalReport& report,
+                       const Parallel& parallel) {
   const auto worst = std::max_element(report.clips.begin(), report.clips.end(),
                                       [](const auto& a, const auto& b) { return a.errors.max < b.errors.max; });
   const auto& clips = source.clips();
   const auto clip = std::find_if(clips.begin(), clips.end(), [&](const Clip& c) { return c.name == worst->name; });
   if (worst == report.clips.end() || clip == clips.end()) return;
-  const FaceModel model = read_archive(archive).model;
   const std::size_t width = model.schema.control_count();
   const std::span<const float> controls(&clip->controls[worst->errors.worst_frame * width], width);
   std::vector<float> truth(model.rest.points.size());
@@ -61,6 +60,7 @@ void write_worst_frame(const std::string& folder, std::span<const std::byte> arc
 void EvalVerb::run() {
   if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
   const auto bytes = read_file(archive);
+  const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
   const auto source = open_sources(sources);
   std::optional<Split> only;
   if (split != "all") only = split_from(split);
@@ -73,7 +73,7 @@ void EvalVerb::run() {
   if (!json.empty() && json != "-") write_file(json, figures);
   if (!report.empty()) {
     write_report(report, "eval", figures, table);
-    write_worst_frame(report, bytes, *source, result, parallel);
+    write_worst_frame(report, model, *source, result, parallel);
   }
   std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
 }

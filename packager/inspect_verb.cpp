@@ -66,7 +66,7 @@ std::string inspect_text(const std::string& path, const Archive& archive, std::u
 
 void InspectVerb::run() const {
   const auto bytes = read_file(archive);
-  const Archive contents = read_archive(bytes);
+  const Archive contents = naming(archive, [&] { return read_archive(bytes); });
   const std::uint64_t runtime_bytes = Evaluator(contents.model).bytes();
   if (json) {
     std::fputs(inspect_json(archive, contents, bytes.size(), runtime_bytes).c_str(), stdout);

@@ -115,7 +115,8 @@ void PoseVerb::run() {
   if (!beside.empty() && !png) fail(Status::invalid_argument, "--beside needs a picture: --out NAME.png");
   if (frame && request.clip.empty()) fail(Status::invalid_argument, "--frame needs --clip");
 
-  const FaceModel model = read_archive(read_file(archive)).model;
+  const auto bytes = read_file(archive);
+  const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
   Poses poses = read_poses(request, model.schema);
   if (frame) {
     if (*frame >= poses.frames)

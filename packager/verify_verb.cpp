@@ -16,7 +16,8 @@ struct VerifyVerb {
   bool json = false;
 
   void run() const {
-    const VerifyReport report = verify_archive(read_file(archive));
+    const auto bytes = read_file(archive);
+    const VerifyReport report = naming(archive, [&] { return verify_archive(bytes); });
     if (json)
       std::fputs(verify_json(archive, report).c_str(), stdout);
     else if (report.poses == 0)

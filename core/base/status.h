@@ -43,4 +43,14 @@ class Error : public std::exception {
 // Throws Error with a printf-style message that names what is wrong and where.
 [[noreturn]] [[gnu::format(printf, 2, 3)]] void fail(Status status, const char* pattern, ...);
 
+// Calls work() and puts "where: " before what it complains about: the file whose bytes were looked at.
+template <class Work>
+auto naming(const std::string& where, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(error.status(), where + ": " + error.what());
+  }
+}
+
 }  // namespace fb

@@ -113,7 +113,7 @@ static void files_that_are_no_archive_are_refused(void** state) {
   fb_model* model = untouched;
   assert_refused(fb_load("/nowhere/face.fbk", NULL, &model), FB_ERROR_NOT_FOUND, "/nowhere/face.fbk");
   assert_refused(fb_load("/", NULL, &model), FB_ERROR_IO, "directory");
-  assert_refused(fb_load(FB_TEXT_FILE, NULL, &model), FB_ERROR_NOT_AN_ARCHIVE, "");
+  assert_refused(fb_load(FB_TEXT_FILE, NULL, &model), FB_ERROR_NOT_AN_ARCHIVE, FB_TEXT_FILE);
   assert_refused(fb_load_memory("GIF89a", 6, NULL, &model), FB_ERROR_NOT_AN_ARCHIVE, "");
   assert_refused(fb_load_memory("", 0, NULL, &model), FB_ERROR_NOT_AN_ARCHIVE, "");
   assert_ptr_equal(model, untouched);

@@ -81,7 +81,7 @@ TEST_CASE("files that are no archives are refused by name, whatever the verb") {
       CAPTURE(run.err);
       CHECK(run.exit_code == 1);
       CHECK(run.out.empty());
-      CHECK(is_complaint(run.err, arguments[0], {}));
+      CHECK(is_complaint(run.err, arguments[0], {archive}));
     }
   }
   CHECK(is_complaint(run_tool({"inspect", missing}).err, "inspect", {missing, "no such file"}));
