@@ -85,7 +85,8 @@ TEST_CASE("a dataset written by hand is read") {
   CHECK(points[23] == 29.5f);
   CHECK(source->readable(1));
   CHECK_FALSE(source->readable(2));
-  CHECK(contains(failure(Status::invalid_argument, [&] { source->read(2, 0, 2, points); }), "\"later\" is a plan"));
+  CHECK(contains(failure(Status::invalid_argument, [&] { source->read(2, 0, 2, points); }),
+                 toy.folder.path().string() + ": clip \"later\" is a plan"));
   failure(Status::invalid_argument, [&] { source->read(0, 5, 2, points); });
   failure(Status::invalid_argument, [&] { source->evaluate(source->schema().rest_pose(), 1, points); });
 }
@@ -110,6 +111,18 @@ TEST_CASE("points may lie in shards, named or numbered") {
   }
   std::filesystem::remove(toy.folder / "talk.001.points.npy");
   CHECK(contains(failure(Status::not_found, [&] { toy.open(); }), "talk.001.points.npy: no such file"));
+}
+
+TEST_CASE("shards that leave open what is meant are refused") {
+  const ToyDataset toy;
+  const std::vector<float> two = counting(2 * 12, 0.5f);
+  write_npy(toy.folder / "talk.000.points.npy", {2, vertices, 3}, two);
+  CHECK(contains(failure(Status::bad_data, [&] { toy.open(); }),
+                 "talk.points.npy: is there whole and in shards, such as talk.000.points.npy"));
+  std::filesystem::remove(toy.folder / "talk.points.npy");
+  write_npy(toy.folder / "talk.002.points.npy", {2, vertices, 3}, two);
+  CHECK(contains(failure(Status::not_found, [&] { toy.open(); }),
+                 "talk.001.points.npy: no such file, but the next shard is there"));
 }
 
 TEST_CASE("the rest mesh may be a mesh file") {
@@ -212,6 +225,8 @@ TEST_CASE("fields of dataset.json are checked by name") {
     const std::string what = failure(wrong.status, [&] { toy.open(); });
     CHECK_MESSAGE(contains(what, wrong.message), what);
     CHECK_MESSAGE(contains(what, toy.folder.path()), what);
+    CHECK_MESSAGE(!contains(what, "::"), what);
+    CHECK_MESSAGE(!contains(what, "exception"), what);
   }
 }
 

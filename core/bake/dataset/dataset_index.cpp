@@ -18,10 +18,10 @@ using nlohmann::json;
 constexpr const char* format_name = "facebaker-dataset";
 constexpr int format_version = 1;
 
-// A value of the file together with the path to it, which every message begins with.
+// A value of the file together with the path to it, which every message begins with: "dataset.json: clips[2] fps".
 class Field {
  public:
-  Field(const json& value, std::string where) : value_(value), where_(std::move(where)) {}
+  Field(const json& root, const fs::path& file) : value_(root), where_(file.string()), inside_(": ") {}
 
   [[noreturn]] void refuse(const std::string& why, Status status = Status::bad_data) const {
     fail(status, "%s: %s", where_.c_str(), why.c_str());
@@ -33,7 +33,7 @@ class Field {
     if (!value_.is_object()) refuse("is no object");
     const auto found = value_.find(key);
     if (found == value_.end()) refuse(format("has no \"%s\"", key));
-    return {*found, where_ + " " + key};
+    return {*found, where_ + inside_ + key};
   }
 
   std::string text() const {
@@ -73,7 +73,7 @@ class Field {
     if (value_.empty()) refuse("is empty");
     std::vector<Field> items;
     for (std::size_t i = 0; i < value_.size(); ++i)
-      items.push_back({value_[i], where_ + "[" + std::to_string(i) + "]"});
+      items.push_back(Field(value_[i], where_ + "[" + std::to_string(i) + "]"));
     return items;
   }
 
@@ -98,8 +98,11 @@ class Field {
   }
 
  private:
+  Field(const json& value, std::string where) : value_(value), where_(std::move(where)), inside_(" ") {}
+
   const json& value_;
   std::string where_;
+  const char* inside_;  // between where_ and a key of it
 };
 
 Control read_control(const Field& field) {
@@ -171,9 +174,10 @@ DatasetIndex read_dataset_index(const fs::path& folder) {
   try {
     root = json::parse(text, text + bytes.size());
   } catch (const json::exception& error) {
-    fail(Status::bad_data, "%s: is no JSON: %s", path.c_str(), error.what());
+    const std::string why = error.what();  // "[json.exception...] parse error at line 3, ..."
+    fail(Status::bad_data, "%s: is no JSON: %s", path.c_str(), why.substr(why.find("] ") + 2).c_str());
   }
-  DatasetIndex index = read_index(Field(root, path.string() + ":"));
+  DatasetIndex index = read_index(Field(root, path));
   try {
     check(index.schema);
   } catch (const Error& error) {
@@ -232,15 +236,23 @@ std::string shard_name(const std::string& name, std::size_t number) {
 
 std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<fs::path> files;
-  if (names.size() == 1 && !fs::exists(folder / names[0])) {
-    for (std::size_t i = 0; fs::exists(folder / shard_name(names[0], i)); ++i)
-      files.push_back(folder / shard_name(names[0], i));
-    if (files.empty())
-      fail(Status::not_found, "%s: no such file, and no shard %s", (folder / names[0]).c_str(),
-           shard_name(names[0], 0).c_str());
+  if (names.size() > 1) {
+    for (const std::string& name : names) files.push_back(folder / name);
     return files;
   }
-  for (const std::string& name : names) files.push_back(folder / name);
+  const auto shard = [&](std::size_t number) { return folder / shard_name(names.at(0), number); };
+  for (std::size_t i = 0; fs::exists(shard(i)); ++i) files.push_back(shard(i));
+  const fs::path whole = folder / names.at(0);
+  if (fs::exists(whole)) {
+    if (!files.empty())
+      fail(Status::bad_data, "%s: is there whole and in shards, such as %s: remove one", whole.c_str(),
+           files[0].filename().c_str());
+    return {whole};
+  }
+  if (files.empty())
+    fail(Status::not_found, "%s: no such file, and no shard %s", whole.c_str(), shard(0).filename().c_str());
+  if (fs::exists(shard(files.size() + 1)))
+    fail(Status::not_found, "%s: no such file, but the next shard is there", shard(files.size()).c_str());
   return files;
 }
 

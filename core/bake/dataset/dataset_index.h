@@ -44,7 +44,8 @@ inline constexpr const char* dataset_file = "dataset.json";
 DatasetIndex read_dataset_index(const std::filesystem::path& folder);
 void write_dataset_index(const std::filesystem::path& folder, const DatasetIndex& index);
 
-// The files a clip's array lies in: `names` as they are, or the numbered shards a single missing name stands for.
+// The files a clip's array lies in: `names` as they are, or the numbered shards a single missing name stands for; fails
+// when there are both or one is missing between them.
 std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder,
                                                const std::vector<std::string>& names);
 // "x.points.npy", 7 -> "x.007.points.npy".

@@ -40,7 +40,7 @@ void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> v
   }
 }
 
-DatasetSource::DatasetSource(const std::filesystem::path& folder) {
+DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(folder) {
   const DatasetIndex index = read_dataset_index(folder);
   schema_ = index.schema;
   rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder / index.rest_points, folder / index.rest_faces)
@@ -103,7 +103,8 @@ void DatasetSource::note_range(const Clip& clip) {
 void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count, std::span<float> points) {
   const Clip& clip = clips_.at(index);
   if (!readable(index))
-    fail(Status::invalid_argument, "clip \"%s\" is a plan: it has controls but no points yet", clip.name.c_str());
+    fail(Status::invalid_argument, "%s: clip \"%s\" is a plan: it has controls but no points yet", folder_.c_str(),
+         clip.name.c_str());
   if (first > clip.frames || count > clip.frames - first)
     fail(Status::invalid_argument, "clip \"%s\" has no frames %zu..%zu, only %zu", clip.name.c_str(), first,
          first + count, clip.frames);

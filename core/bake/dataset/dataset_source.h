@@ -46,6 +46,7 @@ class DatasetSource final : public Source {
  private:
   void note_range(const Clip& clip);
 
+  std::filesystem::path folder_;
   RigSchema schema_;
   Mesh rest_;
   std::vector<Clip> clips_;
