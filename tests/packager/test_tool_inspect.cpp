@@ -52,6 +52,17 @@ TEST_CASE("inspect for people names the face, and lists controls when asked") {
   CHECK(full.out.find("nose_wrinkle") != std::string::npos);
 }
 
+TEST_CASE("tables stay straight whatever letters names are written in") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  fb::FaceModel model = fb::tiny_model();
+  model.schema.controls[0].name = "ge\u00f6ffneter_Mund";
+  fb::write_file(archive, fb::write_archive(model, {}));
+  const std::string text = run_tool({"inspect", archive, "--controls"}).out;
+  CHECK(text.find("| ge\u00f6ffneter_Mund |") != std::string::npos);
+  CHECK(text.find("| nose_wrinkle    |") != std::string::npos);
+}
+
 TEST_CASE("provenance that is no JSON, or deeply nested, does no harm") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
