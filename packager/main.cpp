@@ -18,8 +18,12 @@ int complain(const CLI::App& tool, const std::string& message, int exit_code) {
 
 // After Ctrl-C.
 std::string farewell(const CLI::App& tool) {
-  const bool resumable = tool.got_subcommand("sample") || tool.got_subcommand("bake");
-  return resumable ? "interrupted; what is done is kept, run the same command to go on" : "interrupted";
+  const CLI::App* verb = tool.get_subcommands().at(0);
+  const bool compares = verb->get_name() == "compare";
+  if (compares && verb->count("--work") == 0) return "interrupted; with --work DIR the same command could go on";
+  return compares || verb->get_name() == "sample" || verb->get_name() == "bake"
+             ? "interrupted; what is done is kept, run the same command to go on"
+             : "interrupted";
 }
 
 }  // namespace

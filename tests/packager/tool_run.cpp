@@ -41,7 +41,6 @@ class Capture {
   dup2(out, STDOUT_FILENO);
   dup2(err, STDERR_FILENO);
   if (setting.largest_file) {
-    signal(SIGXFSZ, SIG_IGN);  // so that writing fails, as on a full disk
     const rlimit limit = {setting.largest_file, setting.largest_file};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
@@ -70,7 +69,7 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
       waitid(P_PID, child, &gone, WEXITED | WNOHANG | WNOWAIT);
       usleep(2000);
     }
-    kill(child, SIGINT);
+    kill(child, setting.signal);
   }
   int status = 0;
   waitpid(child, &status, 0);

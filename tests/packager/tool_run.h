@@ -1,5 +1,7 @@
 #pragma once
 
+#include <signal.h>
+
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@ struct ToolSetting {
   unsigned long largest_file = 0;          // bytes any file may grow to before writing fails; 0: no limit
   std::string environment = {};            // one variable more, "NAME=VALUE"
   std::string interrupt_when_exists = {};  // Ctrl-C once this path is there
+  int signal = SIGINT;                     // in place of Ctrl-C
 };
 
 // Runs a program with these arguments and waits for it.
