@@ -40,6 +40,7 @@ void BakeVerb::run() {
   Baked baked;
   {
     ProgressBar progress;
+    for (const std::string& note : source->notes()) progress.note(note);
     baked = bake_to_file(*source, out, options, progress);
   }
   if (!report.empty()) write_report(report, "bake", bake_json(out, baked), bake_text(baked));
@@ -64,6 +65,7 @@ void add_bake(CLI::App& tool) {
   add_poses(*app, verb->options.poses);
   add_mix(*app, verb->options.mix);
   app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: the recipe's own number")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--work", verb->work,

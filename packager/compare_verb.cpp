@@ -105,6 +105,7 @@ void CompareVerb::run() {
   CompareReport result;
   {
     ProgressBar progress;
+    for (const std::string& note : source->notes()) progress.note(note);
     result = compare(*source, methods, options, progress);
   }
   const std::string figures = compare_json(result), table = compare_text(result);
@@ -127,6 +128,7 @@ void add_compare(CLI::App& tool) {
   add_poses(*app, verb->options.poses);
   add_mix(*app, verb->options.mix);
   app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: each recipe's own number")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--work", verb->work,

@@ -67,6 +67,7 @@ void EvalVerb::run() {
   EvalReport result;
   {
     ProgressBar progress;
+    for (const std::string& note : source->notes()) progress.note(note);
     result = evaluate_archive(bytes, *source, only, parallel, progress);
   }
   const std::string figures = eval_json(archive, result), table = eval_text(result);

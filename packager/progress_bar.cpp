@@ -68,6 +68,7 @@ bool ProgressBar::cancelled() const {
 
 void ProgressBar::note(std::string_view sentence) {
   const std::lock_guard lock(mutex_);
+  if (done_ == total_) finish_stage();
   std::fprintf(stderr, "%snote: %.*s\n", terminal_ ? clear_line : "", static_cast<int>(sentence.size()),
                sentence.data());
 }

@@ -13,6 +13,7 @@ void add_threads(CLI::App& verb, Parallel& parallel) {
 
 void add_seed(CLI::App& verb, std::uint64_t& seed) {
   verb.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
 }

@@ -158,6 +158,26 @@ TEST_CASE("compare lists every method with its figures") {
   }
   CHECK(names == std::vector<std::string>{"linear variant", "paper variant", "linear backlot", "paper backlot"});
   CHECK(run.out.find("backlot") != std::string::npos);
+  const ToolRun twice = run_tool({"compare", FB_TOY_RIG, "--methods", "linear,linear"});
+  CHECK(twice.exit_code == 1);
+  CHECK(is_complaint(twice.err, "compare", {"\"linear\"", "more than once"}));
+}
+
+TEST_CASE("what is odd about a dataset is said by every verb that reads it") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", archive = folder / "face.fbk";
+  sample_toy(dataset);
+  poke(dataset + "/dense.controls.npy", 0, 9);
+  const std::string note = "note: clip \"dense\": 1 control values are outside their range and kept";
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"bake", dataset, "--out", archive, "--recipe", "linear"},
+                                             {"eval", archive, dataset},
+                                             {"compare", dataset, "--methods", "linear"}}) {
+    const ToolRun run = run_tool(arguments);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 0);
+    CHECK(run.err.find(note) != std::string::npos);
+  }
 }
 
 TEST_CASE("datasets that contradict themselves are refused by file, and nothing is written") {
@@ -175,6 +195,7 @@ TEST_CASE("datasets that contradict themselves are refused by file, and nothing 
     CHECK(run.err.find("facebaker bake: ") != std::string::npos);
     for (const std::string& word : words) CHECK(run.err.find(word) != std::string::npos);
     CHECK(!std::filesystem::exists(archive));
+    CHECK(!std::filesystem::exists(archive + ".work"));
   };
   refused("nan", {"dense", "frame 2", "vertex 7", "not finite"},
           [](const std::string& data) { poke(data + "/dense.points.npy", 2 * 150 + 7 * 3, NAN); });
@@ -255,20 +276,22 @@ TEST_CASE("a bake that cannot write its archive says so before it works, and on 
   for (const std::string& name : folder.names()) CHECK(name.find(".partial") == std::string::npos);
 }
 
-TEST_CASE("Ctrl-C stops a bake without an archive, and the same command goes on") {
-  const ScratchFolder folder;
-  const std::string dataset = folder / "data", archive = folder / "face.fbk", work = folder / "work";
-  sample_toy(dataset);
-  const auto bake = [&](const std::string& epochs, const ToolSetting& setting) {
-    return run_tool({"bake", dataset, "--out", archive, "--epochs", epochs, "--work", work}, setting);
-  };
-  const ToolRun stopped = bake("1000000", {.interrupt_when_exists = work});
-  CAPTURE(stopped.err);
-  CHECK(stopped.exit_code == 1);
-  CHECK(stopped.err.find("stopping") != std::string::npos);
-  CHECK(stopped.err.find("run the same command to go on") != std::string::npos);
-  CHECK(!std::filesystem::exists(archive));
-  CHECK(std::filesystem::exists(work));
-  CHECK(bake("1", {}).exit_code == 0);
-  CHECK(std::filesystem::exists(archive));
+TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same command goes on") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ScratchFolder folder;
+    const std::string dataset = folder / "data", archive = folder / "face.fbk", work = folder / "work";
+    sample_toy(dataset);
+    const auto bake = [&](const std::string& epochs, const ToolSetting& setting) {
+      return run_tool({"bake", dataset, "--out", archive, "--epochs", epochs, "--work", work}, setting);
+    };
+    const ToolRun stopped = bake("1000000", {.interrupt_when_exists = work, .signal = signal});
+    CAPTURE(stopped.err);
+    CHECK(stopped.exit_code == 1);
+    CHECK(stopped.err.find("stopping") != std::string::npos);
+    CHECK(stopped.err.find("run the same command to go on") != std::string::npos);
+    CHECK(!std::filesystem::exists(archive));
+    CHECK(std::filesystem::exists(work));
+    CHECK(bake("1", {}).exit_code == 0);
+    CHECK(std::filesystem::exists(archive));
+  }
 }

@@ -43,8 +43,11 @@ TEST_CASE("wrong use exits with 2 and one line that says where help is") {
                                                        {"sample", "sample"},
                                                        {"sample", "sample", "--out", "x", "--mix", "thin"},
                                                        {"sample", "sample", "--out", "x", "--poses", "0"},
+                                                       {"sample", "sample", "--out", "x", "--seed", "-1"},
+                                                       {"bake", "sample", "--out", "x.fbk", "--epochs", "-1"},
                                                        {"pose", "a.fbk", "--out", "x.obj", "--threads", "-1"},
-                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"}};
+                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"},
+                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "-1"}};
   for (const auto& arguments : wrong) {
     const ToolRun run = run_tool(arguments);
     CAPTURE(run.err);

@@ -113,7 +113,14 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
   { const AtomicFile trial(path); }  // better to learn now than in an hour that it cannot be written
   const bool own_folder = options.work.empty();
   if (own_folder) (options.work = path) += ".work";
-  Baked baked = bake(source, options, progress);
+  Baked baked;
+  try {
+    baked = bake(source, options, progress);
+  } catch (...) {
+    std::error_code ignored;
+    if (own_folder) std::filesystem::remove(options.work, ignored);  // stays if anything is in it
+    throw;
+  }
   write_file(path, baked.archive);
   if (own_folder) std::filesystem::remove_all(options.work);
   return baked;

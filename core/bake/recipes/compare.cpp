@@ -35,7 +35,11 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
 
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress) {
-  for (const std::string& method : methods) recipe_named(method);
+  for (const std::string& method : methods) {
+    recipe_named(method);
+    if (std::count(methods.begin(), methods.end(), method) > 1)
+      fail(Status::invalid_argument, "the method \"%s\" is given more than once", method.c_str());
+  }
   std::unique_ptr<Source> recorded;
   if (source.live()) recorded = record(source, options, Recording::with_test, progress);
   Source& data = recorded ? *recorded : source;
@@ -52,6 +56,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       continue;
     }
     for (const std::string& method : methods) {
+      progress.note(format("baking the %s of \"%s\"", name_of(use), method.c_str()));
       BakeOptions one = options;
       one.recipe = method;
       one.use = use;
