@@ -21,6 +21,20 @@ if(PKG_CONFIG)
   run(${WORK}/app/hello_by_pkg_config ${FIXTURE} jaw_open 1)
 endif()
 
+# The README's program in C, where it expects a face.
+file(READ ${README} readme)
+string(FIND "${readme}" "```c\n" begin)
+string(SUBSTRING "${readme}" ${begin} -1 readme)
+string(FIND "${readme}" "\n```\n" end)
+math(EXPR length "${end} - 5")
+string(SUBSTRING "${readme}" 5 ${length} program)
+file(WRITE ${WORK}/app/readme.c "${program}\n")
+file(COPY ${FIXTURE} DESTINATION ${WORK}/app/build/quickstart)
+file(RENAME ${WORK}/app/build/quickstart/tiny.fbk ${WORK}/app/build/quickstart/sample.fbk)
+run(${CC} -std=c99 -Wall -Wextra -Werror readme.c -I${WORK}/prefix/include -L${WORK}/prefix/${LIBDIR} -lfacebaker
+    -Wl,-rpath,${WORK}/prefix/${LIBDIR} -o readme WORKING_DIRECTORY ${WORK}/app)
+run(./readme WORKING_DIRECTORY ${WORK}/app)
+
 # The installed tool finds the sample face under the prefix: it knows that its controls are not the fixture's.
 if(TOOL)
   run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)

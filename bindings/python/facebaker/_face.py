@@ -1,4 +1,5 @@
 import collections
+import collections.abc
 import ctypes
 import json
 import os
@@ -105,8 +106,17 @@ class Face:
         check(library.fb_find_control(self._handle, name.encode(), ctypes.byref(index)))
         return index.value
 
+    def pose(self, values):
+        """(controls,), float32: all controls at rest but those in `values`, a dictionary from names to values."""
+        controls = self.rest_controls.copy()
+        for name, value in values.items():
+            controls[self.find(name)] = value
+        return controls
+
     def evaluate(self, controls):
-        """(controls,) -> (vertices, 3), float32."""
+        """(controls,), or a dictionary as for pose() -> (vertices, 3), float32."""
+        if isinstance(controls, collections.abc.Mapping):
+            controls = self.pose(controls)
         controls = self._floats(controls, 1)
         positions = numpy.empty((self.vertex_count, 3), numpy.float32)
         with self._lock:
@@ -119,6 +129,8 @@ class Face:
         """(poses, controls) -> (poses, vertices, 3), float32, the same bits as evaluate. threads 0: all cores. `out`, if
         given, is a contiguous float32 array of that shape."""
         controls = self._floats(controls, 2)
+        if threads < 0:
+            raise ValueError(f"{threads} threads")
         shape = (len(controls), self.vertex_count, 3)
         if out is None:
             out = numpy.empty(shape, numpy.float32)

@@ -49,12 +49,31 @@ class FaceTest(unittest.TestCase):
         pose[face.find("jaw_open")] = 1
         self.assertFalse(numpy.array_equal(face.evaluate(pose), face.rest_positions))
 
+    def test_a_pose_by_names(self):
+        face = self.face
+        pose = face.rest_controls.copy()
+        pose[face.find("mouth_side")] = -0.5
+        self.assertEqual(face.pose({"mouth_side": -0.5}).tolist(), pose.tolist())
+        self.assertTrue(numpy.array_equal(face.evaluate({"mouth_side": -0.5}), face.evaluate(pose)))
+        self.assertTrue(numpy.array_equal(face.evaluate({}), face.rest_positions))
+        with self.assertRaisesRegex(facebaker.Error, "jaw_open"):
+            face.evaluate({"jaw_opem": 1})
+
+    def test_the_program_of_the_readme(self):
+        readme = (pathlib.Path(__file__).parents[3] / "README.md").read_text()
+        program = readme.split("```python\n")[1].split("```")[0]
+        scope = {}
+        exec(program.replace("build/quickstart/sample.fbk", str(FIXTURE)), scope)
+        self.assertTrue(numpy.array_equal(scope["positions"], self.face.evaluate({"jaw_open": 0.7})))
+
     def test_batches_equal_single_poses(self):
         face = self.face
         poses = random_poses(face, 20)
         single = numpy.stack([face.evaluate(pose) for pose in poses])
         for threads in 0, 1, 3:
             self.assertTrue(numpy.array_equal(face.evaluate_batch(poses, threads), single))
+        with self.assertRaisesRegex(ValueError, "-1 threads"):
+            face.evaluate_batch(poses, -1)
         out = numpy.zeros((20, 30, 3), numpy.float32)
         self.assertIs(face.evaluate_batch(poses[:, ::-1][:, ::-1].astype(float), out=out), out)
         self.assertTrue(numpy.array_equal(out, single))
