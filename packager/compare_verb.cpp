@@ -128,7 +128,7 @@ void add_compare(CLI::App& tool) {
   add_poses(*app, verb->options.poses);
   add_mix(*app, verb->options.mix);
   app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: each recipe's own number")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--work", verb->work,

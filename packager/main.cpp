@@ -1,13 +1,27 @@
 // facebaker: the command line tool.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "base/status.h"
 #include "interrupt.h"
 #include "verbs.h"
 
 namespace {
+
+// Threads that spin while they wait for each other make training several times slower as soon as anything else runs on
+// the machine. OpenMP reads its policy when it is loaded, so the program starts itself anew with it, once.
+void wait_without_spinning(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY") || ::setenv("OMP_WAIT_POLICY", "PASSIVE", 0) != 0) return;
+  std::error_code unknown;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  ::execv(program.c_str(), argv);  // if this fails, the work is done all the same
+}
 
 int complain(const CLI::App& tool, const std::string& message, int exit_code) {
   const auto verbs = tool.get_subcommands();
@@ -29,6 +43,7 @@ std::string farewell(const CLI::App& tool) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  wait_without_spinning(argv);
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);

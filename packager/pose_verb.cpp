@@ -158,7 +158,7 @@ void add_pose(CLI::App& tool) {
       ->allow_extra_args(false);
   app->add_option("--clip", verb->request.clip, "Animation: a NumPy file of frames x controls")->type_name("FILE.npy");
   app->add_option("--frame", verb->frame, "Only this frame of the clip, counted from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number)
       ->type_name("N");
   app->add_option("--beside", verb->beside,
                   "A rig plugin or \"sample\": show the true rig, the archive and the error side by side (.png)")

@@ -4,6 +4,12 @@
 
 namespace fb {
 
+std::string whole_number(const std::string& word) {
+  const bool digits = !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
+  if (!digits) return word + " is no whole number";
+  return word.size() < 20 ? "" : word + " is too large";
+}
+
 void add_threads(CLI::App& verb, Parallel& parallel) {
   verb.add_option("--threads", parallel.threads, "Threads to use; 0: all there are. Results do not depend on it.")
       ->check(CLI::Range(0, 1024))
@@ -13,7 +19,7 @@ void add_threads(CLI::App& verb, Parallel& parallel) {
 
 void add_seed(CLI::App& verb, std::uint64_t& seed) {
   verb.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
 }

@@ -13,6 +13,10 @@ class App;
 
 namespace fb {
 
+// For options that count: the text of what is wrong with a word, empty if it is a whole number that is not negative
+// and fits 64 bits.
+std::string whole_number(const std::string& word);
+
 void add_threads(CLI::App& verb, Parallel& parallel);
 void add_seed(CLI::App& verb, std::uint64_t& seed);
 void add_poses(CLI::App& verb, std::uint64_t& poses);

@@ -33,6 +33,23 @@ TEST_CASE("the version is printed") {
   CHECK(run.out.starts_with("facebaker "));
 }
 
+TEST_CASE("threads wait without spinning unless the user wants them to") {
+  const auto spins = [](const std::string& policy) {  // as GNU OpenMP tells
+    std::vector<std::string> arguments = {"-u", "OMP_WAIT_POLICY", "OMP_DISPLAY_ENV=verbose"};
+    if (!policy.empty()) arguments.push_back("OMP_WAIT_POLICY=" + policy);
+    arguments.insert(arguments.end(), {FB_TOOL, "--version"});
+    const std::string text = run_program("/usr/bin/env", arguments).err;
+    const std::size_t last = text.rfind("GOMP_SPINCOUNT");
+    return last == std::string::npos ? "" : text.substr(last, text.find('\n', last) - last);
+  };
+  if (spins("").empty()) {
+    MESSAGE("skipped: not built with GNU OpenMP");
+    return;
+  }
+  CHECK(spins("") == "GOMP_SPINCOUNT = '0'");
+  CHECK(spins("ACTIVE") != "GOMP_SPINCOUNT = '0'");
+}
+
 TEST_CASE("wrong use exits with 2 and one line that says where help is") {
   const std::vector<std::vector<std::string>> wrong = {{},
                                                        {"juggle"},
@@ -44,7 +61,9 @@ TEST_CASE("wrong use exits with 2 and one line that says where help is") {
                                                        {"sample", "sample", "--out", "x", "--mix", "thin"},
                                                        {"sample", "sample", "--out", "x", "--poses", "0"},
                                                        {"sample", "sample", "--out", "x", "--seed", "-1"},
+                                                       {"sample", "sample", "--out", "x", "--seed", "99999999999999999999"},
                                                        {"bake", "sample", "--out", "x.fbk", "--epochs", "-1"},
+                                                       {"bake", "sample", "--out", "x.fbk", "--epochs", "99999999999"},
                                                        {"pose", "a.fbk", "--out", "x.obj", "--threads", "-1"},
                                                        {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"},
                                                        {"pose", "a.fbk", "--out", "x.obj", "--frame", "-1"}};
@@ -55,6 +74,7 @@ TEST_CASE("wrong use exits with 2 and one line that says where help is") {
     CHECK(run.out.empty());
     CHECK(run.err.starts_with("facebaker"));
     CHECK(run.err.ends_with("(see --help)\n"));
+    CHECK(run.err.size() < 200);
   }
 }
 
