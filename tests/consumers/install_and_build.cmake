@@ -6,7 +6,8 @@ endfunction()
 file(REMOVE_RECURSE ${WORK}/prefix ${WORK}/app)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix --component sdk)
 
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/app -B ${WORK}/app -DCMAKE_PREFIX_PATH=${WORK}/prefix -DHELLO=${HELLO}
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${CMAKE_CURRENT_LIST_DIR}/app -B ${WORK}/app
+    -DCMAKE_PREFIX_PATH=${WORK}/prefix -DHELLO=${HELLO}
     -DCMAKE_C_COMPILER=${CC} -DCMAKE_CXX_COMPILER=${CXX})
 run(${CMAKE_COMMAND} --build ${WORK}/app)
 run(${WORK}/app/hello ${FIXTURE} jaw_open 1)
