@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "bake/recipes/bake.h"
+#include "base/file.h"
 #include "progress_bar.h"
 #include "report_folder.h"
 #include "report_json.h"
@@ -37,6 +38,7 @@ void BakeVerb::run() {
   options.use = use_from(use);
   options.work = work;
   const auto source = open_sources(sources);
+  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
   Baked baked;
   {
     ProgressBar progress;

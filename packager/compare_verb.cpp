@@ -100,6 +100,7 @@ class TemporaryFolder {
 void CompareVerb::run() {
   if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
   const auto source = open_sources(sources);
+  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
   std::optional<TemporaryFolder> temporary;
   options.work = work.empty() ? temporary.emplace().path() : std::filesystem::path(work);
   CompareReport result;

@@ -62,6 +62,7 @@ void EvalVerb::run() {
   const auto bytes = read_file(archive);
   const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
   const auto source = open_sources(sources);
+  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
   std::optional<Split> only;
   if (split != "all") only = split_from(split);
   EvalReport result;

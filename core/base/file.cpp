@@ -35,6 +35,12 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_
   return bytes;
 }
 
+void make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) fail(Status::io, "%s: cannot be made: %s", path.c_str(), error.message().c_str());
+}
+
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code unreadable;
   const auto there = std::filesystem::status(path_, unreadable);

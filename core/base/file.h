@@ -14,6 +14,9 @@ namespace fb {
 // The bytes of a regular file; fails with its path when it is missing, a directory, unreadable or larger than limit.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
+// Makes a folder, and those it lies in, unless it is there; fails with its path and the system's reason.
+void make_folder(const std::filesystem::path& path);
+
 // Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes what was not
 // committed. Fails with the path and the system's reason (disk full, no such folder, no permission), and on what is
 // there already but no regular file, such as a device.

@@ -266,8 +266,17 @@ TEST_CASE("a bake that cannot write its archive says so before it works, and on 
   CHECK(is_complaint(nowhere.err, "bake", {"face.fbk", "cannot be written"}));
   CHECK(folder.names().empty());
 
-  const std::string dataset = folder / "data", archive = folder / "face.fbk";
+  const std::string dataset = folder / "data", archive = folder / "face.fbk", file = folder / "file";
   sample_toy(dataset);
+  fb::write_file(file, std::string("precious"));
+  for (const char* option : {"--work", "--report"}) {
+    auto arguments = quick_bake(dataset, archive);
+    arguments.insert(arguments.end(), {option, file});
+    const ToolRun run = run_tool(arguments);
+    CHECK(run.exit_code == 1);
+    CHECK(is_complaint(run.err, "bake", {file + ": cannot be made"}));
+    CHECK(folder.names() == std::vector<std::string>{"data", "file"});
+  }
   fb::write_file(archive, std::string("precious"));
   const ToolRun full = run_tool(quick_bake(dataset, archive), {.largest_file = 500});
   CHECK(full.exit_code == 1);

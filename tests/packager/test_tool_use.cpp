@@ -51,22 +51,23 @@ TEST_CASE("threads wait without spinning unless the user wants them to") {
 }
 
 TEST_CASE("wrong use exits with 2 and one line that says where help is") {
-  const std::vector<std::vector<std::string>> wrong = {{},
-                                                       {"juggle"},
-                                                       {"pose"},
-                                                       {"inspect"},
-                                                       {"inspect", "a.fbk", "--frobnicate"},
-                                                       {"pose", "a.fbk"},
-                                                       {"sample", "sample"},
-                                                       {"sample", "sample", "--out", "x", "--mix", "thin"},
-                                                       {"sample", "sample", "--out", "x", "--poses", "0"},
-                                                       {"sample", "sample", "--out", "x", "--seed", "-1"},
-                                                       {"sample", "sample", "--out", "x", "--seed", "99999999999999999999"},
-                                                       {"bake", "sample", "--out", "x.fbk", "--epochs", "-1"},
-                                                       {"bake", "sample", "--out", "x.fbk", "--epochs", "99999999999"},
-                                                       {"pose", "a.fbk", "--out", "x.obj", "--threads", "-1"},
-                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"},
-                                                       {"pose", "a.fbk", "--out", "x.obj", "--frame", "-1"}};
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"juggle"},
+      {"pose"},
+      {"inspect"},
+      {"inspect", "a.fbk", "--frobnicate"},
+      {"pose", "a.fbk"},
+      {"sample", "sample"},
+      {"sample", "sample", "--out", "x", "--mix", "thin"},
+      {"sample", "sample", "--out", "x", "--poses", "0"},
+      {"sample", "sample", "--out", "x", "--seed", "-1"},
+      {"sample", "sample", "--out", "x", "--seed", "99999999999999999999"},
+      {"bake", "sample", "--out", "x.fbk", "--epochs", "-1"},
+      {"bake", "sample", "--out", "x.fbk", "--epochs", "99999999999"},
+      {"pose", "a.fbk", "--out", "x.obj", "--threads", "-1"},
+      {"pose", "a.fbk", "--out", "x.obj", "--frame", "two"},
+      {"pose", "a.fbk", "--out", "x.obj", "--frame", "-1"}};
   for (const auto& arguments : wrong) {
     const ToolRun run = run_tool(arguments);
     CAPTURE(run.err);

@@ -72,7 +72,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
   if (poses.size() == 0)
     fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s",
          data.schema().name.c_str(), name_of(options.use), options.use == Use::variant ? " that is not a shot" : "");
-  std::filesystem::create_directories(options.work);
+  make_folder(options.work);
 
   Baked baked;
   const auto start = std::chrono::steady_clock::now();

@@ -11,7 +11,6 @@ std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recordin
   sampling.mix = options.mix;
   sampling.held_out = what == Recording::with_test;
   const std::filesystem::path folder = options.work / "poses";
-  std::filesystem::create_directories(options.work);
   sample(rig, sampling, folder, options.parallel, progress);
   return open_source(folder.string());
 }

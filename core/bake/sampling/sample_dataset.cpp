@@ -8,6 +8,7 @@
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/evaluate_parallel.h"
 #include "bake/sampling/sampling.h"
+#include "base/file.h"
 #include "base/hash.h"
 
 namespace fs = std::filesystem;
@@ -137,9 +138,7 @@ class Sampler {
              folder_.c_str());
       index_ = make_index(rig_, plan_, *before);
     } else {
-      std::error_code error;
-      fs::create_directories(folder_, error);
-      if (error) fail(Status::io, "%s: cannot be made: %s", folder_.c_str(), error.message().c_str());
+      make_folder(folder_);
       index_ = make_index(rig_, plan_, {request, hash, frames_per_shard()});
       write_dataset_index(folder_, index_);
     }
