@@ -176,6 +176,11 @@ TEST_CASE("what cannot be baked or compared is refused by name") {
   untested.add_clip("dense", ClipKind::dense, Split::train, 30, 0.6f, 1);
   CHECK_THROWS_WITH(compare(untested, {"linear"}, options_in(folder), silent_progress()),
                     doctest::Contains("no test split"));
+  MemorySource only_tests(4, 6, curved_formula);
+  only_tests.add_clip("unseen", ClipKind::shot, Split::test, 30, 0.6f, 1);
+  CHECK_THROWS_WITH(compare(only_tests, {"linear"}, options_in(folder), silent_progress()),
+                    doctest::Contains("split train"));
+  CHECK_THROWS_WITH(compare(source, {}, options_in(folder), silent_progress()), doctest::Contains("no method"));
   MemorySource only_shots(4, 6, curved_formula);
   only_shots.add_clip("shot", ClipKind::shot, Split::train, 30, 0.6f, 1);
   BakeOptions variant = options_in(folder);

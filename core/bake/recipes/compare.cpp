@@ -35,6 +35,7 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
 
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress) {
+  if (methods.empty()) fail(Status::invalid_argument, "there is no method to compare");
   for (const std::string& method : methods) {
     recipe_named(method);
     if (std::count(methods.begin(), methods.end(), method) > 1)
@@ -47,6 +48,9 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
     fail(Status::bad_data,
          "\"%s\" has no test split: mark clips that are left out of training with \"split\": \"test\"",
          data.schema().name.c_str());
+
+  if (training_poses(data, Use::backlot).size() == 0)
+    fail(Status::bad_data, "\"%s\" has no clip of the split train to bake from", data.schema().name.c_str());
 
   CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), {}};
   for (const Use use : {Use::variant, Use::backlot}) {
