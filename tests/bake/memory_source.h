@@ -32,15 +32,21 @@ class MemorySource : public fb::Source {
       }
   }
 
+  // For tests that need other ranges, groups, poses or vertices.
+  fb::RigSchema& edit_schema() { return schema_; }
+  fb::Mesh& edit_rest() { return rest_; }
+  fb::Clip& edit_clip(std::size_t clip) { return clips_.at(clip); }
+
   // Random poses, controls in their range, each active with this probability.
   void add_clip(const std::string& name, fb::ClipKind kind, fb::Split split, std::size_t frames, float active,
                 std::uint64_t seed) {
     fb::Clip clip{name, kind, split, 30, frames, {}};
     fb::Random random(seed);
     for (std::size_t i = 0; i < frames * schema_.controls.size(); ++i) {
+      const fb::Control& control = schema_.controls[i % schema_.controls.size()];
       const bool on = random.uniform() < active;
-      const float value = random.uniform(-1, 1);
-      clip.controls.push_back(on ? value : 0);
+      const float value = random.uniform(control.minimum, control.maximum);
+      clip.controls.push_back(on ? value : control.rest);
     }
     clips_.push_back(std::move(clip));
   }

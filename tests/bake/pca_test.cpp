@@ -26,6 +26,15 @@ MemorySource three_shapes() {
   return source;
 }
 
+// Counts passes over the poses that look for a subspace.
+struct Passes final : Progress {
+  void begin(std::string_view stage, std::uint64_t) override { count += stage == "finding blendshapes"; }
+  void update(std::uint64_t) override {}
+  bool cancelled() const override { return false; }
+  void note(std::string_view) override {}
+  int count = 0;
+};
+
 double reconstruction_error(const PrincipalComponents& pca, const PoseSet& poses) {
   std::vector<float> block(pca.rows);
   double worst = 0;
@@ -73,6 +82,35 @@ TEST_CASE("a spectrum longer than the sample is still caught") {
   CHECK(pca.captured >= 0.99999 * pca.total);
   CHECK(pca.count == 40);
   CHECK(reconstruction_error(pca, poses) < 1e-4);
+}
+
+TEST_CASE("shapes that no pose of the sample shows are found by a larger subspace") {
+  MemorySource source(40, 6, [](const float* c, std::span<float> points) {
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[i % 40] * (1.0f + float(i) / 100.0f);
+  });
+  source.add_clip("poses", ClipKind::dense, Split::train, 2048, 0, 1);
+  std::vector<float>& controls = source.edit_clip(0).controls;
+  for (std::size_t pose = 0; pose < 2048; ++pose)  // the sample is every second pose
+    controls[pose * 40 + (pose % 2 ? pose / 2 % 40 : 0)] = 1;
+  const PoseSet poses(source, [](const Clip&) { return true; });
+  Passes passes;
+  const PrincipalComponents pca = principal_components(poses, 0.99999, {}, passes);
+  CHECK(passes.count > 1);
+  CHECK(pca.captured >= 0.99999 * pca.total);
+  CHECK(pca.count == 40);
+}
+
+TEST_CASE("all poses of a long recording count, and one pass is enough where the sample shows all shapes") {
+  MemorySource source = three_shapes();
+  source.add_clip("more", ClipKind::dense, Split::train, 5000, 1.0f, 8);
+  source.add_clip("rest", ClipKind::dense, Split::train, 300, 0, 9);
+  const PoseSet poses(source, [](const Clip&) { return true; });
+  Passes passes;
+  const PrincipalComponents pca = principal_components(poses, 0.999, {}, passes);
+  CHECK(passes.count == 1);
+  CHECK(pca.count == 2);
+  CHECK(pca.captured >= 0.999 * pca.total);
+  CHECK(reconstruction_error(pca, poses) < 0.05);
 }
 
 TEST_CASE("components do not depend on the number of threads") {

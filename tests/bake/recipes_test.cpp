@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -30,19 +31,35 @@ struct WorkFolder {
   ~WorkFolder() { std::filesystem::remove_all(path); }
 };
 
-void linear_formula(const float* c, std::span<float> points) {
+// Controls of unlike ranges; two rest away from 0.
+MemorySource face_of(const MemorySource::Formula& formula, bool live = false, std::size_t side = 8) {
+  MemorySource source(4, side, formula, live);
+  std::vector<Control>& controls = source.edit_schema().controls;
+  controls[1].minimum = 0, controls[1].maximum = 3, controls[1].rest = 1;
+  controls[2].minimum = -4, controls[2].maximum = 0, controls[2].rest = -2;
+  return source;
+}
+
+// The controls of face_of as shares of their reach, -1 to 1 or less.
+std::array<float, 4> shares(const float* c) {
+  return {c[0], (c[1] - 1) / 2, (c[2] + 2) / 2, c[3]};
+}
+
+void linear_formula(const float* controls, std::span<float> points) {
+  const auto c = shares(controls);
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t k = 0; k < 4; ++k) points[i] += c[k] * (c[k] > 0 ? 0.5f : 0.2f) * std::sin(float(i * (k + 1)));
 }
 
-void curved_formula(const float* c, std::span<float> points) {
-  linear_formula(c, points);
+void curved_formula(const float* controls, std::span<float> points) {
+  linear_formula(controls, points);
+  const auto c = shares(controls);
   for (std::size_t i = 0; i < points.size(); ++i) points[i] += 0.6f * c[0] * c[1] * std::cos(0.3f * float(i));
 }
 
 // Excitations, dense poses, a training shot and a test shot of a face with a product corrective.
-MemorySource curved_face(bool live = false) {
-  MemorySource source(4, 8, curved_formula, live);
+MemorySource curved_face() {
+  MemorySource source = face_of(curved_formula);
   source.add_clip("dense", ClipKind::dense, Split::train, 200, 0.6f, 1);
   source.add_clip("shot", ClipKind::shot, Split::train, 56, 0.5f, 2);
   source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
@@ -77,7 +94,7 @@ struct StopIn final : Progress {
 TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordings") {
   WorkFolder folder;
   for (const float active : {0.2f, 0.7f}) {  // alone often enough, and too rarely: the rest is fitted
-    MemorySource source(4, 8, linear_formula);
+    MemorySource source = face_of(linear_formula);
     source.add_clip("poses", ClipKind::dense, Split::train, active < 0.5f ? 400 : 60, active, 1);
     source.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
     const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
@@ -85,6 +102,11 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
     CHECK(baked.parameters == 0);
     CHECK(unseen_mse(baked.archive, source) < (active < 0.5f ? 1e-9 : 1e-6));
   }
+  MemorySource rig = face_of(linear_formula, true);
+  rig.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
+  BakeOptions options = options_in(folder, "linear");
+  options.poses = 30;
+  CHECK(unseen_mse(bake(rig, options, silent_progress()).archive, rig) < 1e-9);
 }
 
 TEST_CASE("the paper's network beats linear blendshapes on a face with a corrective") {
@@ -97,6 +119,7 @@ TEST_CASE("the paper's network beats linear blendshapes on a face with a correct
   CHECK(unseen_mse(paper.archive, source) < 0.5 * unseen_mse(linear.archive, source));
   CHECK(paper.poses == 256);
   CHECK(paper.quantisation < 1e-4);
+  CHECK(paper.quantisation > 1e-8);
   const FaceModel model = read_archive(paper.archive).model;
   REQUIRE(model.network.regions.size() == 1);
   CHECK(model.network.regions[0].layers.size() == 9);
@@ -120,16 +143,40 @@ TEST_CASE("an archive is the same bytes whatever the threads, and after an inter
   CHECK(bake(source, options_in(stopped), silent_progress()).archive == whole);
 }
 
+TEST_CASE("a bake in the work folder of other data takes nothing from it") {
+  WorkFolder once, shared;
+  MemorySource source = curved_face(), other = curved_face();
+  float& control = other.edit_clip(0).controls[4];  // of a pose the sample of the data does not show
+  control = control == 0.5f ? 0.25f : 0.5f;
+  bake(source, options_in(shared), silent_progress());
+  CHECK(bake(other, options_in(shared), silent_progress()).archive ==
+        bake(other, options_in(once), silent_progress()).archive);
+}
+
+TEST_CASE("a proof holds the rest pose, the ends of all ranges and dense poses") {
+  const MemorySource source = curved_face();
+  FaceModel model;
+  model.schema = source.schema();
+  model.rest = source.rest();
+  model.basis = make_basis(static_cast<std::uint32_t>(model.rest.points.size()), 0, {});
+  const Proof proof = make_proof(model, 1);
+  REQUIRE(proof.controls.size() > 4 * 4);
+  CHECK(std::vector<float>(proof.controls.begin(), proof.controls.begin() + 12) ==
+        std::vector<float>{0, 1, -2, 0, 1, 3, 0, 1, -1, 0, -4, -1});
+  CHECK(proof.vertices.size() == 64);
+  CHECK(proof.positions.size() == proof.controls.size() / 4 * 64 * 3);
+}
+
 TEST_CASE("a variant never reads a shot, and nothing reads validation or test clips") {
   struct Watched final : MemorySource {
-    using MemorySource::MemorySource;
+    explicit Watched(MemorySource source) : MemorySource(std::move(source)) {}
     std::string read_clips;
     void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override {
       if (read_clips.find(clips()[clip].name) == std::string::npos) read_clips += clips()[clip].name + " ";
       MemorySource::read(clip, first, count, points);
     }
   };
-  Watched source(4, 6, curved_formula);
+  Watched source(face_of(curved_formula, false, 6));
   source.add_clip("dense", ClipKind::dense, Split::train, 150, 0.6f, 1);
   source.add_clip("shot", ClipKind::shot, Split::train, 50, 0.5f, 2);
   source.add_clip("validation", ClipKind::shot, Split::validation, 50, 0.5f, 3);
@@ -172,7 +219,7 @@ TEST_CASE("what cannot be baked or compared is refused by name") {
                     doctest::Contains("\"nonsense\""));
   CHECK_THROWS_WITH(use_from("crowd"), doctest::Contains("variant, backlot"));
 
-  MemorySource untested(4, 6, curved_formula);
+  MemorySource untested = face_of(curved_formula, false, 6);
   untested.add_clip("dense", ClipKind::dense, Split::train, 30, 0.6f, 1);
   CHECK_THROWS_WITH(compare(untested, {"linear"}, options_in(folder), silent_progress()),
                     doctest::Contains("no test split"));
@@ -181,7 +228,7 @@ TEST_CASE("what cannot be baked or compared is refused by name") {
   CHECK_THROWS_WITH(compare(only_tests, {"linear"}, options_in(folder), silent_progress()),
                     doctest::Contains("split train"));
   CHECK_THROWS_WITH(compare(source, {}, options_in(folder), silent_progress()), doctest::Contains("no method"));
-  MemorySource only_shots(4, 6, curved_formula);
+  MemorySource only_shots = face_of(curved_formula, false, 6);
   only_shots.add_clip("shot", ClipKind::shot, Split::train, 30, 0.6f, 1);
   BakeOptions variant = options_in(folder);
   variant.use = Use::variant;
@@ -192,11 +239,13 @@ TEST_CASE("an archive is measured only against its own face") {
   WorkFolder folder;
   MemorySource source = curved_face();
   const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
-  MemorySource larger(4, 9, curved_formula), wider(5, 8, curved_formula);
+  MemorySource larger = face_of(curved_formula, false, 9), wider(5, 8, curved_formula), bent = curved_face();
+  bent.edit_rest().points[30] += 0.01f;
   larger.add_clip("unseen", ClipKind::shot, Split::test, 5, 0.5f, 4);
   wider.add_clip("unseen", ClipKind::shot, Split::test, 5, 0.5f, 4);
   CHECK_THROWS_WITH(unseen_mse(baked.archive, larger), doctest::Contains("vertices"));
   CHECK_THROWS_WITH(unseen_mse(baked.archive, wider), doctest::Contains("controls"));
+  CHECK_THROWS_WITH(unseen_mse(baked.archive, bent), doctest::Contains("vertex 10 lies elsewhere"));
 }
 
 TEST_CASE("an archive whose proof does not hold is refused") {
