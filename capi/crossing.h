@@ -45,6 +45,16 @@ inline void require_size(std::uint32_t struct_size, const char* what) {
          what);
 }
 
+// Defaults for a caller whose header has a struct of struct_size bytes: nothing beyond them is touched, and what this
+// library does not know of them is 0.
+template <class Struct>
+void fill_struct(Struct* to, std::uint32_t struct_size, Struct defaults) {
+  if (!to || struct_size < 8) return;
+  defaults.struct_size = struct_size;
+  std::memset(static_cast<void*>(to), 0, struct_size);
+  std::memcpy(static_cast<void*>(to), &defaults, std::min<std::size_t>(struct_size, sizeof defaults));
+}
+
 // What the caller gave, with defaults for the fields an older caller does not know, without those of a newer one.
 template <class Struct>
 Struct read_struct(const Struct& given, void (*init)(Struct*), const char* what) {

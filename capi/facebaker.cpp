@@ -16,6 +16,7 @@
 using fb::fail;
 using fb::Status;
 using fb::capi::crossing;
+using fb::capi::fill_struct;
 using fb::capi::read_struct;
 using fb::capi::require;
 
@@ -169,11 +170,10 @@ uint32_t fb_format_version(void) {
 
 // ---- Loading ----
 
-void fb_load_desc_init(fb_load_desc* desc) {
-  if (!desc) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
-  desc->max_file_bytes = desc->max_model_bytes = std::uint64_t(4) << 30;
+void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size) {
+  fb_load_desc defaults = {};
+  defaults.max_file_bytes = defaults.max_model_bytes = std::uint64_t(4) << 30;
+  fill_struct(to, struct_size, defaults);
 }
 
 fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) {
@@ -232,10 +232,8 @@ const char* fb_provenance(const fb_model* model) {
   return model ? model->provenance.c_str() : nullptr;
 }
 
-void fb_control_init(fb_control* control) {
-  if (!control) return;
-  *control = {};
-  control->struct_size = sizeof *control;
+void fb_control_fill(fb_control* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
 }
 
 fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control) {
@@ -329,10 +327,8 @@ uint64_t fb_clamped_count(const fb_scratch* scratch) {
   return scratch ? scratch->clamped : 0;
 }
 
-void fb_batch_desc_init(fb_batch_desc* desc) {
-  if (!desc) return;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
+void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
 }
 
 fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc) {

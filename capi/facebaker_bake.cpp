@@ -12,6 +12,7 @@
 using fb::fail;
 using fb::Status;
 using fb::capi::crossing;
+using fb::capi::fill_struct;
 using fb::capi::read_struct;
 using fb::capi::require;
 
@@ -62,14 +63,13 @@ fb::Parallel on(std::uint32_t threads) {
 
 extern "C" {
 
-void fb_sample_desc_init(fb_sample_desc* desc) {
-  if (!desc) return;
-  const fb::SamplingOptions defaults;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
-  desc->poses = defaults.poses;
-  desc->seed = defaults.seed;
-  desc->mix = "dense";
+void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size) {
+  const fb::SamplingOptions options;
+  fb_sample_desc defaults = {};
+  defaults.poses = options.poses;
+  defaults.seed = options.seed;
+  defaults.mix = "dense";
+  fill_struct(to, struct_size, defaults);
 }
 
 fb_status fb_sample(const fb_sample_desc* desc) {
@@ -88,15 +88,14 @@ fb_status fb_sample(const fb_sample_desc* desc) {
   });
 }
 
-void fb_bake_desc_init(fb_bake_desc* desc) {
-  if (!desc) return;
-  const fb::BakeOptions defaults;
-  *desc = {};
-  desc->struct_size = sizeof *desc;
-  desc->recipe = "paper";
-  desc->use = "backlot";
-  desc->poses = defaults.poses;
-  desc->seed = defaults.seed;
+void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
+  const fb::BakeOptions options;
+  fb_bake_desc defaults = {};
+  defaults.recipe = "paper";
+  defaults.use = "backlot";
+  defaults.poses = options.poses;
+  defaults.seed = options.seed;
+  fill_struct(to, struct_size, defaults);
 }
 
 fb_status fb_bake(const fb_bake_desc* desc) {

@@ -122,6 +122,26 @@ static void init_functions_set_sizes_and_defaults(void** state) {
   fb_batch_desc_init(NULL);
 }
 
+static void structs_of_other_headers_are_filled_to_their_size(void** state) {
+  (void)state;
+  fb_load_desc older;
+  memset(&older, 0x5a, sizeof older);
+  fb_load_desc_fill(&older, offsetof(fb_load_desc, allocator));
+  assert_int_equal(older.struct_size, offsetof(fb_load_desc, allocator));
+  assert_true(older.max_model_bytes == (uint64_t)4 << 30);
+  const unsigned char* beyond = (const unsigned char*)&older.allocator;
+  for (size_t i = 0; i < sizeof older - offsetof(fb_load_desc, allocator); ++i) assert_int_equal(beyond[i], 0x5a);
+
+  struct {
+    fb_batch_desc batch;
+    uint64_t later;
+  } newer;
+  memset(&newer, 0x5a, sizeof newer);
+  fb_batch_desc_fill(&newer.batch, sizeof newer);
+  assert_int_equal(newer.batch.struct_size, sizeof newer);
+  assert_true(newer.batch.poses == 0 && newer.later == 0);
+}
+
 static void statuses_have_names(void** state) {
   (void)state;
   assert_string_equal(fb_status_name(FB_OK), "FB_OK");
@@ -152,6 +172,7 @@ int main(void) {
       cmocka_unit_test(layout_of_runtime_structs),
       cmocka_unit_test(layout_of_bake_structs),
       cmocka_unit_test(init_functions_set_sizes_and_defaults),
+      cmocka_unit_test(structs_of_other_headers_are_filled_to_their_size),
       cmocka_unit_test(statuses_have_names),
       cmocka_unit_test(version_as_string_and_number_agree),
   };

@@ -48,7 +48,7 @@ class Face:
 
     def _control(self, index):
         struct = ControlStruct()
-        library.fb_control_init(struct)
+        library.fb_control_fill(struct, ctypes.sizeof(struct))
         check(library.fb_control_at(self._handle, index, struct))
         return Control(struct.name.decode(), struct.group.decode(), struct.minimum, struct.maximum, struct.rest)
 
@@ -137,7 +137,7 @@ class Face:
         elif out.shape != shape or out.dtype != numpy.float32 or not out.flags.c_contiguous or not out.flags.writeable:
             raise ValueError(f"out must be a writable contiguous float32 array of shape {shape}")
         desc = BatchDesc()
-        library.fb_batch_desc_init(desc)
+        library.fb_batch_desc_fill(desc, ctypes.sizeof(desc))
         desc.threads = threads
         desc.poses = len(controls)
         desc.controls, desc.control_floats = _pointer(controls), controls.size

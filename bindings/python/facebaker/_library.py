@@ -61,7 +61,7 @@ _FUNCTIONS = {
     "fb_units": (c_char_p, [c_void_p]),
     "fb_up_axis": (c_char_p, [c_void_p]),
     "fb_provenance": (c_char_p, [c_void_p]),
-    "fb_control_init": (None, [POINTER(ControlStruct)]),
+    "fb_control_fill": (None, [POINTER(ControlStruct), c_uint32]),
     "fb_control_at": (c_int32, [c_void_p, c_uint32, POINTER(ControlStruct)]),
     "fb_find_control": (c_int32, [c_void_p, c_char_p, POINTER(c_uint32)]),
     "fb_rest_controls": (POINTER(c_float), [c_void_p]),
@@ -76,7 +76,7 @@ _FUNCTIONS = {
     "fb_scratch_destroy": (None, [c_void_p]),
     "fb_evaluate": (c_int32, [c_void_p, c_void_p, POINTER(c_float), POINTER(c_float)]),
     "fb_clamped_count": (c_uint64, [c_void_p]),
-    "fb_batch_desc_init": (None, [POINTER(BatchDesc)]),
+    "fb_batch_desc_fill": (None, [POINTER(BatchDesc), c_uint32]),
     "fb_evaluate_batch": (c_int32, [c_void_p, c_void_p, POINTER(BatchDesc)]),
 }
 

@@ -11,8 +11,10 @@
  * Threads: an fb_model never changes after loading; any number of threads may use one model at once. An fb_scratch
  * belongs to one call at a time. Evaluating allocates nothing, locks nothing and logs nothing.
  *
- * Growth: structs begin with struct_size and are filled by their fb_..._init; a field is read only if struct_size covers
- * it, so a host built against an older header keeps working. Exports are only ever added.
+ * Growth: structs begin with struct_size, are filled by their fb_..._init and only ever grow at the end. A field is
+ * read or written only if struct_size covers it, and _init passes the size the host was built with to the exported
+ * fb_..._fill (which writes that size into struct_size, defaults, and zeros in what the library does not know; null
+ * does nothing). So hosts built against older and newer headers work. Exports are only ever added.
  */
 #ifndef FACEBAKER_FACEBAKER_H
 #define FACEBAKER_FACEBAKER_H
@@ -96,10 +98,13 @@ typedef struct fb_load_desc {
   void* log_user;
 } fb_load_desc;
 
-FB_API void fb_load_desc_init(fb_load_desc* desc);
+FB_API void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size);
+static inline void fb_load_desc_init(fb_load_desc* to) {
+  fb_load_desc_fill(to, (uint32_t)sizeof *to);
+}
 
-/* Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one reference.
- * The file may come from anyone: every size is checked before it is believed. */
+/* Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
+ * reference. The file may come from anyone: every size is checked before it is believed. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
 /* The same from memory, which is not needed any more when the call returns. */
 FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
@@ -132,7 +137,10 @@ typedef struct fb_control {
   float reserved_float;
 } fb_control;
 
-FB_API void fb_control_init(fb_control* control);
+FB_API void fb_control_fill(fb_control* to, uint32_t struct_size);
+static inline void fb_control_init(fb_control* to) {
+  fb_control_fill(to, (uint32_t)sizeof *to);
+}
 /* Fills *control for the control at index < fb_control_count. The order of controls is the order of names. */
 FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control);
 /* Finds a control by its exact name; FB_ERROR_NOT_FOUND names the closest one there is. */
@@ -177,20 +185,23 @@ typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb
 
 typedef struct fb_batch_desc {
   uint32_t struct_size;
-  uint32_t threads;           /* 0: all the scratch has workers for, but no more than OpenMP would use */
+  uint32_t threads; /* 0: all the scratch has workers for, but no more than OpenMP would use */
   uint64_t poses;
-  const float* controls;      /* pose p begins at controls + p * control_stride */
-  uint64_t control_floats;    /* size of that buffer, in floats */
-  uint64_t control_stride;    /* in floats; 0: fb_control_count */
-  float* positions;           /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride */
-  uint64_t position_floats;   /* size of that buffer, in floats */
-  uint64_t pose_stride;       /* in floats; 0: vertex_stride * fb_vertex_count */
-  uint64_t vertex_stride;     /* in floats, >= 3; 0: 3. What lies between vertices is not touched. */
+  const float* controls;        /* pose p begins at controls + p * control_stride */
+  uint64_t control_floats;      /* size of that buffer, in floats */
+  uint64_t control_stride;      /* in floats; 0: fb_control_count */
+  float* positions;             /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride */
+  uint64_t position_floats;     /* size of that buffer, in floats */
+  uint64_t pose_stride;         /* in floats; 0: vertex_stride * fb_vertex_count */
+  uint64_t vertex_stride;       /* in floats, >= 3; 0: 3. What lies between vertices is not touched. */
   fb_parallel_for parallel_for; /* null: OpenMP if the library has it, else the calling thread */
   void* parallel_user;
 } fb_batch_desc;
 
-FB_API void fb_batch_desc_init(fb_batch_desc* desc);
+FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
+static inline void fb_batch_desc_init(fb_batch_desc* to) {
+  fb_batch_desc_fill(to, (uint32_t)sizeof *to);
+}
 
 /* Many poses; each gives the same bits as fb_evaluate, whatever the batch, the order or the threads. Buffers that are
  * too small for poses and strides are refused before anything is written. A pose with NaN controls is refused by pose

@@ -24,9 +24,9 @@ typedef struct fb_rig_control {
   float rest; /* value in the rest pose, within the range */
 } fb_rig_control;
 
-#define FB_CLIP_SHOT 0        /* animation: consecutive frames */
-#define FB_CLIP_EXCITATION 1  /* one control at a time */
-#define FB_CLIP_REGIONAL 2    /* combinations of regional expressions */
+#define FB_CLIP_SHOT 0       /* animation: consecutive frames */
+#define FB_CLIP_EXCITATION 1 /* one control at a time */
+#define FB_CLIP_REGIONAL 2   /* combinations of regional expressions */
 #define FB_CLIP_CALISTHENICS 3
 #define FB_CLIP_DENSE 4 /* many controls of many regions at once */
 
@@ -59,10 +59,10 @@ typedef struct fb_rig {
   const fb_rig_control* controls;
   uint32_t vertex_count;
   uint32_t polygon_count;
-  const float* rest_positions;      /* 3 x vertex_count, what evaluate gives with all controls at rest */
-  const uint32_t* polygon_sizes;    /* corners of each polygon, >= 3 */
-  const uint32_t* polygon_corners;  /* vertex indices, polygon after polygon */
-  uint32_t clip_count;              /* may be 0 */
+  const float* rest_positions;     /* 3 x vertex_count, what evaluate gives with all controls at rest */
+  const uint32_t* polygon_sizes;   /* corners of each polygon, >= 3 */
+  const uint32_t* polygon_corners; /* vertex indices, polygon after polygon */
+  uint32_t clip_count;             /* may be 0 */
   uint32_t reserved;
   const fb_rig_clip* clips;
   void* user;
@@ -75,8 +75,8 @@ typedef struct fb_rig {
   void (*destroy)(void* user);
 } fb_rig;
 
-/* Fills *rig. The one symbol a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so that data
- * beside it can be found. On failure writes a sentence into message and leaves nothing to destroy. */
+/* Fills *rig. The one symbol a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so that
+ * data beside it can be found. On failure writes a sentence into message and leaves nothing to destroy. */
 typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* message, uint32_t message_size);
 #define FB_RIG_OPEN_SYMBOL "fb_rig_open"
 
@@ -94,7 +94,7 @@ typedef struct fb_source {
 
 typedef struct fb_sample_desc {
   uint32_t struct_size;
-  uint32_t threads;      /* 0: all */
+  uint32_t threads; /* 0: all */
   fb_source source;
   const char* directory; /* the dataset folder to write; what is already sampled there is kept and continued */
   uint64_t poses;        /* default 20,000 */
@@ -104,7 +104,10 @@ typedef struct fb_sample_desc {
   void* progress_user;
 } fb_sample_desc;
 
-FB_API void fb_sample_desc_init(fb_sample_desc* desc);
+FB_API void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size);
+static inline void fb_sample_desc_init(fb_sample_desc* to) {
+  fb_sample_desc_fill(to, (uint32_t)sizeof *to);
+}
 /* Plans and evaluates training poses and writes them as a dataset folder. */
 FB_API fb_status fb_sample(const fb_sample_desc* desc);
 
@@ -114,16 +117,19 @@ typedef struct fb_bake_desc {
   const fb_source* sources; /* datasets of one character together, or one rig */
   uint32_t source_count;
   uint32_t reserved;
-  const char* archive;      /* the .fbk to write; "<archive>.work" beside it keeps what is done until it is whole */
-  const char* recipe;       /* "paper" (default) or "linear" */
-  const char* use;          /* "variant" (no shots in training) or "backlot" (default) */
-  uint64_t poses;           /* sampled when the source is a rig; default 20,000 */
-  uint64_t seed;            /* default 1 */
-  fb_progress progress;     /* may be null */
+  const char* archive;  /* the .fbk to write; "<archive>.work" beside it keeps what is done until it is whole */
+  const char* recipe;   /* "paper" (default) or "linear" */
+  const char* use;      /* "variant" (no shots in training) or "backlot" (default) */
+  uint64_t poses;       /* sampled when the source is a rig; default 20,000 */
+  uint64_t seed;        /* default 1 */
+  fb_progress progress; /* may be null */
   void* progress_user;
 } fb_bake_desc;
 
-FB_API void fb_bake_desc_init(fb_bake_desc* desc);
+FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);
+static inline void fb_bake_desc_init(fb_bake_desc* to) {
+  fb_bake_desc_fill(to, (uint32_t)sizeof *to);
+}
 /* Trains, packs and verifies; the archive appears complete or not at all. */
 FB_API fb_status fb_bake(const fb_bake_desc* desc);
 
