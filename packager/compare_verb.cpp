@@ -53,13 +53,14 @@ class MethodTable {
 std::string compare_text(const CompareReport& report) {
   const auto figure = [](double value) { return format("%.2e", value); };
   MethodTable errors(report, "Table 1");
-  for (const auto& [test, of] : {std::pair{"independent", +[](const MethodReport& m) { return m.independent.total; }},
-                                 std::pair{"dependency", +[](const MethodReport& m) { return m.dependency; }}}) {
-    errors.row(std::string(test) + " MSE", [&](const MethodReport& m) { return figure(of(m).mse); });
-    errors.row(std::string(test) + " max err", [&](const MethodReport& m) { return figure(of(m).max); });
-    errors.row(std::string(test) + " p99", [&](const MethodReport& m) { return figure(of(m).p99); });
-    errors.row(std::string(test) + " mfm", [&](const MethodReport& m) { return figure(of(m).mfm); });
-  }
+  const auto add_test = [&](const std::string& test, const Errors& (*of)(const MethodReport&)) {
+    errors.row(test + " MSE", [&](const MethodReport& m) { return figure(of(m).mse); });
+    errors.row(test + " max err", [&](const MethodReport& m) { return figure(of(m).max); });
+    errors.row(test + " p99", [&](const MethodReport& m) { return figure(of(m).p99); });
+    errors.row(test + " mfm", [&](const MethodReport& m) { return figure(of(m).mfm); });
+  };
+  add_test("independent", [](const MethodReport& m) -> const Errors& { return m.independent.total; });
+  add_test("dependency", [](const MethodReport& m) -> const Errors& { return m.dependency; });
   MethodTable clips(report, "independent MSE by clip");
   for (std::size_t c = 0; c < report.methods.at(0).independent.clips.size(); ++c)
     clips.row(report.methods[0].independent.clips[c].name,
