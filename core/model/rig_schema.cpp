@@ -51,6 +51,9 @@ std::vector<float> RigSchema::rest_pose() const {
 }
 
 void check(const RigSchema& schema) {
+  if (schema.up_axis != "y" && schema.up_axis != "z")
+    fail(Status::bad_data, "rig \"%s\": the up axis is \"%s\", not \"y\" or \"z\"", schema.name.c_str(),
+         schema.up_axis.c_str());
   if (schema.controls.empty()) fail(Status::bad_data, "rig \"%s\" has no controls", schema.name.c_str());
   std::unordered_set<std::string_view> names;
   for (std::size_t i = 0; i < schema.controls.size(); ++i) {
