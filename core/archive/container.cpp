@@ -83,6 +83,8 @@ std::vector<std::byte> StoredSection::unpack(Budget& budget) const {
   }
   if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != info.raw_bytes)
     fail(Status::corrupt, "%s does not unpack to the %llu bytes it declares", place.c_str(), (ull)info.raw_bytes);
+  if (ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size())
+    fail(Status::corrupt, "%s is not one whole zstd frame", place.c_str());
   std::vector<std::byte> raw(info.raw_bytes);
   const std::size_t got = ZSTD_decompress(raw.data(), raw.size(), stored.data(), stored.size());
   if (ZSTD_isError(got)) fail(Status::corrupt, "%s cannot be unpacked: %s", place.c_str(), ZSTD_getErrorName(got));

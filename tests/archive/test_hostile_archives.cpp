@@ -206,6 +206,27 @@ TEST_CASE("a table that lies is refused") {
   check_refused(sealed(gap), Status::corrupt, "the last section ends at byte");
 }
 
+TEST_CASE("a packed section is one zstd frame and nothing more") {
+  const Bytes bytes = tiny_archive();
+  const auto followed_by = [&](const Bytes& more) {
+    ArchiveEditor archive(bytes);
+    const StoredSection packed = read_container(bytes)[1];
+    REQUIRE(packed.codec == Codec::zstd);
+    ArchiveEditor::Section& section = archive[packed.info.name];
+    section = {packed.info.name, section_required, 1, packed.info.raw_bytes,
+               Bytes(packed.stored.begin(), packed.stored.end())};
+    section.stored.insert(section.stored.end(), more.begin(), more.end());
+    return archive.bytes();
+  };
+  CHECK(outcome(followed_by({})).status == Status::ok);
+  Bytes skippable;  // which zstd itself passes over
+  append(skippable, std::uint32_t(0x184d2a50));
+  append(skippable, std::uint32_t(4));
+  append(skippable, std::uint32_t(0));
+  check_refused(followed_by(skippable), Status::corrupt, "is not one whole zstd frame");
+  check_refused(followed_by(text("x")), Status::corrupt, "is not one whole zstd frame");
+}
+
 TEST_CASE("contents that lie are refused by section") {
   const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* part) {
     check_refused(changed(section, [&](Bytes& b) { patch(b, at, value); }), status, part);
