@@ -64,8 +64,8 @@ class Face:
 
     @property
     def provenance(self):
-        """How the archive was made, as it says itself: a dictionary."""
-        return json.loads(library.fb_provenance(self._handle))
+        """How the archive was made, as it says itself: a dictionary, empty if it says nothing."""
+        return json.loads(library.fb_provenance(self._handle) or b"{}")
 
     @property
     def names(self):

@@ -1,6 +1,7 @@
 import gc
 import os
 import pathlib
+import re
 import threading
 import unittest
 
@@ -41,6 +42,13 @@ class FaceTest(unittest.TestCase):
         self.assertGreater(face.runtime_bytes, 0)
         version = pathlib.Path(__file__).parents[3] / "VERSION"
         self.assertEqual(facebaker.__version__, version.read_text().strip())
+
+    def test_an_archive_without_provenance(self):
+        text = (pathlib.Path(__file__).parents[3] / "core/archive/FORMAT.md").read_text()
+        dump = re.findall(r"^[0-9a-f]{4}((?:  ?[0-9a-f]{2})+)$", text, re.MULTILINE)
+        face = facebaker.load(bytes.fromhex("".join(dump)))
+        self.assertEqual(face.name, "tri")
+        self.assertEqual(face.provenance, {})
 
     def test_rest_is_exact_and_a_control_moves_vertices(self):
         face = self.face
