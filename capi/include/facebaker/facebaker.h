@@ -9,7 +9,8 @@
  * with FB_ERROR_INVALID_ARGUMENT.
  *
  * Threads: an fb_model never changes after loading; any number of threads may use one model at once. An fb_scratch
- * belongs to one call at a time. Evaluating allocates nothing, locks nothing and logs nothing.
+ * belongs to one call at a time. An evaluation that succeeds allocates nothing, locks nothing and logs nothing (OpenMP,
+ * where fb_evaluate_batch leaves threads to it, keeps its own).
  *
  * Growth: structs begin with struct_size, are filled by their fb_..._init and only ever grow at the end. A field is
  * read or written only if struct_size covers it, and _init passes the size the host was built with to the exported
@@ -47,8 +48,8 @@ typedef int32_t fb_status;
 #define FB_ERROR_IO 3               /* the system refused a read or a write; a directory in place of a file */
 #define FB_ERROR_NOT_AN_ARCHIVE 4   /* not an .fbk */
 #define FB_ERROR_CORRUPT 5          /* an .fbk that is truncated or damaged */
-#define FB_ERROR_UNSUPPORTED 6      /* an .fbk made by a newer version */
-#define FB_ERROR_LIMIT 7            /* larger than a limit the caller set */
+#define FB_ERROR_UNSUPPORTED 6      /* an .fbk of another format version, or with parts this library does not know */
+#define FB_ERROR_LIMIT 7            /* larger than a limit the caller set, or than sizes can be */
 #define FB_ERROR_OUT_OF_MEMORY 8
 #define FB_ERROR_NOT_FINITE 9 /* NaN or infinity where a number is needed */
 #define FB_ERROR_BAD_DATA 10  /* data that contradicts itself */
@@ -68,7 +69,7 @@ FB_API const char* fb_last_error(void);
 /* The library's version, "major.minor.patch", and as a number: major * 1,000,000 + minor * 1,000 + patch. */
 FB_API const char* fb_version_string(void);
 FB_API uint32_t fb_version(void);
-/* The newest .fbk format this library reads: major * 1,000 + minor. */
+/* The .fbk format this library reads: major * 1,000 + minor. While major is 0, it reads no other. */
 FB_API uint32_t fb_format_version(void);
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
@@ -84,16 +85,18 @@ typedef struct fb_allocator {
   void (*release)(void* user, void* memory, size_t bytes, size_t alignment);
 } fb_allocator;
 
-/* Receives one sentence about something odd but harmless, such as an optional section that was skipped. */
+/* Receives one sentence about something odd but harmless, such as an optional section that was skipped. Called on the
+ * loading thread once the model is whole; message is valid during the call. */
 typedef void (*fb_log)(void* user, const char* message);
 
 typedef struct fb_load_desc {
   uint32_t struct_size;
   uint32_t reserved;        /* 0 */
   uint64_t max_file_bytes;  /* larger files are refused with FB_ERROR_LIMIT; default 4 GiB */
-  uint64_t max_model_bytes; /* as is what would unpack to more than this; default 4 GiB */
-  fb_allocator allocator;   /* for the lasting blocks of the model (weights, basis, rest mesh) and its scratches;
-                               null functions: malloc. Temporaries while loading use malloc and are gone on return. */
+  uint64_t max_model_bytes; /* so are files whose unpacked parts and the model made of them, together, or the blocks
+                               kept to evaluate it, would take more than this; default 4 GiB */
+  fb_allocator allocator;   /* for the lasting blocks of the model (weights, basis, mesh) and its scratches; null
+                               functions: malloc. Names, handles and temporaries of loading use malloc. */
   fb_log log;               /* null: silent */
   void* log_user;
 } fb_load_desc;
@@ -104,7 +107,8 @@ static inline void fb_load_desc_init(fb_load_desc* to) {
 }
 
 /* Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
- * reference. The file may come from anyone: every size is checked before it is believed. */
+ * reference. The file may come from anyone: every size is checked before it is believed. Fails with NOT_FOUND, IO,
+ * NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and with NOT_FINITE if the rest pose overflows. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
 /* The same from memory, which is not needed any more when the call returns. */
 FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
@@ -125,7 +129,7 @@ FB_API uint32_t fb_coefficient_count(const fb_model* model);
 FB_API const char* fb_name(const fb_model* model);       /* of the character */
 FB_API const char* fb_units(const fb_model* model);      /* of positions: "cm", "m", ... */
 FB_API const char* fb_up_axis(const fb_model* model);    /* "y" or "z" */
-FB_API const char* fb_provenance(const fb_model* model); /* a JSON object: recipe, creator, sources, figures */
+FB_API const char* fb_provenance(const fb_model* model); /* a JSON object, as the archive has it; "" if it has none */
 
 typedef struct fb_control {
   uint32_t struct_size;
@@ -141,7 +145,8 @@ FB_API void fb_control_fill(fb_control* to, uint32_t struct_size);
 static inline void fb_control_init(fb_control* to) {
   fb_control_fill(to, (uint32_t)sizeof *to);
 }
-/* Fills *control for the control at index < fb_control_count. The order of controls is the order of names. */
+/* Fills *control, as far as its struct_size goes, for the control at index < fb_control_count; its strings are the
+ * model's. The order of controls is the order of names. */
 FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control);
 /* Finds a control by its exact name; FB_ERROR_NOT_FOUND names the closest one there is. */
 FB_API fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index);
@@ -152,30 +157,31 @@ FB_API const float* fb_rest_controls(const fb_model* model);
 FB_API const float* fb_rest_positions(const fb_model* model);
 /* Length of the diagonal of the rest mesh's bounding box, in fb_units. */
 FB_API double fb_diagonal(const fb_model* model);
-/* Polygons as the source had them: corner counts (>= 3) and vertex indices one polygon after the other. */
+/* Polygons as the source had them: corner counts (>= 3) and vertex indices one polygon after the other. There may be
+ * none; the arrays may be null then. */
 FB_API uint32_t fb_polygon_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_sizes(const fb_model* model);
 FB_API uint32_t fb_polygon_corner_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
-/* Bytes the model keeps in memory to evaluate poses. */
+/* Bytes the model keeps in memory to evaluate poses, without scratches. */
 FB_API uint64_t fb_runtime_bytes(const fb_model* model);
 
 /* ---- Posing ------------------------------------------------------------------------------------------------------ */
 
 /* Working memory for `workers` (>= 1) concurrent poses of this model: 1 for fb_evaluate, one per thread that
- * fb_evaluate_batch may use. From the model's allocator. */
+ * fb_evaluate_batch may use. From the model's allocator. Calls with another model refuse it. */
 FB_API fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch);
 /* Null is allowed. */
 FB_API void fb_scratch_destroy(fb_scratch* scratch);
 
 /* One pose, on the calling thread. controls: fb_control_count floats in control order. positions: 3 x fb_vertex_count
  * floats, xyz interleaved, in the archive's units and vertex order; may not overlap controls.
- * Values outside a control's range are clamped to it; fb_clamped_count then tells how many were. NaN is refused with
- * FB_ERROR_NOT_FINITE, naming the control, and positions are left alone. All controls at rest give exactly the rest
- * mesh. */
+ * Values outside a control's range, infinities too, are clamped to it; fb_clamped_count then tells how many were. NaN
+ * is refused with FB_ERROR_NOT_FINITE, naming the control, and positions are left alone. All controls at rest give
+ * exactly the rest mesh. */
 FB_API fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions);
 
-/* How many control values the scratch's last evaluation clamped. */
+/* How many control values the scratch's last successful evaluation clamped, of all poses of a batch. */
 FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
 
 /* A host's scheduler: calls task(context, index, worker) once for every index < count with worker < workers, never two
@@ -185,7 +191,7 @@ typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb
 
 typedef struct fb_batch_desc {
   uint32_t struct_size;
-  uint32_t threads; /* 0: all the scratch has workers for, but no more than OpenMP would use */
+  uint32_t threads; /* at most the scratch's workers; 0: all of them, or as many as OpenMP would use if fewer */
   uint64_t poses;
   const float* controls;        /* pose p begins at controls + p * control_stride */
   uint64_t control_floats;      /* size of that buffer, in floats */
@@ -194,7 +200,8 @@ typedef struct fb_batch_desc {
   uint64_t position_floats;     /* size of that buffer, in floats */
   uint64_t pose_stride;         /* in floats; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;       /* in floats, >= 3; 0: 3. What lies between vertices is not touched. */
-  fb_parallel_for parallel_for; /* null: OpenMP if the library has it, else the calling thread */
+  fb_parallel_for parallel_for; /* null: OpenMP if the library has it, else the calling thread. Left out where one
+                                   thread is enough. */
   void* parallel_user;
 } fb_batch_desc;
 
@@ -204,8 +211,9 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
 }
 
 /* Many poses; each gives the same bits as fb_evaluate, whatever the batch, the order or the threads. Buffers that are
- * too small for poses and strides are refused before anything is written. A pose with NaN controls is refused by pose
- * and control before anything is written. */
+ * too small for poses and strides, poses that would overlap, and NaN controls (by pose and control) are refused before
+ * anything is written. Controls and positions may not overlap. 0 poses need no buffers. A parallel_for that calls
+ * too few or too many tasks, or one it was not given, is refused with FB_ERROR_INVALID_ARGUMENT afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
 
 #ifdef __cplusplus

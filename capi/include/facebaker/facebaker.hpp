@@ -28,7 +28,8 @@ inline void check(fb_status status) {
   if (status != FB_OK) throw Error(status);
 }
 
-// A loaded face. Copies share it; it is freed with the last of them.
+// A loaded face. Copies share it; it is freed with the last of them. One that was moved from may only be assigned to or
+// destroyed.
 class Model {
  public:
   explicit Model(const std::string& path, const fb_load_desc* desc = nullptr) {

@@ -76,7 +76,8 @@ typedef struct fb_rig {
 } fb_rig;
 
 /* Fills *rig. The one symbol a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so that
- * data beside it can be found. On failure writes a sentence into message and leaves nothing to destroy. */
+ * data beside it can be found. *rig comes zeroed, with room for a struct up to four times as long. On failure writes a
+ * sentence into message and leaves nothing to destroy. */
 typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* message, uint32_t message_size);
 #define FB_RIG_OPEN_SYMBOL "fb_rig_open"
 
@@ -94,7 +95,7 @@ typedef struct fb_source {
 
 typedef struct fb_sample_desc {
   uint32_t struct_size;
-  uint32_t threads; /* 0: all */
+  uint32_t threads; /* at most 4,096; 0: all */
   fb_source source;
   const char* directory; /* the dataset folder to write; what is already sampled there is kept and continued */
   uint64_t poses;        /* default 20,000 */
@@ -113,7 +114,7 @@ FB_API fb_status fb_sample(const fb_sample_desc* desc);
 
 typedef struct fb_bake_desc {
   uint32_t struct_size;
-  uint32_t threads;         /* 0: all */
+  uint32_t threads;         /* at most 4,096; 0: all */
   const fb_source* sources; /* datasets of one character together, or one rig */
   uint32_t source_count;
   uint32_t reserved;
