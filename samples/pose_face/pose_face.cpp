@@ -101,6 +101,10 @@ bool write_glb(const char* path, const facebaker::Model& model, const std::vecto
 
 int pose_face(int argc, char** argv) {
   const facebaker::Model model(argv[1]);
+  if (fb_polygon_count(model.get()) == 0) {
+    std::fprintf(stderr, "%s: has no polygons to show\n", argv[1]);
+    return 1;
+  }
   std::vector<float> controls = model.rest_controls(), points(3 * std::size_t{model.vertex_count()});
   for (int i = 3; i < argc; ++i) {
     const char* equals = std::strchr(argv[i], '=');
