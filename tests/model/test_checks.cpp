@@ -31,7 +31,7 @@ TEST_CASE("sound models pass") {
 
 TEST_CASE("controls") {
   refuses(Status::bad_data, "rig \"tiny\" has no controls", [](auto& m) { m.schema.controls.clear(); });
-  refuses(Status::bad_data, "the up axis is \"x\"", [](auto& m) { m.schema.up_axis = "x"; });
+  refuses(Status::bad_data, "the up axis is \"x\"", [](auto& m) { m.schema.up_axis = std::string("x"); });
   refuses(Status::bad_data, "control 2 has no name", [](auto& m) { m.schema.controls[2].name.clear(); });
   refuses(Status::bad_data, "\"jaw_open\" occurs twice",
           [](auto& m) { m.schema.controls[3].name = m.schema.controls[0].name; });
