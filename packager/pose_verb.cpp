@@ -11,11 +11,11 @@
 #include "base/file.h"
 #include "export/obj_file.h"
 #include "json_text.h"
-#include "pictures.h"
 #include "pose_animation.h"
 #include "pose_controls.h"
 #include "progress_bar.h"
 #include "render/png_file.h"
+#include "render/portrait.h"
 #include "verb_options.h"
 #include "verbs.h"
 

@@ -8,6 +8,7 @@
 
 #include "bake/dataset/npy.h"
 #include "bake_test_support.h"
+#include "memory_source.h"
 
 using namespace fb;
 using namespace fb::test;
@@ -177,6 +178,79 @@ TEST_CASE("regional poses use one region or several, dense ones more controls, h
   CHECK(part > 5 * full / 2);
 }
 
+TEST_CASE("excitations are dense where a response bends, not elsewhere") {
+  MemorySource rig(
+      1, 3,
+      [](const float* c, std::span<float> points) {
+        for (float& value : points) value += 4 * std::pow(std::max(c[0] - 0.5f, 0.0f), 2);
+      },
+      true);
+  const Clip clip = clip_named(make_plan(rig, {.poses = 2000}, {}, silent_progress()), "excitations");
+  const auto between = [&](float low, float high) {
+    return std::count_if(clip.controls.begin(), clip.controls.end(), [&](float v) { return v >= low && v < high; });
+  };
+  CHECK(between(0.5f, 2) > 2 * between(-1, -0.5f));
+}
+
+TEST_CASE("controls that work against each other seldom move together, and no region moves whole") {
+  // Twenty controls in two regions of ten; in each, 0 and 2 (1 and 3) push the same vertices apart.
+  MemorySource rig(
+      20, 5,
+      [](const float* c, std::span<float> points) {
+        for (std::size_t i = 0; i < points.size(); ++i)
+          for (std::size_t k = 0; k < 20; ++k)
+            points[i] +=
+                (k == 2 || k == 3 ? -c[k] * std::sin(float((k - 1) * i)) : c[k] * std::sin(float((k + 1) * i)));
+      },
+      true);
+  std::size_t against = 0, together = 0, most = 0;
+  for (const char* mix : {"paper", "dense"})
+    for (const Clip& clip : make_plan(rig, {.poses = 1000, .mix = mix, .held_out = false}, {}, silent_progress())) {
+      if (clip.kind == ClipKind::excitation || clip.kind == ClipKind::calisthenics) continue;
+      for (std::size_t frame = 0; frame < clip.frames; ++frame) {
+        const float* pose = clip.controls.data() + frame * 20;
+        std::size_t moved[2] = {};
+        for (std::size_t c = 0; c < 20; ++c) moved[c % 2] += pose[c] != 0;
+        if (clip.kind == ClipKind::regional) most = std::max({most, moved[0], moved[1]});
+        for (const float product : {pose[0] * pose[2], pose[1] * pose[3]}) {
+          against += product > 0;
+          together += product < 0;
+        }
+      }
+    }
+  CHECK(together > 200);
+  CHECK(against > 0);
+  CHECK(2 * against < together);
+  CHECK(most == 8);
+}
+
+TEST_CASE("heavy poses go to every region by its share of the motion, calisthenics to all in turn") {
+  // Three regions of eight controls; the second moves most, the third least.
+  MemorySource rig(
+      24, 4,
+      [](const float* c, std::span<float> points) {
+        constexpr float sizes[] = {0.5f, 1.0f, 0.4f};
+        for (std::size_t k = 0; k < 24; ++k) points[k] += sizes[k / 8] * c[k];
+      },
+      true);
+  std::vector<Control>& controls = rig.edit_schema().controls;
+  for (std::size_t c = 0; c < 24; ++c) controls[c].group = std::to_string(c / 8);
+  const PosePlan plan = make_plan(rig, {.poses = 3840}, {}, silent_progress());
+  const auto moved = [](const Clip& clip, std::size_t frame, std::size_t region) {
+    const float* first = clip.controls.data() + frame * 24 + region * 8;
+    return std::count_if(first, first + 8, [](float value) { return value != 0; });
+  };
+  const Clip& heavy = clip_named(plan, "heavy");
+  long counts[3] = {};
+  for (std::size_t frame = 0; frame < heavy.frames; ++frame)
+    for (std::size_t region = 0; region < 3; ++region) counts[region] += moved(heavy, frame, region);
+  CHECK(counts[1] > 1.2 * double(counts[0]));
+  CHECK(counts[0] > 1.02 * double(counts[2]));
+  const Clip walks = clip_named(make_plan(rig, {.poses = 5760, .mix = "paper"}, {}, silent_progress()), "calisthenics");
+  REQUIRE(walks.frames == 12 * 96);
+  for (std::size_t walk = 0; walk < 12; ++walk) CHECK(moved(walks, walk * 96 + 50, walk % 3) > 0);
+}
+
 TEST_CASE("calisthenics are smooth within a sequence and reach the ends of ranges") {
   const auto toy = open_toy();
   const Clip clip = clip_named(plan_toy({.poses = 1920, .mix = "paper"}), "calisthenics");
@@ -217,6 +291,11 @@ TEST_CASE("a rig without test clips gets held-out poses that no training pose eq
   CHECK(held_out == 2000);
   CHECK(mean_active(clip_named(plan, "random_15")) == doctest::Approx(0.15 * width).epsilon(0.1));
   CHECK(mean_active(clip_named(plan, "random_35")) == doctest::Approx(0.35 * width).epsilon(0.1));
+  const Clip &few = clip_named(plan, "random_15"), &many = clip_named(plan, "random_35");
+  std::size_t alike = 0;  // they are drawn apart from each other
+  for (std::size_t i = 0; i < few.controls.size(); ++i)
+    alike += few.controls[i] != toy->schema().controls[i % width].rest && few.controls[i] == many.controls[i];
+  CHECK(alike == 0);
   const Clip& shots = clip_named(plan, "synthetic_shots");
   CHECK(shots.kind == ClipKind::shot);
   for (std::size_t f = 1; f < shots.frames; ++f)

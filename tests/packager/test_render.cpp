@@ -9,6 +9,7 @@
 #include "render/exposure.h"
 #include "render/panels.h"
 #include "render/png_file.h"
+#include "render/portrait.h"
 #include "render/rasterizer.h"
 #include "render/shading.h"
 #include "render/surface.h"
@@ -168,6 +169,30 @@ TEST_CASE("an error map shows known values in the colours of its scale") {
     before = luminance;
   }
   CHECK(to_srgb(map_colour(9, 1)) == to_srgb(map_colour(1, 1)));
+}
+
+TEST_CASE("a face beside the truth is measured over the diagonal and shown on the scale asked for") {
+  const Shape shape = square();
+  const Mesh rest = {shape.points, {4}, {0, 1, 2, 3}};
+  std::vector<float> off = shape.points;
+  for (std::size_t v = 0; v < 4; ++v) off[3 * v + 2] -= 0.2f;
+  const double distance = 0.2 / std::sqrt(8.0);
+  const Portrait portrait(rest, "y", {}, small, {});
+  for (const float full : {0.0f, 0.4f}) {
+    const Portrait::Difference difference = portrait.draw_beside(shape.points, off, full);
+    CHECK(difference.max == doctest::Approx(distance));
+    CHECK(difference.rms == doctest::Approx(distance));
+    const float scale = full > 0 ? full : round_scale(float(distance));
+    const Rgb seen = difference.image.at(3 * 8 + 2 * 160 + 80, 8 + 80),
+              expected = to_srgb(shade_map({0, 0, 1}, 1, map_colour(float(distance), scale)));
+    CHECK(std::abs(seen.r - expected.r) <= 2);
+    CHECK(std::abs(seen.g - expected.g) <= 2);
+    CHECK(std::abs(seen.b - expected.b) <= 2);
+  }
+  off[2] = shape.points[2];  // one of four is where it belongs
+  const Portrait::Difference three = portrait.draw_beside(shape.points, off, 0);
+  CHECK(three.max == doctest::Approx(distance));
+  CHECK(three.rms == doctest::Approx(distance * std::sqrt(0.75)));
 }
 
 TEST_CASE("scales end on 1, 2 or 5") {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/dataset/npy.h"
+#include "bake/measure/evaluate.h"
 #include "base/file.h"
 #include "tool_files.h"
 #include "tool_run.h"
@@ -89,16 +90,52 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
     CHECK(measured["clips"][0].at(figure) > 0);
     CHECK(measured.at("total").at(figure) == measured["clips"][0].at(figure));
   }
+  const fb::Errors errors = fb::evaluate_archive(fb::read_file(archive), *fb::open_source(dataset), fb::Split::test, {},
+                                                 fb::silent_progress())
+                                .total;
+  const Json& total = measured["total"];
+  CHECK(total.at("mse") == errors.mse);
+  CHECK(total.at("rms") == errors.rms);
+  CHECK(total.at("mean") == errors.mean);
+  CHECK(total.at("p99") == errors.p99);
+  CHECK(total.at("max") == errors.max);
+  CHECK(total.at("mfm") == errors.mfm);
+  CHECK(total.at("worst_frame") == errors.worst_frame);
   CHECK(text_of(folder / "report/eval.json") == text_of(json));
-  CHECK(text_of(folder / "report/worst.png").substr(1, 3) == "PNG");
   CHECK(eval.out.find("frown") != std::string::npos);
 
-  const ToolRun picture = run_tool({"pose", archive, "--set", "jawOpen=1", "--beside", FB_TOY_RIG, "--size", "64x64",
-                                    "--out", folder / "toy.png", "--json"});
-  CAPTURE(picture.err);
-  REQUIRE(picture.exit_code == 0);
-  CHECK(Json::parse(picture.out).at("max") > 0);
-  CHECK(std::filesystem::exists(folder / "toy.png"));
+  // The same clip beside the rig: the same largest error, and the picture of the worst frame again.
+  const std::vector<std::string> beside = {"pose",     archive,    "--clip", dataset + "/frown.controls.npy",
+                                           "--beside", FB_TOY_RIG, "--json"};
+  const auto picture = [&](const std::vector<std::string>& more) {
+    auto arguments = beside;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun run = run_tool(arguments);
+    CAPTURE(run.err);
+    REQUIRE(run.exit_code == 0);
+    return Json::parse(run.out);
+  };
+  const Json frames = picture({"--size", "16x16", "--out", folder / "frown.png"});
+  CHECK(frames.at("frames") == 12);
+  CHECK(frames.at("max").get<double>() == doctest::Approx(errors.max).epsilon(1e-5));
+  picture({"--frame", std::to_string(errors.worst_frame), "--out", folder / "frame.png"});
+  CHECK((text_of(folder / "frame.png") == text_of(folder / "report/worst.png")));  // bytes not worth printing
+
+  const ToolRun all = run_tool({"eval", archive, dataset, "--split", "all", "--json", "-"});
+  REQUIRE(all.exit_code == 0);
+  CHECK(Json::parse(all.out).at("clips").size() == 6);
+  const ToolRun train = run_tool({"eval", archive, dataset, "--split", "train", "--json", "-"});
+  REQUIRE(train.exit_code == 0);
+  CHECK(Json::parse(train.out).at("clips").size() == 5);
+}
+
+TEST_CASE("a rig is sampled without its shots if they are not wanted") {
+  const ScratchFolder folder;
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--poses", "20", "--no-shots"}).exit_code == 0);
+  for (const Json& clip : read_index(folder / "data").at("clips")) {
+    CHECK(clip.at("name") != "talk");
+    CHECK(clip.at("name") != "frown");
+  }
 }
 
 TEST_CASE("clips of the user are sampled too, if they fit the rig") {
@@ -151,6 +188,7 @@ TEST_CASE("compare lists every method with its figures") {
     CHECK(method.at("bytes") > 0);
     CHECK(method.at("train_seconds") >= 0);
     CHECK(method.at("clips").size() > 0);
+    CHECK(method.at("dependency").at("frames") == method.at("poses"));
     for (const std::string& figure : figures) {
       CHECK(method.at("total").at(figure) >= 0);
       CHECK(method.at("dependency").at(figure) >= 0);
@@ -302,5 +340,22 @@ TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same comma
     CHECK(std::filesystem::exists(work));
     CHECK(bake("1", {}).exit_code == 0);
     CHECK(std::filesystem::exists(archive));
+  }
+}
+
+TEST_CASE("Ctrl-C stops a comparison and says how the same command could go on") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", report = folder / "report", work = folder / "work";
+  sample_toy(dataset);
+  for (const bool kept : {false, true}) {
+    std::vector<std::string> arguments = {"compare",  dataset,   "--methods", "paper",
+                                          "--epochs", "1000000", "--report",  report};
+    if (kept) arguments.insert(arguments.end(), {"--work", work});
+    std::filesystem::remove_all(report);
+    const ToolRun stopped = run_tool(arguments, {.interrupt_when_exists = report});
+    CAPTURE(stopped.err);
+    CHECK(stopped.exit_code == 1);
+    CHECK((stopped.err.find("with --work DIR the same command could go on") == std::string::npos) == kept);
+    CHECK((stopped.err.find("run the same command to go on") != std::string::npos) == kept);
   }
 }

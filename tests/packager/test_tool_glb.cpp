@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "archive/writer.h"
+#include "base/file.h"
 #include "glb_reading.h"
+#include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
@@ -42,6 +45,7 @@ void check_animation(std::size_t frames, std::size_t largest_target_count) {
   REQUIRE(times.size() == frames);
   REQUIRE(weights.size() == frames * targets);
   CHECK(times[frames - 1] == doctest::Approx((frames - 1) / 24.0));
+  for (std::size_t t = 0; t < targets; ++t) CHECK(model.meshes[0].weights[t] == weights[t]);  // the first frame's
   const auto base = floats(model, primitive.attributes.at("POSITION")),
              normals = floats(model, primitive.attributes.at("NORMAL"));
   check_unit_length(normals);
@@ -80,6 +84,24 @@ TEST_CASE("a pose becomes one mesh with every vertex in order, normals and trian
   check_unit_length(floats(model, primitive.attributes.at("NORMAL")));
   const auto& indices = model.accessors.at(primitive.indices);
   CHECK(view_values<std::uint32_t>(model, indices.bufferView, 0, indices.count) == face.rest.triangles());
+}
+
+TEST_CASE("a face in other units, with z up, stands upright in metres") {
+  const ScratchFolder folder;
+  fb::FaceModel face = fb::tiny_model();
+  face.schema.units = "mm";
+  face.schema.up_axis.assign(1, 'z');
+  fb::write_file(folder / "face.fbk", fb::write_archive(face, {}));
+  REQUIRE(run_tool({"pose", folder / "face.fbk", "--out", folder / "pose.glb"}).exit_code == 0);
+  const tinygltf::Model model = load_glb(folder / "pose.glb");
+  const tinygltf::Node& node = model.nodes.at(0);
+  CHECK(node.scale == std::vector<double>(3, 0.001));
+  REQUIRE(node.rotation.size() == 4);
+  const double x = node.rotation[0], w = node.rotation[3];  // about x: z becomes (0, -2 x w, w w - x x)
+  CHECK(node.rotation[1] == 0);
+  CHECK(node.rotation[2] == 0);
+  CHECK(-2 * x * w == doctest::Approx(1));
+  CHECK(w * w - x * x == doctest::Approx(0));
 }
 
 TEST_CASE("a short clip becomes its frames as morph targets") {

@@ -77,6 +77,10 @@ TEST_CASE("a value out of range is clamped, and that is said") {
   CHECK(is_complaint(run.err, "pose", {"jaw_open", "1.5", "0 to 1", "clamped"}));
   REQUIRE(run_tool({"pose", archive, "--set", "jaw_open=1", "--out", full}).exit_code == 0);
   CHECK(read_obj(over).points == read_obj(full).points);
+  const ToolRun two = run_tool({"pose", archive, "--set", "jaw_open=2", "--set", "lid_close=-1", "--set",
+                                "mouth_side=1", "--out", over, "--json"});
+  REQUIRE(two.exit_code == 0);
+  CHECK(two.out.find("\"clamped\": 2") != std::string::npos);
 }
 
 TEST_CASE("settings that make no sense are refused by name and leave nothing") {

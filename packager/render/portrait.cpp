@@ -1,4 +1,4 @@
-#include "pictures.h"
+#include "render/portrait.h"
 
 #include <algorithm>
 #include <cmath>
