@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "model/mesh.h"
+
+namespace tinygltf {
+class Model;
+struct Accessor;
+struct Mesh;
+struct Primitive;
+}  // namespace tinygltf
+
+namespace fb {
+
+// A glTF 2.0 file in memory, binary or text. The loader hands out what the file claims; what is read through this class
+// is checked against the bytes there are. Messages do not name the file: see naming().
+class GltfFile {
+ public:
+  // Fails on what is truncated or no glTF, on data kept in other files (pictures, which nobody needs here, excepted),
+  // and on required extensions that store geometry in another way, such as Draco's.
+  explicit GltfFile(std::span<const std::byte> bytes);
+  ~GltfFile();
+
+  const tinygltf::Model& model() const { return *model_; }
+  // An accessor of `width` floats (1 or 3) an element. With `count`, it must have that many elements, and those that
+  // are stored nowhere are zeros; without, all must be stored. `what` names it in messages: "positions".
+  std::vector<float> floats(int accessor, std::size_t width, std::optional<std::size_t> count, const char* what) const;
+  // The primitives of a mesh one after the other; indexed triangles only. No transform is applied.
+  Mesh triangles(const tinygltf::Mesh& mesh) const;
+
+ private:
+  const tinygltf::Accessor& accessor(int index, const char* what) const;
+  std::span<const unsigned char> bytes(int view, std::size_t offset, std::size_t count, std::size_t element_bytes,
+                                       std::size_t& stride, const char* what) const;
+  void overwrite_sparse(const tinygltf::Accessor& accessor, std::size_t width, std::span<float> values,
+                        const char* what) const;
+  std::vector<std::uint32_t> indices(int view, std::size_t offset, std::size_t count, int component_type,
+                                     std::size_t limit, const char* what) const;
+
+  std::unique_ptr<tinygltf::Model> model_;
+};
+
+}  // namespace fb
