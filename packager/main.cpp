@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
   tool.footer(
-      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so) or \"sample\", the built-in face.\n"
+      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
+      "or \"sample\", the built-in face.\n"
       "Exit code: 0 success, 1 failure, 2 wrong use.");
   fb::add_sample(tool);
   fb::add_bake(tool);

@@ -161,7 +161,8 @@ void add_pose(CLI::App& tool) {
       ->check(whole_number)
       ->type_name("N");
   app->add_option("--beside", verb->beside,
-                  "A rig plugin or \"sample\": show the true rig, the archive and the error side by side (.png)")
+                  "A rig plugin, a .glb or .gltf, or \"sample\": show the true rig, the archive and the error side by "
+                  "side (.png)")
       ->type_name("SOURCE");
   app->add_option(
          "--out", verb->out,

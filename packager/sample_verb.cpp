@@ -26,8 +26,8 @@ struct SampleVerb {
 void SampleVerb::run() {
   const auto rig = open_source(source);
   if (!rig->live())
-    fail(Status::invalid_argument, "%s: a recording cannot be asked for new poses; give a rig plugin or \"sample\"",
-         source.c_str());
+    fail(Status::invalid_argument,
+         "%s: a recording cannot be asked for new poses; give a rig plugin, a glTF file or \"sample\"", source.c_str());
   for (const std::string& clip : clips) {
     const std::size_t equals = clip.find('=');
     if (equals == 0 || equals == std::string::npos)
@@ -51,7 +51,9 @@ void SampleVerb::run() {
 void add_sample(CLI::App& tool) {
   auto verb = std::make_shared<SampleVerb>();
   CLI::App* app = tool.add_subcommand("sample", "Ask a rig for training poses and write them as a dataset folder");
-  app->add_option("SOURCE", verb->source, "A rig plugin (librig_NAME.so) or \"sample\" for the built-in face")
+  app->add_option(
+         "SOURCE", verb->source,
+         "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or \"sample\" for the built-in face")
       ->required();
   app->add_option("--out", verb->out, "The dataset folder to write; one begun with the same options is continued")
       ->type_name("DIR")

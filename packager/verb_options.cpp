@@ -43,7 +43,8 @@ void add_mix(CLI::App& verb, std::string& mix) {
 void add_sources(CLI::App& verb, std::vector<std::string>& sources) {
   verb.add_option(
           "SOURCE", sources,
-          "Dataset folders of one character, a rig plugin (librig_NAME.so), or \"sample\" for the built-in face")
+          "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or "
+          "\"sample\" for the built-in face")
       ->required();
 }
 

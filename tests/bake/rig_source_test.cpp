@@ -143,7 +143,7 @@ TEST_CASE("what is no source is refused") {
   std::ofstream(folder / "face.so") << "not a library";
   CHECK(contains(failure(Status::rig, [&] { open_source(folder / "face.so"); }), "cannot be loaded as a rig plugin"));
   std::ofstream(folder / "face.glb") << "glTF";
-  CHECK(contains(failure(Status::unsupported, [&] { open_source(folder / "face.glb"); }), "not read as rigs"));
+  CHECK(contains(failure(Status::bad_data, [&] { open_source(folder / "face.glb"); }), "is no whole glTF file"));
   std::ofstream(folder / "face.txt") << "?";
   failure(Status::invalid_argument, [&] { open_source(folder / "face.txt"); });
   failure(Status::invalid_argument, [] { open_sources({}); });

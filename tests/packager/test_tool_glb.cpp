@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "archive/writer.h"
+#include "bake/rig/source.h"
 #include "base/file.h"
 #include "glb_reading.h"
 #include "test_models.h"
@@ -110,6 +111,28 @@ TEST_CASE("a short clip becomes its frames as morph targets") {
 
 TEST_CASE("a long clip becomes the basis as morph targets") {
   check_animation(40, 5);
+}
+
+TEST_CASE("an animation that was written opens as a rig that moves alike, in metres") {
+  for (const std::size_t frames : {4, 40}) {
+    CAPTURE(frames);
+    const ScratchFolder folder;
+    const std::string archive = folder / "face.fbk", clip = folder / "clip.npy", out = folder / "clip.glb";
+    const fb::FaceModel face = write_tiny_archive(archive);
+    std::vector<float> expected = evaluate_clip(face, write_clip(clip, face.schema, frames));
+    for (float& coordinate : expected) coordinate *= 0.01f;
+    REQUIRE(run_tool({"pose", archive, "--clip", clip, "--fps", "30", "--out", out}).exit_code == 0);
+    const auto rig = fb::open_source(out);
+    CHECK(rig->schema().control_count() == load_glb(out).meshes.at(0).primitives.at(0).targets.size());
+    CHECK(rig->schema().controls[0].name == "target0");
+    REQUIRE(rig->clips().size() == 1);
+    REQUIRE(rig->clips()[0].frames == frames);
+    std::vector<float> points(expected.size());
+    rig->read(0, 0, frames, points);
+    CHECK(largest_difference(points.data(), expected.data(), points.size()) < 1e-6 * rig->rest().diagonal());
+    CHECK(largest_difference(rig->rest().points.data(), expected.data(), rig->rest().points.size()) <
+          1e-6 * rig->rest().diagonal());  // it rests where it begins
+  }
 }
 
 TEST_CASE("the sample pose_face writes the same mesh through the C API") {

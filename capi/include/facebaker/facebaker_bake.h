@@ -87,7 +87,7 @@ typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* m
  * with FB_ERROR_INTERRUPTED, keeping what is done. */
 typedef int32_t (*fb_progress)(void* user, const char* stage, uint64_t done, uint64_t total);
 
-/* Where poses come from: either a path (dataset folder, rig plugin, "sample") or a rig the host filled. */
+/* Where poses come from: a path (dataset folder, rig plugin, .glb, .gltf or "sample") or a rig the host filled. */
 typedef struct fb_source {
   const char* path;  /* null if rig is given */
   const fb_rig* rig; /* borrowed for the call; destroy is not called */

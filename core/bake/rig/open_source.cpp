@@ -6,6 +6,7 @@
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/dataset_source.h"
+#include "bake/rig/gltf_rig.h"
 #include "bake/rig/merged_source.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
@@ -62,11 +63,10 @@ std::unique_ptr<Source> open_source(const std::string& source) {
     return std::make_unique<DatasetSource>(path);
   }
   const std::string extension = path.extension().string();
-  if (extension == ".glb" || extension == ".gltf")
-    fail(Status::unsupported, "%s: glTF files are not read as rigs; export the rig's poses as a dataset folder",
-         source.c_str());
+  if (extension == ".glb" || extension == ".gltf") return open_gltf_rig(source);
   if (extension == ".so") return open_rig_plugin(source);
-  fail(Status::invalid_argument, "%s: neither a dataset folder nor a rig plugin (.so)", source.c_str());
+  fail(Status::invalid_argument, "%s: neither a dataset folder, a rig plugin (.so) nor a glTF file (.glb, .gltf)",
+       source.c_str());
 }
 
 std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources) {

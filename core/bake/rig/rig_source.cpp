@@ -27,8 +27,8 @@ Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float*
 
 }  // namespace
 
-RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner)
-    : rig_(rig), owner_(std::move(owner)), description_(describe(rig)) {
+RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::vector<std::string> notes)
+    : rig_(rig), owner_(std::move(owner)), description_(describe(rig)), notes_(std::move(notes)) {
   check_rest_pose();
 }
 

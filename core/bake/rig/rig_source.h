@@ -7,17 +7,20 @@
 
 namespace fb {
 
-// A live rig behind the C interface, filled by a host or by a plugin.
+// A live rig behind the C interface, filled by a host, by a plugin or from a glTF file.
 class RigSource final : public Source {
  public:
   // Checks the rig, copies what it declares, and evaluates its rest pose, which must be its rest mesh to 1e-5 of the
-  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it.
-  explicit RigSource(const fb_rig& rig, std::shared_ptr<const void> owner = nullptr);
+  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it. `notes` is
+  // what the rig's reader has to tell.
+  explicit RigSource(const fb_rig& rig, std::shared_ptr<const void> owner = nullptr,
+                     std::vector<std::string> notes = {});
 
   const RigSchema& schema() const override { return description_.schema; }
   const Mesh& rest() const override { return description_.rest; }
   const std::vector<Clip>& clips() const override { return description_.clips; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  std::vector<std::string> notes() const override { return notes_; }
   bool live() const override { return true; }
   bool thread_safe() const override { return (rig_.flags & FB_RIG_THREAD_SAFE) != 0; }
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
@@ -29,6 +32,7 @@ class RigSource final : public Source {
   fb_rig rig_;
   std::shared_ptr<const void> owner_;
   RigDescription description_;
+  std::vector<std::string> notes_;
 };
 
 // Opens a plugin: a shared library exporting fb_rig_open. Fails naming the path.
