@@ -14,7 +14,7 @@ namespace fb {
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) fail(Status::not_found, "%s: no such file", path.c_str());
+  if (status.type() == std::filesystem::file_type::not_found) fail(Status::not_found, "%s: no such file", path.c_str());
   if (std::filesystem::is_directory(status)) fail(Status::io, "%s: is a directory, not a file", path.c_str());
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (!file) fail(Status::io, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));

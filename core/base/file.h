@@ -11,7 +11,8 @@
 
 namespace fb {
 
-// The bytes of a regular file; fails with its path when it is missing, a directory, unreadable or larger than limit.
+// The bytes of a file; fails with its path: not_found if it is missing, io if it is a directory or unreadable, limit if
+// it is larger than that.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
 // Makes a folder, and those it lies in, unless it is there; fails with its path and the system's reason.

@@ -50,6 +50,8 @@ TEST_CASE("what is written is read, also when empty or larger than a block") {
 TEST_CASE("reading names what is wrong with a file") {
   TemporaryFolder folder;
   CHECK(status_of(folder.path / "missing") == Status::not_found);
+  CHECK(status_of(folder.path / "missing" / "f") == Status::not_found);
+  CHECK(status_of(folder.path / std::string(5000, 'f')) == Status::io);  // the system's reason, not "no such file"
   CHECK(status_of(folder.path) == Status::io);
   write_file(folder.path / "f", std::string("12345"));
   CHECK(status_of(folder.path / "f", 4) == Status::limit);
