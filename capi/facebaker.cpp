@@ -11,6 +11,7 @@
 #include "crossing.h"
 #include "host_memory.h"
 #include "runtime/evaluator.h"
+#include "runtime/float_state.h"
 #include "version.h"
 
 using fb::fail;
@@ -78,10 +79,16 @@ struct fb_scratch {
 namespace {
 
 fb_model* load(std::span<const std::byte> bytes, const fb_load_desc& desc) {
-  const fb::Archive archive = fb::read_archive(bytes, {desc.max_model_bytes});
-  auto model = std::make_unique<fb_model>(archive, desc);
+  std::unique_ptr<fb_model> model;
+  std::vector<std::string> notes;
+  {
+    const fb::FloatState state;  // unpacking rounds, whatever mode the host set
+    fb::Archive archive = fb::read_archive(bytes, {desc.max_model_bytes});
+    model = std::make_unique<fb_model>(archive, desc);
+    notes = std::move(archive.notes);
+  }
   if (desc.log)
-    for (const std::string& note : archive.notes) desc.log(desc.log_user, note.c_str());
+    for (const std::string& note : notes) desc.log(desc.log_user, note.c_str());
   return model.release();
 }
 

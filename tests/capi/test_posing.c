@@ -1,5 +1,6 @@
 #include "capi_test.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <string.h>
 
@@ -76,6 +77,29 @@ static void wrong_arguments_are_refused(void** state) {
   fb_release(other);
 }
 
+static void the_float_mode_of_the_host_changes_no_bit(void** state) {
+  (void)state;
+  const float controls[CONTROLS] = {0.3f, -0.7f, 0.9f, 1.1f, 0.6f};
+  float expected[FLOATS], positions[FLOATS];
+  assert_ok(fb_evaluate(model, scratch, controls, expected));
+  fb_model* own = NULL;
+  fb_scratch* of_own = NULL;
+  fesetround(FE_UPWARD);
+  const fb_status loaded = fb_load(FB_FIXTURE, NULL, &own);
+  const fb_status created = fb_scratch_create(own, 1, &of_own);
+  const fb_status evaluated = fb_evaluate(own, of_own, controls, positions);
+  const int mode = fegetround();
+  fesetround(FE_TONEAREST);
+  assert_ok(loaded);
+  assert_ok(created);
+  assert_ok(evaluated);
+  assert_int_equal(mode, FE_UPWARD);
+  assert_memory_equal(positions, expected, sizeof positions);
+  assert_true(fb_diagonal(own) == fb_diagonal(model));
+  fb_scratch_destroy(of_own);
+  fb_release(own);
+}
+
 static void a_scratch_keeps_its_model(void** state) {
   (void)state;
   fb_model* own = load_tiny();
@@ -94,6 +118,7 @@ int main(void) {
       cmocka_unit_test(values_outside_their_range_are_clamped_and_counted),
       cmocka_unit_test(nan_is_refused_by_name),
       cmocka_unit_test(wrong_arguments_are_refused),
+      cmocka_unit_test(the_float_mode_of_the_host_changes_no_bit),
       cmocka_unit_test(a_scratch_keeps_its_model),
   };
   return cmocka_run_group_tests(tests, open_model, close_model);

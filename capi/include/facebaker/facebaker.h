@@ -10,7 +10,8 @@
  *
  * Threads: an fb_model never changes after loading; any number of threads may use one model at once. An fb_scratch
  * belongs to one call at a time. An evaluation that succeeds allocates nothing, locks nothing and logs nothing (OpenMP,
- * where fb_evaluate_batch leaves threads to it, keeps its own).
+ * where fb_evaluate_batch leaves threads to it, keeps its own). The floating-point mode of a thread changes no result,
+ * and is left as it was.
  *
  * Growth: structs begin with struct_size, are filled by their fb_..._init and only ever grow at the end. A field is
  * read or written only if struct_size covers it, and _init passes the size the host was built with to the exported
