@@ -142,7 +142,9 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   write_tiny_archive(archive);
+  if (!can_limit_files) MESSAGE("skipped in part: files cannot be limited under this sanitizer");
   for (const char* ending : {".png", ".obj", ".glb"}) {
+    if (!can_limit_files) break;
     const std::string out = folder / (std::string("pose") + ending);
     fb::write_file(out, std::string("precious"));
     ToolSetting full;

@@ -10,9 +10,21 @@ struct ToolRun {
   std::string out, err;
 };
 
+// ThreadSanitizer keeps its own books in files, which a limit on file sizes would end with a bus error.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+inline constexpr bool can_limit_files = false;
+#else
+inline constexpr bool can_limit_files = true;
+#endif
+#else
+inline constexpr bool can_limit_files = true;
+#endif
+
 struct ToolSetting {
   std::string standard_output = {};        // where it goes instead of ToolRun::out; empty: nowhere else
   unsigned long largest_file = 0;          // bytes any file may grow to before writing fails; 0: no limit
+                                           // (see can_limit_files)
   std::string environment = {};            // one variable more, "NAME=VALUE"
   std::string interrupt_when_exists = {};  // Ctrl-C once this path is there
   int signal = SIGINT;                     // in place of Ctrl-C
