@@ -132,7 +132,8 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
 TEST_CASE("a rig is sampled without its shots if they are not wanted") {
   const ScratchFolder folder;
   REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--poses", "20", "--no-shots"}).exit_code == 0);
-  for (const Json& clip : read_index(folder / "data").at("clips")) {
+  const Json index = read_index(folder / "data");
+  for (const Json& clip : index.at("clips")) {
     CHECK(clip.at("name") != "talk");
     CHECK(clip.at("name") != "frown");
   }
