@@ -77,12 +77,12 @@ Matrix find_shapes(const PoseSet& poses, const std::vector<Feature>& ramps, Prog
   std::vector<std::size_t> missing;
   progress.begin("finding blendshapes", ramps.size());
   for (std::size_t r = 0; r < ramps.size(); ++r) {
-    if (alone[r] == poses.size()) {
+    if (alone[r] < poses.size()) {
+      poses.read_displacements(alone[r], 1, std::span(shapes.col(r).data(), rows));
+      shapes.col(r) /= furthest[r];
+    } else {
       missing.push_back(r);
-      continue;
     }
-    poses.read_displacements(alone[r], 1, std::span(shapes.col(r).data(), rows));
-    shapes.col(r) /= furthest[r];
     progress.step(r + 1);
   }
   if (missing.empty()) return shapes;
@@ -90,16 +90,18 @@ Matrix find_shapes(const PoseSet& poses, const std::vector<Feature>& ramps, Prog
   progress.note(std::to_string(missing.size()) + " of " + std::to_string(ramps.size()) +
                 " blendshapes are never seen alone and are fitted by least squares");
   const PoseSet sample = poses.thinned(fitted_poses);
+  progress.begin("fitting blendshapes", sample.size());
   const std::vector<float> sampled = sample.controls();
   Matrix inner = Matrix::Zero(missing.size(), missing.size()), outer = Matrix::Zero(rows, missing.size());
   Matrix block(rows, 1);
   Eigen::VectorXf weights(ramps.size()), open(missing.size());
   for (std::size_t pose = 0; pose < sample.size(); ++pose) {
-    sample.read_displacements(pose, 1, std::span(block.data(), rows));
+    progress.step(pose + 1);
     for (std::size_t r = 0; r < ramps.size(); ++r)
       weights[r] = value_of(ramps[r], schema, sampled.data() + pose * schema.control_count());
     for (std::size_t m = 0; m < missing.size(); ++m) open[m] = weights[missing[m]];
     if (open.isZero(0)) continue;
+    sample.read_displacements(pose, 1, std::span(block.data(), rows));
     block.noalias() -= shapes * weights;
     inner.noalias() += open * open.transpose();
     outer.noalias() += block * open.transpose();
