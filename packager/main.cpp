@@ -47,10 +47,6 @@ int main(int argc, char** argv) {
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
-  tool.footer(
-      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
-      "or \"sample\", the built-in face.\n"
-      "Exit code: 0 success, 1 failure, 2 wrong use.");
   fb::add_sample(tool);
   fb::add_bake(tool);
   fb::add_eval(tool);
@@ -58,6 +54,11 @@ int main(int argc, char** argv) {
   fb::add_inspect(tool);
   fb::add_verify(tool);
   fb::add_pose(tool);
+  // Last, for verbs inherit it; only the tool itself has it.
+  tool.footer(
+      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
+      "or \"sample\", the built-in face.\n"
+      "Exit code: 0 success, 1 failure, 2 wrong use.");
 
   fb::watch_interrupts();
   try {
