@@ -40,8 +40,9 @@ struct Baked {
   std::size_t poses = 0;         // trained on
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
-  double train_seconds = 0;      // basis and network, without sampling
-  double quantisation = 0;  // worst deviation of the packed from the unpacked model on random poses, over the diagonal
+  double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
+  // Largest distance between the packed and the unpacked model on training and random poses, over the diagonal.
+  double quantisation = 0;
 };
 
 // Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.

@@ -15,7 +15,7 @@ class PoseSet {
   // All frames of the clips that `wanted` accepts. The source must outlive the set.
   PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted);
 
-  // Every n-th pose, so that at most `count` remain.
+  // `count` of the poses, evenly spaced; all if there are no more.
   PoseSet thinned(std::size_t count) const;
 
   Source& source() const { return *source_; }

@@ -32,7 +32,9 @@ struct TrainingPlan {
 
 struct TrainedLayers {
   std::vector<DenseLayer> layers;
-  double loss = 0;  // mean of the last epoch: squared coefficient error over squared coefficients
+  // Mean over the last epoch of squared coefficient error over squared coefficients; too small if this call went on from
+  // the middle of that epoch.
+  double loss = 0;
 };
 
 // Trains dense layers with ReLU and additive skips (where widths allow) by Adam (Kingma, Ba, ICLR 2015; beta .9, .999)
