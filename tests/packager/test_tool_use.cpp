@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
+#include <sstream>
+
 #include "base/file.h"
 #include "tool_files.h"
 #include "tool_run.h"
@@ -22,8 +24,18 @@ TEST_CASE("every verb explains itself and every option has a description") {
     CHECK(help.exit_code == 0);
     CHECK(help.err.empty());
     CHECK(help.out.find("Usage: facebaker " + verb) != std::string::npos);
-    // An option without a description ends its line after the name and type.
-    CHECK(help.out.find("--json") != std::string::npos);
+    // A description begins in column 30, on the line of its option or the next.
+    std::istringstream lines(help.out);
+    std::vector<std::string> page;
+    for (std::string line; std::getline(lines, line);) page.push_back(line);
+    page.emplace_back();
+    for (std::size_t i = 0; i + 1 < page.size(); ++i) {
+      if (!page[i].starts_with("  -")) continue;
+      CAPTURE(page[i]);
+      const std::string& told = page[i].size() < 30 || page[i][29] != ' ' ? page[i + 1] : page[i];
+      CHECK((&told == &page[i] || told.starts_with("                              ")));
+      CHECK(told.find_first_not_of(' ', 30) == 30);
+    }
   }
 }
 
