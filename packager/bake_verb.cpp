@@ -4,8 +4,8 @@
 
 #include "bake/recipes/bake.h"
 #include "base/file.h"
+#include "figure_outputs.h"
 #include "progress_bar.h"
-#include "report_folder.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"

@@ -8,8 +8,8 @@
 
 #include "bake/recipes/compare.h"
 #include "base/file.h"
+#include "figure_outputs.h"
 #include "progress_bar.h"
-#include "report_folder.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"
@@ -20,7 +20,8 @@ namespace {
 
 struct CompareVerb {
   std::vector<std::string> sources, methods = {"linear", "paper"};
-  std::string json, report, work;
+  std::string work;
+  FigureOutputs outputs;
   BakeOptions options;
 
   void run();
@@ -99,9 +100,8 @@ class TemporaryFolder {
 };
 
 void CompareVerb::run() {
-  if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
   const auto source = open_sources(sources);
-  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
+  outputs.check();
   std::optional<TemporaryFolder> temporary;
   options.work = work.empty() ? temporary.emplace().path() : std::filesystem::path(work);
   CompareReport result;
@@ -110,10 +110,7 @@ void CompareVerb::run() {
     for (const std::string& note : source->notes()) progress.note(note);
     result = compare(*source, methods, options, progress);
   }
-  const std::string figures = compare_json(result), table = compare_text(result);
-  if (!json.empty() && json != "-") write_file(json, figures);
-  if (!report.empty()) write_report(report, "compare", figures, table);
-  std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
+  outputs.write("compare", compare_json(result), compare_text(result));
 }
 
 }  // namespace
@@ -137,9 +134,7 @@ void add_compare(CLI::App& tool) {
                   "Folder for intermediate files, kept so that the same command can go on; by default "
                   "a temporary one")
       ->type_name("DIR");
-  app->add_option("--json", verb->json, "Write the figures as JSON; - for standard output, in place of the table")
-      ->type_name("FILE");
-  add_report(*app, verb->report);
+  verb->outputs.add_to(*app);
   add_seed(*app, verb->options.seed);
   add_threads(*app, verb->options.parallel);
   app->callback([verb] { verb->run(); });

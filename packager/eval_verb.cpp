@@ -6,11 +6,11 @@
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
 #include "base/file.h"
+#include "figure_outputs.h"
 #include "pose_animation.h"
 #include "progress_bar.h"
 #include "render/png_file.h"
 #include "render/portrait.h"
-#include "report_folder.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"
@@ -20,8 +20,9 @@ namespace fb {
 namespace {
 
 struct EvalVerb {
-  std::string archive, split = "test", json, report;
+  std::string archive, split = "test";
   std::vector<std::string> sources;
+  FigureOutputs outputs;
   Parallel parallel;
 
   void run();
@@ -58,11 +59,10 @@ void write_worst_frame(const std::string& folder, const FaceModel& model, Source
 }
 
 void EvalVerb::run() {
-  if (!json.empty() && json != "-") const AtomicFile probe(json);  // better to learn now that it cannot be written
   const auto bytes = read_file(archive);
   const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
   const auto source = open_sources(sources);
-  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
+  outputs.check();
   std::optional<Split> only;
   if (split != "all") only = split_from(split);
   EvalReport result;
@@ -71,13 +71,8 @@ void EvalVerb::run() {
     for (const std::string& note : source->notes()) progress.note(note);
     result = evaluate_archive(bytes, *source, only, parallel, progress);
   }
-  const std::string figures = eval_json(archive, result), table = eval_text(result);
-  if (!json.empty() && json != "-") write_file(json, figures);
-  if (!report.empty()) {
-    write_report(report, "eval", figures, table);
-    write_worst_frame(report, model, *source, result, parallel);
-  }
-  std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
+  outputs.write("eval", eval_json(archive, result), eval_text(result));
+  if (!outputs.report.empty()) write_worst_frame(outputs.report, model, *source, result, parallel);
 }
 
 }  // namespace
@@ -90,9 +85,7 @@ void add_eval(CLI::App& tool) {
   app->add_option("--split", verb->split, "Which clips to measure on")
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
-  app->add_option("--json", verb->json, "Write the figures as JSON; - for standard output, in place of the table")
-      ->type_name("FILE");
-  add_report(*app, verb->report, ", and a picture of the worst frame");
+  verb->outputs.add_to(*app, ", and a picture of the worst frame");
   add_threads(*app, verb->parallel);
   app->callback([verb] { verb->run(); });
 }
