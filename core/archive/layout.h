@@ -1,8 +1,9 @@
-// Constants of the .fbk format that its reader and writer share; FORMAT.md says what they mean.
+// What the reader and the writer of the .fbk format share; FORMAT.md says what they mean.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace fb {
 
@@ -29,5 +30,13 @@ inline constexpr const char* basis = "basis";
 inline constexpr const char* provenance = "provenance";
 inline constexpr const char* proof = "proof";
 }  // namespace section
+
+// What corner `at`, number k of its polygon, is stored as a step from: the corner at the same place in the polygon
+// before, of `previous_size` corners, or else the corner before it.
+inline std::uint32_t corner_before(const std::vector<std::uint32_t>& corners, std::size_t at, std::uint32_t k,
+                                   std::uint32_t previous_size) {
+  if (k < previous_size) return corners[at - previous_size];
+  return at > 0 ? corners[at - 1] : 0;
+}
 
 }  // namespace fb

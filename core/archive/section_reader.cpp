@@ -64,14 +64,12 @@ void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   for (const std::uint32_t size : mesh.polygon_sizes) sum += size;
   if (sum != corners) in.damaged("polygon sizes do not add up to the number of corners");
   mesh.polygon_corners = in.planes32(corners, "polygon corners");
-  // A corner is stored as its signed distance from the corner at the same place in the polygon before, in zigzag form.
+  // Steps are in zigzag form; each is undone from corners already decoded in place.
   std::size_t at = 0;
   std::uint32_t previous_size = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) {
     for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = k < previous_size ? mesh.polygon_corners[at - previous_size]
-                                   : at > 0          ? mesh.polygon_corners[at - 1]
-                                                     : 0;
+      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
       const std::uint32_t zigzag = mesh.polygon_corners[at];
       const std::uint32_t corner = before + ((zigzag >> 1) ^ (0u - (zigzag & 1)));
       if (corner >= vertices) in.damaged("a polygon names a vertex that does not exist");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "archive/layout.h"
 #include "base/checked.h"
 
 namespace fb {
@@ -74,9 +75,7 @@ ByteWriter write_polygons(const Mesh& mesh) {
   std::uint32_t previous_size = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) {
     for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = k < previous_size ? mesh.polygon_corners[at - previous_size]
-                                   : at > 0          ? mesh.polygon_corners[at - 1]
-                                                     : 0;
+      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
       const auto step = static_cast<std::int32_t>(mesh.polygon_corners[at] - before);
       zigzag.push_back(static_cast<std::uint32_t>(step) << 1 ^ static_cast<std::uint32_t>(step >> 31));
     }
