@@ -257,3 +257,18 @@ TEST_CASE("an archive whose proof does not hold is refused") {
   CHECK_THROWS_WITH(verify_archive(write_archive(archive.model, archive.proof)),
                     doctest::Contains("does not pose as it did"));
 }
+
+TEST_CASE("a rig whose name is no UTF-8 is baked all the same") {
+  struct Misnamed final : MemorySource {
+    using MemorySource::MemorySource;
+    RigSchema misnamed = MemorySource::schema();
+    const RigSchema& schema() const override { return misnamed; }
+  };
+  WorkFolder folder;
+  Misnamed source(4, 6, curved_formula);
+  source.misnamed.name = "face \xff";
+  source.add_clip("dense", ClipKind::dense, Split::train, 40, 0.3f, 1);
+  const FaceModel model = read_archive(bake(source, options_in(folder, "linear"), silent_progress()).archive).model;
+  CHECK(model.schema.name == "face \xff");
+  CHECK(model.provenance.find("\xef\xbf\xbd") != std::string::npos);
+}

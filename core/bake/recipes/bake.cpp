@@ -95,7 +95,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
                                             {"coefficients", baked.coefficients},
                                             {"parameters", baked.parameters},
                                             {"quantisation_over_diagonal", baked.quantisation}}
-                         .dump();
+                         .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   baked.archive = write_archive(model, make_proof(packed, options.seed));
   verify_archive(baked.archive);
   progress.step(2);
