@@ -156,7 +156,7 @@ struct State {
 };
 
 // He's initialisation; layers that add to a skip begin small, so that the network begins nearly linear whatever its
-// depth, and the last layer begins at 0: on a face rig at equal steps this gave 1.3 times less error than full size.
+// depth, and the last layer begins at 0: at first nothing moves.
 State initial_state(const Shapes& shapes, std::uint64_t seed) {
   State state;
   state.parameters.assign(shapes.parameters, 0.0f);
