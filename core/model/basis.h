@@ -13,11 +13,14 @@ struct RowGroup {
   std::vector<float> values;           // column after column, row_count numbers each
 };
 
-// The fixed blendshapes: displacement[row] = sum of value * coefficient, block-sparse. Row 3 v + axis is coordinate
-// `axis` of vertex v. One column list for all rows is global PCA; short lists are local bases and sparse shapes.
+// The fixed blendshapes: displacement[row] = sum of value * coefficient, block-sparse. Row 3 i + axis is coordinate
+// `axis` of a vertex. One column list for all rows is global PCA; short lists are local bases and sparse shapes.
 struct Basis {
   std::uint32_t rows = 0, columns = 0;
   std::vector<RowGroup> groups;  // ascending, without gaps or overlaps, covering all rows
+  // Row 3 i + axis is coordinate `axis` of vertex order[i], so that rows which use the same columns lie together;
+  // empty: of vertex i.
+  std::vector<std::uint32_t> order = {};
 
   std::size_t value_count() const;
 };

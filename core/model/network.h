@@ -8,19 +8,26 @@
 
 namespace fb {
 
-// A number computed from the controls that is 0 at rest. With u = (control - rest) * scale:
+// A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names:
 struct Feature {
   enum class Kind : std::uint32_t {
     identity = 0,  // u
     ramp = 1,      // max(u - threshold, 0); a negative scale makes the ramp of the other side
+    hat = 2,       // max(min(t, 1 + (1 - t) * fall), 0), t = u - threshold: 0 up to one knot of a curve, 1 at the next,
+                   // and 0 again from the one after; with fall 0 it stays 1: the last knot of a range
+    product = 3,   // of the features `first` and `second`
+    minimum = 4,   // of the features `first` and `second`
   };
   Kind kind = Kind::identity;
-  std::uint32_t control = 0;
+  std::uint32_t control = 0;  // identity, ramp, hat
   float scale = 1;
-  float threshold = 0;  // ramp only, >= 0
+  float threshold = 0;                  // ramp, hat; >= 0
+  float fall = 0;                       // hat; >= 0: how much steeper it falls than it rises
+  std::uint32_t first = 0, second = 0;  // product, minimum: features that come before this one
 };
 
-enum class Activation : std::uint32_t { linear = 0, relu = 1 };
+// silu is x / (1 + exp(-x)); it and tanh are the rational functions of activation.h, on every machine the same.
+enum class Activation : std::uint32_t { linear = 0, relu = 1, tanh = 2, silu = 3 };
 
 // y = activation(W x + b), plus x where `skip`.
 struct DenseLayer {
@@ -31,12 +38,20 @@ struct DenseLayer {
   std::vector<float> bias;     // outputs
 };
 
+// What keeps a region still while at most one control is away from rest, where the base alone is exact: coefficients
+// are multiplied by clamp(slope * (sum |f| - max |f|), 0, 1) over these features. Without features there is no gate.
+struct Gate {
+  std::vector<std::uint32_t> features;  // identities, one a control
+  float slope = 10;
+};
+
 // A network of its own: some features in, coefficients out. What its last layer gives in the rest pose is subtracted,
 // so a region's coefficients are exactly 0 at rest.
 struct Region {
   std::string name;
   std::vector<std::uint32_t> features;  // its inputs, indices into Network::features
   std::vector<DenseLayer> layers;       // at least one
+  Gate gate = {};
 };
 
 struct Network {

@@ -33,7 +33,8 @@ struct RigSchema {
   std::vector<float> rest_pose() const;
 };
 
-// Fails by name on no controls, an up axis that is none, an empty or duplicate name, a range that is empty or not finite, a rest value outside it.
+// Fails by name on no controls, an up axis that is none, an empty or duplicate name, a range that is empty or not
+// finite, a rest value outside it.
 void check(const RigSchema& schema);
 
 // Fails unless both have the same controls in the same order with the same ranges; `a_name`, `b_name` say whose they

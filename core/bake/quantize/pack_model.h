@@ -1,0 +1,24 @@
+// From float to whole numbers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "model/face_model.h"
+#include "model/packed_model.h"
+
+namespace fb {
+
+struct PackOptions {
+  int first_bits = 8, hidden_bits = 8, output_bits = 8;  // of weights; 8 or 16
+  // What rounding the values of one basis column may move a vertex when its coefficient has its typical size, over the
+  // diagonal: columns that would move it further are wide.
+  double basis_tolerance = 1e-5;
+  std::vector<float> coefficient_sizes;  // root mean square of each coefficient over poses; empty: 1
+  double drop = 0;  // over D: basis values a typical coefficient moves less are 0, columns of a group all 0 leave it
+};
+
+// Weights: one scale a row. Basis: one scale a column of a row group.
+PackedModel pack_model(const FaceModel& model, const PackOptions& options);
+
+}  // namespace fb

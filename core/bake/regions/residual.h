@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "bake/probe/curve_base.h"
+#include "bake/rig/pose_set.h"
+#include "base/parallel.h"
+
+namespace fb {
+
+// What the base leaves over of recorded poses: what region networks learn. The set and the base must outlive it.
+class Residual {
+ public:
+  Residual(const PoseSet& poses, const CurveBase& base);
+
+  std::size_t size() const { return poses_->size(); }
+  std::size_t rows() const { return poses_->source().rest().points.size(); }
+  const PoseSet& poses() const { return *poses_; }
+  // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows.
+  void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const;
+
+ private:
+  const PoseSet* poses_;
+  const CurveBase* base_;
+  std::vector<float> controls_, rest_;
+};
+
+}  // namespace fb
