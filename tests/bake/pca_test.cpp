@@ -55,11 +55,11 @@ double reconstruction_error(const PrincipalComponents& pca, const PoseSet& poses
 TEST_CASE("principal components hold the fraction asked for with as few as possible") {
   MemorySource source = three_shapes();
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const PrincipalComponents most = principal_components(poses, 0.999, {}, silent_progress());
+  const PrincipalComponents most = principal_components(Displacements(poses), 0.999, {}, silent_progress());
   CHECK(most.count == 2);
   CHECK(most.captured >= 0.999 * most.total);
   CHECK(reconstruction_error(most, poses) < 0.05);
-  const PrincipalComponents all = principal_components(poses, 0.99999, {}, silent_progress());
+  const PrincipalComponents all = principal_components(Displacements(poses), 0.99999, {}, silent_progress());
   CHECK(all.count == 3);
   CHECK(reconstruction_error(all, poses) < 2e-5);
   for (std::size_t a = 0; a < all.count; ++a)
@@ -78,7 +78,7 @@ TEST_CASE("a spectrum longer than the sample is still caught") {
   });
   source.add_clip("poses", ClipKind::dense, Split::train, 1100, 0.05f, 3);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const PrincipalComponents pca = principal_components(poses, 0.99999, {}, silent_progress());
+  const PrincipalComponents pca = principal_components(Displacements(poses), 0.99999, {}, silent_progress());
   CHECK(pca.captured >= 0.99999 * pca.total);
   CHECK(pca.count == 40);
   CHECK(reconstruction_error(pca, poses) < 1e-4);
@@ -94,7 +94,7 @@ TEST_CASE("shapes that no pose of the sample shows are found by a larger subspac
     controls[pose * 40 + (pose % 2 ? pose / 2 % 40 : 0)] = 1;
   const PoseSet poses(source, [](const Clip&) { return true; });
   Passes passes;
-  const PrincipalComponents pca = principal_components(poses, 0.99999, {}, passes);
+  const PrincipalComponents pca = principal_components(Displacements(poses), 0.99999, {}, passes);
   CHECK(passes.count > 1);
   CHECK(pca.captured >= 0.99999 * pca.total);
   CHECK(pca.count == 40);
@@ -106,7 +106,7 @@ TEST_CASE("all poses of a long recording count, and one pass is enough where the
   source.add_clip("rest", ClipKind::dense, Split::train, 300, 0, 9);
   const PoseSet poses(source, [](const Clip&) { return true; });
   Passes passes;
-  const PrincipalComponents pca = principal_components(poses, 0.999, {}, passes);
+  const PrincipalComponents pca = principal_components(Displacements(poses), 0.999, {}, passes);
   CHECK(passes.count == 1);
   CHECK(pca.count == 2);
   CHECK(pca.captured >= 0.999 * pca.total);
@@ -116,8 +116,9 @@ TEST_CASE("all poses of a long recording count, and one pass is enough where the
 TEST_CASE("components do not depend on the number of threads") {
   MemorySource source = three_shapes();
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const PrincipalComponents one = principal_components(poses, 0.999, {.threads = 1}, silent_progress());
-  const PrincipalComponents three = principal_components(poses, 0.999, {.threads = 3}, silent_progress());
+  const PrincipalComponents one = principal_components(Displacements(poses), 0.999, {.threads = 1}, silent_progress());
+  const PrincipalComponents three =
+      principal_components(Displacements(poses), 0.999, {.threads = 3}, silent_progress());
   CHECK(one.components == three.components);
   CHECK(one.coefficients == three.coefficients);
 }
@@ -126,7 +127,7 @@ TEST_CASE("poses that move nothing are refused") {
   MemorySource source(2, 4, [](const float*, std::span<float>) {});
   source.add_clip("still", ClipKind::dense, Split::train, 10, 1.0f, 1);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  CHECK_THROWS_AS(principal_components(poses, 0.999, {}, silent_progress()), Error);
+  CHECK_THROWS_AS(principal_components(Displacements(poses), 0.999, {}, silent_progress()), Error);
   const PoseSet none(source, [](const Clip&) { return false; });
-  CHECK_THROWS_AS(principal_components(none, 0.999, {}, silent_progress()), Error);
+  CHECK_THROWS_AS(principal_components(Displacements(none), 0.999, {}, silent_progress()), Error);
 }

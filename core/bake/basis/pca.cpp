@@ -26,14 +26,15 @@ void tiles(const Parallel& parallel, std::size_t total, std::size_t size,
                [&](std::size_t i, std::size_t) { body(i * size, std::min(size, total - i * size)); });
 }
 
-// Calls visit(first pose, displacements as rows x n) block after block.
-void for_blocks(const PoseSet& poses, std::size_t rows, Progress& progress,
+// Calls visit(first pose, rows x n) block after block.
+void for_blocks(const PoseRows& poses, const Parallel& parallel, Progress& progress,
                 const std::function<void(std::size_t, const Matrix&)>& visit) {
+  const std::size_t rows = poses.rows();
   Matrix block(rows, std::min(block_poses, poses.size()));
   for (std::size_t first = 0; first < poses.size(); first += block_poses) {
     const std::size_t count = std::min(block_poses, poses.size() - first);
     block.resize(rows, count);
-    poses.read_displacements(first, count, std::span(block.data(), rows * count));
+    poses.read(first, count, std::span(block.data(), rows * count), parallel);
     visit(first, block);
     progress.step(first + count);
   }
@@ -84,22 +85,22 @@ Eigen::MatrixXd gram_of(const float* columns, std::size_t rows, std::size_t coun
 }
 
 // Orthonormal columns that span nearly what the poses span: from the sample's own components, filled up with noise.
-Matrix starting_subspace(const PoseSet& poses, std::size_t rows, double fraction, const Parallel& parallel,
-                         std::size_t& wanted) {
-  const PoseSet sample = poses.thinned(sample_poses);
-  Matrix points(rows, sample.size());
-  sample.read_displacements(0, sample.size(), std::span(points.data(), points.size()));
-  Matrix inner(sample.size(), sample.size());
+Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& wanted) {
+  const std::size_t rows = poses.rows(), samples = std::min(sample_poses, poses.size());
+  Matrix points(rows, samples);
+  for (std::size_t i = 0; i < samples; ++i)
+    poses.read(i * poses.size() / samples, 1, std::span(points.col(i).data(), rows), parallel);
+  Matrix inner(samples, samples);
   project(points, points, inner.data(), parallel);
   const Spectrum spectrum = symmetric_spectrum(inner.cast<double>());
   const double total = spectrum.values.sum();
   const std::size_t needed = total > 0 ? count_reaching(spectrum.values, fraction * total) : 1;
   wanted = std::min({needed + needed / 3 + 16, rows, poses.size()});
   Matrix start(rows, wanted);
-  const std::size_t known = std::min<std::size_t>(wanted, sample.size());
+  const std::size_t known = std::min<std::size_t>(wanted, samples);
   tiles(parallel, known, 16, [&](std::size_t first, std::size_t count) {
-    gemm(Op::plain, Op::plain, rows, count, sample.size(), points.data(), rows,
-         spectrum.vectors.data() + first * sample.size(), sample.size(), 0, start.data() + first * rows, rows);
+    gemm(Op::plain, Op::plain, rows, count, samples, points.data(), rows, spectrum.vectors.data() + first * samples,
+         samples, 0, start.data() + first * rows, rows);
   });
   for (std::size_t k = 0; k < known; ++k) {
     const float norm = start.col(k).norm();
@@ -122,10 +123,10 @@ Matrix orthonormal(const Matrix& columns, std::size_t width) {
 }
 
 // One step of subspace iteration over all poses: sum of x (x^T subspace).
-Matrix iterate(const PoseSet& poses, const Matrix& subspace, const Parallel& parallel, Progress& progress) {
+Matrix iterate(const PoseRows& poses, const Matrix& subspace, const Parallel& parallel, Progress& progress) {
   Matrix sum = Matrix::Zero(subspace.rows(), subspace.cols());
   Matrix weights(subspace.cols(), block_poses);
-  for_blocks(poses, subspace.rows(), progress, [&](std::size_t, const Matrix& block) {
+  for_blocks(poses, parallel, progress, [&](std::size_t, const Matrix& block) {
     project(subspace, block, weights.data(), parallel);
     tiles(parallel, sum.rows(), tile, [&](std::size_t row, std::size_t count) {
       gemm(Op::plain, Op::transposed, count, sum.cols(), block.cols(), block.data() + row, block.rows(), weights.data(),
@@ -137,12 +138,12 @@ Matrix iterate(const PoseSet& poses, const Matrix& subspace, const Parallel& par
 
 }  // namespace
 
-PrincipalComponents principal_components(const PoseSet& poses, double fraction, const Parallel& parallel,
+PrincipalComponents principal_components(const PoseRows& poses, double fraction, const Parallel& parallel,
                                          Progress& progress) {
-  const std::size_t rows = poses.source().rest().points.size();
+  const std::size_t rows = poses.rows();
   if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find components of");
   std::size_t width = 0;
-  Matrix subspace = starting_subspace(poses, rows, fraction, parallel, width);
+  Matrix subspace = starting_subspace(poses, fraction, parallel, width);
   for (;;) {
     subspace = orthonormal(subspace, width);
     progress.begin("finding blendshapes", poses.size());
@@ -152,7 +153,7 @@ PrincipalComponents principal_components(const PoseSet& poses, double fraction, 
     std::vector<float> projected(poses.size() * width);
     progress.begin("projecting poses", poses.size());
     double squares = 0;
-    for_blocks(poses, rows, progress, [&](std::size_t first, const Matrix& block) {
+    for_blocks(poses, parallel, progress, [&](std::size_t first, const Matrix& block) {
       project(subspace, block, projected.data() + first * width, parallel);
       for (Eigen::Index i = 0; i < block.cols(); ++i) squares += block.col(i).cast<double>().squaredNorm();
     });

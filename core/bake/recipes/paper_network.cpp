@@ -1,0 +1,80 @@
+#include "bake/recipes/paper_network.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "bake/train/checkpoint.h"
+#include "base/checked.h"
+#include "base/hash.h"
+
+namespace fb {
+
+std::vector<Feature> identity_features(const RigSchema& schema) {
+  std::vector<Feature> features;
+  for (const Control& control : schema.controls)
+    features.push_back({Feature::Kind::identity, static_cast<std::uint32_t>(features.size()), 1 / control.reach(), 0});
+  return features;
+}
+
+std::vector<float> identity_values(std::vector<float> controls, const RigSchema& schema) {
+  const std::vector<Feature> features = identity_features(schema);
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    const std::size_t c = i % features.size();
+    controls[i] = (controls[i] - schema.controls[c].rest) * features[c].scale;
+  }
+  return controls;
+}
+
+PrincipalComponents kept_components(const PoseRows& rows, const std::vector<float>& controls, double fraction,
+                                    const BakeOptions& options, Progress& progress) {
+  const std::filesystem::path kept = options.work / "components.checkpoint";
+  const std::size_t samples = std::min<std::size_t>(rows.size(), 16);
+  std::vector<float> some(rows.rows() * samples);
+  for (std::size_t i = 0; i < samples; ++i)
+    rows.read(i * rows.size() / samples, 1, std::span(some).subspan(i * rows.rows(), rows.rows()), options.parallel);
+  const std::uint64_t key =
+      hash64_of<float>(controls, hash64_of<float>(some, hash64_of<double>(std::span(&fraction, 1))));
+  PrincipalComponents pca;
+  if (auto saved = load_checkpoint(kept, key); saved && saved->arrays.size() == 3) {
+    pca.rows = rows.rows();
+    pca.components = std::move(saved->arrays[0]);
+    pca.coefficients = std::move(saved->arrays[1]);
+    pca.count = pca.components.size() / pca.rows;
+    pca.total = saved->arrays[2].at(0);
+    pca.captured = saved->arrays[2].at(1);
+    return pca;
+  }
+  pca = principal_components(rows, fraction, options.parallel, progress);
+  save_checkpoint(
+      kept,
+      {key, 0, {pca.components, pca.coefficients, {static_cast<float>(pca.total), static_cast<float>(pca.captured)}}});
+  return pca;
+}
+
+FaceModel paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
+                        TrainingPlan plan, const BakeOptions& options, Progress& progress) {
+  const RigSchema& schema = poses.source().schema();
+  const std::size_t count = coefficients.size() / poses.size();
+  FaceModel model;
+  model.schema = schema;
+  model.rest = poses.source().rest();
+  model.network.features = identity_features(schema);
+  Region region{"face", {}, {}};
+  region.features.resize(schema.control_count());
+  std::iota(region.features.begin(), region.features.end(), 0u);
+
+  plan.widths.assign(8, 256);
+  if (options.epochs) plan.epochs = options.epochs;
+  plan.seed = options.seed;
+  plan.parallel = options.parallel;
+  plan.checkpoint = options.work / "network.checkpoint";
+  const std::vector<float> features = identity_values(poses.controls(), schema);
+  region.layers =
+      train_layers({poses.size(), schema.control_count(), count, features, coefficients}, plan, progress).layers;
+  model.network.regions.push_back(std::move(region));
+  model.basis =
+      make_basis(checked_u32(model.rest.points.size(), "coordinates"), checked_u32(count, "components"), shapes);
+  return model;
+}
+
+}  // namespace fb
