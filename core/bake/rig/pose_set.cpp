@@ -15,15 +15,25 @@ PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted)
 
 PoseSet PoseSet::thinned(std::size_t count) const {
   if (size_ <= count) return *this;
-  PoseSet thin(*source_);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t pose = i * size_ / count;
+  std::vector<std::uint32_t> poses(count);
+  for (std::size_t i = 0; i < count; ++i) poses[i] = static_cast<std::uint32_t>(i * size_ / count);
+  return picked(poses);
+}
+
+PoseSet PoseSet::picked(std::span<const std::uint32_t> poses) const {
+  PoseSet set(*source_);
+  for (const std::uint32_t pose : poses) {
+    if (pose >= size_) fail(Status::invalid_argument, "pose %u of a set of %zu", pose, size_);
     for_runs(pose, 1, [&](std::size_t clip, std::size_t frame, std::size_t, std::size_t) {
-      thin.ranges_.push_back({clip, frame, 1, i});
+      Range* last = set.ranges_.empty() ? nullptr : &set.ranges_.back();
+      if (last && last->clip == clip && last->frame + last->count == frame)
+        ++last->count;
+      else
+        set.ranges_.push_back({clip, frame, 1, set.size_});
     });
+    ++set.size_;
   }
-  thin.size_ = count;
-  return thin;
+  return set;
 }
 
 std::vector<float> PoseSet::controls() const {

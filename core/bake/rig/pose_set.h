@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -17,6 +18,14 @@ class PoseSet {
 
   // `count` of the poses, evenly spaced; all if there are no more.
   PoseSet thinned(std::size_t count) const;
+  // These poses of the set, in this order; fails on a number that is none of them.
+  PoseSet picked(std::span<const std::uint32_t> poses) const;
+
+  // Consecutive frames of one clip: poses first_pose.. of the set are frames frame.. of the source's clip.
+  struct Range {
+    std::size_t clip, frame, count, first_pose;
+  };
+  const std::vector<Range>& ranges() const { return ranges_; }
 
   Source& source() const { return *source_; }
   std::size_t size() const { return size_; }
@@ -31,9 +40,6 @@ class PoseSet {
   void for_runs(std::size_t first, std::size_t count,
                 const std::function<void(std::size_t, std::size_t, std::size_t, std::size_t)>& visit) const;
 
-  struct Range {
-    std::size_t clip, frame, count, first_pose;  // poses first_pose.. are frames frame.. of the clip
-  };
   Source* source_;
   std::vector<Range> ranges_;
   std::size_t size_ = 0;

@@ -12,7 +12,16 @@
 namespace fb {
 
 // Streams of random numbers that never meet: one set for each use, one stream for each item.
-enum class Stream : std::uint64_t { regional = 1, calisthenics, dense, heavy, random_15, random_35, synthetic_shots };
+enum class Stream : std::uint64_t {
+  regional = 1,
+  calisthenics,
+  dense,
+  heavy,
+  random_15,
+  random_35,
+  synthetic_shots,
+  validation,
+};
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {
   return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);

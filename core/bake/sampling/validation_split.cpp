@@ -1,0 +1,108 @@
+#include "bake/sampling/validation_split.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/sampling/pose_kinds.h"
+
+namespace fb {
+namespace {
+
+constexpr std::size_t longest_piece = 96;
+// Frames nearer than this part of what unrelated ones are apart follow each other in time.
+constexpr double related = 0.5;
+
+struct Piece {
+  std::size_t first, count;  // poses of the set
+};
+
+class Cutter {
+ public:
+  explicit Cutter(const PoseSet& poses) : schema_(poses.source().schema()), clips_(poses.source().clips()) {}
+
+  // Appends the sequences of a row of frames, cut evenly into pieces of at most `longest`.
+  void cut(const PoseSet::Range& range, std::size_t longest, std::vector<Piece>& pieces) const {
+    const bool shot = clips_[range.clip].kind == ClipKind::shot;  // one sequence, cuts or not
+    const double gap = shot ? HUGE_VAL : related * typical_distance(range);
+    for (std::size_t first = 0, end; first < range.count; first = end) {
+      for (end = first + 1; end < range.count && distance(range, end - 1, end) < gap; ++end) {
+      }
+      const std::size_t parts = (end - first + longest - 1) / longest;
+      for (std::size_t p = 0; p < parts; ++p) {
+        const std::size_t from = first + p * (end - first) / parts, to = first + (p + 1) * (end - first) / parts;
+        pieces.push_back({range.first_pose + from, to - from});
+      }
+    }
+  }
+
+ private:
+  // Between two frames of a range, each control in units of its reach.
+  double distance(const PoseSet::Range& range, std::size_t a, std::size_t b) const {
+    const std::size_t width = schema_.control_count();
+    const float* values = clips_[range.clip].controls.data() + range.frame * width;
+    double squares = 0;
+    for (std::size_t c = 0; c < width; ++c) {
+      const double d = (double(values[a * width + c]) - values[b * width + c]) / schema_.controls[c].reach();
+      squares += d * d;
+    }
+    return std::sqrt(squares);
+  }
+
+  // The median distance of frames half the range apart, of at most 200 such pairs.
+  double typical_distance(const PoseSet::Range& range) const {
+    const std::size_t half = range.count / 2, pairs = std::min<std::size_t>(half, 200);
+    if (pairs == 0) return 0;
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < pairs; ++i)
+      distances.push_back(distance(range, i * half / pairs, i * half / pairs + half));
+    std::nth_element(distances.begin(), distances.begin() + pairs / 2, distances.end());
+    return distances[pairs / 2];
+  }
+
+  const RigSchema& schema_;
+  const std::vector<Clip>& clips_;
+};
+
+}  // namespace
+
+ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed) {
+  if (!(share >= 0 && share < 1)) fail(Status::invalid_argument, "a validation share of %g is not in [0, 1)", share);
+  const std::vector<Clip>& clips = poses.source().clips();
+  std::vector<bool> kept_back(poses.size());
+  const auto keep_back = [&](std::size_t first, std::size_t count) {
+    std::fill_n(kept_back.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+  };
+  const Cutter cutter(poses);
+  for (const ClipKind kind : {ClipKind::shot, ClipKind::regional, ClipKind::calisthenics, ClipKind::dense}) {
+    std::vector<const PoseSet::Range*> ranges;
+    std::size_t frames = 0;
+    for (const PoseSet::Range& range : poses.ranges())
+      if (clips[range.clip].kind == kind && clips[range.clip].split == Split::train) {
+        ranges.push_back(&range);
+        frames += range.count;
+      }
+    const auto wanted = static_cast<std::size_t>(std::llround(share * static_cast<double>(frames)));
+    std::vector<Piece> pieces;
+    for (const PoseSet::Range* range : ranges)
+      cutter.cut(*range, std::clamp<std::size_t>(wanted, 1, longest_piece), pieces);
+    Random random = open_stream(seed, Stream::validation, static_cast<std::uint64_t>(kind));
+    for (std::size_t i = 0, taken = 0; i < pieces.size() && taken < wanted; ++i) {
+      std::swap(pieces[i], pieces[i + random.below(static_cast<std::uint32_t>(pieces.size() - i))]);
+      if (2 * (taken + pieces[i].count) > frames) continue;
+      keep_back(pieces[i].first, pieces[i].count);
+      taken += pieces[i].count;
+    }
+  }
+  for (const PoseSet::Range& range : poses.ranges()) {
+    const Clip& clip = clips[range.clip];
+    if (clip.split == Split::test)
+      fail(Status::invalid_argument, "clip \"%s\" is a test clip: nothing may be chosen by it", clip.name.c_str());
+    if (clip.split == Split::validation) keep_back(range.first_pose, range.count);
+  }
+  ValidationSplit split;
+  for (std::size_t pose = 0; pose < poses.size(); ++pose)
+    (kept_back[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
+  return split;
+}
+
+}  // namespace fb
