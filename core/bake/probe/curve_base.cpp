@@ -1,0 +1,71 @@
+#include "bake/probe/curve_base.h"
+
+#include <algorithm>
+
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+// Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
+constexpr std::size_t tile_poses = 8;
+
+// target += value * shape. Vertices that follow each other, as they mostly do, are one contiguous loop.
+void add_scaled(const SparseShape& shape, float value, float* target) {
+  const std::size_t count = shape.vertices.size();
+  for (std::size_t first = 0; first < count;) {
+    const std::uint32_t start = shape.vertices[first];
+    std::size_t last = first + 1;
+    while (last < count && shape.vertices[last] - start == last - first) ++last;
+    const float* from = shape.offsets.data() + 3 * first;
+    float* to = target + std::size_t{3} * start;
+    for (std::size_t i = 0; i < 3 * (last - first); ++i) to[i] += value * from[i];
+    first = last;
+  }
+}
+
+}  // namespace
+
+void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
+                       std::span<float> values) {
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const Feature& feature = features[f];
+    float value = 0;
+    if (feature.kind == Feature::Kind::product) {
+      value = values[feature.first] * values[feature.second];
+    } else if (feature.kind == Feature::Kind::minimum) {
+      value = std::min(values[feature.first], values[feature.second]);
+    } else {
+      value = (controls[feature.control] - rest[feature.control]) * feature.scale;
+      if (feature.kind == Feature::Kind::ramp) value = std::max(value - feature.threshold, 0.0f);
+      if (feature.kind == Feature::Kind::hat) {
+        const float t = value - feature.threshold;
+        value = std::max(std::min(t, 1 + (1 - t) * feature.fall), 0.0f);
+      }
+    }
+    values[f] = value;
+  }
+}
+
+void CurveBase::add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
+                    std::span<float> displacements) const {
+  if (count == 0) return;
+  if (controls.size() != count * rest.size() || displacements.size() % count != 0)
+    fail(Status::invalid_argument, "%zu poses of %zu controls need %zu values, not %zu", count, rest.size(),
+         count * rest.size(), controls.size());
+  const std::size_t size = displacements.size() / count;
+  std::vector<float> values(std::min(count, tile_poses) * features.size());
+  for (std::size_t first = 0; first < count; first += tile_poses) {
+    const std::size_t poses = std::min(tile_poses, count - first);
+    for (std::size_t i = 0; i < poses; ++i)
+      evaluate_features(features, controls.subspan((first + i) * rest.size(), rest.size()), rest,
+                        std::span(values).subspan(i * features.size(), features.size()));
+    for (const SparseShape& shape : shapes)
+      for (std::size_t i = 0; i < poses; ++i) {
+        const float value = values[i * features.size() + shape.feature];
+        if (value != 0) add_scaled(shape, sign * value, displacements.data() + (first + i) * size);
+      }
+  }
+}
+
+}  // namespace fb
