@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bake/recipes/bake_diary.h"
 #include "bake/rig/source.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -43,6 +44,7 @@ struct Baked {
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
   // Largest distance between the packed and the unpacked model on training and random poses, over the diagonal.
   double quantisation = 0;
+  BakeDiary diary;
 };
 
 // Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.
