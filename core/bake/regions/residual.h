@@ -18,13 +18,15 @@ class Residual {
   std::size_t size() const { return poses_->size(); }
   std::size_t rows() const { return poses_->source().rest().points.size(); }
   const PoseSet& poses() const { return *poses_; }
-  // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows.
+  const CurveBase& base() const { return *base_; }
+  // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows. The rest
+  // pose is exactly 0.
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const;
 
  private:
   const PoseSet* poses_;
   const CurveBase* base_;
-  std::vector<float> controls_, rest_;
+  std::vector<float> rest_;
 };
 
 }  // namespace fb

@@ -37,14 +37,16 @@ PoseSet PoseSet::picked(std::span<const std::uint32_t> poses) const {
 }
 
 std::vector<float> PoseSet::controls() const {
-  const std::size_t width = source_->schema().control_count();
-  std::vector<float> all;
-  all.reserve(size_ * width);
-  for (const Range& range : ranges_) {
-    const float* first = source_->clips()[range.clip].controls.data() + range.frame * width;
-    all.insert(all.end(), first, first + range.count * width);
-  }
+  std::vector<float> all(size_ * source_->schema().control_count());
+  read_controls(0, size_, all);
   return all;
+}
+
+void PoseSet::read_controls(std::size_t first, std::size_t count, std::span<float> controls) const {
+  const std::size_t width = source_->schema().control_count();
+  for_runs(first, count, [&](std::size_t clip, std::size_t frame, std::size_t run, std::size_t offset) {
+    std::copy_n(source_->clips()[clip].controls.data() + frame * width, run * width, controls.data() + offset * width);
+  });
 }
 
 void PoseSet::for_runs(std::size_t first, std::size_t count,

@@ -30,6 +30,8 @@ class PoseSet {
   Source& source() const { return *source_; }
   std::size_t size() const { return size_; }
   std::vector<float> controls() const;  // size x controls
+  // Those of poses [first, first + count) only: count x controls floats.
+  void read_controls(std::size_t first, std::size_t count, std::span<float> controls) const;
   // Points of poses [first, first + count): count x 3 x vertices floats; and their displacements from the rest mesh.
   void read_points(std::size_t first, std::size_t count, std::span<float> points) const;
   void read_displacements(std::size_t first, std::size_t count, std::span<float> displacements) const;
