@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "bake/regions/surface_graph.h"
 #include "bake/regions/weighted_kmeans.h"
@@ -98,9 +99,8 @@ std::vector<std::uint32_t> cluster(const Mesh& rest, const Motion& motion, const
           static_cast<float>(2 * rest.points[3 * std::size_t(moved[i]) + axis] / diagonal);
     weights.push_back(motion.energy[moved[i]]);
   }
-  const std::vector<std::uint32_t> found =
-      weighted_kmeans(features, width, weights,
-                      {.clusters = options.regions, .smallest = smallest_piece, .seed = options.seed});
+  const std::vector<std::uint32_t> found = weighted_kmeans(
+      features, width, weights, {.clusters = options.regions, .smallest = smallest_piece, .seed = options.seed});
   for (std::size_t i = 0; i < moved.size(); ++i) labels[moved[i]] = found[i];
   return labels;
 }
@@ -203,11 +203,12 @@ std::uint32_t drop_idle(const Motion& motion, double still, std::vector<std::uin
 
 // "mouth", "mouth 2", "mouth 3".
 void number_names(std::vector<FaceRegion>& regions) {
-  std::map<std::string, int> used;
+  std::set<std::string> taken;
   for (FaceRegion& region : regions) {
-    if (region.name.empty()) region.name = "region";
-    const int number = ++used[region.name];
-    if (number > 1) region.name += " " + std::to_string(number);
+    const std::string group = region.name.empty() ? "region" : region.name;
+    region.name = group;
+    for (int number = 2; !taken.insert(region.name).second; ++number)
+      region.name = group + " " + std::to_string(number);
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
+#include "base/progress.h"
 
 namespace fb {
 
@@ -17,6 +19,11 @@ class PoseRows {
   // Poses [first, first + count): count x rows() floats, one pose after the other.
   virtual void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const = 0;
 };
+
+// Calls visit(first pose, number of poses, their rows) for blocks of at most `block` poses, and tells how many are
+// done.
+void for_blocks(const PoseRows& poses, std::size_t block, const Parallel& parallel, Progress& progress,
+                const std::function<void(std::size_t, std::size_t, const float*)>& visit);
 
 // Displacements from the rest mesh. The set must outlive it.
 class Displacements final : public PoseRows {
