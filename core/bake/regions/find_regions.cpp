@@ -105,25 +105,39 @@ std::vector<std::uint32_t> cluster(const Mesh& rest, const Motion& motion, const
   return labels;
 }
 
-// Small pieces that lie among another region's vertices join it; ones that touch nothing stay.
-void join_fragments(const SurfaceGraph& graph, std::vector<std::uint32_t>& labels) {
+// Small pieces, and ones that move no further than `still`, join the region they touch most; idle ones that touch none
+// are in no region.
+void join_fragments(const SurfaceGraph& graph, const Motion& motion, double still, std::vector<std::uint32_t>& labels) {
   for (bool changed = true; changed;) {
     changed = false;
     for (const std::vector<std::uint32_t>& piece : graph.pieces(labels)) {
       const std::uint32_t own = labels[piece[0]];
-      if (own == nowhere || piece.size() >= smallest_piece) continue;
+      const bool idle = std::none_of(piece.begin(), piece.end(), [&](auto v) { return motion.largest[v] > still; });
+      if (own == nowhere || (piece.size() >= smallest_piece && !idle)) continue;
       std::map<std::uint32_t, std::size_t> touched;
       for (const std::uint32_t v : piece)
         for (const SurfaceGraph::Edge& edge : graph.edges(v))
           if (labels[edge.vertex] != nowhere && labels[edge.vertex] != own) ++touched[labels[edge.vertex]];
-      if (touched.empty()) continue;
+      if (touched.empty() && !idle) continue;
       const auto most = std::max_element(touched.begin(), touched.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-      for (const std::uint32_t v : piece) labels[v] = most->first;
+      for (const std::uint32_t v : piece) labels[v] = touched.empty() ? nowhere : most->first;
       changed = true;
       break;  // the pieces are others now
     }
   }
+}
+
+// Numbers the regions that are left from 0 without gaps; gives their number.
+std::uint32_t renumber(std::vector<std::uint32_t>& labels) {
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  for (const std::uint32_t label : labels)
+    if (label != nowhere) numbers.emplace(label, 0);
+  std::uint32_t count = 0;
+  for (auto& [label, number] : numbers) number = count++;
+  for (std::uint32_t& label : labels)
+    if (label != nowhere) label = numbers.at(label);
+  return count;
 }
 
 // Shares of every vertex in the region of each label: 1 inside, 0 outside, and a smooth step across a band around the
@@ -187,20 +201,6 @@ FaceRegion describe(const RigSchema& schema, const Motion& motion, const std::ve
   return region;
 }
 
-// Regions that no control moves by more than `still` are left out, and the labels of the others numbered anew.
-std::uint32_t drop_idle(const Motion& motion, double still, std::vector<std::uint32_t>& labels) {
-  std::map<std::uint32_t, std::uint32_t> kept;
-  for (std::size_t v = 0; v < labels.size(); ++v)
-    if (labels[v] != nowhere && motion.largest[v] > still) kept.emplace(labels[v], 0);
-  std::uint32_t count = 0;
-  for (auto& [label, number] : kept) number = count++;
-  for (std::uint32_t& label : labels) {
-    const auto found = kept.find(label);
-    label = found == kept.end() ? nowhere : found->second;
-  }
-  return count;
-}
-
 // "mouth", "mouth 2", "mouth 3".
 void number_names(std::vector<FaceRegion>& regions) {
   std::set<std::string> taken;
@@ -222,8 +222,8 @@ std::vector<FaceRegion> find_regions(const Mesh& rest, const RigSchema& schema, 
   const Motion motion = look_at(rest, schema, residual_motion);
   std::vector<std::uint32_t> labels = cluster(rest, motion, options);
   const SurfaceGraph graph(rest, split_vertices(rest, motion));
-  join_fragments(graph, labels);
-  const std::uint32_t count = drop_idle(motion, options.still, labels);
+  join_fragments(graph, motion, options.still, labels);
+  const std::uint32_t count = renumber(labels);
 
   std::vector<FaceRegion> regions;
   double total = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "bake/linalg/gemm.h"
@@ -19,7 +20,6 @@ constexpr std::size_t piece_poses = 64;     // a worker projects at a time
 constexpr std::size_t tile_vertices = 192;  // of which a worker makes sums at a time
 constexpr std::size_t spare = 32;           // directions searched beyond those that can be kept
 constexpr std::size_t level = 8;            // components are added so many at a time
-constexpr double noise = 1e-12;             // variance over the largest that is only rounding
 constexpr std::uint64_t seed = 0x10ca1;
 
 // Poses held together: at most 64 MiB of them.
@@ -189,14 +189,20 @@ Loss peel(const Search& search, std::size_t limit, std::size_t poses, const floa
   }
 }
 
-// Turns the first components into their own principal directions, without rounding's.
-void settle(const Search& search, std::size_t count, std::size_t poses, LocalBasis& basis) {
-  Eigen::Map<const Matrix> all(search.coefficients.data(), search.width(), poses);
-  const Matrix kept = all.topRows(count);
+// The mean square along a direction that the rounding of points to floats alone may make.
+double rounding(const Mesh& rest) {
+  float reach = 0;
+  for (const float value : rest.points) reach = std::max(reach, std::abs(value));
+  return std::pow(4.0 * std::numeric_limits<float>::epsilon() * reach, 2);
+}
+
+// Turns the first components into their own principal directions; those of no more than `noise` are left out.
+void settle(const Search& search, std::size_t count, std::size_t poses, double noise, LocalBasis& basis) {
+  const Matrix kept = Eigen::Map<const Matrix>(search.coefficients.data(), search.width(), poses).topRows(count);
   const Spectrum spectrum = symmetric_spectrum(gram_of(kept.data(), count, poses, {.threads = 1}));
   basis.rows = search.rows();
   basis.count = 1;
-  while (basis.count < count && spectrum.values[basis.count] > noise * spectrum.values[0]) ++basis.count;
+  while (basis.count < count && spectrum.values[basis.count] > noise * double(poses)) ++basis.count;
   basis.components.resize(basis.count * basis.rows);
   gemm(Op::plain, Op::plain, basis.rows, basis.count, count, search.subspace.data(), basis.rows,
        spectrum.vectors.data(), count, 0, basis.components.data(), basis.rows);
@@ -228,13 +234,14 @@ std::vector<LocalBasis> choose(const Residual& poses, const std::vector<FaceRegi
       for (std::size_t p = 0; p * piece_poses < count; ++p) losses[r].add(parts[r * pieces + p]);
   });
 
-  const double diagonal = poses.poses().source().rest().diagonal();
+  const Mesh& rest = poses.poses().source().rest();
+  const double diagonal = rest.diagonal(), noise = rounding(rest);
   std::vector<LocalBasis> bases(searches.size());
   parallel_for(parallel, searches.size(), [&](std::size_t r, std::size_t) {
     const auto error = [&](std::size_t l) { return std::sqrt(double(losses[r].worst[l])) / diagonal; };
     std::size_t chosen = 1;
     while (chosen + 1 < losses[r].worst.size() && error(chosen) > options.max_error) ++chosen;
-    settle(searches[r], std::min(chosen * level, limits[r]), poses.size(), bases[r]);
+    settle(searches[r], std::min(chosen * level, limits[r]), poses.size(), noise, bases[r]);
     bases[r].max_error = error(chosen);
     bases[r].rms_error =
         std::sqrt(losses[r].squares[chosen] / (double(poses.size()) * double(searches[r].vertices()))) / diagonal;
