@@ -7,6 +7,7 @@
 #include <set>
 
 #include "bake/dataset/npy.h"
+#include "bake/sampling/mirror_partners.h"
 #include "bake_test_support.h"
 #include "memory_source.h"
 
@@ -71,7 +72,7 @@ TEST_CASE("a plan has the poses asked for, in the kinds of its mix, within all r
     std::map<std::string, std::size_t> frames;
   } mixes[] = {
       {"paper", {{"excitations", 250}, {"calisthenics", 200}, {"regional", 551}}},
-      {"dense", {{"excitations", 50}, {"calisthenics", 50}, {"dense", 451}, {"heavy", 450}}},
+      {"dense", {{"excitations", 50}, {"calisthenics", 50}, {"dense", 250}, {"heavy", 201}, {"performances", 450}}},
   };
   const auto toy = open_toy();
   for (const auto& wanted : mixes) {
@@ -251,6 +252,79 @@ TEST_CASE("heavy poses go to every region by its share of the motion, calistheni
   for (std::size_t walk = 0; walk < 12; ++walk) CHECK(moved(walks, walk * 96 + 50, walk % 3) > 0);
 }
 
+TEST_CASE("the other side of a control is known by its name") {
+  using Names = std::vector<std::string>;
+  CHECK(other_side_names("smile_L") == Names{"smile_R"});
+  CHECK(other_side_names("browDownR") == Names{"browDownL"});
+  CHECK(other_side_names("oris04.L.rx") == Names{"oris04.R.rx"});
+  CHECK(other_side_names("lipFunneler_LB") == Names{"lipFunneler_RB"});
+  CHECK(other_side_names("lip_upper_L3_full") == Names{"lip_upper_R3_full"});
+  CHECK(other_side_names("MouthLeftPullUp") == Names{"MouthRightPullUp"});
+  CHECK(other_side_names("eye-left-slit") == Names{"eye-right-slit"});
+  CHECK(other_side_names("RIGHT_BROW") == Names{"LEFT_BROW"});
+  CHECK(other_side_names("eyesLookLeft_L") == Names{"eyesLookLeft_R", "eyesLookRight_L", "eyesLookRight_R"});
+  for (const char* middle : {"jawDrop", "LidLower", "upright", "NeckURL", "tongue_1", ""})
+    CHECK_MESSAGE(other_side_names(middle).empty(), middle);
+
+  RigSchema schema;
+  for (const char* name : {"jawLeft", "look_R", "jawRight", "lookLeft_R", "lookRight_R", "look_L", "lookLeft_L"})
+    schema.controls.push_back({name, 0, 1, 0, ""});
+  const auto partners = mirror_partners(schema, [](std::size_t a, std::size_t b) { return a + b == 2 || a + b == 7; });
+  CHECK_FALSE(partners[0]);  // left and right work against each other
+  CHECK_FALSE(partners[2]);
+  CHECK(partners[1] == std::optional<std::size_t>(5));
+  CHECK(partners[5] == std::optional<std::size_t>(1));
+  CHECK(partners[3] == std::optional<std::size_t>(6));
+  CHECK_FALSE(partners[4]);
+}
+
+TEST_CASE("performances move both sides of the face, many controls far along together, seldom against each other") {
+  // Forty controls in pairs; numbers 0 and 4 push the same vertices apart, as do 1 and 5.
+  MemorySource rig(
+      40, 8,
+      [](const float* c, std::span<float> points) {
+        for (std::size_t k = 0; k < 40; ++k) points[3 * k] += c[k];
+        points[3] -= 3 * c[1];
+        points[0] -= 1.5f * c[0];
+        points[0] += 0.1f * c[4];
+        points[12] -= 1.2f * c[0];
+        points[15] -= 1.2f * c[1];
+      },
+      true);
+  std::vector<Control>& controls = rig.edit_schema().controls;
+  for (std::size_t k = 0; k < 40; ++k)
+    controls[k] = {format("c%zu_%c", k / 2, k % 2 ? 'R' : 'L'), 0, 1, 0, std::to_string(k / 10)};
+  const PosePlan plan = make_plan(rig, {.poses = 4000}, {}, silent_progress());
+  const auto both_sides = [&](const Clip& clip) {
+    std::size_t one = 0, both = 0;
+    for (std::size_t f = 0; f < clip.frames; ++f)
+      for (std::size_t k = 0; k < 40; k += 2) {
+        const float l = clip.controls[f * 40 + k], r = clip.controls[f * 40 + k + 1];
+        one += std::max(l, r) >= 0.6f;
+        both += std::min(l, r) >= 0.4f;
+      }
+    return double(both) / double(one);
+  };
+  const Clip& performances = clip_named(plan, "performances");
+  REQUIRE(performances.frames == 1800);
+  CHECK(both_sides(performances) > 0.6);
+  CHECK(both_sides(clip_named(plan, "heavy")) < 0.5);
+  std::size_t few = 0, many = 0, ends = 0, against = 0, together = 0;
+  for (std::size_t f = 0; f < performances.frames; ++f) {
+    const float* pose = performances.controls.data() + f * 40;
+    const auto far = std::count_if(pose, pose + 40, [](float value) { return value >= 0.6f; });
+    few += far >= 1 && far <= 3;
+    many += far >= 10;
+    ends += static_cast<std::size_t>(std::count(pose, pose + 40, 1.0f));
+    against += pose[0] > 0.4f && pose[4] > 0.4f;
+    together += pose[0] > 0.4f && pose[2] > 0.4f;
+  }
+  CHECK(few > performances.frames / 4);
+  CHECK(many > performances.frames / 50);
+  CHECK(ends > performances.frames / 5);
+  CHECK(2 * against < together);
+}
+
 TEST_CASE("calisthenics are smooth within a sequence and reach the ends of ranges") {
   const auto toy = open_toy();
   const Clip clip = clip_named(plan_toy({.poses = 1920, .mix = "paper"}), "calisthenics");
@@ -427,7 +501,7 @@ TEST_CASE("the same request does nothing, another is refused") {
   // A plan that lost a file of controls is made again.
   std::filesystem::remove(folder / "dense.controls.npy");
   std::filesystem::remove(folder / "dense.points.npy");
-  CHECK(sample(*toy, options, folder.path(), {}, silent_progress()).evaluated == 45);
+  CHECK(sample(*toy, options, folder.path(), {}, silent_progress()).evaluated == 25);
   CHECK(files_of(folder.path()) == before);
   // The same declarations, but vertex 0 elsewhere in some poses.
   const auto changed = open_liar("other shape");

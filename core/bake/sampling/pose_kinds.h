@@ -21,6 +21,7 @@ enum class Stream : std::uint64_t {
   random_35,
   synthetic_shots,
   validation,
+  performances,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {
@@ -39,6 +40,13 @@ std::vector<float> make_regional(const RigSchema& schema, const RigProbe& probe,
 // drawn in proportion to its share of the motion.
 std::vector<float> make_dense(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses,
                               bool heavy);
+
+// Poses as animation has them, drawn one by one: a few expressions at once, each of controls of one region that go
+// about equally far, most of them on both sides of the face and often to the end, seldom against each other; regions
+// and controls that move more of the face come more often; then small tweaks of other controls. How many controls an
+// expression asks for has a heavy tail: from two to a third of all.
+std::vector<float> make_performances(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed,
+                                     std::size_t poses);
 
 // Smooth sequences of consecutive frames that lead one or two regions from extreme to extreme.
 std::vector<float> make_calisthenics(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed,

@@ -70,9 +70,11 @@ PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& 
   if (paper) {
     add_training("regional", ClipKind::regional, others, make_regional(schema, probe, seed, others));
   } else {
-    add_training("dense", ClipKind::dense, others - others / 2,
-                 make_dense(schema, probe, seed, others - others / 2, false));
-    add_training("heavy", ClipKind::dense, others / 2, make_dense(schema, probe, seed, others / 2, true));
+    const std::size_t dense = share(options.poses, 0.25), performances = share(options.poses, 0.45);
+    const std::size_t heavy = others - std::min(others, dense + performances);
+    add_training("dense", ClipKind::dense, dense, make_dense(schema, probe, seed, dense, false));
+    add_training("heavy", ClipKind::dense, heavy, make_dense(schema, probe, seed, heavy, true));
+    add_training("performances", ClipKind::dense, performances, make_performances(schema, probe, seed, performances));
   }
   if (options.shots)
     for (const Clip& clip : rig.clips()) add(plan, clamped(clip, schema, progress));

@@ -17,10 +17,11 @@ struct SamplingOptions {
   std::uint64_t seed = 1;
   // How new poses are spread over the kinds.
   // "paper": 25 % excitations, 55 % regional expressions, 20 % calisthenics, about a dozen controls at once.
-  // "dense": 5 % excitations, 5 % calisthenics, 45 % all regions at once, 45 % heavy in one region.
+  // "dense": 5 % excitations, 5 % calisthenics, 25 % all regions at once, 20 % heavy in one region, 45 % as animation
+  // has them: expressions on both sides of the face with many controls far along together.
   std::string mix = "dense";
-  bool shots = true;        // also take the rig's own clips, with their splits
-  bool held_out = true;     // if no clip is of split test: also make_held_out
+  bool shots = true;             // also take the rig's own clips, with their splits
+  bool held_out = true;          // if no clip is of split test: also make_held_out
   std::vector<Clip> extra = {};  // clips of the user; values outside their range are clamped, and that is noted
 };
 
