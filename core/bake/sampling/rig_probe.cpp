@@ -31,6 +31,18 @@ std::vector<float> direction(const std::vector<float>& rest, const float* points
 
 }  // namespace
 
+std::vector<ControlGroup> control_groups(const RigSchema& schema) {
+  std::vector<ControlGroup> groups;
+  for (std::size_t c = 0; c < schema.control_count(); ++c) {
+    const std::string& name = schema.controls[c].group;
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const ControlGroup& g) { return g.name == name; });
+    if (group == groups.end()) group = groups.insert(group, ControlGroup{name, {}, 0});
+    group->controls.push_back(c);
+  }
+  for (ControlGroup& group : groups) group.energy = 1 / static_cast<double>(groups.size());
+  return groups;
+}
+
 RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : diagonal_(rig.rest().diagonal()) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), size = rig.rest().points.size();
@@ -93,18 +105,14 @@ void RigProbe::measure(const Source& rig, std::size_t control, const float* resp
 }
 
 void RigProbe::find_regions(const RigSchema& schema) {
+  regions_ = control_groups(schema);
   double total = 0;
-  for (std::size_t c = 0; c < schema.control_count(); ++c) {
-    const std::string& group = schema.controls[c].group;
-    auto region =
-        std::find_if(regions_.begin(), regions_.end(), [&](const ControlGroup& r) { return r.name == group; });
-    if (region == regions_.end()) region = regions_.insert(region, ControlGroup{group, {}, 0});
-    region->controls.push_back(c);
-    region->energy += motion_[c] * motion_[c];
-    total += motion_[c] * motion_[c];
+  for (const double motion : motion_) total += motion * motion;
+  if (total == 0) return;
+  for (ControlGroup& region : regions_) {
+    region.energy = 0;
+    for (const std::size_t c : region.controls) region.energy += motion_[c] * motion_[c] / total;
   }
-  for (ControlGroup& region : regions_)
-    region.energy = total > 0 ? region.energy / total : 1.0 / static_cast<double>(regions_.size());
 }
 
 void RigProbe::find_opposed() {

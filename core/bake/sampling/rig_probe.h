@@ -18,6 +18,9 @@ struct ControlGroup {
   double energy = 0;  // its share of the motion of single controls; shares sum to 1
 };
 
+// The groups of a rig's controls in the order they first occur, with equal shares of energy.
+std::vector<ControlGroup> control_groups(const RigSchema& schema);
+
 // What a rig shows when each control is moved alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances
 // are root mean squares over (at most a thousand) vertices, over the diagonal.
 class RigProbe {

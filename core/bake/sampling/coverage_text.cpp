@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <numeric>
+
+#include "bake/sampling/coverage.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::size_t lines = 10;  // of each list
+
+// Poses with `from` to `to` controls far along, as a part of all.
+double share_of(const std::vector<std::size_t>& together, std::size_t from, std::size_t to) {
+  std::size_t count = 0, all = 0;
+  for (std::size_t n = 0; n < together.size(); ++n) {
+    all += together[n];
+    if (n >= from && n <= to) count += together[n];
+  }
+  return static_cast<double>(count) / static_cast<double>(all);
+}
+
+std::string together_text(const Coverage& coverage) {
+  std::string text = "\ncontrols far along at once   trained on  asked for\n";
+  const std::size_t most = std::max(coverage.far_together[0].size(), coverage.far_together[1].size()) - 1;
+  for (std::size_t from = 0, to = 0; from <= most;
+       from = to + 1, to = std::max<std::size_t>(1, 2 * from) - (from > 0)) {
+    const std::string range = from == to ? format("%zu", from) : format("%zu to %zu", from, to);
+    text += format("%26s  %10.2f%% %9.2f%%\n", range.c_str(), 100 * share_of(coverage.far_together[0], from, to),
+                   100 * share_of(coverage.far_together[1], from, to));
+  }
+  return text;
+}
+
+std::string regions_text(const Coverage& coverage) {
+  std::string text = format(
+      "\nfrom the nearest trained pose; uncovered: further than 95 %% of trained ones (5 %% if alike); in any region "
+      "%.1f %%\n",
+      100 * coverage.uncovered);
+  for (const RegionCoverage& region : coverage.regions)
+    text += format("%20s  trained %.3f  asked %.3f  uncovered %5.1f %%\n",
+                   region.name.empty() ? "(no group)" : region.name.c_str(), region.typical, region.asked,
+                   100 * region.uncovered);
+  return text;
+}
+
+std::string controls_text(const Coverage& coverage, const RigSchema& schema) {
+  std::vector<std::size_t> order(schema.control_count());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto beyond = [&](std::size_t c) { return coverage.controls[c].beyond; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return beyond(a) > beyond(b); });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(lines, order.size()) && beyond(order[i]) > 0; ++i) {
+    const ControlCoverage& c = coverage.controls[order[i]];
+    text += format("%28s  trained %.2f to %.2f  asked %.2f to %.2f  beyond in %.1f %% of the poses\n",
+                   schema.controls[order[i]].name.c_str(), -c.lowest[0], c.highest[0], -c.lowest[1], c.highest[1],
+                   100 * c.beyond);
+  }
+  return text.empty() ? "\nno control is asked for beyond what was trained\n"
+                      : "\ncontrols asked for beyond what was trained, in parts of the way from rest\n" + text;
+}
+
+std::string pairs_text(const Coverage& coverage, const RigSchema& schema) {
+  if (coverage.pairs.empty()) return "";
+  std::string text = "\npairs far along at once, those least trained for how much they are asked first\n";
+  for (std::size_t i = 0; i < std::min(lines, coverage.pairs.size()); ++i) {
+    const PairCoverage& pair = coverage.pairs[i];
+    std::string names;
+    for (const std::size_t k : {0, 1})
+      names += (k ? ", " : "") + schema.controls[pair.controls[k]].name + (pair.up[k] ? "" : " down");
+    text += format("%44s  trained %6.2f %%  asked %6.2f %%\n", names.c_str(), 100 * pair.share[0], 100 * pair.share[1]);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string coverage_text(const Coverage& coverage, const RigSchema& schema) {
+  return format("%zu poses trained on, %zu asked for; far along: at least %g of the way from rest to an end\n",
+                coverage.poses[0], coverage.poses[1], double(far_along)) +
+         together_text(coverage) + regions_text(coverage) + controls_text(coverage, schema) +
+         pairs_text(coverage, schema);
+}
+
+}  // namespace fb

@@ -1,0 +1,44 @@
+// A network small enough to compare sets of training poses with: it learns, at evenly spaced vertices, what a sum of
+// single-control curves leaves over.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "bake/train/trainer.h"
+
+namespace fb::bench {
+
+struct QuickErrors {
+  double mse = 0, max = 0, mfm = 0;  // as core/bake/measure defines them, at the vertices looked at
+};
+
+class QuickMethod {
+ public:
+  // Asks the rig for five values of each control.
+  QuickMethod(Source& rig, std::size_t vertices, const Parallel& parallel);
+
+  // What the curves leave over in these poses: poses x 3 x vertices looked at, over the diagonal.
+  std::vector<float> ask(std::span<const float> controls) const;
+  std::vector<DenseLayer> train(std::span<const float> controls, std::span<const float> residuals,
+                                const TrainingPlan& plan) const;
+  std::vector<float> predict(const std::vector<DenseLayer>& layers, std::span<const float> controls) const;
+  QuickErrors errors(std::span<const float> predicted, std::span<const float> residuals) const;
+
+  std::size_t width() const { return width_; }
+  std::size_t outputs() const { return 3 * vertices_.size(); }
+
+ private:
+  std::vector<float> features(std::span<const float> controls) const;
+  std::vector<float> displacements(std::span<const float> controls) const;
+
+  Source& rig_;
+  Parallel parallel_;
+  std::size_t width_;
+  std::vector<std::size_t> vertices_;
+  std::vector<float> curves_;  // controls x values x outputs
+};
+
+}  // namespace fb::bench
