@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
+#include "base/parallel.h"
 #include "model/face_model.h"
 
 namespace fb {
@@ -11,12 +14,22 @@ struct LocalizeOptions {
   double threshold = 2e-5;  // over D: a chunk keeps the directions whose root mean square motion a vertex is larger
 };
 
+struct LocalizedModel {
+  FaceModel model;
+  // Root mean square of each coefficient over the poses of the covariance; 1 for direct ones, which it does not tell.
+  std::vector<float> coefficient_sizes;
+};
+
 // Rewrites a basis so that a pose reads less of it: vertices are put in an order where neighbours of one region lie
-// together and cut into chunks; in each chunk the columns of a region become fewer of the chunk's own, the principal
-// directions of that region's motion there, and the rotation is merged into the region's last, linear layer. Direct
-// columns are kept, left out of the chunks they do not move. `covariance`: one matrix a region, outputs x outputs, of
-// its coefficients over poses. The result has the same features, regions and hidden layers.
-FaceModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                         const LocalizeOptions& options);
+// together and cut into chunks, a row group each; in each chunk the columns of a region become fewer of the chunk's
+// own, the principal directions of that region's motion there (orthonormal, by falling motion), and the rotation is
+// merged into the region's last, linear layer. A region that would not hold fewer numbers so (output layer and basis),
+// or whose last layer is not linear, keeps its columns. They and direct columns are left out of the chunks they do not
+// move. `covariance`: one matrix a region, outputs x outputs: the mean over poses of the products of its coefficients.
+// The result has the same features, regions and hidden layers, less the regions that move nothing by the threshold;
+// with threshold 0 it moves as before in every pose the covariance was made of. The same for any thread count; fails
+// with invalid_argument on a covariance of another size.
+LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                              const LocalizeOptions& options, const Parallel& parallel = {});
 
 }  // namespace fb
