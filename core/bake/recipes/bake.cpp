@@ -16,7 +16,8 @@
 namespace fb {
 namespace {
 
-constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear}};
+constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear},
+                                Recipe{"paper-gradients", make_paper_gradients}};
 
 // Training poses and as many random ones: where packing is compared with the model in memory.
 std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {

@@ -9,6 +9,12 @@
 
 namespace fb {
 
+TrainingPlan paper_plan() {
+  TrainingPlan plan;
+  plan.epochs = 150;
+  return plan;
+}
+
 std::vector<Feature> identity_features(const RigSchema& schema) {
   std::vector<Feature> features;
   for (const Control& control : schema.controls)

@@ -10,6 +10,11 @@
 
 namespace fb {
 
+// What the paper's PCA holds of the variance, and how we read its training: ReLU, Adam 1e-3 along a cosine, batches of
+// 256.
+inline constexpr double paper_variance = 0.999;
+TrainingPlan paper_plan();
+
 // One identity feature a control, in units of its reach, in the order of the controls.
 std::vector<Feature> identity_features(const RigSchema& schema);
 

@@ -19,6 +19,7 @@ const Recipe& recipe_named(const std::string& name);
 
 FaceModel make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 FaceModel make_paper(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+FaceModel make_paper_gradients(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 
 // The clips of the split train, without shots for a variant.
 PoseSet training_poses(Source& data, Use use);
