@@ -144,7 +144,7 @@ void GradientMap::to_displacements(std::span<const float> gradients, std::span<f
 }
 
 void GradientRows::read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const {
-  poses_->read_displacements(first, count, values);
+  poses().read_displacements(first, count, values);
   const std::size_t width = rows();
   parallel_for(parallel, count, [&](std::size_t pose, std::size_t) {
     const std::span<float> row = values.subspan(pose * width, width);

@@ -41,16 +41,16 @@ class GradientMap {
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
 };
 
-// The gradients of poses. Set and map must outlive it.
+// The gradients of poses. The map must outlive it.
 class GradientRows final : public PoseRows {
  public:
-  GradientRows(const PoseSet& poses, const GradientMap& map) : poses_(&poses), map_(&map) {}
-  std::size_t size() const override { return poses_->size(); }
-  std::size_t rows() const override { return poses_->source().rest().points.size(); }
+  GradientRows(PoseSet poses, const GradientMap& map) : PoseRows(std::move(poses)), map_(&map) {}
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
+  std::unique_ptr<PoseRows> thinned(std::size_t count) const override {
+    return std::make_unique<GradientRows>(poses().thinned(count), *map_);
+  }
 
  private:
-  const PoseSet* poses_;
   const GradientMap* map_;
 };
 

@@ -33,10 +33,10 @@ std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
 
 // Orthonormal columns that span nearly what the poses span: from the sample's own components, filled up with noise.
 Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& wanted) {
-  const std::size_t rows = poses.rows(), samples = std::min(sample_poses, poses.size());
+  const std::unique_ptr<PoseRows> sample = poses.thinned(sample_poses);
+  const std::size_t rows = poses.rows(), samples = sample->size();
   Matrix points(rows, samples);
-  for (std::size_t i = 0; i < samples; ++i)
-    poses.read(i * poses.size() / samples, 1, std::span(points.col(i).data(), rows), parallel);
+  sample->read(0, samples, std::span(points.data(), points.size()), parallel);
   Matrix inner(samples, samples);
   project(points, points.data(), samples, inner.data(), parallel);
   const Spectrum spectrum = symmetric_spectrum(inner.cast<double>());

@@ -100,7 +100,7 @@ void add_products(const Parallel& parallel, std::vector<Search>& searches, std::
 }
 
 // First look: random combinations of poses span most of what they do.
-void sketch(const Residual& poses, std::size_t width, std::vector<Search>& searches, const Parallel& parallel,
+void sketch(const PoseRows& poses, std::size_t width, std::vector<Search>& searches, const Parallel& parallel,
             Progress& progress) {
   for (Search& search : searches) search.sum = Matrix::Zero(search.rows(), std::min(width, search.rows()));
   progress.begin("looking for local blendshapes", poses.size());
@@ -118,7 +118,7 @@ void sketch(const Residual& poses, std::size_t width, std::vector<Search>& searc
 }
 
 // One step of subspace iteration, and the directions found by falling variance.
-void improve(const Residual& poses, const std::vector<FaceRegion>& regions, std::vector<Search>& searches,
+void improve(const PoseRows& poses, const std::vector<FaceRegion>& regions, std::vector<Search>& searches,
              const Parallel& parallel, Progress& progress) {
   const std::size_t block = block_poses(poses.rows());
   for (Search& search : searches) {
@@ -209,7 +209,7 @@ void settle(const Search& search, std::size_t count, std::size_t poses, double n
 }
 
 // Measures what any number of components loses, and keeps as many as are needed.
-std::vector<LocalBasis> choose(const Residual& poses, const std::vector<FaceRegion>& regions,
+std::vector<LocalBasis> choose(const PoseRows& poses, const std::vector<FaceRegion>& regions,
                                const LocalBasisOptions& options, std::vector<Search>& searches,
                                const Parallel& parallel, Progress& progress) {
   const std::size_t block = block_poses(poses.rows()), pieces = block / piece_poses;
@@ -249,7 +249,7 @@ std::vector<LocalBasis> choose(const Residual& poses, const std::vector<FaceRegi
   return bases;
 }
 
-void project_all(const Residual& poses, const std::vector<FaceRegion>& regions, std::vector<LocalBasis>& bases,
+void project_all(const PoseRows& poses, const std::vector<FaceRegion>& regions, std::vector<LocalBasis>& bases,
                  const Parallel& parallel, Progress& progress) {
   for (LocalBasis& basis : bases) basis.coefficients.resize(poses.size() * basis.count);
   progress.begin("projecting poses", poses.size());
@@ -277,23 +277,22 @@ void check(const std::vector<FaceRegion>& regions, std::size_t vertices) {
 
 }  // namespace
 
-std::vector<LocalBasis> local_bases(const Residual& residual, const std::vector<FaceRegion>& regions,
+std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<FaceRegion>& regions,
                                     const LocalBasisOptions& options, const Parallel& parallel, Progress& progress) {
   check(regions, residual.rows() / 3);
   if (options.max_components == 0 || options.poses_to_fit == 0 || residual.size() == 0)
     fail(Status::invalid_argument, "%zu components cannot be fitted to %zu of %zu poses", options.max_components,
          options.poses_to_fit, residual.size());
   if (regions.empty()) return {};
-  const PoseSet fitted_poses = residual.poses().thinned(options.poses_to_fit);
-  const Residual fitted(fitted_poses, residual.base());
+  const std::unique_ptr<PoseRows> to_fit = residual.thinned(options.poses_to_fit);
+  const PoseRows& fitted = *to_fit;
   const std::size_t width = std::min(options.max_components + spare, fitted.size());
   // A few times the width is enough to draw the first subspace from; the next step corrects it with all.
-  const PoseSet sketched_poses = fitted_poses.thinned(std::max(4 * width, fitted.size() / 4));
-  const Residual sketched(sketched_poses, residual.base());
+  const std::unique_ptr<PoseRows> sketched = fitted.thinned(std::max(4 * width, fitted.size() / 4));
 
   std::vector<Search> searches(regions.size());
   for (std::size_t r = 0; r < regions.size(); ++r) searches[r].region = &regions[r];
-  sketch(sketched, width, searches, parallel, progress);
+  sketch(*sketched, width, searches, parallel, progress);
   improve(fitted, regions, searches, parallel, progress);
   std::vector<LocalBasis> bases = choose(fitted, regions, options, searches, parallel, progress);
   searches.clear();

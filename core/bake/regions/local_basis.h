@@ -25,7 +25,7 @@ struct LocalBasis {
 };
 
 // One basis a region. Reads the poses twice: some to fit, all to project.
-std::vector<LocalBasis> local_bases(const Residual& residual, const std::vector<FaceRegion>& regions,
+std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<FaceRegion>& regions,
                                     const LocalBasisOptions& options, const Parallel& parallel, Progress& progress);
 
 }  // namespace fb

@@ -10,21 +10,17 @@
 
 namespace fb {
 
-// What the base leaves over of recorded poses: what region networks learn. The set and the base must outlive it.
+// What the base leaves over of recorded poses: what region networks learn. The base must outlive it.
 class Residual final : public PoseRows {
  public:
-  Residual(const PoseSet& poses, const CurveBase& base);
+  Residual(PoseSet poses, const CurveBase& base);
 
-  std::size_t size() const override { return poses_->size(); }
-  std::size_t rows() const override { return poses_->source().rest().points.size(); }
-  const PoseSet& poses() const { return *poses_; }
-  const CurveBase& base() const { return *base_; }
   // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows. The rest
   // pose is exactly 0.
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
+  std::unique_ptr<PoseRows> thinned(std::size_t count) const override;
 
  private:
-  const PoseSet* poses_;
   const CurveBase* base_;
   std::vector<float> rest_;
 };

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
@@ -10,14 +12,23 @@
 
 namespace fb {
 
-// Some numbers of each pose, too many to hold together: what is decomposed into components.
+// Some numbers of each pose, one a coordinate of the mesh, too many to hold together: what is decomposed into
+// components. The source of the poses must outlive it.
 class PoseRows {
  public:
+  explicit PoseRows(PoseSet poses) : poses_(std::move(poses)) {}
   virtual ~PoseRows() = default;
-  virtual std::size_t size() const = 0;  // poses
-  virtual std::size_t rows() const = 0;  // numbers a pose
+
+  const PoseSet& poses() const { return poses_; }
+  std::size_t size() const { return poses_.size(); }
+  std::size_t rows() const { return poses_.source().rest().points.size(); }  // numbers a pose: 3 x vertices
   // Poses [first, first + count): count x rows() floats, one pose after the other.
   virtual void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const = 0;
+  // The same numbers of `count` of the poses, evenly spaced; of all if there are no more.
+  virtual std::unique_ptr<PoseRows> thinned(std::size_t count) const = 0;
+
+ private:
+  PoseSet poses_;
 };
 
 // Calls visit(first pose, number of poses, their rows) for blocks of at most `block` poses, and tells how many are
@@ -25,18 +36,16 @@ class PoseRows {
 void for_blocks(const PoseRows& poses, std::size_t block, const Parallel& parallel, Progress& progress,
                 const std::function<void(std::size_t, std::size_t, const float*)>& visit);
 
-// Displacements from the rest mesh. The set must outlive it.
+// Displacements from the rest mesh.
 class Displacements final : public PoseRows {
  public:
-  explicit Displacements(const PoseSet& poses) : poses_(&poses) {}
-  std::size_t size() const override { return poses_->size(); }
-  std::size_t rows() const override { return poses_->source().rest().points.size(); }
+  using PoseRows::PoseRows;
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel&) const override {
-    poses_->read_displacements(first, count, values);
+    poses().read_displacements(first, count, values);
   }
-
- private:
-  const PoseSet* poses_;
+  std::unique_ptr<PoseRows> thinned(std::size_t count) const override {
+    return std::make_unique<Displacements>(poses().thinned(count));
+  }
 };
 
 }  // namespace fb
