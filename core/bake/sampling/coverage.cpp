@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "base/status.h"
 
@@ -93,71 +92,82 @@ std::vector<PairCoverage> rank_pairs(const TrainedAsked<FarEnds>& far, std::size
   return pairs;
 }
 
-// Evenly spaced poses seen through some controls, in units of their reach.
+// Poses seen through some controls, in units of their reach; poses in which none of them moves are left out.
 struct View {
-  View(const RigSchema& schema, const std::vector<std::size_t>& controls, std::span<const float> poses,
-       std::size_t most)
+  View(const RigSchema& schema, const std::vector<std::size_t>& controls, std::span<const float> poses)
       : width(controls.size()) {
-    const std::size_t all = schema.control_count(), size = poses.size() / all;
-    count = std::min(size, most);
-    for (std::size_t i = 0; i < count; ++i)
-      for (const std::size_t c : controls)
-        values.push_back((poses[i * size / count * all + c] - schema.controls[c].rest) / schema.controls[c].reach());
+    for (std::size_t first = 0; first < poses.size(); first += schema.control_count()) {
+      bool moves = false;
+      for (const std::size_t c : controls) {
+        const Control& control = schema.controls[c];
+        values.push_back((poses[first + c] - control.rest) / control.reach());
+        moves = moves || values.back() != 0;
+      }
+      if (!moves) values.resize(values.size() - width);
+    }
   }
-  // Distance of a pose seen the same way to the nearest pose of this view but for number `except`; the largest float if
-  // there is none.
-  double nearest(const float* pose, std::size_t except) const {
-    float best = std::numeric_limits<float>::max();
-    for (std::size_t i = 0; i < count; ++i) {
+  std::size_t count() const { return values.size() / width; }
+  const float* pose(std::size_t i) const { return values.data() + i * width; }
+
+  // Distance of a pose seen the same way to the nearest pose of this view but number `except`, or to rest if that is
+  // nearer.
+  double nearest(const float* wanted, std::size_t except) const {
+    float best = 0;
+    for (std::size_t j = 0; j < width; ++j) best += wanted[j] * wanted[j];
+    for (std::size_t i = 0; i < count(); ++i) {
       if (i == except) continue;
       float squares = 0;
       for (std::size_t k = 0; k < width && squares < best; k += 16)
         for (std::size_t j = k; j < std::min(k + 16, width); ++j) {
-          const float d = pose[j] - values[i * width + j];
+          const float d = wanted[j] - pose(i)[j];
           squares += d * d;
         }
       best = std::min(best, squares);
     }
     return std::sqrt(double(best));
   }
-  std::size_t width, count;
+
+  std::size_t width;
   std::vector<float> values;
 };
 
 double part_of(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
+// At most `most` of the poses, evenly spaced.
+std::vector<float> thinned(std::span<const float> poses, std::size_t width, std::size_t most) {
+  const std::size_t size = poses.size() / width, count = std::min(size, most);
+  std::vector<float> thin;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto pose = poses.subspan(i * size / count * width, width);
+    thin.insert(thin.end(), pose.begin(), pose.end());
+  }
+  return thin;
+}
+
 void measure_regions(Coverage& coverage, const RigSchema& schema, std::span<const ControlGroup> regions,
                      std::span<const float> trained, std::span<const float> asked, const Parallel& parallel) {
-  std::vector<std::uint8_t> uncovered;
   for (const ControlGroup& region : regions) {
-    const View known(schema, region.controls, trained, most_trained),
-        wanted(schema, region.controls, asked, most_asked);
-    std::vector<double> among(std::min(known.count, most_asked)), to_asked(wanted.count);
+    const View known(schema, region.controls, trained), wanted(schema, region.controls, asked);
+    std::vector<double> among(std::min(known.count(), most_asked)), to_asked(wanted.count());
     parallel_for(parallel, among.size(), [&](std::size_t i, std::size_t) {
-      const std::size_t pose = i * known.count / among.size();
-      among[i] = known.nearest(known.values.data() + pose * known.width, pose);
+      const std::size_t pose = i * known.count() / among.size();
+      among[i] = known.nearest(known.pose(pose), pose);
     });
-    parallel_for(parallel, wanted.count, [&](std::size_t i, std::size_t) {
-      to_asked[i] = known.nearest(wanted.values.data() + i * wanted.width, known.count);
-    });
+    parallel_for(parallel, to_asked.size(),
+                 [&](std::size_t i, std::size_t) { to_asked[i] = known.nearest(wanted.pose(i), known.count()); });
     RegionCoverage report{region.name, part_of(among, 0.5), part_of(among, 0.95), part_of(to_asked, 0.5), 0};
-    uncovered.resize(wanted.count);
-    for (std::size_t i = 0; i < wanted.count; ++i)
-      if (to_asked[i] > report.usual * (1 + 1e-6)) {
-        report.uncovered += 1 / static_cast<double>(wanted.count);
-        uncovered[i] = 1;
-      }
+    const auto further = std::count_if(to_asked.begin(), to_asked.end(),
+                                       [&](double distance) { return distance > report.usual + 1e-6; });
+    if (further > 0) report.uncovered = static_cast<double>(further) / static_cast<double>(to_asked.size());
     coverage.regions.push_back(std::move(report));
   }
   std::stable_sort(coverage.regions.begin(), coverage.regions.end(),
                    [](const RegionCoverage& a, const RegionCoverage& b) { return a.uncovered > b.uncovered; });
-  if (!uncovered.empty())
-    coverage.uncovered =
-        static_cast<double>(std::count(uncovered.begin(), uncovered.end(), 1)) / static_cast<double>(uncovered.size());
 }
 
 }  // namespace
@@ -189,8 +199,8 @@ Coverage measure_coverage(const RigSchema& schema, std::span<const ControlGroup>
     coverage.controls[c].beyond = static_cast<double>(beyond) / static_cast<double>(ways[1].size());
   }
   coverage.pairs = rank_pairs(far, width, parallel);
-
-  measure_regions(coverage, schema, regions, trained, asked, parallel);
+  measure_regions(coverage, schema, regions, thinned(trained, width, most_trained), thinned(asked, width, most_asked),
+                  parallel);
   return coverage;
 }
 

@@ -32,10 +32,8 @@ std::string together_text(const Coverage& coverage) {
 }
 
 std::string regions_text(const Coverage& coverage) {
-  std::string text = format(
-      "\nfrom the nearest trained pose; uncovered: further than 95 %% of trained ones (5 %% if alike); in any region "
-      "%.1f %%\n",
-      100 * coverage.uncovered);
+  std::string text =
+      "\ndistance to the nearest trained pose; uncovered: further than 95 % of trained ones are (5 % if alike)\n";
   for (const RegionCoverage& region : coverage.regions)
     text += format("%20s  trained %.3f  asked %.3f  uncovered %5.1f %%\n",
                    region.name.empty() ? "(no group)" : region.name.c_str(), region.typical, region.asked,

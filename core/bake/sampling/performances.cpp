@@ -7,9 +7,8 @@
 namespace fb {
 namespace {
 
-// Most controls that expressions move, as a part of all; the largest chance of a control left over to be tweaked.
+// Most controls that expressions move, as a part of all.
 constexpr double most_moved = 0.35;
-constexpr float most_tweaked = 0.5f;
 
 class Performer {
  public:
@@ -31,7 +30,7 @@ class Performer {
     const double most = std::max(4.0, most_moved * static_cast<double>(schema_.control_count()));
     const auto wanted = static_cast<std::size_t>(2 * std::pow(most / 2, double(random.uniform())));
     for (int tries = 0; moved_.size() < wanted && tries < 64; ++tries) express(wanted - moved_.size(), random);
-    const float rate = most_tweaked * random.uniform() * random.uniform();
+    const float rate = random.uniform() * random.uniform();
     for (std::size_t c = 0; c < taken_.size(); ++c) {
       const bool tweaked = random.uniform() < rate;
       const float u = random.uniform();
