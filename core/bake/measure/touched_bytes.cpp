@@ -1,0 +1,103 @@
+#include "bake/measure/touched_bytes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/probe/curve_base.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::uint64_t control_bytes = 12, feature_bytes = 20, index_bytes = 4, position_bytes = 12, scaled_bytes = 8;
+
+std::uint64_t number_bytes(bool wide) {
+  return wide ? 2 : 1;
+}
+
+// Of one input of a first layer.
+std::uint64_t input_bytes(const PackedRegion& region) {
+  return region.layers.front().outputs * number_bytes(region.layers.front().wide);
+}
+
+bool gate_closed(const Gate& gate, std::span<const float> features) {
+  if (gate.features.empty()) return false;
+  float sum = 0, most = 0;
+  for (const std::uint32_t f : gate.features) {
+    sum += std::abs(features[f]);
+    most = std::max(most, std::abs(features[f]));
+  }
+  return sum - most <= 0;
+}
+
+}  // namespace
+
+ByteCount::ByteCount(const PackedModel& model) : model_(&model), direct_(model.direct.size(), 0) {
+  for (const Control& control : model.schema.controls) rest_.push_back(control.rest);
+  always_ = model.schema.controls.size() * control_bytes + model.features.size() * feature_bytes +
+            model.direct.size() * index_bytes + model.rest.vertex_count() * position_bytes +
+            model.order.size() * index_bytes;
+  std::vector<std::uint64_t*> owner;  // of a column's bytes
+  for (std::uint64_t& bytes : direct_) owner.push_back(&bytes);
+  regions_.reserve(model.regions.size());
+  for (const PackedRegion& region : model.regions) {
+    always_ += (region.features.size() + region.gate.features.size()) * index_bytes;
+    std::uint64_t& bytes = regions_.emplace_back(0);
+    for (const PackedLayer& layer : region.layers) {
+      if (&layer != &region.layers.front()) bytes += layer.weights.size() * number_bytes(layer.wide);
+      bytes += layer.outputs * scaled_bytes;
+    }
+    owner.insert(owner.end(), region.layers.back().outputs, &bytes);
+  }
+  for (const PackedRowGroup& group : model.groups)
+    for (const PackedColumn& column : group.columns)
+      *owner.at(column.column) += group.row_count * number_bytes(column.wide) + scaled_bytes;
+}
+
+std::uint64_t ByteCount::touched(std::span<const float> controls) const {
+  if (controls.size() != rest_.size())
+    fail(Status::invalid_argument, "a pose of %zu controls for a model of %zu", controls.size(), rest_.size());
+  std::vector<float> features(model_->features.size());
+  evaluate_features(model_->features, controls, rest_, features);
+  std::uint64_t bytes = always_;
+  for (std::size_t d = 0; d < direct_.size(); ++d)
+    if (features[model_->direct[d]] != 0) bytes += direct_[d];
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    const PackedRegion& region = model_->regions[r];
+    const auto active = std::uint64_t(std::count_if(region.features.begin(), region.features.end(),
+                                                    [&](std::uint32_t f) { return features[f] != 0; }));
+    if (active > 0 && !gate_closed(region.gate, features)) bytes += regions_[r] + active * input_bytes(region);
+  }
+  return bytes;
+}
+
+std::uint64_t ByteCount::stored() const {
+  std::uint64_t bytes = always_;
+  for (const std::uint64_t direct : direct_) bytes += direct;
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    bytes += regions_[r] + model_->regions[r].features.size() * input_bytes(model_->regions[r]);
+  return bytes;
+}
+
+TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses) {
+  constexpr std::size_t most_poses = 500;
+  const ByteCount count(model);
+  const PoseSet some = poses.thinned(most_poses);
+  TouchedBytes result;
+  result.runtime_bytes = count.stored();
+  result.poses = some.size();
+  if (some.size() == 0) return result;
+  const std::vector<float> controls = some.controls();
+  const std::size_t width = model.schema.controls.size();
+  std::vector<std::uint64_t> bytes;
+  for (std::size_t pose = 0; pose < some.size(); ++pose) {
+    bytes.push_back(count.touched(std::span(controls).subspan(pose * width, width)));
+    result.mean += double(bytes.back()) / double(some.size());
+  }
+  std::sort(bytes.begin(), bytes.end());
+  result.p95 = bytes[(bytes.size() * 95 + 99) / 100 - 1];
+  result.max = bytes.back();
+  return result;
+}
+
+}  // namespace fb
