@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "bake/linalg/gemm.h"
@@ -166,6 +167,23 @@ struct Loss {
   }
 };
 
+// Squared lengths of vectors: the largest, and their sum. Several at a time, for none waits for the one before.
+std::pair<float, double> measure(const float* vectors, std::size_t count) {
+  constexpr std::size_t lanes = 8;
+  float worst[lanes] = {}, sums[lanes] = {};
+  const auto look = [&](std::size_t i, std::size_t lane) {
+    const float* v = vectors + 3 * i;
+    const float squared = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    worst[lane] = std::max(worst[lane], squared);
+    sums[lane] += squared;
+  };
+  const std::size_t whole = count / lanes * lanes;
+  for (std::size_t i = 0; i < whole; i += lanes)
+    for (std::size_t lane = 0; lane < lanes; ++lane) look(i + lane, lane);
+  for (std::size_t i = whole; i < count; ++i) look(i, 0);
+  return {*std::max_element(worst, worst + lanes), std::accumulate(sums, sums + lanes, 0.0)};
+}
+
 // Takes components away from the shares of `poses` poses, level after level, and looks at what is left.
 Loss peel(const Search& search, std::size_t limit, std::size_t poses, const float* coefficients,
           std::vector<float>& shares) {
@@ -173,15 +191,13 @@ Loss peel(const Search& search, std::size_t limit, std::size_t poses, const floa
   for (float& c : negative) c = -c;
   Loss loss;
   for (std::size_t first = 0;; first += level) {
-    float worst = 0;
-    double squares = 0;
-    for (std::size_t i = 0; i < shares.size(); i += 3) {
-      const float e = shares[i] * shares[i] + shares[i + 1] * shares[i + 1] + shares[i + 2] * shares[i + 2];
-      worst = std::max(worst, e);
-      squares += e;
+    loss.worst.push_back(0);
+    loss.squares.push_back(0);
+    for (std::size_t pose = 0; pose < poses; ++pose) {
+      const auto [worst, sum] = measure(shares.data() + pose * search.rows(), search.vertices());
+      loss.worst.back() = std::max(loss.worst.back(), worst);
+      loss.squares.back() += sum;
     }
-    loss.worst.push_back(worst);
-    loss.squares.push_back(squares);
     if (first >= limit) return loss;
     gemm(Op::plain, Op::plain, search.rows(), poses, std::min(level, limit - first),
          search.subspace.data() + first * search.rows(), search.rows(), negative.data() + first, search.width(), 1,
