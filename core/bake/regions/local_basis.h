@@ -24,7 +24,12 @@ struct LocalBasis {
   double max_error = 0, rms_error = 0;  // what is lost, over D, on the poses fitted
 };
 
-// One basis a region. Reads the poses twice: some to fit, all to project.
+// One basis a region, by randomised subspace iteration (Halko, Martinsson, Tropp, SIAM Review 2011): the poses to fit
+// are read about two times and all of them once, for all regions together. Of the components searched, which are a
+// little more than max_components, the fewest that lose no more than max_error are kept (a multiple of 8, unless the
+// poses do not span so many); at least one. Besides the coefficients it needs about three matrices of (rows of all
+// regions + poses to fit) x max_components and 64 MiB of poses. Same bits for any number of threads. Fails on no poses, no components or a region
+// that names no vertex.
 std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<FaceRegion>& regions,
                                     const LocalBasisOptions& options, const Parallel& parallel, Progress& progress);
 
