@@ -6,7 +6,7 @@ namespace fb {
 
 // tanh to about 1e-6: a rational function of degree 13 over 6, on [-7.9, 7.9], beyond which it is constant.
 // Coefficients: Eigen 3.4, Eigen/src/Core/MathFunctionsImpl.h (generic_fast_tanh_float).
-inline float rational_tanh(float x) {
+[[gnu::always_inline]] inline float rational_tanh(float x) {
   constexpr float reach = 7.90531110763549805f;
   x = x < -reach ? -reach : x > reach ? reach : x;
   const float s = x * x;
@@ -23,7 +23,7 @@ inline float rational_tanh(float x) {
 }
 
 // x / (1 + exp(-x)) by way of tanh(x / 2).
-inline float rational_silu(float x) {
+[[gnu::always_inline]] inline float rational_silu(float x) {
   return x * (0.5f + 0.5f * rational_tanh(0.5f * x));
 }
 

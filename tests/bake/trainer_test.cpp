@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "bake/train/checkpoint.h"
+#include "bake/train/optimizer.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -42,6 +43,8 @@ std::vector<double> outputs(const std::vector<DenseLayer>& layers, const float* 
       double sum = layer.bias[o];
       for (std::size_t i = 0; i < layer.inputs; ++i) sum += double(layer.weights[o * layer.inputs + i]) * x[i];
       if (layer.activation == Activation::relu) sum = std::max(sum, 0.0);
+      if (layer.activation == Activation::tanh) sum = std::tanh(sum);
+      if (layer.activation == Activation::silu) sum = sum / (1 + std::exp(-sum));
       y[o] = sum + (layer.skip ? x[o] : 0);
     }
     x = y;
@@ -73,14 +76,35 @@ TrainingPlan plan_of(std::uint32_t epochs, int threads = 0) {
   return plan;
 }
 
-// What is trained, by definition: the mean over all poses of |outputs - outputs at rest - targets / size|^2.
-double loss_of(const std::vector<DenseLayer>& layers, const Task& task, double size) {
+// A coefficient's unit and weight by the formula of output_scaling.
+struct Units {
+  double unit[3], weight[3];
+};
+
+Units units_of(const Task& task, double scaling) {
+  double squares[3] = {};
+  for (std::size_t i = 0; i < task.targets.size(); ++i) squares[i % 3] += double(task.targets[i]) * task.targets[i];
+  const double poses = double(task.set.poses), all = std::sqrt((squares[0] + squares[1] + squares[2]) / (3 * poses));
+  Units units;
+  for (int k = 0; k < 3; ++k) {
+    const double own = std::sqrt(squares[k] / poses) / all;
+    units.unit[k] = all * std::pow(own, scaling);
+    units.weight[k] = std::pow(own, -scaling / 2) / (all * all);
+  }
+  return units;
+}
+
+// What is trained, by definition: the mean over all poses of the weighted squares of
+// gate * (outputs - outputs at rest) - targets.
+double loss_of(const std::vector<DenseLayer>& layers, const Task& task, const Units& units) {
   const float zero[5] = {};
   const std::vector<double> rest = outputs(layers, zero);
   double sum = 0;
   for (std::size_t i = 0; i < task.set.poses; ++i) {
     const std::vector<double> y = outputs(layers, task.features.data() + 5 * i);
-    for (std::size_t k = 0; k < 3; ++k) sum += std::pow(y[k] - rest[k] - task.targets[3 * i + k] / size, 2);
+    const double gate = task.set.gates.empty() ? 1 : task.set.gates[i];
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += units.weight[k] * std::pow(gate * (y[k] - rest[k]) * units.unit[k] - task.targets[3 * i + k], 2);
   }
   return sum / double(task.set.poses);
 }
@@ -126,41 +150,52 @@ TEST_CASE("training learns products and ramps of poses it has not seen") {
   CHECK(relative_error(trained.layers, task) == doctest::Approx(trained.loss).epsilon(0.5));
 }
 
-TEST_CASE("steps are those of Adam on the gradient of the loss, along half a cosine") {
-  const Task task = make_task(200, 5);  // fewer than a batch, so that each step sees all
-  double squares = 0;
-  for (const float target : task.targets) squares += double(target) * target;
-  const double size = std::sqrt(squares / double(task.targets.size()));
-  TrainingPlan plan = plan_of(0);
-  plan.widths = {8, 8, 8};
-  const std::vector<DenseLayer> start = train_layers(task.set, plan, silent_progress()).layers;
+namespace {
+
+// Trains a few steps and checks each against Adam's formula on a gradient by differences.
+void check_steps(const Task& task, TrainingPlan plan, const std::vector<double>& factors) {
+  const Units units = units_of(task, plan.output_scaling);
+  plan.epochs = 0;
+  std::vector<DenseLayer> start = train_layers(task.set, plan, silent_progress()).layers;
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 8; ++i) start.back().weights[8 * k + i] /= static_cast<float>(units.unit[k]);
   std::vector<DenseLayer> layers = start;
   const std::vector<float*> numbers = numbers_of(layers);
   std::vector<double> mean(numbers.size()), square(numbers.size());
-  constexpr int steps = 5;
-  for (int step = 0; step < steps; ++step) {
-    const double here = loss_of(layers, task, size);
+  const std::size_t steps = factors.size();
+  for (std::size_t step = 0; step < steps; ++step) {
     std::vector<double> gradient;
-    for (float* number : numbers) {  // downwards, as a ReLU that is just at 0 has no slope
+    for (float* number : numbers) {
       const float kept = *number;
-      *number = kept - 1e-4f;
-      gradient.push_back((here - loss_of(layers, task, size)) / (double(kept) - *number));
+      const auto loss_at = [&](float value) {
+        *number = value;
+        return loss_of(layers, task, units);
+      };
+      // Downwards, as a ReLU that is just at 0 has no slope; what bends smoothly, both ways.
+      const float up = plan.activation == Activation::relu ? kept : kept + 1e-3f;
+      const float down = plan.activation == Activation::relu ? kept - 1e-4f : kept - 1e-3f;
+      gradient.push_back((loss_at(up) - loss_at(down)) / (double(up) - down));
       *number = kept;
     }
-    const double rate = 3e-3 * 0.5 * (1 + std::cos(M_PI * step / steps));
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      mean[i] = 0.9 * mean[i] + 0.1 * gradient[i];
-      square[i] = 0.999 * square[i] + 0.001 * gradient[i] * gradient[i];
-      const double m = mean[i] / (1 - std::pow(0.9, step + 1)), v = square[i] / (1 - std::pow(0.999, step + 1));
-      *numbers[i] -= static_cast<float>(rate * m / (std::sqrt(v) + 1e-8));
+    const double rate = plan.learning_rate * factors[step];
+    std::size_t at = 0;
+    for (DenseLayer& layer : layers) {
+      const std::size_t weights = layer.weights.size(),
+                        count = weights + (&layer == &layers.back() ? 0 : layer.bias.size());
+      for (std::size_t i = 0; i < count; ++i, ++at) {
+        mean[at] = 0.9 * mean[at] + 0.1 * gradient[at];
+        square[at] = 0.999 * square[at] + 0.001 * gradient[at] * gradient[at];
+        const double m = mean[at] / (1 - std::pow(0.9, step + 1)), v = square[at] / (1 - std::pow(0.999, step + 1));
+        const double kept = i < weights ? 1 - rate * plan.weight_decay : 1;
+        *numbers[at] = static_cast<float>(*numbers[at] * kept - rate * m / (std::sqrt(v) + 1e-8));
+      }
     }
   }
-  plan.epochs = steps;
+  plan.epochs = static_cast<std::uint32_t>(steps);
   std::vector<DenseLayer> trained = train_layers(task.set, plan, silent_progress()).layers;
-  for (float& weight : trained.back().weights) weight = static_cast<float>(weight / size);
-  const std::vector<float*> got = numbers_of(trained);
-  std::vector<DenseLayer> first = start;
-  const std::vector<float*> before = numbers_of(first);
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 8; ++i) trained.back().weights[8 * k + i] /= static_cast<float>(units.unit[k]);
+  const std::vector<float*> got = numbers_of(trained), before = numbers_of(start);
   double off = 0, moved = 0;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     off += std::abs(double(*got[i]) - *numbers[i]);
@@ -169,6 +204,72 @@ TEST_CASE("steps are those of Adam on the gradient of the loss, along half a cos
   CHECK(moved > 0.1);
   CHECK(off < 0.02 * moved);
   CHECK(trained.back().bias == std::vector<float>(3));
+}
+
+// Half a cosine over five steps.
+std::vector<double> half_cosine() {
+  std::vector<double> factors;
+  for (int step = 0; step < 5; ++step) factors.push_back(0.5 * (1 + std::cos(M_PI * step / 5)));
+  return factors;
+}
+
+}  // namespace
+
+TEST_CASE("steps are those of Adam on the gradient of the loss, for every activation") {
+  const Task task = make_task(200, 5);  // fewer than a batch, so that each step sees all
+  TrainingPlan plan = plan_of(0);
+  plan.widths = {8, 8, 8};
+  for (const Activation activation : {Activation::relu, Activation::tanh, Activation::silu, Activation::linear}) {
+    CAPTURE(static_cast<int>(activation));
+    plan.activation = activation;
+    check_steps(task, plan, half_cosine());
+  }
+}
+
+TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and without skips") {
+  Task task = make_task(200, 6);
+  std::vector<float> gates;
+  Random random(3);
+  for (std::size_t i = 0; i < task.set.poses; ++i) gates.push_back(std::max(random.uniform(-1, 1), 0.0f));
+  TrainingPlan plan = plan_of(0);
+  plan.activation = Activation::silu;
+  plan.widths = {8, 6, 8};  // no skip fits
+  check_steps(task, plan, half_cosine());
+  plan.widths = {8, 8};
+  SUBCASE("gates") {
+    task.set.gates = gates;
+  }
+  SUBCASE("each output in its own unit") {
+    plan.output_scaling = 1;
+  }
+  SUBCASE("halfway") {
+    plan.output_scaling = 0.5f;
+  }
+  SUBCASE("decay") {
+    plan.weight_decay = 5;
+  }
+  SUBCASE("all of it") {
+    task.set.gates = gates;
+    plan.output_scaling = 1;
+    plan.weight_decay = 5;
+  }
+  check_steps(task, plan, half_cosine());
+}
+
+TEST_CASE("a lingering rate rises, stays, and falls in a straight line") {
+  const Task task = make_task(100, 7);
+  TrainingPlan plan = plan_of(0);
+  plan.widths = {8, 8};
+  plan.activation = Activation::silu;
+  plan.schedule = Schedule::linger;
+  check_steps(task, plan, {1, 1, 1, 1, 2 * (1 - 4 / 6.0), 2 * (1 - 5 / 6.0)});
+  CHECK(schedule_factor(Schedule::linger, 0, 1000) == doctest::Approx(1 / 30.0));
+  CHECK(schedule_factor(Schedule::linger, 14, 1000) == doctest::Approx(0.5));
+  CHECK(schedule_factor(Schedule::linger, 29, 1000) == 1);
+  CHECK(schedule_factor(Schedule::linger, 500, 1000) == 1);
+  CHECK(schedule_factor(Schedule::linger, 750, 1000) == doctest::Approx(0.5));
+  CHECK(schedule_factor(Schedule::linger, 999, 1000) == doctest::Approx(0.002));
+  CHECK(schedule_factor(Schedule::cosine, 250, 500) == doctest::Approx(0.5));
 }
 
 TEST_CASE("every pose is trained on, also where batches leave some out, and numbers that are none stop it") {
@@ -245,6 +346,73 @@ TEST_CASE("a checkpoint of other work, or a damaged one, is left alone") {
   }
   std::filesystem::remove(path);
   CHECK_FALSE(load_checkpoint(path, 42));
+}
+
+TEST_CASE("trained layers run to the outputs their definition gives, with gates and named columns") {
+  const Task task = make_task(300, 1);
+  TrainingPlan plan = plan_of(60);
+  plan.activation = Activation::silu;
+  const std::vector<DenseLayer> layers = train_layers(task.set, plan, silent_progress()).layers;
+  std::vector<float> gates(300), wide(300 * 9, NAN);
+  const std::vector<std::uint32_t> columns = {8, 0, 3, 2, 5};
+  for (std::size_t i = 0; i < 300; ++i) {
+    gates[i] = static_cast<float>(i % 5) / 4;
+    for (std::size_t c = 0; c < 5; ++c) wide[9 * i + columns[c]] = task.features[5 * i + c];
+  }
+  TrainingSet set = task.set;
+  set.gates = gates;
+  set.targets = {};
+  set.features = wide;
+  set.stride = 9;
+  set.columns = columns;
+  Parallel one, two;
+  one.threads = 1, two.threads = 2;
+  const std::vector<float> got = run_layers(layers, set, two);
+  CHECK(got == run_layers(layers, set, one));
+  const float zero[5] = {};
+  const std::vector<double> rest = outputs(layers, zero);
+  double off = 0, size = 0;
+  for (std::size_t i = 0; i < 300; ++i) {
+    const std::vector<double> y = outputs(layers, task.features.data() + 5 * i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double wanted = gates[i] * (y[k] - rest[k]);
+      off = std::max(off, std::abs(got[3 * i + k] - wanted));
+      size = std::max(size, std::abs(wanted));
+    }
+  }
+  CHECK(size > 0.5);
+  CHECK(off < 1e-5);
+  // And training reads them alike.
+  TrainingSet named = set;
+  named.targets = task.targets;
+  named.gates = {};
+  CHECK(same(layers, train_layers(named, plan, silent_progress()).layers));
+  named.columns = std::span(columns).first(4);
+  CHECK_THROWS_AS(train_layers(named, plan, silent_progress()), Error);
+  const std::vector<std::uint32_t> beyond = {8, 0, 3, 2, 9};
+  named.columns = beyond;
+  CHECK_THROWS_AS(train_layers(named, plan, silent_progress()), Error);
+}
+
+TEST_CASE("regions trained together are those trained one by one, whatever the threads") {
+  const Task a = make_task(500, 1), b = make_task(300, 2), c = make_task(700, 3);
+  const std::vector<TrainingSet> sets = {a.set, b.set, c.set};
+  std::vector<TrainingPlan> plans = {plan_of(2), plan_of(3), plan_of(2)};
+  plans[0].widths = {8};
+  plans[1].activation = Activation::silu;
+  plans[2].widths = {64, 64, 64, 64};  // longer than the others together: all threads are its own
+  std::vector<std::vector<DenseLayer>> alone;
+  for (std::size_t i = 0; i < 3; ++i) alone.push_back(train_layers(sets[i], plans[i], silent_progress()).layers);
+  for (const int threads : {1, 2, 4}) {
+    Parallel parallel;
+    parallel.threads = threads;
+    const std::vector<TrainedLayers> together = train_regions(sets, plans, parallel, silent_progress());
+    REQUIRE(together.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) CHECK(same(alone[i], together[i].layers));
+  }
+  StopAfter stop(1);
+  CHECK_THROWS_AS(train_regions(sets, plans, {}, stop), Error);
+  CHECK_THROWS_AS(train_regions(sets, std::span(plans).first(2), {}, silent_progress()), Error);
 }
 
 TEST_CASE("features that do not fit the targets are refused") {

@@ -1,12 +1,12 @@
 // The body of gemm, compiled once per instruction set with Eigen in a namespace of its own: templates of one set must
-// never be linked in place of another's. The including file names the namespace in FB_GEMM.
+// never be linked in place of another's. The including file names the namespace in FB_KERNELS.
 #define EIGEN_DONT_PARALLELIZE
 #define EIGEN_MPL2_ONLY
 #include <Eigen/Core>
 
 #include "bake/linalg/gemm.h"
 
-namespace fb::FB_GEMM {
+namespace fb::FB_KERNELS {
 
 void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,
           const float* b, std::size_t ldb, float keep, float* c, std::size_t ldc) {
@@ -22,4 +22,4 @@ void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t i
   if (ta && tb) C.noalias() += A.transpose() * B.transpose();
 }
 
-}  // namespace fb::FB_GEMM
+}  // namespace fb::FB_KERNELS

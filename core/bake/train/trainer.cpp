@@ -5,8 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "bake/linalg/gemm.h"
 #include "bake/train/checkpoint.h"
+#include "bake/train/dense_pass.h"
+#include "bake/train/optimizer.h"
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -14,298 +15,298 @@
 namespace fb {
 namespace {
 
-constexpr std::size_t piece_poses = 64;
-constexpr float beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-8f;
-constexpr double pi = 3.14159265358979323846;
+constexpr std::uint32_t most_restarts = 3, most_validations = 20;
 
-// Where a layer's numbers lie in the flat vector of all parameters: weights (outputs x inputs, rows first), then bias.
-struct Shape {
-  std::size_t inputs, outputs, weights, bias;
-  bool hidden, skip;
-};
-
-struct Shapes {
-  std::vector<Shape> layers;
-  std::size_t parameters = 0;
-
-  Shapes(std::size_t inputs, const std::vector<std::uint32_t>& widths, std::size_t outputs) {
-    for (const std::uint32_t width : widths) inputs = add(inputs, width, true);
-    add(inputs, outputs, false);
+void check(const TrainingSet& set, const TrainingPlan& plan) {
+  check_features(set);
+  if (set.targets.size() != set.poses * set.outputs)
+    fail(Status::invalid_argument, "training: %zu targets for %zu poses of %zu outputs", set.targets.size(), set.poses,
+         set.outputs);
+  for (std::size_t i = 0; i < set.validation.size(); ++i)
+    if (set.validation[i] >= set.poses || (i > 0 && set.validation[i] <= set.validation[i - 1]))
+      fail(Status::invalid_argument, "training: validation pose %u of %zu is out of order", set.validation[i],
+           set.poses);
+  if (set.validation.size() == set.poses) fail(Status::invalid_argument, "training: all poses are kept for validation");
+  if (plan.batch == 0) fail(Status::invalid_argument, "training: batches of no poses");
+  if (!(plan.output_scaling >= 0 && plan.output_scaling <= 1))
+    fail(Status::invalid_argument, "training: output scaling %g is not in [0, 1]", double(plan.output_scaling));
+  if (!(plan.quantized_share >= 0 && plan.quantized_share <= 1) || plan.weight_bits < 2 || plan.weight_bits > 16)
+    fail(Status::invalid_argument, "training: %d-bit weights in a share of %g", plan.weight_bits,
+         double(plan.quantized_share));
+  if (!plan.start.empty()) {
+    const DenseLayer& last = plan.start.back();
+    if (plan.start.front().inputs != set.inputs || last.outputs != set.outputs ||
+        last.activation != Activation::linear || last.skip)
+      fail(Status::invalid_argument,
+           "training: layers to start from take %u inputs to %u outputs, or do not end linearly; the set has %zu and "
+           "%zu",
+           plan.start.front().inputs, last.outputs, set.inputs, set.outputs);
   }
+}
 
- private:
-  std::size_t add(std::size_t inputs, std::size_t outputs, bool hidden) {
-    layers.push_back({inputs, outputs, parameters, parameters + inputs * outputs, hidden,
-                      hidden && inputs == outputs && !layers.empty()});
-    parameters += (inputs + 1) * outputs;
-    return outputs;
-  }
-};
-
-// Forward and backward of up to piece_poses poses, and the rest pose as one more column: its outputs are subtracted
-// from the others', so its gradient is minus the sum of theirs.
-class Piece {
- public:
-  explicit Piece(const Shapes& shapes) : shapes_(shapes), gradient_(shapes.parameters) {
-    const auto buffer = [](std::size_t rows) { return std::vector<float>(rows * (piece_poses + 1)); };
-    std::size_t widest = shapes.layers.front().inputs;
-    signals_.push_back(buffer(widest));
-    for (const Shape& layer : shapes.layers) {
-      signals_.push_back(buffer(layer.outputs));
-      activations_.push_back(buffer(layer.hidden ? layer.outputs : 0));
-      widest = std::max(widest, layer.outputs);
-    }
-    down_ = buffer(widest);
-    up_ = buffer(widest);
-  }
-
-  const std::vector<float>& gradient() const { return gradient_; }
-
-  // Sum over these poses of |y - t|^2; leaves the gradient of `weight` times that sum in gradient().
-  double run(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters, float target_scale,
-             float weight) {
-    columns_ = poses.size() + 1;
-    float* input = signals_[0].data();
-    for (const std::uint32_t pose : poses) {
-      std::copy_n(set.features.data() + pose * set.inputs, set.inputs, input);
-      input += set.inputs;
-    }
-    std::fill_n(input, set.inputs, 0.0f);
-    for (std::size_t l = 0; l < shapes_.layers.size(); ++l) forward(l, parameters);
-
-    // Loss and the gradient of the outputs.
-    const std::size_t outputs = set.outputs;
-    const float* y = signals_.back().data();
-    const float* rest = y + poses.size() * outputs;
-    float* rest_gradient = down_.data() + poses.size() * outputs;
-    std::fill_n(rest_gradient, outputs, 0.0f);
-    double loss = 0;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const float* target = set.targets.data() + poses[i] * outputs;
-      float squares = 0;
-      for (std::size_t k = 0; k < outputs; ++k) {
-        const float error = y[i * outputs + k] - rest[k] - target[k] * target_scale;
-        squares += error * error;
-        down_[i * outputs + k] = 2 * weight * error;
-        rest_gradient[k] -= 2 * weight * error;
-      }
-      loss += squares;
-    }
-    for (std::size_t l = shapes_.layers.size(); l-- > 0;) backward(l, parameters);
-    return loss;
-  }
-
- private:
-  void forward(std::size_t l, const float* parameters) {
-    const Shape& layer = shapes_.layers[l];
-    const float* x = signals_[l].data();
-    float* y = signals_[l + 1].data();
-    gemm(Op::transposed, Op::plain, layer.outputs, columns_, layer.inputs, parameters + layer.weights, layer.inputs, x,
-         layer.inputs, 0, y, layer.outputs);
-    const float* bias = parameters + layer.bias;
-    if (!layer.hidden) {
-      for (std::size_t i = 0; i < columns_; ++i)
-        for (std::size_t k = 0; k < layer.outputs; ++k) y[i * layer.outputs + k] += bias[k];
-      return;
-    }
-    float* activation = activations_[l].data();
-    for (std::size_t i = 0; i < columns_; ++i)
-      for (std::size_t k = 0; k < layer.outputs; ++k) {
-        const std::size_t at = i * layer.outputs + k;
-        activation[at] = std::max(y[at] + bias[k], 0.0f);
-        y[at] = activation[at] + (layer.skip ? x[at] : 0.0f);
-      }
-  }
-
-  // Takes the gradient of the layer's outputs in down_ and leaves that of its inputs there.
-  void backward(std::size_t l, const float* parameters) {
-    const Shape& layer = shapes_.layers[l];
-    const std::size_t count = columns_ * layer.outputs;
-    if (layer.skip) std::copy_n(down_.data(), count, up_.data());
-    float* bias = gradient_.data() + layer.bias;
-    std::fill_n(bias, layer.outputs, 0.0f);
-    // The last layer's bias cancels against the rest pose and stays 0.
-    if (layer.hidden) {
-      const float* activation = activations_[l].data();
-      for (std::size_t i = 0; i < columns_; ++i)
-        for (std::size_t k = 0; k < layer.outputs; ++k) {
-          const std::size_t at = i * layer.outputs + k;
-          down_[at] = activation[at] > 0 ? down_[at] : 0.0f;
-          bias[k] += down_[at];
-        }
-    }
-    gemm(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
-         down_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
-    if (l == 0) return;
-    // With a skip the inputs' gradient is added to the copy of the outputs' (kept in up_).
-    gemm(Op::plain, Op::plain, layer.inputs, columns_, layer.outputs, parameters + layer.weights, layer.inputs,
-         down_.data(), layer.outputs, layer.skip ? 1.0f : 0.0f, up_.data(), layer.inputs);
-    std::swap(down_, up_);
-  }
-
-  const Shapes& shapes_;
-  std::size_t columns_ = 0;
-  std::vector<std::vector<float>> signals_, activations_;  // of each layer: what goes in, what the ReLU lets through
-  std::vector<float> down_, up_;                           // gradients on their way to the first layer
-  std::vector<float> gradient_;
-};
-
-struct State {
-  std::vector<float> parameters, mean, square;  // Adam's moments
-  std::uint64_t step = 0;
-};
-
-// He's initialisation; layers that add to a skip begin small, so that the network begins nearly linear whatever its
-// depth, and the last layer begins at 0: at first nothing moves.
-State initial_state(const Shapes& shapes, std::uint64_t seed) {
-  State state;
-  state.parameters.assign(shapes.parameters, 0.0f);
-  state.mean = state.square = state.parameters;
-  for (std::size_t l = 0; l < shapes.layers.size(); ++l) {
-    const Shape& layer = shapes.layers[l];
-    Random random(seed, l);
-    if (!layer.hidden) continue;
-    const float deviation = std::sqrt(2.0f / layer.inputs) * (layer.skip ? 0.1f : 1.0f);
-    for (std::size_t i = 0; i < layer.inputs * layer.outputs; ++i)
-      state.parameters[layer.weights + i] = deviation * random.normal();
-  }
-  return state;
+std::vector<std::uint32_t> trained_poses(const TrainingSet& set) {
+  std::vector<std::uint32_t> all(set.poses), trained;
+  std::iota(all.begin(), all.end(), 0u);
+  std::ranges::set_difference(all, set.validation, std::back_inserter(trained));
+  return trained;
 }
 
 // The order of poses in an epoch: a Fisher-Yates shuffle of its own stream.
-std::vector<std::uint32_t> shuffled(std::size_t poses, std::uint64_t seed, std::uint64_t epoch) {
-  std::vector<std::uint32_t> order(poses);
-  std::iota(order.begin(), order.end(), 0u);
+void shuffle(std::vector<std::uint32_t>& order, std::uint64_t seed, std::uint64_t epoch) {
   Random random(seed, 0x10000 + epoch);
-  for (std::size_t i = poses; i > 1; --i) std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
-  return order;
+  for (std::size_t i = order.size(); i > 1; --i)
+    std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
 }
 
-// Adds the pieces' gradients in order and steps.
-void adam(State& state, const std::vector<Piece>& pieces, float rate, const Parallel& parallel) {
-  const float correction1 = 1 - std::pow(beta1, static_cast<float>(state.step + 1));
-  const float correction2 = 1 - std::pow(beta2, static_cast<float>(state.step + 1));
-  const float scaled_rate = rate / correction1, root_correction = 1 / std::sqrt(correction2);
-  constexpr std::size_t slice = 1 << 15;
-  const std::size_t total = state.parameters.size();
-  parallel_for(parallel, (total + slice - 1) / slice, [&](std::size_t s, std::size_t) {
-    float* __restrict parameters = state.parameters.data();
-    float* __restrict mean = state.mean.data();
-    float* __restrict square = state.square.data();
-    const std::size_t first = s * slice, last = std::min(first + slice, total);
-    float gradient[256];
-    for (std::size_t begin = first; begin < last; begin += 256) {
-      const std::size_t count = std::min<std::size_t>(256, last - begin);
-      std::copy_n(pieces[0].gradient().data() + begin, count, gradient);
-      for (std::size_t p = 1; p < pieces.size(); ++p) {
-        const float* more = pieces[p].gradient().data() + begin;
-        for (std::size_t i = 0; i < count; ++i) gradient[i] += more[i];
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        float& m = mean[begin + i];
-        float& v = square[begin + i];
-        m = beta1 * m + (1 - beta1) * gradient[i];
-        v = beta2 * v + (1 - beta2) * gradient[i] * gradient[i];
-        parameters[begin + i] -= scaled_rate * m / (std::sqrt(v) * root_correction + epsilon);
-      }
-    }
-  });
+double squares_of(const TrainingSet& set, std::span<const std::uint32_t> poses, std::vector<double>& squares) {
+  squares.assign(set.outputs, 0);
+  for (const std::uint32_t pose : poses)
+    for (std::size_t k = 0; k < set.outputs; ++k)
+      squares[k] += double(set.targets[pose * set.outputs + k]) * set.targets[pose * set.outputs + k];
+  return std::accumulate(squares.begin(), squares.end(), 0.0);
+}
+
+// Adam's step is absolute, so it matters what one unit of an output is.
+OutputUnits output_units(const std::vector<double>& squares, double all, std::size_t poses, float scaling) {
+  OutputUnits units;
+  const double size = std::sqrt(all / static_cast<double>(poses * squares.size()));
+  const double largest = *std::ranges::max_element(squares);
+  for (const double square : squares) {
+    const double own = std::sqrt(std::max(square, 1e-8 * largest) / static_cast<double>(poses)) / size;
+    units.unit.push_back(static_cast<float>(size * std::pow(own, scaling)));
+    units.weight.push_back(static_cast<float>(std::pow(own, -0.5 * scaling) / (size * size)));
+  }
+  return units;
 }
 
 // What a checkpoint must have been made from to be gone on with.
 std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
+  const auto millionths = [](double value) { return static_cast<std::uint64_t>(value * 1e9); };
   std::vector<std::uint64_t> numbers = {set.poses,
                                         set.inputs,
                                         set.outputs,
+                                        set.stride,
                                         plan.batch,
                                         plan.epochs,
                                         plan.seed,
-                                        static_cast<std::uint64_t>(plan.learning_rate * 1e9)};
+                                        static_cast<std::uint64_t>(plan.activation),
+                                        static_cast<std::uint64_t>(plan.schedule),
+                                        static_cast<std::uint64_t>(plan.weight_bits),
+                                        millionths(plan.learning_rate),
+                                        millionths(plan.weight_decay),
+                                        millionths(plan.output_scaling),
+                                        millionths(plan.quantized_share)};
   numbers.insert(numbers.end(), plan.widths.begin(), plan.widths.end());
-  return hash64_of<std::uint64_t>(numbers, hash64_of(set.features, hash64_of(set.targets)));
+  std::uint64_t key = hash64_of<std::uint64_t>(numbers, hash64_of(set.features, hash64_of(set.targets)));
+  key = hash64_of(set.columns, hash64_of(set.validation, hash64_of(set.gates, key)));
+  for (const DenseLayer& layer : plan.start) key = hash64_of<float>(layer.weights, hash64_of<float>(layer.bias, key));
+  return key;
 }
 
-std::vector<DenseLayer> layers_of(const Shapes& shapes, const std::vector<float>& parameters, float output_scale) {
-  std::vector<DenseLayer> layers;
-  for (const Shape& shape : shapes.layers) {
-    DenseLayer layer;
-    layer.inputs = static_cast<std::uint32_t>(shape.inputs);
-    layer.outputs = static_cast<std::uint32_t>(shape.outputs);
-    layer.activation = shape.hidden ? Activation::relu : Activation::linear;
-    layer.skip = shape.skip;
-    const auto weights = parameters.begin() + shape.weights, bias = parameters.begin() + shape.bias;
-    layer.weights.assign(weights, bias);
-    layer.bias.assign(bias, bias + shape.outputs);
-    if (!shape.hidden)
-      for (float& weight : layer.weights) weight *= output_scale;
-    layers.push_back(std::move(layer));
+// One training on its way: everything that a checkpoint holds is in `adam`, `best` and the numbers after them.
+class Training {
+ public:
+  Training(const TrainingSet& set, const TrainingPlan& plan)
+      : set_(set),
+        plan_(plan),
+        shape_(plan.start.empty() ? NetShape(set.inputs, plan, set.outputs) : NetShape(plan.start)),
+        poses_(trained_poses(set)),
+        batch_(std::min<std::size_t>(plan.batch, poses_.size())),
+        steps_per_epoch_(poses_.size() / batch_),
+        steps_(steps_per_epoch_ * plan.epochs),
+        key_(plan.checkpoint.empty() ? 0 : key_of(set, plan)),
+        adam_({}),
+        passes_((batch_ + DensePass::most_poses - 1) / DensePass::most_poses, DensePass(shape_)) {
+    std::vector<double> squares;
+    all_squares_ = squares_of(set, poses_, squares);
+    if (!(all_squares_ > 0)) fail(Status::bad_data, "training: all coefficients are 0");
+    units_ = output_units(squares, all_squares_, poses_.size(), plan.output_scaling);
+    validation_squares_ = squares_of(set, set.validation, squares);
   }
-  return layers;
-}
+
+  TrainedLayers run(Progress& progress) {
+    begin();
+    load();
+    progress.begin("training", steps_);
+    auto last_save = std::chrono::steady_clock::now();
+    while (step_ < steps_) {
+      if (!learn()) restart();
+      progress.update(step_);
+      const auto now = std::chrono::steady_clock::now();
+      if (progress.cancelled() || now - last_save > std::chrono::seconds(30)) {
+        save();
+        last_save = now;
+        progress.step(step_);
+      }
+    }
+    save();
+    return result();
+  }
+
+ private:
+  void begin() {
+    std::vector<float> start;
+    if (plan_.start.empty()) {
+      start = initial_parameters(shape_, plan_.seed);
+    } else {
+      start = parameters_of(shape_, plan_.start);
+      scale_last_layer(start, true);
+    }
+    adam_ = Adam(std::move(start));
+    step_ = 0;
+    order_.clear();
+    epochs_.clear();
+    best_.clear();
+    best_validation_ = INFINITY;
+  }
+
+  // Again, slower.
+  void restart() {
+    if (restarts_ == most_restarts)
+      fail(Status::internal,
+           "training diverged at step %llu of %llu: the loss is not a number, after %u restarts each at half the rate",
+           static_cast<unsigned long long>(step_), static_cast<unsigned long long>(steps_), restarts_);
+    ++restarts_;
+    begin();
+  }
+
+  bool rounds() const {
+    return static_cast<double>(step_) >= (1.0 - plan_.quantized_share) * static_cast<double>(steps_);
+  }
+
+  // The weights that poses go through: those learnt, or as the archive will have them.
+  const float* weights(bool rounded) {
+    if (!rounded) return adam_.parameters.data();
+    round_weights(shape_, plan_.weight_bits, adam_.parameters, rounded_, plan_.parallel);
+    return rounded_.data();
+  }
+
+  // One step; false if its loss, or what it led to, is not a number.
+  bool learn() {
+    const std::uint64_t epoch = step_ / steps_per_epoch_, in_epoch = step_ % steps_per_epoch_;
+    if (order_.empty() || in_epoch == 0) {
+      order_ = poses_;
+      shuffle(order_, plan_.seed, epoch);
+      if (in_epoch == 0) loss_ = 0;
+    }
+    const std::span<const std::uint32_t> poses = std::span(order_).subspan(in_epoch * batch_, batch_);
+    const float* parameters = weights(rounds());
+    std::vector<double> losses(passes_.size());
+    parallel_for(plan_.parallel, passes_.size(), [&](std::size_t p, std::size_t) {
+      const std::size_t first = p * DensePass::most_poses, count = std::min(DensePass::most_poses, batch_ - first);
+      losses[p] =
+          passes_[p].learn(set_, poses.subspan(first, count), parameters, units_, 1.0f / static_cast<float>(batch_));
+    });
+    const double loss = std::accumulate(losses.begin(), losses.end(), 0.0);
+    if (!std::isfinite(loss)) return false;
+    loss_ +=
+        loss / all_squares_ * (static_cast<double>(poses_.size()) / static_cast<double>(batch_ * steps_per_epoch_));
+
+    std::vector<const float*> gradients;
+    for (const DensePass& pass : passes_) gradients.push_back(pass.gradient().data());
+    const double rate =
+        std::ldexp(plan_.learning_rate, -static_cast<int>(restarts_)) * schedule_factor(plan_.schedule, step_, steps_);
+    adam_.step(shape_, step_, rate, plan_.weight_decay, gradients, plan_.parallel);
+    ++step_;
+    return in_epoch + 1 < steps_per_epoch_ || end_epoch(epoch);
+  }
+
+  // Validation poses are measured at the ends of at most most_validations epochs, the last among them.
+  bool end_epoch(std::uint64_t epoch) {
+    const std::uint64_t left = plan_.epochs - 1 - epoch;
+    const std::uint64_t apart = (plan_.epochs + most_validations - 1) / most_validations;
+    double validation = epochs_.empty() ? 0 : epochs_.back().validation;
+    if (left % apart == 0 && !set_.validation.empty()) {
+      validation = validate();
+      if (!std::isfinite(validation)) return false;
+      if (static_cast<float>(validation) < best_validation_) {
+        best_validation_ = static_cast<float>(validation);
+        best_ = adam_.parameters;
+      }
+    }
+    epochs_.push_back({loss_, validation});
+    return left > 0 || std::ranges::all_of(adam_.parameters, [](float value) { return std::isfinite(value); });
+  }
+
+  double validate() {
+    const float* parameters = weights(plan_.quantized_share > 0);
+    const std::size_t count = set_.validation.size(), piece = DensePass::most_poses,
+                      pieces = (count + piece - 1) / piece;
+    std::vector<double> errors(pieces);
+    parallel_for(plan_.parallel, passes_.size(), [&](std::size_t pass, std::size_t) {
+      for (std::size_t p = pass; p < pieces; p += passes_.size())
+        errors[p] = passes_[pass].test(set_, set_.validation.subspan(p * piece, std::min(piece, count - p * piece)),
+                                       parameters, units_);
+    });
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / std::max(validation_squares_, 1e-30);
+  }
+
+  void load() {
+    if (plan_.checkpoint.empty()) return;
+    auto saved = load_checkpoint(plan_.checkpoint, key_);
+    if (!saved || saved->arrays.size() != 5 || saved->arrays[4].size() != 3) return;
+    adam_.parameters = std::move(saved->arrays[0]);
+    adam_.mean = std::move(saved->arrays[1]);
+    adam_.square = std::move(saved->arrays[2]);
+    best_ = std::move(saved->arrays[3]);
+    best_validation_ = saved->arrays[4][0];
+    loss_ = saved->arrays[4][1];
+    restarts_ = static_cast<std::uint32_t>(saved->arrays[4][2]);
+    step_ = saved->step;
+  }
+
+  void save() const {
+    if (plan_.checkpoint.empty()) return;
+    save_checkpoint(plan_.checkpoint, {key_,
+                                       step_,
+                                       {adam_.parameters,
+                                        adam_.mean,
+                                        adam_.square,
+                                        best_,
+                                        {best_validation_, static_cast<float>(loss_), static_cast<float>(restarts_)}}});
+  }
+
+  void scale_last_layer(std::vector<float>& parameters, bool into_units) const {
+    const LayerShape& last = shape_.layers.back();
+    for (std::size_t k = 0; k < last.outputs; ++k) {
+      const float factor = into_units ? 1 / units_.unit[k] : units_.unit[k];
+      for (std::size_t i = 0; i < last.inputs; ++i) parameters[last.weights + k * last.inputs + i] *= factor;
+      parameters[last.bias + k] *= factor;
+    }
+  }
+
+  TrainedLayers result() {
+    std::vector<float> parameters = best_.empty() ? adam_.parameters : best_;
+    scale_last_layer(parameters, false);
+    return {layers_of(shape_, parameters), loss_, epochs_, restarts_};
+  }
+
+  const TrainingSet& set_;
+  const TrainingPlan& plan_;
+  const NetShape shape_;
+  const std::vector<std::uint32_t> poses_;
+  const std::size_t batch_;
+  const std::uint64_t steps_per_epoch_, steps_, key_;
+  OutputUnits units_;
+  double all_squares_ = 0, validation_squares_ = 0;
+
+  Adam adam_;
+  std::uint64_t step_ = 0;
+  std::uint32_t restarts_ = 0;
+  double loss_ = 0;                   // of this epoch so far
+  float best_validation_ = INFINITY;  // of `best_`; a float, as in a checkpoint
+  std::vector<float> best_;           // parameters; empty: the last are
+  std::vector<EpochLoss> epochs_;
+  std::vector<std::uint32_t> order_;
+  std::vector<float> rounded_;
+  std::vector<DensePass> passes_;
+};
 
 }  // namespace
 
 TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Progress& progress) {
-  if (set.poses == 0 || set.features.size() != set.poses * set.inputs || set.targets.size() != set.poses * set.outputs)
-    fail(Status::invalid_argument, "training: %zu poses with %zu features and %zu targets", set.poses,
-         set.features.size(), set.targets.size());
-  const Shapes shapes(set.inputs, plan.widths, set.outputs);
-  double squares = 0;
-  for (const float target : set.targets) squares += double(target) * target;
-  // What one unit of the outputs is: the root mean square of all coefficients. Adam's step is absolute, so this
-  // matters.
-  const double size = std::sqrt(squares / set.targets.size());
-  if (!(size > 0)) fail(Status::bad_data, "training: all coefficients are 0");
-
-  const std::uint64_t key = plan.checkpoint.empty() ? 0 : key_of(set, plan);
-  State state = initial_state(shapes, plan.seed);
-  const std::size_t batch = std::min<std::size_t>(plan.batch, set.poses);
-  const std::uint64_t steps_per_epoch = set.poses / batch, steps = steps_per_epoch * plan.epochs;
-  if (!plan.checkpoint.empty())
-    if (auto saved = load_checkpoint(plan.checkpoint, key); saved && saved->arrays.size() == 3)
-      state = {std::move(saved->arrays[0]), std::move(saved->arrays[1]), std::move(saved->arrays[2]), saved->step};
-  const auto save = [&] {
-    if (!plan.checkpoint.empty())
-      save_checkpoint(plan.checkpoint, {key, state.step, {state.parameters, state.mean, state.square}});
-  };
-
-  std::vector<Piece> pieces((batch + piece_poses - 1) / piece_poses, Piece(shapes));
-  std::vector<double> losses(pieces.size());
-  std::vector<std::uint32_t> order;
-  double loss = 0;
-  auto last_save = std::chrono::steady_clock::now();
-  progress.begin("training", steps);
-  for (; state.step < steps; ++state.step) {
-    const std::uint64_t step = state.step % steps_per_epoch;
-    if (order.empty() || step == 0) {
-      order = shuffled(set.poses, plan.seed, state.step / steps_per_epoch);
-      loss = 0;
-    }
-    const std::span<const std::uint32_t> poses = std::span(order).subspan(step * batch, batch);
-    parallel_for(plan.parallel, pieces.size(), [&](std::size_t p, std::size_t) {
-      const std::size_t first = p * piece_poses, count = std::min(piece_poses, batch - first);
-      losses[p] = pieces[p].run(set, poses.subspan(first, count), state.parameters.data(), static_cast<float>(1 / size),
-                                1.0f / static_cast<float>(batch));
-    });
-    for (const double part : losses) loss += part / static_cast<double>(batch * steps_per_epoch * set.outputs);
-    if (!std::isfinite(loss))
-      fail(Status::internal, "training diverged at step %llu of %llu: the loss is not a number",
-           static_cast<unsigned long long>(state.step), static_cast<unsigned long long>(steps));
-    const double rate = plan.learning_rate * 0.5 * (1 + std::cos(pi * static_cast<double>(state.step) / steps));
-    adam(state, pieces, static_cast<float>(rate), plan.parallel);
-
-    progress.update(state.step + 1);
-    const auto now = std::chrono::steady_clock::now();
-    if (progress.cancelled() || now - last_save > std::chrono::seconds(30)) {
-      ++state.step;
-      save();
-      last_save = now;
-      progress.step(state.step);
-      --state.step;
-    }
-  }
-  save();
-  return {layers_of(shapes, state.parameters, static_cast<float>(size)), loss};
+  check(set, plan);
+  return Training(set, plan).run(progress);
 }
 
 }  // namespace fb

@@ -13,14 +13,16 @@
 namespace fb {
 
 // What a region network learns: features of a pose -> coefficients. Row after row, one row a pose; features are 0 at
-// rest.
+// rest. Several networks may share one matrix of all features, each naming its own columns of it.
 struct TrainingSet {
   std::size_t poses = 0, inputs = 0, outputs = 0;
-  std::span<const float> features;    // poses x inputs
+  std::span<const float> features;    // poses x stride
   std::span<const float> targets;     // poses x outputs
   std::span<const float> gates = {};  // poses: what the gate multiplies the outputs with; empty: 1
   // Poses never trained on, ascending, by whose error the best moment is kept; empty: none, the last is kept.
   std::span<const std::uint32_t> validation = {};
+  std::size_t stride = 0;                       // numbers in a row of features; 0: inputs
+  std::span<const std::uint32_t> columns = {};  // of a row, those that are the inputs; empty: the first ones
 };
 
 enum class Schedule {
@@ -34,8 +36,11 @@ struct TrainingPlan {
   Schedule schedule = Schedule::cosine;
   float learning_rate = 1e-3f;
   float weight_decay = 0;  // decoupled (Loshchilov, Hutter, ICLR 2019)
-  // Outputs are learnt in units of their own deviation over the poses to this power, and the loss weighs them so:
-  // 0 leaves all in one unit; see the implementation for the formula.
+  // How far outputs are learnt each in its own unit, p in [0, 1]. With s_k the root mean square of coefficient k over
+  // the trained poses (at least 1e-4 of the largest) and s that of all coefficients, coefficient k is
+  // s (s_k / s)^p times what the last layer learns, and the loss weighs its squared error with (s_k / s)^(-p / 2).
+  // 0: one unit and plain squared errors. 1: each its own unit; a coefficient ten times smaller then weighs 3 times
+  // more than in plain squares, where each weighing the same whatever its size would be 100 times.
   float output_scaling = 0;
   std::uint32_t batch = 256;
   std::uint32_t epochs = 100;
@@ -44,39 +49,48 @@ struct TrainingPlan {
   float quantized_share = 0;
   int weight_bits = 8;
   std::uint64_t seed = 1;
+  // Layers to go on from instead of random ones; widths and activation are then theirs, and the last must be linear.
+  // With another network's outputs (run_layers) as targets this distils that network.
+  std::vector<DenseLayer> start;
   Parallel parallel;
   std::filesystem::path checkpoint;  // saved twice a minute and gone on from; empty: none
 };
 
 // How training went, once an epoch.
 struct EpochLoss {
-  double training = 0, validation = 0;  // squared coefficient error over squared coefficients
+  double training = 0;    // squared coefficient error over squared coefficients, mean over the epoch
+  double validation = 0;  // the same over validation poses, as last measured
 };
 
 struct TrainedLayers {
   std::vector<DenseLayer> layers;
-  // Mean over the last epoch of squared coefficient error over squared coefficients; too small if this call went on
-  // from the middle of that epoch.
-  double loss = 0;
+  double loss = 0;  // mean over the last epoch of squared coefficient error over squared coefficients
   std::vector<EpochLoss> epochs = {};  // since this call began
   std::uint32_t restarts = 0;          // after the loss stopped being a number; each at half the rate
 };
 
 // Trains dense layers with additive skips (where widths allow) by Adam (Kingma, Ba, ICLR 2015; beta .9, .999)
 // on the mean squared error of coefficients. The basis is orthonormal, so that is the squared vertex error up to the
-// constant the basis cannot hold; the wide vertex layer is never touched. The loss sees outputs minus those at rest, as
-// a reader of the archive computes them.
+// constant the basis cannot hold; the wide vertex layer is never touched. The loss sees outputs minus those at rest,
+// times gates, as a reader of the archive computes them.
+//
+// With validation poses, their error is measured after at most 20 epochs of a training (each time about a third of
+// training on as many poses), and the weights with the least are given back; where a share of the epochs is quantised,
+// it is the error through rounded weights. Few poses (below some thousands a network) are learnt by heart: keep
+// validation poses back, and use weight_decay and narrow widths before more epochs.
 //
 // Same seed, same result, whatever the number of threads: a batch is cut into pieces of 64 poses whose gradients are
-// added in order. Fails with internal if the loss stops being a number again and again, with interrupted after saving
-// the checkpoint.
+// added in order. When the loss stops being a number, training begins again at half the rate; the fourth time it fails
+// with internal. Fails with interrupted after saving the checkpoint.
+// Memory: a checkpoint's worth (four times the parameters), and once the parameters and 65 poses' signals a piece.
 TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Progress& progress);
 
-// Several networks, as many at a time as there are threads, the largest first; each as train_layers gives it.
+// Several networks, each exactly as train_layers gives it; the plans' own `parallel` is not used. The largest come
+// first: one that would hold the others up has all threads to itself, the rest run one a thread.
 std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std::span<const TrainingPlan> plans,
                                          const Parallel& parallel, Progress& progress);
 
-// Outputs (poses x outputs, minus those at rest, times gates) of trained layers, in float.
+// Outputs (poses x outputs, minus those at rest, times gates) of trained layers, in float; targets are not looked at.
 std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const TrainingSet& set, const Parallel& parallel);
 
 }  // namespace fb

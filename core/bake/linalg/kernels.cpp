@@ -1,0 +1,29 @@
+#include "bake/linalg/kernels.h"
+
+namespace fb {
+namespace kernels_base {
+extern const Kernels kernels;
+}
+#ifdef FB_KERNELS_X86
+namespace kernels_avx2 {
+extern const Kernels kernels;
+}
+namespace kernels_avx512 {
+extern const Kernels kernels;
+}
+#endif
+
+const Kernels& kernels() {
+#ifdef FB_KERNELS_X86
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return kernels_avx512::kernels;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kernels_avx2::kernels;
+#endif
+  return kernels_base::kernels;
+}
+
+void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,
+          const float* b, std::size_t ldb, float keep, float* c, std::size_t ldc) {
+  kernels().multiply(a_op, b_op, rows, columns, inner, a, lda, b, ldb, keep, c, ldc);
+}
+
+}  // namespace fb
