@@ -6,6 +6,7 @@
 
 #include "bake/probe/base_parts.h"
 #include "base/random.h"
+#include "base/status.h"
 
 namespace fb {
 namespace {
@@ -52,6 +53,9 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
   const std::size_t together = std::clamp<std::size_t>(width / 16, 2, 16), poses = (width + together - 1) / together;
   // A quarter of what is left at most: interactions cost more.
   const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.left() / 4 / (width + poses));
+  if (rounds < most_rounds)
+    rig.progress().note(
+        format("the budget of rig calls allows %zu of %zu tries of each control among many", rounds, most_rounds));
   DenseProbe dense;
   dense.poses_count = rounds * poses;
   dense.toggles = plan_toggles(schema, seed, rounds, together);

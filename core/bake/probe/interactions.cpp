@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "bake/probe/base_parts.h"
@@ -14,8 +13,10 @@ namespace {
 
 constexpr std::size_t block_poses = 512;  // whose displacements are held at once: 37 MB of 6,000 vertices
 constexpr std::size_t few_pairs = 10000;  // candidates up to which a place inside the ranges is tried too
-constexpr std::size_t tries_a_term = 10;  // candidates tried for every tuple wanted, beyond pairs
-constexpr double still = 0.25;            // of the tolerance: residual motion that is none
+constexpr std::size_t tries_a_term =
+    10;                                // candidates tried for every tuple wanted, beyond pairs; a fifth of them twice
+constexpr std::size_t most_tents = 3;  // of a side of a control, in terms
+constexpr double still = 0.25;         // of the tolerance: residual motion that is none
 
 double square_of(const float* d) {
   return double(d[0]) * d[0] + double(d[1]) * d[1] + double(d[2]) * d[2];
@@ -44,14 +45,13 @@ std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control
     const Feature ramp = side_ramp(control, index, up);
     list.push_back(add_feature(features, ramp));
     list.push_back(square(list.back()));
-    std::size_t tents = 0;
-    for (const Feature& own : curve.part.features)
-      if (own.kind == Feature::Kind::hat && (own.scale > 0) == (ramp.scale > 0) && tents < 3) {
-        list.push_back(add_feature(features, own));
-        ++tents;
-      }
-    const double end = up ? 1 : -1;
-    if (tents == 0) list.push_back(add_feature(features, tent(control, index, 0, end / 2, end)));
+    std::vector<double> knots = {0, up ? 1.0 : -1.0};
+    for (const double knot : curve.knots)
+      if ((knot > 0) == up && knots.size() < most_tents + 2) knots.push_back(knot);
+    if (knots.size() == 2) knots.push_back(knots[1] / 2);
+    std::sort(knots.begin(), knots.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    for (std::size_t k = 1; k + 1 < knots.size(); ++k)
+      list.push_back(add_feature(features, tent(control, index, knots[k - 1], knots[k], knots[k + 1])));
   }
   return list;
 }
@@ -92,38 +92,40 @@ void InteractionProbe::note_error(const std::string& what) const {
              std::sqrt(largest) / rig_.diagonal()));
 }
 
-// Tuples of which two parts interact share all but one control of each: partners of the same `order - 2` controls.
+// Every pair; beyond, what interacts already with each further control. What all controls of a tuple leave over at a
+// vertex bounds what they do together there: they are ranked by that, and those that share no vertex are left out.
 std::vector<InteractionProbe::Tuple> InteractionProbe::candidates(std::size_t order) const {
-  const std::size_t width = rig_.rest().size(), vertices = rig_.size() / 3;
-  std::map<std::vector<std::uint32_t>, std::vector<std::uint32_t>> partners;
-  if (order == 2)
-    for (std::uint32_t c = 0; c < width; ++c) partners[{}].push_back(c);
-  for (const Tuple& interaction : found_)
-    if (interaction.controls.size() + 1 == order)
-      for (std::size_t k = 0; k < interaction.controls.size(); ++k)
-        partners[without(interaction.controls, k)].push_back(interaction.controls[k]);
+  const auto width = static_cast<std::uint32_t>(rig_.rest().size());
+  const std::size_t vertices = rig_.size() / 3;
   std::vector<std::vector<std::uint32_t>> tuples;
-  for (const auto& [shared, others] : partners)
-    for (std::size_t i = 0; i < others.size(); ++i)
-      for (std::size_t j = i + 1; j < others.size(); ++j) {
-        std::vector<std::uint32_t>& tuple = tuples.emplace_back(shared);
-        tuple.insert(tuple.end(), {others[i], others[j]});
-        std::sort(tuple.begin(), tuple.end());
-      }
+  const auto extend = [&](const std::vector<std::uint32_t>& tuple, std::uint32_t c) {
+    if (std::find(tuple.begin(), tuple.end(), c) != tuple.end()) return;
+    std::vector<std::uint32_t>& longer = tuples.emplace_back(tuple);
+    longer.insert(std::lower_bound(longer.begin(), longer.end(), c), c);
+  };
+  for (std::uint32_t c = 0; c < width; ++c) {
+    for (std::uint32_t other = 0; order == 2 && other < c; ++other) extend({other}, c);
+    for (const Tuple& known : found_)
+      if (known.controls.size() + 1 == order) extend(known.controls, c);
+  }
   std::sort(tuples.begin(), tuples.end());
   tuples.erase(std::unique(tuples.begin(), tuples.end()), tuples.end());
-  // What all of its controls leave over at a vertex bounds what they do together there.
-  std::vector<Tuple> scored(tuples.size());
+  // Motion the base of today leaves over tells most, but toggles may have missed a rare combination.
+  const std::vector<float> left = order == 2 ? single_left_ : toggled_motion(dense_, base_, Over::largest, rig_);
   const auto threshold = static_cast<float>(still * options_.term_tolerance);
-  parallel_for(rig_.parallel(), tuples.size(), [&](std::size_t t, std::size_t) {
+  const auto shared = [&](const std::vector<float>& motion, const std::vector<std::uint32_t>& tuple) {
     double score = 0;
     for (std::size_t v = 0; v < vertices; ++v) {
-      float least = single_left_[tuples[t][0] * vertices + v];
-      for (const std::uint32_t c : tuples[t]) least = std::min(least, single_left_[c * vertices + v]);
+      float least = motion[tuple[0] * vertices + v];
+      for (const std::uint32_t c : tuple) least = std::min(least, motion[c * vertices + v]);
       if (least > threshold) score += double(least) * least;
     }
+    return score;
+  };
+  std::vector<Tuple> scored(tuples.size());
+  parallel_for(rig_.parallel(), tuples.size(), [&](std::size_t t, std::size_t) {
+    scored[t].score = shared(left, tuples[t]) + 1e-4 * shared(single_left_, tuples[t]);
     scored[t].controls = std::move(tuples[t]);
-    scored[t].score = score;
   });
   std::erase_if(scored, [](const Tuple& tuple) { return tuple.score == 0; });
   std::stable_sort(scored.begin(), scored.end(), [](const Tuple& a, const Tuple& b) { return a.score > b.score; });
@@ -173,8 +175,8 @@ void InteractionProbe::fill(const Tuple& tuple, const Point& point, std::span<fl
 }
 
 template <class Points, class Visit>
-void InteractionProbe::ask_differences(const char* stage, std::span<Tuple> tuples, const Points& points_of,
-                                       const Visit& visit) {
+void InteractionProbe::ask_differences(const char* stage, std::span<Tuple> tuples, std::size_t fewest,
+                                       const Points& points_of, const Visit& visit) {
   const auto away = [](const Point& point) { return point.size() - std::count(point.begin(), point.end(), 0); };
   struct Asked {
     std::vector<Point> points;  // full ones and what they become with controls at rest, fewer controls first
@@ -189,7 +191,7 @@ void InteractionProbe::ask_differences(const char* stage, std::span<Tuple> tuple
         Point point = full;
         for (std::size_t k = 0; k < point.size(); ++k)
           if (rested >> k & 1) point[k] = 0;
-        if (away(point) >= 2) points.push_back(point);
+        if (std::size_t(away(point)) >= fewest) points.push_back(point);
       }
     std::sort(points.begin(), points.end(),
               [&](const Point& a, const Point& b) { return std::pair(away(a), a) < std::pair(away(b), b); });
@@ -281,14 +283,12 @@ void InteractionProbe::fit(Tuple& tuple, std::span<const Point> points,
   tuple.part = fit_terms(features, unique, poses, rig_.rest(), differences, {tolerance, tolerance / 20});
 }
 
-void InteractionProbe::find(std::size_t order, std::size_t most) {
-  std::vector<Tuple> tuples = candidates(order);
-  if (order > 2 && tuples.size() > tries_a_term * most) tuples.resize(tries_a_term * most);
-  const bool inner = tuples.size() <= few_pairs;
+void InteractionProbe::rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest) {
+  const bool inner = tuples.size() <= few_pairs && fewest == 2;
   ask_differences(
-      order == 2 ? "probing pairs of controls" : "probing controls together", tuples,
-      [&](const Tuple& tuple) { return ends(tuple, inner); },
+      stage, tuples, fewest, [&](const Tuple& tuple) { return ends(tuple, inner && tuple.controls.size() == 2); },
       [&](Tuple& tuple, std::span<const Point>, std::span<const std::vector<float>> differences) {
+        tuple.energy = tuple.distance = 0;
         for (const std::vector<float>& d : differences) {
           double sum = 0;
           for (std::size_t i = 0; i < d.size(); i += 3) {
@@ -300,14 +300,24 @@ void InteractionProbe::find(std::size_t order, std::size_t most) {
         }
         tuple.distance = std::sqrt(tuple.distance) / rig_.diagonal();
       });
-  const std::size_t tried = tuples.size();
   std::erase_if(tuples, [&](const Tuple& tuple) { return tuple.distance <= options_.term_tolerance; });
-  const std::size_t interacting = tuples.size();
   std::stable_sort(tuples.begin(), tuples.end(), [](const Tuple& a, const Tuple& b) { return a.energy > b.energy; });
+}
+
+void InteractionProbe::find(std::size_t order, std::size_t most) {
+  std::vector<Tuple> tuples = candidates(order);
+  if (order > 2 && tuples.size() > tries_a_term * most) tuples.resize(tries_a_term * most);
+  const std::size_t tried = tuples.size();
+  // Beyond pairs, first what the base leaves over of all controls at once, then what fewer of them have no part in.
+  rank("trying controls together", tuples, order);
+  if (order > 2) {
+    if (tuples.size() > tries_a_term * most / 5) tuples.resize(tries_a_term * most / 5);
+    rank("trying fewer of them", tuples, 2);
+  }
+  const std::size_t interacting = tuples.size();
   if (tuples.size() > most) tuples.resize(most);
   ask_differences(
-      order == 2 ? "fitting pairs of controls" : "fitting controls together", tuples,
-      [&](const Tuple& tuple) { return grid(tuple); },
+      "fitting controls together", tuples, 2, [&](const Tuple& tuple) { return grid(tuple); },
       [&](Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) {
         fit(tuple, points, differences);
       });

@@ -13,8 +13,8 @@
 namespace fb {
 
 // Finds what controls do together beyond what the base holds, order by order: pairs, triples, ... one procedure. A
-// candidate is a tuple two of whose parts, each without one of its controls, interact, and whose controls all leave
-// residual motion somewhere. Candidates are tried at the ends of ranges, the strongest on a grid, and terms fitted to
+// candidate is a tuple that interacts without one of its controls, and whose controls all leave residual motion at some
+// vertex. Candidates are tried at the ends of ranges, the strongest on a grid, and terms fitted to
 // what is left there once the same differences of fewer controls are taken away. In the end, terms stay if they also
 // bring the poses of many controls closer to the rig.
 class InteractionProbe {
@@ -41,9 +41,13 @@ class InteractionProbe {
   std::vector<Tuple> candidates(std::size_t order) const;
   std::vector<Point> ends(const Tuple& tuple, bool inner) const;
   std::vector<Point> grid(const Tuple& tuple) const;
-  // Differences of every tuple at its full points, in blocks: visit(tuple, points, differences), several at once.
+  // Differences of every tuple at its points, in blocks: visit(tuple, points, differences), several at once. What
+  // `fewest` or more of its controls do alone is taken away.
   template <class Points, class Visit>
-  void ask_differences(const char* stage, std::span<Tuple> tuples, const Points& points, const Visit& visit);
+  void ask_differences(const char* stage, std::span<Tuple> tuples, std::size_t fewest, const Points& points,
+                       const Visit& visit);
+  // Sets energy and distance at the ends of ranges; leaves those above the tolerance, strongest first.
+  void rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest);
   void fill(const Tuple& tuple, const Point& point, std::span<float> pose) const;
   void fit(Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) const;
   // Calls use(pose, what the base leaves over there, the tuple's part) for poses of many controls where it may move.

@@ -46,6 +46,9 @@ std::vector<ControlCurve> probe_curves(RigAsker& rig, const ProbeOptions& option
   std::vector<ControlCurve> curves(width);
   int places = first_places;
   while (places > 1 && first_wave(schema, 0, width, places).size() > rig.left() / 2) places /= 2;
+  if (places < first_places)
+    rig.progress().note(format("the budget of rig calls allows %d of %d places on each side of a control at first",
+                               places, first_places));
   for (std::size_t begin = 0; begin < width; begin += block_controls) {
     const std::size_t end = std::min(width, begin + block_controls);
     std::vector<CurveSamples> samples(end - begin);

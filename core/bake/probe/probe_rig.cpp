@@ -26,7 +26,10 @@ Probe probe_rig(Source& source, const ProbeOptions& options, const Parallel& par
   probe.curve_error = test_curves(rig, curves, options.seed);
   InteractionProbe interactions(rig, options, curves, dense, probe.base);
   if (options.max_pairs > 0) interactions.find(2, options.max_pairs);
-  for (std::size_t order : {3, 4}) if (options.max_triples > 0) interactions.find(order, options.max_triples);
+  if (options.max_triples > 0) {
+    interactions.find(3, options.max_triples);
+    interactions.find(4, options.max_triples / 4);
+  }
   probe.interactions = interactions.finish();
   probe.residual_motion = toggled_motion(dense, probe.base, Over::root_mean_square, rig);
   probe.rig_calls = rig.calls();
