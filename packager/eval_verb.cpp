@@ -42,7 +42,7 @@ std::string eval_text(const EvalReport& report) {
 }
 
 // The frame with the largest error of all: the true rig, the archive, and where they differ.
-void write_worst_frame(const std::string& folder, const FaceModel& model, Source& source, const EvalReport& report,
+void write_worst_frame(const std::string& folder, const PackedModel& model, Source& source, const EvalReport& report,
                        const Parallel& parallel) {
   const auto worst = std::max_element(report.clips.begin(), report.clips.end(),
                                       [](const auto& a, const auto& b) { return a.errors.max < b.errors.max; });
@@ -60,7 +60,7 @@ void write_worst_frame(const std::string& folder, const FaceModel& model, Source
 
 void EvalVerb::run() {
   const auto bytes = read_file(archive);
-  const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
+  const PackedModel model = naming(archive, [&] { return read_archive(bytes).model; });
   const auto source = open_sources(sources);
   outputs.check();
   std::optional<Split> only;

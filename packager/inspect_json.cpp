@@ -9,21 +9,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json network_graph(const Network& network) {
+Json network_graph(const PackedModel& model) {
   Json regions = Json::array();
-  for (const Region& region : network.regions) {
+  for (const PackedRegion& region : model.regions) {
     Json layers = Json::array();
-    for (const DenseLayer& layer : region.layers)
+    for (const PackedLayer& layer : region.layers)
       layers.push_back({{"inputs", layer.inputs},
                         {"outputs", layer.outputs},
-                        {"activation", layer.activation == Activation::relu ? "relu" : "linear"},
-                        {"skip", layer.skip}});
-    regions.push_back({{"name", region.name}, {"inputs", region.features.size()}, {"layers", std::move(layers)}});
+                        {"activation", name_of(layer.activation)},
+                        {"skip", layer.skip},
+                        {"bits", layer.wide ? 16 : 8}});
+    regions.push_back({{"name", region.name},
+                       {"inputs", region.features.size()},
+                       {"gate", region.gate.features.size()},
+                       {"layers", std::move(layers)}});
   }
-  return {{"features", network.features.size()},
-          {"direct", network.direct.size()},
-          {"coefficients", network.coefficient_count()},
-          {"parameters", network.parameter_count()},
+  return {{"features", model.features.size()},
+          {"direct", model.direct.size()},
+          {"coefficients", model.columns},
+          {"parameters", model.parameter_count()},
           {"regions", std::move(regions)}};
 }
 
@@ -38,7 +42,7 @@ Json provenance_of(const Archive& archive) {
 
 std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes) {
-  const FaceModel& model = archive.model;
+  const PackedModel& model = archive.model;
   Json bytes = {{"total", total_bytes}};
   for (const SectionInfo& section : archive.sections) bytes[section.name] = section.stored_bytes;
   Json controls = Json::array();
@@ -63,12 +67,26 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
       {"bytes", std::move(bytes)},
       {"runtime_bytes", runtime_bytes},
       {"certificate", Json()},
-      {"network", network_graph(model.network)},
-      {"basis", {{"rows", model.basis.rows}, {"columns", model.basis.columns}, {"values", model.basis.value_count()}}},
+      {"network", network_graph(model)},
+      {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
       {"control_list", std::move(controls)},
       {"notes", archive.notes},
       {"provenance", provenance_of(archive)}};
   return json_text(json);
+}
+
+std::string name_of(Activation activation) {
+  switch (activation) {
+    case Activation::linear:
+      return "linear";
+    case Activation::relu:
+      return "relu";
+    case Activation::tanh:
+      return "tanh";
+    case Activation::silu:
+      return "silu";
+  }
+  return "";
 }
 
 std::string recipe_of(const Archive& archive) {

@@ -15,4 +15,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
 // What the archive says about how it was made: the provenance's "recipe", "" if it has none.
 std::string recipe_of(const Archive& archive);
 
+// "linear", "relu", ...
+std::string name_of(Activation activation);
+
 }  // namespace fb

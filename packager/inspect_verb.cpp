@@ -20,11 +20,12 @@ struct InspectVerb {
   void run() const;
 };
 
-std::string widths(const Region& region) {
+std::string widths(const PackedRegion& region) {
   std::string text = std::to_string(region.features.size());
-  for (const DenseLayer& layer : region.layers)
-    text += format(" > %u%s%s", layer.outputs, layer.activation == Activation::relu ? " relu" : "",
-                   layer.skip ? " skip" : "");
+  for (const PackedLayer& layer : region.layers)
+    text += format(" > %u%s%s%s", layer.outputs,
+                   layer.activation == Activation::linear ? "" : (" " + name_of(layer.activation)).c_str(),
+                   layer.skip ? " skip" : "", layer.wide ? " wide" : "");
   return text;
 }
 
@@ -38,7 +39,7 @@ std::string control_table(const RigSchema& schema) {
 
 std::string inspect_text(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes) {
-  const FaceModel& model = archive.model;
+  const PackedModel& model = archive.model;
   const std::string recipe = recipe_of(archive);
   Table table({"what", "value"});
   const auto add = [&](const char* what, std::string value) { table.add({what, std::move(value)}); };
@@ -49,16 +50,16 @@ std::string inspect_text(const std::string& path, const Archive& archive, std::u
   add("diagonal", format("%g %s", model.rest.diagonal(), model.schema.units.c_str()));
   add("up axis", model.schema.up_axis);
   add("recipe", recipe.empty() ? "-" : recipe);
-  add("coefficients", std::to_string(model.network.coefficient_count()));
-  add("network parameters", std::to_string(model.network.parameter_count()));
-  add("basis numbers", std::to_string(model.basis.value_count()));
+  add("coefficients", std::to_string(model.columns));
+  add("network parameters", std::to_string(model.parameter_count()));
+  add("basis numbers", std::to_string(model.value_count()));
   add("format version", format("%u.%u", archive.format_version / 1000, archive.format_version % 1000));
   add("bytes", std::to_string(total_bytes));
   for (const SectionInfo& section : archive.sections)
     table.add({"  " + section.name, std::to_string(section.stored_bytes)});
   add("bytes in memory", std::to_string(runtime_bytes));
   std::string text = path + "\n" + table.text();
-  for (const Region& region : model.network.regions)
+  for (const PackedRegion& region : model.regions)
     text += format("network \"%s\": %s\n", region.name.c_str(), widths(region).c_str());
   for (const std::string& note : archive.notes) text += "note: " + note + "\n";
   return text;

@@ -5,15 +5,16 @@
 namespace fb {
 namespace {
 
-std::vector<float> column_displacements(const Basis& basis, std::uint32_t column) {
-  std::vector<float> displacements(basis.rows);
-  for (const RowGroup& group : basis.groups) {
-    const auto found = std::lower_bound(group.columns.begin(), group.columns.end(), column);
-    if (found == group.columns.end() || *found != column) continue;
-    const std::size_t first = static_cast<std::size_t>(found - group.columns.begin()) * group.row_count;
-    std::copy_n(group.values.begin() + first, group.row_count, displacements.begin() + group.first_row);
+std::vector<float> column_displacements(const PackedModel& model, std::uint32_t column) {
+  std::vector<float> moved(model.rest.points.size());
+  for (const PackedRowGroup& group : model.groups) {
+    const auto found = std::lower_bound(group.columns.begin(), group.columns.end(), column,
+                                        [](const PackedColumn& c, std::uint32_t wanted) { return c.column < wanted; });
+    if (found == group.columns.end() || found->column != column) continue;
+    const std::vector<float> values = displacements(group, static_cast<std::size_t>(found - group.columns.begin()));
+    for (std::uint32_t r = 0; r < group.row_count; ++r) moved[model.coordinate(group.first_row + r)] = values[r];
   }
-  return displacements;
+  return moved;
 }
 
 MorphAnimation from_frames(const Evaluator& evaluator, std::span<const float> controls, const Parallel& parallel) {
@@ -30,7 +31,7 @@ MorphAnimation from_frames(const Evaluator& evaluator, std::span<const float> co
   return animation;
 }
 
-MorphAnimation from_basis(const FaceModel& model, const Evaluator& evaluator, std::span<const float> controls) {
+MorphAnimation from_basis(const PackedModel& model, const Evaluator& evaluator, std::span<const float> controls) {
   const std::size_t frames = controls.size() / evaluator.control_count(), count = evaluator.coefficient_count();
   std::vector<float> coefficients(frames * count);
   Workspace workspace(evaluator);
@@ -46,7 +47,7 @@ MorphAnimation from_basis(const FaceModel& model, const Evaluator& evaluator, st
   if (used.empty()) used.push_back(0);
   MorphAnimation animation;
   for (const std::size_t c : used)
-    animation.targets.push_back(column_displacements(model.basis, static_cast<std::uint32_t>(c)));
+    animation.targets.push_back(column_displacements(model, static_cast<std::uint32_t>(c)));
   for (std::size_t f = 0; f < frames; ++f)
     for (const std::size_t c : used) animation.weights.push_back(coefficients[f * count + c]);
   return animation;
@@ -67,8 +68,8 @@ std::vector<float> evaluate_frames(const Evaluator& evaluator, std::span<const f
   return positions;
 }
 
-MorphAnimation animate(const FaceModel& model, const Evaluator& evaluator, std::span<const float> controls, double fps,
-                       const Parallel& parallel) {
+MorphAnimation animate(const PackedModel& model, const Evaluator& evaluator, std::span<const float> controls,
+                       double fps, const Parallel& parallel) {
   const std::size_t frames = controls.size() / evaluator.control_count();
   MorphAnimation animation = frames <= evaluator.coefficient_count() ? from_frames(evaluator, controls, parallel)
                                                                      : from_basis(model, evaluator, controls);

@@ -3,16 +3,16 @@
 #include <span>
 
 #include "export/glb_file.h"
-#include "model/face_model.h"
+#include "model/packed_model.h"
 #include "runtime/evaluator.h"
 
 namespace fb {
 
 // A clip (frames x controls) as morph targets over the rest mesh: the frames themselves, or, where there are more of
 // them than coefficients, the columns of the basis weighted by the coefficients. Both give the evaluator's positions,
-// to rounding; between frames the one blends positions, the other coefficients, which is the same.
-MorphAnimation animate(const FaceModel& model, const Evaluator& evaluator, std::span<const float> controls, double fps,
-                       const Parallel& parallel);
+// to its rounding of coefficients; between frames the one blends positions, the other coefficients, which is the same.
+MorphAnimation animate(const PackedModel& model, const Evaluator& evaluator, std::span<const float> controls,
+                       double fps, const Parallel& parallel);
 
 // frames x 3 x vertices positions of a clip.
 std::vector<float> evaluate_frames(const Evaluator& evaluator, std::span<const float> controls,

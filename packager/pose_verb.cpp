@@ -35,7 +35,7 @@ struct PoseVerb {
   void run();
 
  private:
-  void write_still_files(const FaceModel& model, const Evaluator& evaluator, const Poses& poses);
+  void write_still_files(const PackedModel& model, const Evaluator& evaluator, const Poses& poses);
   void print(const Poses& poses) const;
 
   std::vector<std::string> files_;  // written
@@ -60,7 +60,7 @@ std::string numbered(const std::filesystem::path& out, std::size_t frame, bool c
   return path.string();
 }
 
-std::unique_ptr<Source> open_truth(const std::string& name, const FaceModel& model, const std::string& archive) {
+std::unique_ptr<Source> open_truth(const std::string& name, const PackedModel& model, const std::string& archive) {
   auto source = open_source(name);
   check_same_controls(model.schema, archive.c_str(), source->schema(), name.c_str());
   if (source->rest().vertex_count() != model.rest.vertex_count())
@@ -69,7 +69,7 @@ std::unique_ptr<Source> open_truth(const std::string& name, const FaceModel& mod
   return source;
 }
 
-void PoseVerb::write_still_files(const FaceModel& model, const Evaluator& evaluator, const Poses& poses) {
+void PoseVerb::write_still_files(const PackedModel& model, const Evaluator& evaluator, const Poses& poses) {
   const std::size_t width = evaluator.control_count(), points = 3 * evaluator.vertex_count();
   const bool picture = out.ends_with(".png");
   const auto truth = beside.empty() ? nullptr : open_truth(beside, model, archive);
@@ -116,7 +116,7 @@ void PoseVerb::run() {
   if (frame && request.clip.empty()) fail(Status::invalid_argument, "--frame needs --clip");
 
   const auto bytes = read_file(archive);
-  const FaceModel model = naming(archive, [&] { return read_archive(bytes).model; });
+  const PackedModel model = naming(archive, [&] { return read_archive(bytes).model; });
   Poses poses = read_poses(request, model.schema);
   if (frame) {
     if (*frame >= poses.frames)

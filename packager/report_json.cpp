@@ -74,12 +74,8 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
 }
 
 std::string verify_json(const std::string& archive, const VerifyReport& report) {
-  return json_text({{"archive", archive},
-                    {"bytes", report.bytes},
-                    {"poses", report.poses},
-                    {"vertices", report.vertices},
-                    {"worst", report.worst},
-                    {"tolerance", verify_tolerance}});
+  return json_text(
+      {{"archive", archive}, {"bytes", report.bytes}, {"poses", report.poses}, {"vertices", report.vertices}});
 }
 
 }  // namespace fb

@@ -5,6 +5,7 @@
 
 #include "base/random.h"
 #include "model/face_model.h"
+#include "model/packed_model.h"
 
 namespace fb {
 
@@ -75,6 +76,74 @@ inline FaceModel tiny_model(std::uint64_t seed = 1) {
   for (std::uint32_t row = basis_group_rows; row < rows; ++row) dense[4 * rows + row] = 0;  // not in the second
   model.basis = make_basis(rows, 5, dense);
   model.provenance = R"({"recipe":"tiny"})";
+  return model;
+}
+
+inline std::vector<std::int16_t> random_numbers(Random& random, std::size_t count, bool wide) {
+  const int reach = wide ? largest_wide : largest_narrow;
+  std::vector<std::int16_t> numbers(count);
+  for (std::int16_t& number : numbers)
+    number = static_cast<std::int16_t>(int(random.below(static_cast<std::uint32_t>(2 * reach + 1))) - reach);
+  return numbers;
+}
+
+// Weights of up to +-0.5 in all, however wide.
+inline PackedLayer random_packed_layer(Random& random, std::uint32_t inputs, std::uint32_t outputs,
+                                       Activation activation, bool skip, bool wide) {
+  PackedLayer layer{inputs,     outputs,
+                    activation, skip,
+                    wide,       random_numbers(random, std::size_t(inputs) * outputs, wide),
+                    {},         random_values(random, outputs, 0.25f)};
+  for (std::uint32_t o = 0; o < outputs; ++o)
+    layer.scales.push_back(random.uniform(0.25f, 0.5f) / float(wide ? largest_wide : largest_narrow));
+  return layer;
+}
+
+// A group that uses the columns given, about every other one wide, and moves by up to `reach` each.
+inline PackedRowGroup random_group(Random& random, std::uint32_t first_row, std::uint32_t row_count,
+                                   const std::vector<std::uint32_t>& columns, float reach) {
+  PackedRowGroup group{first_row, row_count, {}, {}};
+  for (const std::uint32_t column : columns) {
+    const bool wide = random.uniform() < 0.5f;
+    group.columns.push_back({column, wide, reach / float(wide ? largest_wide : largest_narrow)});
+    const std::vector<std::int16_t> values = random_numbers(random, row_count, wide);
+    group.values.insert(group.values.end(), values.begin(), values.end());
+  }
+  return group;
+}
+
+// The controls, mesh and sizes of tiny_model, in whole numbers, with everything a packed model can have: features of
+// every kind, narrow and wide layers, all activations, a gated region, narrow and wide columns, rows in another order.
+// jaw_open is a direct coefficient; at most 1 away from rest it moves every vertex of the first rows.
+inline PackedModel tiny_packed_model(std::uint64_t seed = 1) {
+  const FaceModel tiny = tiny_model(seed);
+  Random random(seed, 1);
+  PackedModel model;
+  model.schema = tiny.schema;
+  model.rest = tiny.rest;
+  model.provenance = tiny.provenance;
+  model.features = tiny.network.features;
+  using Kind = Feature::Kind;
+  model.features.push_back({Kind::hat, 3, 1, 0.5f, 2});
+  model.features.push_back({Kind::product, 0, 1, 0, 0, 0, 6});
+  model.features.push_back({Kind::minimum, 0, 1, 0, 0, 3, 5});
+  model.direct = {0, 8};
+  model.regions = {{"face",
+                    {0, 1, 2, 6, 7, 5},
+                    {random_packed_layer(random, 6, 8, Activation::relu, false, true),
+                     random_packed_layer(random, 8, 8, Activation::relu, true, false),
+                     random_packed_layer(random, 8, 2, Activation::linear, false, false)},
+                    {}},
+                   {"brow",
+                    {3, 4},
+                    {random_packed_layer(random, 2, 4, Activation::tanh, false, false),
+                     random_packed_layer(random, 4, 4, Activation::silu, true, true),
+                     random_packed_layer(random, 4, 1, Activation::linear, false, false)},
+                    {{0, 1, 4, 5}, 2}}};
+  model.columns = 5;
+  const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
+  for (std::uint32_t i = 0; i < vertices; ++i) model.order.push_back((7 * i + 3) % vertices);
+  model.groups = {random_group(random, 0, 63, {0, 2, 3, 4}, 0.5f), random_group(random, 63, 27, {0, 1, 2, 3}, 0.5f)};
   return model;
 }
 

@@ -13,13 +13,25 @@ std::string ByteReader::string(const char* what) {
   return text;
 }
 
-std::vector<std::uint32_t> ByteReader::planes32(std::uint32_t count, const char* what) {
-  const auto bytes = take(std::uint64_t(count) * 4, what);
+std::vector<std::uint32_t> ByteReader::planes32(std::uint64_t count, const char* what) {
+  const auto bytes = take(checked_multiply(count, 4, where_.c_str()), what);
   budget_.take(count, sizeof(std::uint32_t), what);
-  std::vector<std::uint32_t> values(count);
+  std::vector<std::uint32_t> values(static_cast<std::size_t>(count));
   for (std::size_t plane = 0; plane < 4; ++plane)
-    for (std::size_t i = 0; i < count; ++i)
-      values[i] |= static_cast<std::uint32_t>(bytes[plane * count + i]) << (8 * plane);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] |= static_cast<std::uint32_t>(bytes[plane * values.size() + i]) << (8 * plane);
+  return values;
+}
+
+std::vector<std::int16_t> ByteReader::whole_numbers(std::uint64_t count, bool wide, const char* what) {
+  const auto bytes = take(wide ? checked_multiply(count, 2, where_.c_str()) : count, what);
+  budget_.take(count, sizeof(std::int16_t), what);
+  std::vector<std::int16_t> values(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto low = static_cast<std::uint16_t>(bytes[i]);
+    values[i] = wide ? static_cast<std::int16_t>(low | static_cast<std::uint16_t>(bytes[values.size() + i]) << 8)
+                     : static_cast<std::int8_t>(low);
+  }
   return values;
 }
 

@@ -78,7 +78,9 @@ class ByteReader {
 
   std::string string(const char* what);
   // Unpacks 32-bit numbers from four planes, least significant bytes first.
-  std::vector<std::uint32_t> planes32(std::uint32_t count, const char* what);
+  std::vector<std::uint32_t> planes32(std::uint64_t count, const char* what);
+  // Whole numbers of 16 bits from two such planes where `wide`, else of one byte each.
+  std::vector<std::int16_t> whole_numbers(std::uint64_t count, bool wide, const char* what);
   // Fails unless everything was read.
   void end() const {
     if (left() != 0) damaged("the section should end here");
@@ -103,10 +105,5 @@ class ByteReader {
   Budget& budget_;
   std::size_t at_ = 0;
 };
-
-// 16-bit number i of two planes, least significant bytes first.
-inline std::int16_t from_planes16(std::span<const std::byte> low, std::span<const std::byte> high, std::size_t i) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(low[i]) | static_cast<std::uint16_t>(high[i]) << 8);
-}
 
 }  // namespace fb

@@ -51,6 +51,11 @@ class ByteWriter {
       for (const T value : values)
         bytes.push_back(static_cast<std::byte>(static_cast<std::make_unsigned_t<T>>(value) >> (8 * plane)));
   }
+  // Planes of 16 bits where `wide`, else one byte each.
+  void whole_numbers(const std::vector<std::int16_t>& values, bool wide) {
+    if (wide) return planes(values);
+    for (const std::int16_t value : values) number(static_cast<std::int8_t>(value));
+  }
 };
 
 }  // namespace fb

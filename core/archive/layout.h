@@ -8,7 +8,7 @@
 namespace fb {
 
 inline constexpr unsigned char archive_magic[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
-inline constexpr std::uint16_t archive_major = 0, archive_minor = 1;
+inline constexpr std::uint16_t archive_major = 0, archive_minor = 2;
 
 inline constexpr std::size_t header_bytes = 24, table_row_bytes = 56, checksum_bytes = 8, section_name_bytes = 16;
 inline constexpr std::uint32_t max_sections = 64;
@@ -17,6 +17,8 @@ inline constexpr std::uint32_t max_string_bytes = 0xffff;
 
 inline constexpr std::uint32_t section_required = 1;  // the one flag there is
 enum class Codec : std::uint32_t { none = 0, zstd = 1 };
+
+inline constexpr std::uint8_t layer_skips = 1, layer_is_wide = 2;  // the flags of a layer
 
 // How the points of section "geometry" find their vertices.
 enum class PointOrder : std::uint32_t { as_stored = 0, by_index = 1 };
@@ -30,6 +32,14 @@ inline constexpr const char* basis = "basis";
 inline constexpr const char* provenance = "provenance";
 inline constexpr const char* proof = "proof";
 }  // namespace section
+
+// Signed steps as small unsigned numbers: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...; all modulo 2^32.
+constexpr std::uint32_t to_zigzag(std::uint32_t step) {
+  return step << 1 ^ (0u - (step >> 31));
+}
+constexpr std::uint32_t from_zigzag(std::uint32_t zigzag) {
+  return zigzag >> 1 ^ (0u - (zigzag & 1));
+}
 
 // What corner `at`, number k of its polygon, is stored as a step from: the corner at the same place in the polygon
 // before, of `previous_size` corners, or else the corner before it.

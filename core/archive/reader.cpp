@@ -24,7 +24,7 @@ bool known(std::string_view name) {
 }
 
 // The parts are sound by themselves; what follows is whether they fit each other, and whether numbers are finite.
-void check_whole(const FaceModel& model) {
+void check_whole(const PackedModel& model) {
   try {
     check(model);
   } catch (const Error& error) {
@@ -52,7 +52,7 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits)
   }
 
   Budget budget(limits.max_model_bytes);
-  FaceModel& model = archive.model;
+  PackedModel& model = archive.model;
   Definition definition = open(sections, section::definition, budget, read_definition);
   model.schema = std::move(definition.schema);
   open(sections, section::polygons, budget,
@@ -61,8 +61,8 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits)
   for (const std::uint32_t size : model.rest.polygon_sizes) triangles += size > 2 ? size - 2 : 0;
   model.rest.points = open(sections, section::geometry, budget,
                            [&](ByteReader& in) { return read_geometry(in, definition.vertices, triangles); });
-  model.network = open(sections, section::network, budget, read_network);
-  model.basis = open(sections, section::basis, budget, read_basis);
+  open(sections, section::network, budget, [&](ByteReader& in) { read_network(in, model); });
+  open(sections, section::basis, budget, [&](ByteReader& in) { read_basis(in, definition.vertices, model); });
   if (const StoredSection* provenance = find_section(sections, section::provenance)) {
     const std::vector<std::byte> raw = provenance->unpack(budget);
     model.provenance.assign(reinterpret_cast<const char*>(raw.data()), raw.size());

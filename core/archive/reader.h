@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "archive/proof.h"
-#include "model/face_model.h"
+#include "model/packed_model.h"
 
 namespace fb {
 
@@ -25,7 +25,7 @@ struct SectionInfo {
 };
 
 struct Archive {
-  FaceModel model;
+  PackedModel model;
   Proof proof;
   std::uint32_t format_version = 0;  // major * 1000 + minor
   std::vector<SectionInfo> sections;
@@ -33,7 +33,7 @@ struct Archive {
 };
 
 // Reads a whole archive. The bytes may come from anyone: every size is checked before it is believed, all checksums are
-// verified, and the model returned has passed check(FaceModel). Fails with
+// verified, and the model returned has passed check(PackedModel). Fails with
 //   not_an_archive  something else altogether, or nothing
 //   unsupported     another format version, an unknown required section, codec or kind of node
 //   corrupt         truncated, damaged, trailing bytes, contents that contradict themselves

@@ -6,7 +6,7 @@
 
 #include "archive/byte_reader.h"
 #include "archive/proof.h"
-#include "model/face_model.h"
+#include "model/packed_model.h"
 
 namespace fb {
 
@@ -20,8 +20,10 @@ Definition read_definition(ByteReader& in);
 void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh);
 // The rest points in vertex order: 3 x vertices. `triangles` is how many the polygons fan into.
 std::vector<float> read_geometry(ByteReader& in, std::uint32_t vertices, std::uint64_t triangles);
-Network read_network(ByteReader& in);
-Basis read_basis(ByteReader& in);
+// Fills features, direct and regions.
+void read_network(ByteReader& in, PackedModel& model);
+// Fills columns, order and groups, whose rows are those of `vertices`.
+void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model);
 Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices);
 
 }  // namespace fb

@@ -1,50 +1,46 @@
 #include "archive/section_writer.h"
 
-#include <cmath>
-
 #include "archive/layout.h"
 #include "base/checked.h"
 
 namespace fb {
 namespace {
 
-// Rounds rows of equal length to 16 bits with one scale each, as FORMAT.md ("Quantisation") states.
-struct Quantized {
-  std::vector<float> scales;
-  std::vector<std::int16_t> values;
-
-  void add_row(const float* row, std::size_t count) {
-    float largest = 0;
-    for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::fabs(row[i]));
-    const float scale = largest < 0x1p-100f ? 0 : largest / 32767;
-    scales.push_back(scale);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double steps = scale == 0 ? 0 : std::nearbyint(double(row[i]) / scale);
-      values.push_back(static_cast<std::int16_t>(std::clamp(steps, -32767.0, 32767.0)));
-    }
-  }
-};
-
-void write_layer(ByteWriter& out, const DenseLayer& layer) {
-  out.number(layer.inputs);
-  out.number(layer.outputs);
-  out.number(static_cast<std::uint32_t>(layer.activation));
-  out.number(std::uint32_t(layer.skip));
-  out.numbers(layer.bias);
-  Quantized weights;
-  for (std::size_t o = 0; o < layer.outputs; ++o)
-    weights.add_row(layer.weights.data() + o * layer.inputs, layer.inputs);
-  out.numbers(weights.scales);
-  out.planes(weights.values);
-}
-
 void write_count(ByteWriter& out, std::size_t count, const char* what) {
   out.number(checked_u32(count, what));
 }
 
+void write_feature(ByteWriter& out, const Feature& feature) {
+  out.number(static_cast<std::uint8_t>(feature.kind));
+  if (feature.of_features()) {
+    out.number(feature.first);
+    out.number(feature.second);
+    return;
+  }
+  out.number(feature.control);
+  out.number(feature.scale);
+  if (feature.kind != Feature::Kind::identity) out.number(feature.threshold);
+  if (feature.kind == Feature::Kind::hat) out.number(feature.fall);
+}
+
+void write_list(ByteWriter& out, const std::vector<std::uint32_t>& list, const char* what) {
+  write_count(out, list.size(), what);
+  out.numbers(list);
+}
+
+void write_layer(ByteWriter& out, const PackedLayer& layer) {
+  out.number(layer.inputs);
+  out.number(layer.outputs);
+  out.number(static_cast<std::uint8_t>(layer.activation));
+  out.number(static_cast<std::uint8_t>((layer.skip ? layer_skips : 0) | (layer.wide ? layer_is_wide : 0)));
+  out.numbers(layer.bias);
+  out.numbers(layer.scales);
+  out.whole_numbers(layer.weights, layer.wide);
+}
+
 }  // namespace
 
-ByteWriter write_definition(const FaceModel& model) {
+ByteWriter write_definition(const PackedModel& model) {
   const RigSchema& schema = model.schema;
   ByteWriter out;
   out.string(schema.name, "the rig's name");
@@ -76,8 +72,7 @@ ByteWriter write_polygons(const Mesh& mesh) {
   for (const std::uint32_t size : mesh.polygon_sizes) {
     for (std::uint32_t k = 0; k < size; ++k, ++at) {
       const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
-      const auto step = static_cast<std::int32_t>(mesh.polygon_corners[at] - before);
-      zigzag.push_back(static_cast<std::uint32_t>(step) << 1 ^ static_cast<std::uint32_t>(step >> 31));
+      zigzag.push_back(to_zigzag(mesh.polygon_corners[at] - before));
     }
     previous_size = size;
   }
@@ -85,47 +80,63 @@ ByteWriter write_polygons(const Mesh& mesh) {
   return out;
 }
 
-ByteWriter write_network(const Network& network) {
+ByteWriter write_network(const PackedModel& model) {
   ByteWriter out;
-  write_count(out, network.features.size(), "features");
-  for (const Feature& feature : network.features) {
-    out.number(static_cast<std::uint32_t>(feature.kind));
-    out.number(feature.control);
-    out.number(feature.scale);
-    out.number(feature.threshold);
-  }
-  write_count(out, network.direct.size(), "direct coefficients");
-  out.numbers(network.direct);
-  write_count(out, network.regions.size(), "regions");
-  for (const Region& region : network.regions) {
+  write_count(out, model.features.size(), "features");
+  for (const Feature& feature : model.features) write_feature(out, feature);
+  write_list(out, model.direct, "direct coefficients");
+  write_count(out, model.regions.size(), "regions");
+  for (const PackedRegion& region : model.regions) {
     out.string(region.name, "a region's name");
-    write_count(out, region.features.size(), "region features");
-    out.numbers(region.features);
+    write_list(out, region.features, "region features");
+    write_list(out, region.gate.features, "gate features");
+    out.number(region.gate.slope);
     write_count(out, region.layers.size(), "layers");
-    for (const DenseLayer& layer : region.layers) write_layer(out, layer);
+    for (const PackedLayer& layer : region.layers) write_layer(out, layer);
   }
   return out;
 }
 
-ByteWriter write_basis(const Basis& basis) {
+ByteWriter write_basis(const PackedModel& model) {
   ByteWriter out;
-  out.number(basis.rows);
-  out.number(basis.columns);
-  write_count(out, basis.groups.size(), "row groups");
-  Quantized values;
-  for (const RowGroup& group : basis.groups) {
-    out.number(group.row_count);
-    write_count(out, group.columns.size(), "columns");
-    out.numbers(group.columns);
-    for (std::size_t c = 0; c < group.columns.size(); ++c)
-      values.add_row(group.values.data() + c * group.row_count, group.row_count);
+  out.number(model.columns);
+  out.number(std::uint32_t(!model.order.empty()));
+  std::vector<std::uint32_t> steps;
+  std::uint32_t before = 0;
+  for (const std::uint32_t vertex : model.order) {
+    steps.push_back(to_zigzag(vertex - before));
+    before = vertex;
   }
-  out.numbers(values.scales);
-  out.planes(values.values);
+  out.planes(steps);
+  steps.clear();
+  write_count(out, model.groups.size(), "row groups");
+  for (const PackedRowGroup& group : model.groups) out.number(group.row_count);
+  for (const PackedRowGroup& group : model.groups) write_count(out, group.columns.size(), "columns");
+  std::vector<std::uint8_t> wide;
+  std::vector<float> scales;
+  std::vector<std::int16_t> narrow_values, wide_values;
+  for (const PackedRowGroup& group : model.groups) {
+    before = 0;
+    auto first = group.values.begin();
+    for (const PackedColumn& column : group.columns) {
+      steps.push_back(column.column - before);
+      before = column.column;
+      wide.push_back(column.wide);
+      scales.push_back(column.scale);
+      auto& values = column.wide ? wide_values : narrow_values;
+      values.insert(values.end(), first, first + group.row_count);
+      first += group.row_count;
+    }
+  }
+  out.planes(steps);
+  out.numbers(wide);
+  out.numbers(scales);
+  out.whole_numbers(narrow_values, false);
+  out.whole_numbers(wide_values, true);
   return out;
 }
 
-ByteWriter write_proof(const Proof& proof, const FaceModel& model) {
+ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   const std::size_t controls = model.schema.control_count();
   const std::size_t poses = proof.controls.size() / controls;
   if (proof.controls.size() != poses * controls || proof.positions.size() != poses * proof.vertices.size() * 3)

@@ -3,16 +3,16 @@
 
 #include "archive/byte_writer.h"
 #include "archive/proof.h"
-#include "model/face_model.h"
+#include "model/packed_model.h"
 
 namespace fb {
 
-ByteWriter write_definition(const FaceModel& model);
+ByteWriter write_definition(const PackedModel& model);
 ByteWriter write_polygons(const Mesh& mesh);
 // Fails with `internal` if no encoding gives the points back bit for bit.
 ByteWriter write_geometry(const Mesh& mesh);
-ByteWriter write_network(const Network& network);
-ByteWriter write_basis(const Basis& basis);
-ByteWriter write_proof(const Proof& proof, const FaceModel& model);
+ByteWriter write_network(const PackedModel& model);
+ByteWriter write_basis(const PackedModel& model);
+ByteWriter write_proof(const Proof& proof, const PackedModel& model);
 
 }  // namespace fb

@@ -64,15 +64,15 @@ std::vector<std::byte> assemble(const std::vector<Packed>& sections) {
 
 }  // namespace
 
-std::vector<std::byte> write_archive(const FaceModel& model, const Proof& proof) {
+std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proof) {
   check(model);
   if (model.provenance.find('\0') != std::string::npos) fail(Status::bad_data, "the provenance holds a zero byte");
   std::vector<Packed> sections;
   sections.push_back(pack(section::definition, true, write_definition(model).bytes));
   sections.push_back(pack(section::polygons, true, write_polygons(model.rest).bytes));
   sections.push_back(pack(section::geometry, true, write_geometry(model.rest).bytes));
-  sections.push_back(pack(section::network, true, write_network(model.network).bytes));
-  sections.push_back(pack(section::basis, true, write_basis(model.basis).bytes));
+  sections.push_back(pack(section::network, true, write_network(model).bytes));
+  sections.push_back(pack(section::basis, true, write_basis(model).bytes));
   if (!model.provenance.empty()) {
     const auto text = std::as_bytes(std::span(model.provenance));
     sections.push_back(pack(section::provenance, false, {text.begin(), text.end()}));

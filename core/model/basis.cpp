@@ -17,7 +17,7 @@ std::size_t Basis::value_count() const {
 Basis make_basis(std::uint32_t rows, std::uint32_t columns, const std::vector<float>& dense) {
   if (dense.size() != checked_multiply(rows, columns, "basis"))
     fail(Status::invalid_argument, "a basis of %u x %u is given %zu values", rows, columns, dense.size());
-  Basis basis{rows, columns, {}};
+  Basis basis{rows, columns, {}, {}};
   for (std::uint32_t first = 0; first < rows; first += basis_group_rows) {
     RowGroup group{first, std::min(basis_group_rows, rows - first), {}, {}};
     for (std::uint32_t column = 0; column < columns; ++column) {
@@ -48,6 +48,19 @@ void check(const Basis& basis) {
       if (!std::isfinite(value)) fail(Status::not_finite, "basis: row group %zu holds a value that is not finite", g);
   }
   if (row != basis.rows) fail(Status::bad_data, "basis: row groups cover %zu of %u rows", row, basis.rows);
+  check_order(basis.order, basis.rows);
+}
+
+void check_order(const std::vector<std::uint32_t>& order, std::size_t rows) {
+  if (order.empty()) return;
+  if (3 * order.size() != rows)
+    fail(Status::bad_data, "basis: the order has %zu vertices for %zu rows", order.size(), rows);
+  std::vector<bool> seen(order.size());
+  for (const std::uint32_t vertex : order) {
+    if (vertex >= order.size() || seen[vertex])
+      fail(Status::bad_data, "basis: the order names vertex %u twice or beyond the last", vertex);
+    seen[vertex] = true;
+  }
 }
 
 }  // namespace fb

@@ -32,7 +32,11 @@ inline constexpr std::uint32_t basis_group_rows = 64;
 // left out of it.
 Basis make_basis(std::uint32_t rows, std::uint32_t columns, const std::vector<float>& dense);
 
-// Fails, naming the group, unless groups cover all rows in order, columns ascend and exist, and values are finite.
+// Fails, naming the group, unless groups cover all rows in order, columns ascend and exist, values are finite, and the
+// order is one.
 void check(const Basis& basis);
+
+// Fails unless `order` is empty or names each of rows / 3 vertices once.
+void check_order(const std::vector<std::uint32_t>& order, std::size_t rows);
 
 }  // namespace fb

@@ -1,31 +1,17 @@
 #include "model/network.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/checked.h"
-#include "base/status.h"
+#include "model/network_check.h"
 
 namespace fb {
 namespace {
 
-bool finite(const std::vector<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
-}
-
-void check(const DenseLayer& layer, std::size_t inputs, const char* where) {
-  if (layer.inputs != inputs)
-    fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, inputs);
-  if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", where);
+void check_values(const DenseLayer& layer, const char* where) {
   if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, where) ||
       layer.bias.size() != layer.outputs)
     fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu biases", where, layer.outputs, layer.inputs,
          layer.weights.size(), layer.bias.size());
-  if (layer.skip && layer.inputs != layer.outputs)
-    fail(Status::bad_data, "%s skips from %u inputs to %u outputs", where, layer.inputs, layer.outputs);
-  if (layer.activation > Activation::relu)
-    fail(Status::unsupported, "%s has unknown activation %u", where, static_cast<unsigned>(layer.activation));
-  if (!finite(layer.weights) || !finite(layer.bias))
+  if (!all_finite(layer.weights) || !all_finite(layer.bias))
     fail(Status::not_finite, "%s holds a weight that is not finite", where);
 }
 
@@ -45,31 +31,53 @@ std::size_t Network::parameter_count() const {
   return count;
 }
 
-void check(const Network& network, std::size_t control_count) {
-  for (std::size_t f = 0; f < network.features.size(); ++f) {
-    const Feature& feature = network.features[f];
-    if (feature.kind > Feature::Kind::ramp)
+void check_features(const std::vector<Feature>& features, std::size_t control_count) {
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const Feature& feature = features[f];
+    if (feature.kind > Feature::Kind::minimum)
       fail(Status::unsupported, "feature %zu has unknown kind %u", f, static_cast<unsigned>(feature.kind));
+    if (feature.of_features()) {
+      const std::uint32_t later = std::max(feature.first, feature.second);
+      if (later >= f)
+        fail(Status::bad_data, "feature %zu is made of feature %u, which does not come before it", f, later);
+      continue;
+    }
     if (feature.control >= control_count)
       fail(Status::bad_data, "feature %zu names control %u of %zu", f, feature.control, control_count);
-    if (!std::isfinite(feature.scale) || !std::isfinite(feature.threshold) || feature.threshold < 0)
-      fail(Status::not_finite, "feature %zu has scale %g, threshold %g", f, feature.scale, feature.threshold);
+    if (!std::isfinite(feature.scale) || !std::isfinite(feature.threshold) || !(feature.threshold >= 0) ||
+        !std::isfinite(feature.fall) || !(feature.fall >= 0))
+      fail(Status::not_finite, "feature %zu has scale %g, threshold %g, fall %g", f, feature.scale, feature.threshold,
+           feature.fall);
   }
-  for (const std::uint32_t f : network.direct)
-    if (f >= network.features.size())
-      fail(Status::bad_data, "a direct coefficient names feature %u of %zu", f, network.features.size());
-  for (const Region& region : network.regions) {
-    for (const std::uint32_t f : region.features)
-      if (f >= network.features.size())
-        fail(Status::bad_data, "region \"%s\" names feature %u of %zu", region.name.c_str(), f,
-             network.features.size());
-    if (region.layers.empty()) fail(Status::bad_data, "region \"%s\" has no layers", region.name.c_str());
-    std::size_t width = region.features.size();
-    for (std::size_t l = 0; l < region.layers.size(); ++l) {
-      check(region.layers[l], width, format("region \"%s\" layer %zu", region.name.c_str(), l).c_str());
-      width = region.layers[l].outputs;
-    }
+}
+
+void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Feature>& features) {
+  for (const std::uint32_t f : direct)
+    if (f >= features.size())
+      fail(Status::bad_data, "a direct coefficient names feature %u of %zu", f, features.size());
+}
+
+void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region) {
+  if (!std::isfinite(gate.slope) || !(gate.slope > 0))
+    fail(Status::not_finite, "region \"%s\" has a gate of slope %g", region, gate.slope);
+  std::vector<std::uint32_t> controls;
+  for (const std::uint32_t f : gate.features) {
+    if (f >= features.size())
+      fail(Status::bad_data, "the gate of region \"%s\" names feature %u of %zu", region, f, features.size());
+    if (features[f].kind != Feature::Kind::identity)
+      fail(Status::bad_data, "the gate of region \"%s\" names feature %u, which is no identity", region, f);
+    controls.push_back(features[f].control);
   }
+  std::sort(controls.begin(), controls.end());
+  const auto twice = std::adjacent_find(controls.begin(), controls.end());
+  if (twice != controls.end())
+    fail(Status::bad_data, "the gate of region \"%s\" looks at control %u twice", region, *twice);
+}
+
+void check(const Network& network, std::size_t control_count) {
+  check_features(network.features, control_count);
+  check_direct(network.direct, network.features);
+  check_regions(network.regions, network.features, check_values);
 }
 
 }  // namespace fb

@@ -24,6 +24,8 @@ struct Feature {
   float threshold = 0;                  // ramp, hat; >= 0
   float fall = 0;                       // hat; >= 0: how much steeper it falls than it rises
   std::uint32_t first = 0, second = 0;  // product, minimum: features that come before this one
+
+  bool of_features() const { return kind == Kind::product || kind == Kind::minimum; }
 };
 
 // silu is x / (1 + exp(-x)); it and tanh are the rational functions of activation.h, on every machine the same.

@@ -17,6 +17,17 @@ namespace fb {
 // low with both digits in -128..127.
 inline constexpr int largest_narrow = 127, largest_wide = 32512;
 
+// The two digits of a whole number.
+constexpr int low_digit(int number) {
+  return ((number + 128) & 255) - 128;
+}
+constexpr int high_digit(int number) {
+  return (number - low_digit(number)) / 256;
+}
+
+// Numbers summed in one row at most, so that a sum of digits times 1 fits 32 bits.
+inline constexpr std::uint32_t most_summands = 0xffffff;
+
 // y = activation(scales[o] * (W x)[o] + bias[o]), plus x where `skip`.
 struct PackedLayer {
   std::uint32_t inputs = 0, outputs = 0;
@@ -58,8 +69,16 @@ struct PackedModel {
   std::vector<PackedRowGroup> groups;  // ascending, without gaps or overlaps, covering 3 x vertices rows
   std::string provenance;              // a JSON object; read by people and `inspect`
 
-  std::size_t parameter_count() const;
+  std::size_t parameter_count() const;  // weights and biases
+  std::size_t value_count() const;      // of the basis
+  // Which of the rest mesh's coordinates a row of the basis moves.
+  std::size_t coordinate(std::uint32_t row) const {
+    return order.empty() ? row : 3 * std::size_t(order[row / 3]) + row % 3;
+  }
 };
+
+// The numbers of a column of a group multiplied out: what one unit of the coefficient moves, row by row.
+std::vector<float> displacements(const PackedRowGroup& group, std::size_t column);
 
 // Checks every part and that they fit each other; fails by name.
 void check(const PackedModel& model);

@@ -5,12 +5,15 @@
 
 #include "base/checked.h"
 #include "base/status.h"
+#include "model/activation.h"
+#include "model/feature_values.h"
 #include "runtime/float_state.h"
+#include "runtime/quantized.h"
 
 namespace fb {
 namespace {
 
-const FaceModel& checked(const FaceModel& model) {
+const PackedModel& checked(const PackedModel& model) {
   check(model);
   return model;
 }
@@ -18,6 +21,44 @@ const FaceModel& checked(const FaceModel& model) {
 // One past the last float that `count` items of `size` floats touch, `stride` apart.
 std::size_t extent(std::size_t count, std::size_t stride, std::size_t size) {
   return count == 0 ? 0 : checked_add(checked_multiply(count - 1, stride, "batch"), size, "batch");
+}
+
+PanelMatrix digits_of(const PackedLayer& layer, bool high, std::pmr::memory_resource& memory) {
+  const auto digit = [&](std::size_t row, std::size_t column) {
+    const int weight = layer.weights[row * layer.inputs + column];
+    return high ? high_digit(weight) : layer.wide ? low_digit(weight) : weight;
+  };
+  return PanelMatrix(layer.outputs, layer.inputs, digit, memory);
+}
+
+// Every column's values or low digits come first, then the high digits of wide columns.
+PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& memory) {
+  const auto count = static_cast<std::uint32_t>(group.columns.size());
+  std::vector<std::uint32_t> wide;
+  for (std::uint32_t c = 0; c < count; ++c)
+    if (group.columns[c].wide) wide.push_back(c);
+  const auto digit = [&](std::size_t row, std::size_t summand) {
+    const std::size_t c = summand < count ? summand : wide[summand - count];
+    const int value = group.values[c * group.row_count + row];
+    return summand >= count ? high_digit(value) : group.columns[c].wide ? low_digit(value) : value;
+  };
+  return PanelMatrix(group.row_count, count + wide.size(), digit, memory);
+}
+
+void activate(Activation activation, float* values, std::size_t count) {
+  switch (activation) {
+    case Activation::linear:
+      return;
+    case Activation::relu:
+      for (std::size_t i = 0; i < count; ++i) values[i] = values[i] > 0 ? values[i] : 0;
+      return;
+    case Activation::tanh:
+      for (std::size_t i = 0; i < count; ++i) values[i] = rational_tanh(values[i]);
+      return;
+    case Activation::silu:
+      for (std::size_t i = 0; i < count; ++i) values[i] = rational_silu(values[i]);
+      return;
+  }
 }
 
 }  // namespace
@@ -28,46 +69,88 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       coefficients_(evaluator.coefficient_count(), &memory),
       layer_input_(evaluator.widest_layer_, &memory),
       layer_output_(evaluator.widest_layer_, &memory),
+      summands_(evaluator.longest_list_, &memory),
+      rows_(evaluator.rest_.size(), &memory),
       active_(evaluator.longest_list_, &memory) {}
 
-Evaluator::Evaluator(const FaceModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes)
+Evaluator::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& memory)
+    : inputs(layer.inputs),
+      outputs(layer.outputs),
+      activation(layer.activation),
+      skip(layer.skip),
+      low(digits_of(layer, false, memory)),
+      limit(static_cast<float>(low.limit())),
+      scales(layer.scales.begin(), layer.scales.end(), &memory),
+      bias(layer.bias.begin(), layer.bias.end(), &memory) {
+  if (!layer.wide) return;
+  high.emplace(digits_of(layer, true, memory));
+  limit = static_cast<float>(std::min(low.limit(), high->limit()));
+}
+
+Evaluator::Net::Net(const PackedRegion& region, std::pmr::memory_resource& memory)
+    : features(region.features.begin(), region.features.end(), &memory),
+      gate(region.gate.features.begin(), region.gate.features.end(), &memory),
+      slope(region.gate.slope),
+      layers(&memory),
+      at_rest(region.layers.back().outputs, &memory) {
+  layers.reserve(region.layers.size());
+  for (const PackedLayer& layer : region.layers) layers.emplace_back(layer, memory);
+}
+
+Evaluator::Chunk::Chunk(const PackedRowGroup& group, std::pmr::memory_resource& memory)
+    : first_row(group.first_row), columns(&memory), scales(&memory), digits(digits_of(group, memory)) {
+  columns.reserve(digits.columns());
+  scales.reserve(digits.columns());
+  for (const bool high : {false, true})
+    for (const PackedColumn& column : group.columns)
+      if (column.wide || !high) {
+        columns.push_back(column.column);
+        scales.push_back(high ? 256 * column.scale : column.scale);
+      }
+}
+
+Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes)
     : schema_(checked(model).schema),
       memory_(memory, max_bytes),
       ranges_(&memory_),
+      rest_controls_(&memory_),
       rest_(model.rest.points.begin(), model.rest.points.end(), &memory_),
-      features_(model.network.features.begin(), model.network.features.end(), &memory_),
-      direct_(model.network.direct.begin(), model.network.direct.end(), &memory_),
+      features_(model.features.begin(), model.features.end(), &memory_),
+      direct_(model.direct.begin(), model.direct.end(), &memory_),
       nets_(&memory_),
-      basis_(model.basis, memory_),
-      coefficient_count_(model.network.coefficient_count()),
-      longest_list_(basis_.longest_list()) {
+      chunks_(&memory_),
+      order_(model.order.begin(), model.order.end(), &memory_),
+      rest_rows_(&memory_),
+      coefficient_count_(model.columns) {
   ranges_.reserve(model.schema.control_count());
-  for (const Control& control : model.schema.controls)
-    ranges_.push_back({control.minimum, control.maximum, control.rest});
-  nets_.reserve(model.network.regions.size());
-  for (const Region& region : model.network.regions) {
-    Net& net = nets_.emplace_back(Net{{region.features.begin(), region.features.end(), &memory_},
-                                      std::pmr::vector<Layer>(&memory_),
-                                      std::pmr::vector<float>(region.layers.back().outputs, &memory_)});
-    net.layers.reserve(region.layers.size());
-    for (const DenseLayer& layer : region.layers) {
-      net.layers.push_back({PanelMatrix(layer, memory_),
-                            {layer.bias.begin(), layer.bias.end(), &memory_},
-                            layer.activation == Activation::relu,
-                            layer.skip});
+  rest_controls_.reserve(model.schema.control_count());
+  for (const Control& control : model.schema.controls) {
+    ranges_.push_back({control.minimum, control.maximum});
+    rest_controls_.push_back(control.rest);
+  }
+  nets_.reserve(model.regions.size());
+  for (const PackedRegion& region : model.regions) {
+    for (const Layer& layer : nets_.emplace_back(region, memory_).layers) {
       widest_layer_ = std::max<std::size_t>({widest_layer_, layer.inputs, layer.outputs});
       longest_list_ = std::max<std::size_t>(longest_list_, layer.inputs);
     }
   }
+  chunks_.reserve(model.groups.size());
+  for (const PackedRowGroup& group : model.groups)
+    longest_list_ = std::max(longest_list_, chunks_.emplace_back(group, memory_).columns.size());
+  rest_rows_.reserve(3 * order_.size());
+  for (const std::uint32_t vertex : order_)
+    rest_rows_.insert(rest_rows_.end(), rest_.begin() + 3 * vertex, rest_.begin() + 3 * vertex + 3);
 
   // At rest every feature is 0; what the networks make of that, in this very arithmetic, is what evaluations subtract.
   const FloatState state;
   Workspace workspace(*this);
   for (std::size_t n = 0; n < nets_.size(); ++n) {
-    run_net(nets_[n], workspace);
+    run_layers(nets_[n], workspace);  // its input is still all 0
     std::copy_n(workspace.layer_input_.begin(), nets_[n].at_rest.size(), nets_[n].at_rest.begin());
+    std::fill(workspace.layer_input_.begin(), workspace.layer_input_.end(), 0.0f);
     if (!std::all_of(nets_[n].at_rest.begin(), nets_[n].at_rest.end(), [](float v) { return std::isfinite(v); }))
-      fail(Status::not_finite, "region \"%s\" overflows in the rest pose", model.network.regions[n].name.c_str());
+      fail(Status::not_finite, "region \"%s\" overflows in the rest pose", model.regions[n].name.c_str());
   }
 }
 
@@ -94,58 +177,97 @@ void Evaluator::refuse_nan(const float* controls) const {
   workspace.clamped_ += clamped;
 }
 
-void Evaluator::run_features(Workspace& workspace) const {
-  for (std::size_t f = 0; f < features_.size(); ++f) {
-    const Feature& feature = features_[f];
-    const float u = (workspace.controls_[feature.control] - ranges_[feature.control].rest) * feature.scale;
-    const float above = u - feature.threshold;
-    workspace.features_[f] = feature.kind == Feature::Kind::identity ? u : above > 0 ? above : 0;
-  }
+void Evaluator::run_layer(const Layer& layer, Workspace& workspace) {
+  const float* input = workspace.layer_input_.data();
+  float* output = workspace.layer_output_.data();
+  const Quantized x = quantize(input, layer.inputs, layer.limit, workspace.active_);
+  const float *scales = layer.scales.data(), *bias = layer.bias.data();
+  layer.low.multiply(x.active, [&](std::size_t first, std::size_t rows, const std::int32_t* low) {
+    float sums[PanelMatrix::panel_rows];
+    for (std::size_t r = 0; r < rows; ++r) sums[r] = static_cast<float>(low[r]);
+    if (layer.high) {
+      std::int32_t high[PanelMatrix::panel_rows];
+      layer.high->sum(static_cast<std::uint32_t>(first), x.active, high);
+      for (std::size_t r = 0; r < rows; ++r) sums[r] = 256 * static_cast<float>(high[r]) + sums[r];
+    }
+    for (std::size_t r = 0; r < rows; ++r) output[first + r] = (scales[first + r] * x.step) * sums[r] + bias[first + r];
+  });
+  activate(layer.activation, output, layer.outputs);
+  if (layer.skip)
+    for (std::size_t o = 0; o < layer.outputs; ++o) output[o] += input[o];
 }
 
-[[gnu::noinline]] void Evaluator::run_net(const Net& net, Workspace& workspace) const {
-  for (std::size_t i = 0; i < net.features.size(); ++i)
-    workspace.layer_input_[i] = workspace.features_[net.features[i]];
+[[gnu::noinline]] void Evaluator::run_layers(const Net& net, Workspace& workspace) {
   for (const Layer& layer : net.layers) {
-    const float* input = workspace.layer_input_.data();
-    float* output = workspace.layer_output_.data();
-    const float* bias = layer.bias.data();
-    layer.weights.multiply(input, workspace.active_, [&](std::size_t first, std::size_t rows, const float* sums) {
-      for (std::size_t r = 0; r < rows; ++r) {
-        float value = sums[r] + bias[first + r];
-        if (layer.relu) value = value > 0 ? value : 0;
-        if (layer.skip) value += input[first + r];
-        output[first + r] = value;
-      }
-    });
+    run_layer(layer, workspace);
     workspace.layer_input_.swap(workspace.layer_output_);
   }
 }
 
+void Evaluator::run_net(const Net& net, Workspace& workspace, float* coefficients) {
+  const float* features = workspace.features_.data();
+  float opening = 1;
+  if (!net.gate.empty()) {
+    float sum = 0, most = 0;
+    for (const std::uint32_t f : net.gate) {
+      const float size = std::fabs(features[f]);
+      sum += size;
+      most = size > most ? size : most;
+    }
+    const float open = net.slope * (sum - most);
+    opening = open > 0 ? (open < 1 ? open : 1) : 0;
+  }
+  bool resting = true;
+  for (std::size_t i = 0; i < net.features.size(); ++i) {
+    workspace.layer_input_[i] = features[net.features[i]];
+    resting = resting && workspace.layer_input_[i] == 0;
+  }
+  if (opening == 0 || resting) {
+    std::fill_n(coefficients, net.at_rest.size(), 0.0f);
+    return;
+  }
+  run_layers(net, workspace);
+  for (std::size_t i = 0; i < net.at_rest.size(); ++i)
+    coefficients[i] = (workspace.layer_input_[i] - net.at_rest[i]) * opening;
+}
+
 [[gnu::noinline]] void Evaluator::run_coefficients(const float* controls, Workspace& workspace) const {
   clamp(controls, workspace);
-  run_features(workspace);
+  feature_values(features_, workspace.controls_.data(), rest_controls_.data(), workspace.features_.data());
   float* out = workspace.coefficients_.data();
   for (const std::uint32_t feature : direct_) *out++ = workspace.features_[feature];
   for (const Net& net : nets_) {
-    run_net(net, workspace);
-    for (std::size_t i = 0; i < net.at_rest.size(); ++i) *out++ = workspace.layer_input_[i] - net.at_rest[i];
+    run_net(net, workspace, out);
+    out += net.at_rest.size();
   }
+}
+
+void Evaluator::run_chunk(const Chunk& chunk, Workspace& workspace, const float* rest, float* positions) {
+  const std::size_t count = chunk.columns.size();
+  float* summands = workspace.summands_.data();
+  const float* coefficients = workspace.coefficients_.data();
+  for (std::size_t s = 0; s < count; ++s) summands[s] = coefficients[chunk.columns[s]] * chunk.scales[s];
+  const Quantized x = quantize(summands, count, static_cast<float>(chunk.digits.limit()), workspace.active_);
+  if (x.step == 0) {
+    std::copy_n(rest, chunk.digits.rows(), positions);
+    return;
+  }
+  chunk.digits.multiply(x.active, [&](std::size_t first, std::size_t rows, const std::int32_t* sums) {
+    for (std::size_t r = 0; r < rows; ++r)
+      positions[first + r] = rest[first + r] + x.step * static_cast<float>(sums[r]);
+  });
 }
 
 [[gnu::noinline]] void Evaluator::run_pose(const float* controls, float* positions, std::size_t vertex_stride,
                                            Workspace& workspace) const {
   run_coefficients(controls, workspace);
-  const std::size_t gap = vertex_stride - 3;
-  basis_.multiply(workspace.coefficients_.data(), workspace.active_,
-                  [&](std::size_t first, std::size_t rows, const float* sums) {
-                    const float* rest = rest_.data() + first;
-                    float* out = positions + first;
-                    if (gap == 0)
-                      for (std::size_t r = 0; r < rows; ++r) out[r] = rest[r] + sums[r];
-                    else
-                      for (std::size_t r = 0; r < rows; ++r) out[r + (first + r) / 3 * gap] = rest[r] + sums[r];
-                  });
+  const bool in_place = order_.empty() && vertex_stride == 3;
+  const float* rest = order_.empty() ? rest_.data() : rest_rows_.data();
+  float* rows = in_place ? positions : workspace.rows_.data();
+  for (const Chunk& chunk : chunks_) run_chunk(chunk, workspace, rest + chunk.first_row, rows + chunk.first_row);
+  if (in_place) return;
+  for (std::size_t i = 0; i < vertex_count(); ++i)
+    std::copy_n(rows + 3 * i, 3, positions + (order_.empty() ? i : order_[i]) * vertex_stride);
 }
 
 void Evaluator::evaluate(const float* controls, float* positions, Workspace& workspace,

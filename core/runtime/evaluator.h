@@ -5,11 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/parallel.h"
-#include "model/face_model.h"
+#include "model/packed_model.h"
 #include "runtime/metered_memory.h"
 #include "runtime/panel_matrix.h"
 
@@ -27,7 +28,7 @@ class Workspace {
 
  private:
   friend class Evaluator;
-  std::pmr::vector<float> controls_, features_, coefficients_, layer_input_, layer_output_;
+  std::pmr::vector<float> controls_, features_, coefficients_, layer_input_, layer_output_, summands_, rows_;
   std::pmr::vector<ActiveColumn> active_;
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
@@ -44,14 +45,14 @@ struct Batch {
 };
 
 // Immutable once built: any number of threads may evaluate at once, each with its own Workspace. Evaluating takes no
-// memory and no locks, calls no libm and keeps one order of operations: the same controls give the same bits alone, in
-// a batch, with strides and on any thread, and controls at rest give the rest mesh exactly.
+// memory and no locks, calls no libm and keeps one order of operations: the same controls give the same bits on every
+// machine, alone, in a batch, with strides and on any thread, and controls at rest give the rest mesh exactly.
 class Evaluator {
  public:
   // Checks the model, then lays it out in blocks from `memory`, which must outlive the evaluator; `model` is not needed
   // any more. Fails with limit if the blocks take more than max_bytes, with not_finite if the network overflows at
   // rest.
-  explicit Evaluator(const FaceModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
+  explicit Evaluator(const PackedModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
                      std::uint64_t max_bytes = UINT64_MAX);
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
@@ -77,25 +78,43 @@ class Evaluator {
  private:
   friend class Workspace;
   struct Range {
-    float minimum, maximum, rest;
+    float minimum, maximum;
   };
   struct Layer {
-    PanelMatrix weights;
-    std::pmr::vector<float> bias;
-    bool relu, skip;
+    Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
+    std::uint32_t inputs, outputs;
+    Activation activation;
+    bool skip;
+    PanelMatrix low;
+    std::optional<PanelMatrix> high;  // the other digits of a wide layer
+    float limit;
+    std::pmr::vector<float> scales, bias;
   };
   struct Net {
-    std::pmr::vector<std::uint32_t> features;
+    Net(const PackedRegion& region, std::pmr::memory_resource& memory);
+    std::pmr::vector<std::uint32_t> features, gate;
+    float slope;
     std::pmr::vector<Layer> layers;
     std::pmr::vector<float> at_rest;  // what the last layer gives there
+  };
+  // A row group. Summand s is coefficient columns[s] times scales[s]; a wide column has two, one for each digit.
+  struct Chunk {
+    Chunk(const PackedRowGroup& group, std::pmr::memory_resource& memory);
+    std::uint32_t first_row;
+    std::pmr::vector<std::uint32_t> columns;
+    std::pmr::vector<float> scales;
+    PanelMatrix digits;
   };
 
   // The arithmetic, under a FloatState the caller holds.
   void clamp(const float* controls, Workspace& workspace) const;
-  void run_features(Workspace& workspace) const;
-  // Runs the layers; the result is workspace.layer_input_.
-  void run_net(const Net& net, Workspace& workspace) const;
+  static void run_layer(const Layer& layer, Workspace& workspace);
+  // Runs the layers on workspace.layer_input_, where the result is too.
+  static void run_layers(const Net& net, Workspace& workspace);
+  static void run_net(const Net& net, Workspace& workspace, float* coefficients);
   void run_coefficients(const float* controls, Workspace& workspace) const;
+  // Adds what the coefficients move to the rest positions of the chunk's rows.
+  static void run_chunk(const Chunk& chunk, Workspace& workspace, const float* rest, float* positions);
   void run_pose(const float* controls, float* positions, std::size_t vertex_stride, Workspace& workspace) const;
 
   // The first control that is NaN, or control_count().
@@ -105,11 +124,13 @@ class Evaluator {
   RigSchema schema_;
   MeteredMemory memory_;
   std::pmr::vector<Range> ranges_;
-  std::pmr::vector<float> rest_;
+  std::pmr::vector<float> rest_controls_, rest_;
   std::pmr::vector<Feature> features_;
   std::pmr::vector<std::uint32_t> direct_;
   std::pmr::vector<Net> nets_;
-  PanelMatrix basis_;
+  std::pmr::vector<Chunk> chunks_;
+  std::pmr::vector<std::uint32_t> order_;  // empty: rows are in the order of vertices
+  std::pmr::vector<float> rest_rows_;      // rest_ in the order of rows; empty where that is the same
   std::size_t coefficient_count_, widest_layer_ = 0, longest_list_ = 0;
 };
 

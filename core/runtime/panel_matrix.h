@@ -1,78 +1,81 @@
 // The one matrix form of the runtime: dense layers and the basis are both multiplied with a vector through it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory_resource>
-#include <span>
 #include <vector>
 
-#include "model/basis.h"
-#include "model/network.h"
+#include "base/checked.h"
+#include "model/packed_model.h"
+#include "runtime/kernels/panel_sums.h"
 
 namespace fb {
 
-// A column of the matrix whose input is not 0: its place in the panel's list of columns, and that input.
-struct ActiveColumn {
-  std::uint32_t place;
-  float input;
-};
-
-// Rows in panels of at most 64, each with the list of columns it uses; a panel's values lie column after column, rows
-// side by side, so that a loop over rows is a loop over lanes and a column whose input is 0 is never read.
-// Every row is summed over its columns in ascending order, each product rounded, starting from -0 (which a sum of
-// nothing keeps, so that rest + displacement leaves rest alone to the last bit). The bits do not depend on the vector
-// width.
+// A matrix of digits, -128 to 127, in panels of at most 64 rows. A panel's digits lie column after column, rows side by
+// side, so that a loop over rows is a loop over lanes and a column whose input is 0 is never read.
 class PanelMatrix {
  public:
   static constexpr std::uint32_t panel_rows = 64;
 
-  PanelMatrix(const DenseLayer& layer, std::pmr::memory_resource& memory);
-  PanelMatrix(const Basis& basis, std::pmr::memory_resource& memory);
+  // digit(row, column) gives the numbers.
+  template <class Digit>
+  PanelMatrix(std::uint32_t rows, std::size_t columns, Digit&& digit, std::pmr::memory_resource& memory)
+      : rows_(rows), columns_(columns), lines_(&memory) {
+    std::size_t lines = 0;
+    for (std::uint32_t first = 0; first < rows; first += panel_rows) lines += lines_of(first);
+    lines_.resize(checked_multiply(lines, columns, "a matrix"));
+    std::int64_t heaviest = 0;
+    Line* line = lines_.data();
+    for (std::uint32_t first = 0; first < rows; first += panel_rows) {
+      std::int64_t weights[panel_rows] = {};
+      for (std::size_t column = 0; column < columns; ++column, line += lines_of(first))
+        for (std::uint32_t r = 0; r < rows_at(first); ++r) {
+          const int d = digit(first + r, column);
+          line[r / 16].digit[r % 16] = static_cast<std::int8_t>(d);
+          weights[r] += std::abs(d);
+        }
+      heaviest = std::max(heaviest, *std::max_element(weights, weights + panel_rows));
+    }
+    if (heaviest > 0) limit_ = static_cast<std::int32_t>(std::min<std::int64_t>(limit_, INT32_MAX / heaviest));
+  }
 
-  // The number of active columns multiply may list.
-  std::size_t longest_list() const;
+  std::uint32_t rows() const { return rows_; }
+  std::size_t columns() const { return columns_; }
 
-  // Calls finish(first_row, row_count, sums) for each panel in the order of rows; sums is row_count floats. `active` is
-  // working memory of at least longest_list() entries.
+  // The largest input with which no sum of a row, however inputs are signed, leaves 32 bits; at least 1 if columns()
+  // is at most most_summands.
+  std::int32_t limit() const { return limit_; }
+
+  // Calls finish(row, count, sums) for each panel in the order of rows.
   template <class Finish>
-  void multiply(const float* input, std::span<ActiveColumn> active, Finish&& finish) const {
-    std::uint32_t listed = UINT32_MAX;
-    std::span<const ActiveColumn> used;
-    for (const Panel& panel : panels_) {
-      if (panel.list != listed) used = list_active(lists_[panel.list], input, active);
-      listed = panel.list;
-      alignas(64) float sums[panel_rows];
-      accumulate(panel, used, sums);
-      finish(panel.first_row, panel.row_count, static_cast<const float*>(sums));
+  void multiply(std::span<const ActiveColumn> active, Finish&& finish) const {
+    for (std::uint32_t first = 0; first < rows_; first += panel_rows) {
+      alignas(64) std::int32_t sums[panel_rows];
+      sum(first, active, sums);
+      finish(first, rows_at(first), static_cast<const std::int32_t*>(sums));
     }
   }
 
+  // The sums of the panel that begins at row `first`, a multiple of panel_rows.
+  void sum(std::uint32_t first, std::span<const ActiveColumn> active, std::int32_t* sums) const {
+    // All panels before this one are full.
+    const auto* digits = reinterpret_cast<const std::int8_t*>(lines_.data() + std::size_t(first / 16) * columns_);
+    panel_sums(digits, std::size_t(16) * lines_of(first), active, sums);
+  }
+
  private:
-  struct alignas(64) Line {
-    float value[16];
+  struct alignas(16) Line {
+    std::int8_t digit[16];
   };
-  struct List {
-    std::size_t first;  // in columns_
-    std::uint32_t count;
-  };
-  struct Panel {
-    std::uint32_t first_row, row_count, list;
-    std::size_t values;  // in lines_
-    std::uint32_t lines() const { return (row_count + 15) / 16; }
-  };
+  std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows, rows_ - first); }
+  std::uint32_t lines_of(std::uint32_t first) const { return (rows_at(first) + 15) / 16; }
 
-  void reserve(std::size_t panels, std::size_t lists, std::size_t columns, std::size_t lines);
-  std::uint32_t add_list(std::span<const std::uint32_t> columns);
-  // value(row of the panel, column of the list)
-  template <class Value>
-  void add_panel(std::uint32_t first_row, std::uint32_t row_count, std::uint32_t list, Value&& value);
-  std::span<const ActiveColumn> list_active(const List& list, const float* input, std::span<ActiveColumn> active) const;
-  void accumulate(const Panel& panel, std::span<const ActiveColumn> used, float* sums) const;
-
-  std::pmr::vector<Panel> panels_;
-  std::pmr::vector<List> lists_;
-  std::pmr::vector<std::uint32_t> columns_;
+  std::uint32_t rows_;
+  std::size_t columns_;
+  std::int32_t limit_ = largest_wide;
   std::pmr::vector<Line> lines_;
 };
 

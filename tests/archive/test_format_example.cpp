@@ -13,15 +13,16 @@
 namespace fb {
 namespace {
 
-// The model the example describes: one triangle, one control that moves its third corner up by 2.
-FaceModel example_model() {
-  FaceModel model;
+// The model the example describes: one triangle, one control that moves its third corner up by 127 / 64.
+PackedModel example_model() {
+  PackedModel model;
   model.schema.name = "tri";
   model.schema.controls = {{"up", 0, 1, 0, ""}};
   model.rest = {{0, 0, 0, 1, 0, 0, 0, 1, 0}, {3}, {0, 1, 2}};
-  model.network.features = {{Feature::Kind::identity, 0, 1, 0}};
-  model.network.direct = {0};
-  model.basis = make_basis(9, 1, {0, 0, 0, 0, 0, 0, 0, 2, 0});
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct = {0};
+  model.columns = 1;
+  model.groups = {{0, 9, {{0, false, 0.015625f}}, {0, 0, 0, 0, 0, 0, 0, 127, 0}}};
   return model;
 }
 
@@ -43,11 +44,12 @@ Bytes documented_bytes() {
 
 TEST_CASE("the example in FORMAT.md reads as the model it describes") {
   const Archive archive = read_archive(documented_bytes());
-  const FaceModel model = example_model();
+  const PackedModel model = example_model();
   CHECK(archive.model.schema.controls[0].name == "up");
   CHECK(archive.model.rest.points == model.rest.points);
   CHECK(archive.model.rest.polygon_corners == model.rest.polygon_corners);
-  CHECK(archive.model.basis.groups[0].values == model.basis.groups[0].values);
+  CHECK(archive.model.groups[0].values == model.groups[0].values);
+  CHECK(archive.model.groups[0].columns[0].scale == model.groups[0].columns[0].scale);
 }
 
 TEST_CASE("the writer gives the example in FORMAT.md") {

@@ -38,7 +38,7 @@ void check_refused(std::span<const std::byte> bytes, Status status, const std::s
 }
 
 Bytes tiny_archive() {
-  FaceModel model = tiny_model();
+  PackedModel model = tiny_packed_model();
   Proof proof;
   proof.controls = model.schema.rest_pose();
   proof.vertices = {3};
@@ -48,7 +48,7 @@ Bytes tiny_archive() {
 
 // The rest mesh as an edgebreaker mesh, where the tiny model's is a list of points.
 Bytes manifold_archive() {
-  FaceModel model = tiny_model();
+  PackedModel model = tiny_packed_model();
   model.rest = grid_mesh(6, 5);
   return write_archive(model, {});
 }
@@ -135,9 +135,9 @@ TEST_CASE("other files are not archives") {
 TEST_CASE("other format versions are refused by number") {
   ArchiveEditor archive(tiny_archive());
   archive.minor = 7;
-  check_refused(archive.bytes(), Status::unsupported, "format version 0.7; this library reads 0.1");
+  check_refused(archive.bytes(), Status::unsupported, "format version 0.7; this library reads 0.2");
   archive.major = 3;
-  check_refused(archive.bytes(), Status::unsupported, "format version 3.7; this library reads 0.1");
+  check_refused(archive.bytes(), Status::unsupported, "format version 3.7; this library reads 0.2");
   // A newer version may lay out everything after its number differently.
   Bytes bytes = archive.bytes();
   bytes.resize(40);
@@ -241,15 +241,31 @@ TEST_CASE("contents that lie are refused by section") {
   lie("geometry", 4, std::uint8_t(0), Status::corrupt, "not of the kind");
   lie("geometry", 15, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
   lie("network", 0, UINT32_MAX, Status::corrupt, "features need more than");
-  lie("network", 4, std::uint32_t(17), Status::unsupported, "unknown kind 17");
-  lie("network", 8, std::uint32_t(5), Status::corrupt, "names control 5 of 5");
-  lie("network", 12, std::uint32_t(0x7fc00000), Status::corrupt, "feature 0 has scale nan");
-  lie("basis", 0, std::uint32_t(3), Status::corrupt, "row groups go beyond the last row");
-  lie("basis", 4, std::uint32_t(3), Status::corrupt, "lists column");
-  lie("basis", 8, UINT32_MAX, Status::corrupt, "row groups need more than");
-  lie("basis", 12, std::uint32_t(0), Status::corrupt, "section \"basis\"");
+  lie("network", 4, std::uint8_t(17), Status::unsupported, "unknown kind 17");
+  lie("network", 5, std::uint32_t(5), Status::corrupt, "names control 5 of 5");
+  lie("network", 9, std::uint32_t(0x7fc00000), Status::corrupt, "feature 0 has scale nan");
+  lie("network", 84, std::uint32_t(7), Status::corrupt, "feature 7 is made of feature 7");
+  lie("network", 157, 0.0f, Status::corrupt, "a gate of slope 0");
+  lie("network", 173, std::uint8_t(9), Status::unsupported, "unknown activation 9");
+  lie("network", 174, std::uint8_t(4), Status::unsupported, "unknown flags 0x4");
+  lie("network", 287, std::uint8_t(0x80), Status::corrupt, "layer 0 holds a weight beyond its range");
+  lie("basis", 0, std::uint32_t(3), Status::corrupt, "3 columns for 5 coefficients");
+  lie("basis", 4, std::uint32_t(2), Status::corrupt, "the order flag is neither 0 nor 1");
+  lie("basis", 8, std::uint8_t(0), Status::corrupt, "the order names vertex");
+  lie("basis", 128, UINT32_MAX, Status::corrupt, "row groups need more than");
+  lie("basis", 132, std::uint32_t(64), Status::corrupt, "do not add up to the number of rows");
+  lie("basis", 140, UINT32_MAX, Status::corrupt, "column steps needs");
+  lie("basis", 149, std::uint8_t(0), Status::corrupt, "lists column 0 out of order");
+  lie("basis", 180, std::uint8_t(2), Status::corrupt, "a width flag is neither 0 nor 1");
+  lie("basis", 188, std::uint32_t(0x7f800000), Status::corrupt, "a scale that is not finite");
+  lie("basis", 220, std::uint8_t(0x80), Status::corrupt, "holds a value beyond its range");
   lie("proof", 0, UINT32_MAX, Status::corrupt, "proof controls needs");
   lie("proof", 8, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
+}
+
+TEST_CASE("a wide value beyond its range is refused") {
+  check_refused(changed("basis", [](Bytes& b) { b.back() = std::byte(0x80); }), Status::corrupt,
+                "holds a value beyond its range");
 }
 
 TEST_CASE("contents cut short or too long are refused") {

@@ -13,11 +13,12 @@
 namespace fb {
 namespace {
 
-FaceModel model_of(Mesh mesh) {
-  FaceModel model = tiny_model();
+PackedModel model_of(Mesh mesh) {
+  PackedModel model = tiny_packed_model();
   model.rest = std::move(mesh);
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
-  model.basis = make_basis(rows, 5, std::vector<float>(std::size_t(5) * rows, 0.5f));
+  model.order.clear();
+  model.groups = {{0, rows, {{0, false, 0.5f}}, std::vector<std::int16_t>(rows, 1)}};
   return model;
 }
 

@@ -12,7 +12,7 @@
 
 #define assert_ok(call) assert_int_equal((call), FB_OK)
 
-/* The fixture, tiny_model() of tests/test_models.h: 5 controls, 30 vertices. */
+/* The fixture, tiny_packed_model() of tests/test_models.h: 5 controls, 30 vertices. */
 static inline fb_model* load_tiny(void) {
   fb_model* model = NULL;
   assert_ok(fb_load(FB_FIXTURE, NULL, &model));

@@ -61,6 +61,11 @@ TEST_CASE("features and coefficients") {
   refuses(Status::bad_data, "feature 0 names control 5 of 5", [](auto& m) { m.network.features[0].control = 5; });
   refuses(Status::not_finite, "feature 1 has scale", [](auto& m) { m.network.features[1].scale = NAN; });
   refuses(Status::not_finite, "feature 3 has scale", [](auto& m) { m.network.features[3].threshold = -1; });
+  refuses(Status::not_finite, "feature 3 has scale", [](auto& m) { m.network.features[3].fall = NAN; });
+  refuses(Status::bad_data, "feature 4 is made of feature 4, which does not come before it", [](auto& m) {
+    m.network.features[4].kind = Feature::Kind::product;
+    m.network.features[4].second = 4;
+  });
   refuses(Status::bad_data, "a direct coefficient names feature 6 of 6", [](auto& m) { m.network.direct[1] = 6; });
 }
 
@@ -92,6 +97,7 @@ TEST_CASE("basis") {
   refuses(Status::bad_data, "row group 0 has 255 values", [](auto& m) { m.basis.groups[0].values.pop_back(); });
   refuses(Status::not_finite, "row group 1 holds a value", [](auto& m) { m.basis.groups[1].values[0] = NAN; });
   refuses(Status::bad_data, "row groups cover 64 of 90 rows", [](auto& m) { m.basis.groups.pop_back(); });
+  refuses(Status::bad_data, "the order has 1 vertices for 90 rows", [](auto& m) { m.basis.order = {0}; });
   refuses(Status::bad_data, "the basis has 87 rows for 90 coordinates",
           [](auto& m) { m.basis = make_basis(87, 5, std::vector<float>(5 * 87, 1.0f)); });
   refuses(Status::bad_data, "the basis has 4 columns for 5 coefficients",

@@ -30,7 +30,7 @@ float largest_difference(const float* a, const float* b, std::size_t count) {
 void check_animation(std::size_t frames, std::size_t largest_target_count) {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", clip = folder / "clip.npy", out = folder / "clip.glb";
-  const fb::FaceModel face = write_tiny_archive(archive);
+  const fb::PackedModel face = write_tiny_archive(archive);
   const auto expected = evaluate_clip(face, write_clip(clip, face.schema, frames));
   REQUIRE(run_tool({"pose", archive, "--clip", clip, "--fps", "24", "--out", out}).exit_code == 0);
   const tinygltf::Model model = load_glb(out);
@@ -62,7 +62,8 @@ void check_animation(std::size_t frames, std::size_t largest_target_count) {
         points[i] += weights[f * targets + t] * moves[t][i];
         bent[i] += weights[f * targets + t] * turns[t][i];
       }
-    CHECK(largest_difference(points.data(), &expected[f * size], size) < 1e-6 * face.rest.diagonal());
+    // The evaluator rounds coefficients to 16 bits, a viewer does not.
+    CHECK(largest_difference(points.data(), &expected[f * size], size) < 2e-5 * face.rest.diagonal());
     if (targets == frames) check_unit_length(bent);
   }
 }
@@ -72,7 +73,7 @@ void check_animation(std::size_t frames, std::size_t largest_target_count) {
 TEST_CASE("a pose becomes one mesh with every vertex in order, normals and triangles") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "pose.glb";
-  const fb::FaceModel face = write_tiny_archive(archive);
+  const fb::PackedModel face = write_tiny_archive(archive);
   REQUIRE(run_tool({"pose", archive, "--set", "jaw_open=1", "--out", out}).exit_code == 0);
   auto controls = face.schema.rest_pose();
   controls[0] = 1;
@@ -89,7 +90,7 @@ TEST_CASE("a pose becomes one mesh with every vertex in order, normals and trian
 
 TEST_CASE("a face in other units, with z up, stands upright in metres") {
   const ScratchFolder folder;
-  fb::FaceModel face = fb::tiny_model();
+  fb::PackedModel face = fb::tiny_packed_model();
   face.schema.units = "mm";
   face.schema.up_axis.assign(1, 'z');
   fb::write_file(folder / "face.fbk", fb::write_archive(face, {}));
@@ -118,7 +119,7 @@ TEST_CASE("an animation that was written opens as a rig that moves alike, in met
     CAPTURE(frames);
     const ScratchFolder folder;
     const std::string archive = folder / "face.fbk", clip = folder / "clip.npy", out = folder / "clip.glb";
-    const fb::FaceModel face = write_tiny_archive(archive);
+    const fb::PackedModel face = write_tiny_archive(archive);
     std::vector<float> expected = evaluate_clip(face, write_clip(clip, face.schema, frames));
     for (float& coordinate : expected) coordinate *= 0.01f;
     REQUIRE(run_tool({"pose", archive, "--clip", clip, "--fps", "30", "--out", out}).exit_code == 0);
@@ -129,16 +130,16 @@ TEST_CASE("an animation that was written opens as a rig that moves alike, in met
     REQUIRE(rig->clips()[0].frames == frames);
     std::vector<float> points(expected.size());
     rig->read(0, 0, frames, points);
-    CHECK(largest_difference(points.data(), expected.data(), points.size()) < 1e-6 * rig->rest().diagonal());
+    CHECK(largest_difference(points.data(), expected.data(), points.size()) < 2e-5 * rig->rest().diagonal());
     CHECK(largest_difference(rig->rest().points.data(), expected.data(), rig->rest().points.size()) <
-          1e-6 * rig->rest().diagonal());  // it rests where it begins
+          2e-5 * rig->rest().diagonal());  // it rests where it begins
   }
 }
 
 TEST_CASE("the sample pose_face writes the same mesh through the C API") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "pose.glb";
-  const fb::FaceModel face = write_tiny_archive(archive);
+  const fb::PackedModel face = write_tiny_archive(archive);
   REQUIRE(run_program(FB_POSE_FACE, {archive, out, "jaw_open=1"}).exit_code == 0);
   auto controls = face.schema.rest_pose();
   controls[0] = 1;

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 TEST_CASE("inspect --json holds the promised keys with the model's own numbers") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
-  const fb::FaceModel model = write_tiny_archive(archive);
+  const fb::PackedModel model = write_tiny_archive(archive);
   const ToolRun run = run_tool({"inspect", archive, "--json"});
   REQUIRE(run.exit_code == 0);
   CHECK(run.err.empty());
@@ -26,7 +26,7 @@ TEST_CASE("inspect --json holds the promised keys with the model's own numbers")
   CHECK(json.at("recipe") == "tiny");
   CHECK(json.at("certificate").is_null());
   CHECK(json.at("provenance").at("recipe") == "tiny");
-  CHECK(json.at("runtime_bytes").get<std::uint64_t>() > model.basis.value_count() * sizeof(float));
+  CHECK(json.at("runtime_bytes").get<std::uint64_t>() > model.value_count());
   CHECK(json.at("bytes").at("total") == std::filesystem::file_size(archive));
   std::uint64_t sections = 0;
   for (const auto& [name, bytes] : json.at("bytes").items())
@@ -34,9 +34,16 @@ TEST_CASE("inspect --json holds the promised keys with the model's own numbers")
   CHECK(sections > 0);
   CHECK(sections < std::filesystem::file_size(archive));
   const Json& layers = json.at("network").at("regions").at(0).at("layers");
-  REQUIRE(layers.size() == model.network.regions[0].layers.size());
+  REQUIRE(layers.size() == model.regions[0].layers.size());
   CHECK(layers.at(1).at("skip") == true);
   CHECK(layers.at(1).at("activation") == "relu");
+  CHECK(layers.at(0).at("bits") == 16);
+  CHECK(layers.at(1).at("bits") == 8);
+  CHECK(json.at("network").at("coefficients") == 5);
+  CHECK(json.at("network").at("parameters") == model.parameter_count());
+  CHECK(json.at("basis").at("values") == model.value_count());
+  CHECK(json.at("network").at("regions").at(1).at("gate") == 4);
+  CHECK(json.at("network").at("regions").at(1).at("layers").at(0).at("activation") == "tanh");
   CHECK(json.at("control_list").at(2).at("name") == "brow_raise");
   CHECK(json.at("control_list").at(2).at("default") == 0.25);
 }
@@ -55,7 +62,7 @@ TEST_CASE("inspect for people names the face, and lists controls when asked") {
 TEST_CASE("tables stay straight whatever letters names are written in") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
-  fb::FaceModel model = fb::tiny_model();
+  fb::PackedModel model = fb::tiny_packed_model();
   model.schema.controls[0].name = "ge\u00f6ffneter_Mund";
   fb::write_file(archive, fb::write_archive(model, {}));
   const std::string text = run_tool({"inspect", archive, "--controls"}).out;
@@ -68,7 +75,7 @@ TEST_CASE("provenance that is no JSON, or deeply nested, does no harm") {
   const std::string archive = folder / "face.fbk";
   for (const std::string& provenance : {std::string("{\"recipe\": 3, "), std::string(200000, '['),
                                         "{\"a\":" + std::string(200000, '[') + std::string(200000, ']') + "}"}) {
-    fb::FaceModel model = fb::tiny_model();
+    fb::PackedModel model = fb::tiny_packed_model();
     model.provenance = provenance;
     std::vector<std::byte> bytes;
     try {

@@ -43,7 +43,7 @@ Obj read_obj(const std::string& path) {
 TEST_CASE("an .obj has the evaluator's very points and the rig's own polygons") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "pose.obj";
-  const fb::FaceModel model = write_tiny_archive(archive);
+  const fb::PackedModel model = write_tiny_archive(archive);
   const ToolRun run = run_tool({"pose", "--set", "jaw_open=0.75", archive, "--set", "mouth_side=-0.5", "--out", out});
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
@@ -63,7 +63,7 @@ TEST_CASE("an .obj has the evaluator's very points and the rig's own polygons") 
 TEST_CASE("without --set the face is at rest") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "rest.obj";
-  const fb::FaceModel model = write_tiny_archive(archive);
+  const fb::PackedModel model = write_tiny_archive(archive);
   REQUIRE(run_tool({"pose", archive, "--out", out}).exit_code == 0);
   CHECK(read_obj(out).points == model.rest.points);
 }
@@ -118,7 +118,7 @@ TEST_CASE("settings that make no sense are refused by name and leave nothing") {
 TEST_CASE("clips that do not fit are refused by file, frame and control") {
   const ScratchFolder folder, clips;
   const std::string archive = folder / "face.fbk", out = folder / "x.obj";
-  const fb::FaceModel model = write_tiny_archive(archive);
+  const fb::PackedModel model = write_tiny_archive(archive);
   const auto refused = [&](const std::string& clip, const std::vector<std::string>& words) {
     const ToolRun run = run_tool({"pose", archive, "--out", out, "--clip", clip});
     CAPTURE(run.err);
@@ -146,7 +146,7 @@ TEST_CASE("clips that do not fit are refused by file, frame and control") {
 TEST_CASE("a clip becomes numbered files, one frame of it a single one") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", clip = folder / "clip.npy";
-  const fb::FaceModel model = write_tiny_archive(archive);
+  const fb::PackedModel model = write_tiny_archive(archive);
   auto controls = write_clip(clip, model.schema, 3);
   const ToolRun run =
       run_tool({"pose", archive, "--clip", clip, "--set", "jaw_open=0.5", "--out", folder / "walk.obj"});

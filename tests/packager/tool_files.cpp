@@ -30,8 +30,8 @@ std::vector<std::string> ScratchFolder::names() const {
   return names;
 }
 
-fb::FaceModel write_tiny_archive(const std::string& path) {
-  const auto bytes = fb::write_archive(fb::tiny_model(), {});
+fb::PackedModel write_tiny_archive(const std::string& path) {
+  const auto bytes = fb::write_archive(fb::tiny_packed_model(), {});
   fb::write_file(path, bytes);
   return fb::read_archive(bytes).model;
 }
@@ -47,7 +47,7 @@ std::vector<float> write_clip(const std::string& path, const fb::RigSchema& sche
   return controls;
 }
 
-std::vector<float> evaluate_clip(const fb::FaceModel& model, const std::vector<float>& controls) {
+std::vector<float> evaluate_clip(const fb::PackedModel& model, const std::vector<float>& controls) {
   const fb::Evaluator evaluator(model);
   fb::Workspace workspace(evaluator);
   const std::size_t frames = controls.size() / evaluator.control_count(), size = 3 * evaluator.vertex_count();

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/face_model.h"
+#include "model/packed_model.h"
 
 // A fresh folder that is removed with everything in it.
 class ScratchFolder {
@@ -26,10 +26,10 @@ class ScratchFolder {
 };
 
 // The tiny model as a reader gets it, after writing its archive to `path`.
-fb::FaceModel write_tiny_archive(const std::string& path);
+fb::PackedModel write_tiny_archive(const std::string& path);
 
 // frames x controls random values within the ranges, written to `path` as a NumPy file too.
 std::vector<float> write_clip(const std::string& path, const fb::RigSchema& schema, std::size_t frames);
 
 // frames x 3 x vertices: what the runtime makes of a clip.
-std::vector<float> evaluate_clip(const fb::FaceModel& model, const std::vector<float>& controls);
+std::vector<float> evaluate_clip(const fb::PackedModel& model, const std::vector<float>& controls);

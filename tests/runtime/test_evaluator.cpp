@@ -10,6 +10,7 @@
 #endif
 
 #include "base/status.h"
+#include "plain_face.h"
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
@@ -17,74 +18,56 @@ using namespace fb;
 
 namespace {
 
-// A face of ordinary size and shape: deep skip layers, global and local columns, odd widths.
-FaceModel wide_model() {
-  FaceModel model = tiny_model();
-  Random random(7);
+// A face of ordinary size: deep skip layers, global and local columns, odd widths, features of features, gates.
+PackedModel wide_model(std::uint64_t seed = 7) {
+  PackedModel model = tiny_packed_model();
+  Random random(seed);
   model.schema.controls.clear();
-  model.network.features.clear();
-  Region region{"whole", {}, {}};
+  model.features.clear();
+  using Kind = Feature::Kind;
   for (std::uint32_t c = 0; c < 90; ++c) {
     model.schema.controls.push_back({"control" + std::to_string(c), -1, 1, c % 3 == 0 ? 0.5f : 0.0f, ""});
-    model.network.features.push_back({Feature::Kind::identity, c, 0.5f, 0});
-    model.network.features.push_back({Feature::Kind::ramp, c, c % 2 ? 1.0f : -1.0f, 0.25f});
-    region.features.insert(region.features.end(), {2 * c, 2 * c + 1});
+    model.features.push_back({Kind::identity, c, 0.5f});
+    model.features.push_back({c % 2 ? Kind::ramp : Kind::hat, c, c % 4 < 2 ? 1.0f : -1.0f, 0.25f, float(c % 3)});
   }
-  const auto layer = [&](std::uint32_t inputs, std::uint32_t outputs, Activation activation, bool skip) {
-    DenseLayer dense = random_layer(random, inputs, outputs, activation, skip);
-    for (float& weight : dense.weights) weight /= std::sqrt(float(inputs));
-    return dense;
+  for (std::uint32_t f = 0; f < 40; ++f)
+    model.features.push_back({f % 2 ? Kind::product : Kind::minimum, 0, 1, 0, 0, random.below(180 + f), f});
+  PackedRegion region{"whole", {}, {}, {}}, small{"part", {}, {}, {{0, 2, 10, 40}, random.uniform(0.5f, 3)}};
+  for (std::uint32_t f = 0; f < 220; ++f) (f % 8 ? region : small).features.push_back(f);
+  const auto layer = [&](std::size_t inputs, std::uint32_t outputs, Activation activation, bool skip, bool wide) {
+    PackedLayer packed =
+        random_packed_layer(random, static_cast<std::uint32_t>(inputs), outputs, activation, skip, wide);
+    for (float& scale : packed.scales) scale *= 6 / std::sqrt(float(inputs));
+    return packed;
   };
-  region.layers = {layer(180, 130, Activation::relu, false), layer(130, 130, Activation::relu, true),
-                   layer(130, 130, Activation::relu, true), layer(130, 37, Activation::linear, false)};
-  model.network.direct = {5, 8, 5};
-  model.network.regions = {region};
-  model.rest = grid_mesh(23, 17);
+  using enum Activation;
+  region.layers = {layer(region.features.size(), 130, silu, false, true), layer(130, 130, relu, true, false),
+                   layer(130, 130, tanh, true, true), layer(130, 37, linear, false, false)};
+  small.layers = {layer(small.features.size(), 20, relu, false, false), layer(20, 17, linear, false, true)};
+  model.direct = {5, 8, 5, 180, 181, 219};
+  model.regions = {region, small};
+  model.columns = 60;
+  model.rest = grid_mesh(23, 17, seed);
   model.rest.points[4] = -0.0f;
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
-  std::vector<float> dense = random_values(random, std::size_t(40) * rows, 2.0f);
-  for (std::uint32_t column = 0; column < 40; ++column)
-    for (std::uint32_t row = 0; row < rows; ++row)
-      if (column % 4 && (row / 128) % 4 != column % 4) dense[std::size_t(column) * rows + row] = 0;
-  model.basis = make_basis(rows, 40, dense);
+  model.groups.clear();
+  for (std::uint32_t first = 0; first < rows;) {
+    const std::uint32_t count = std::min(40 + random.below(100), rows - first);
+    std::vector<std::uint32_t> columns;
+    for (std::uint32_t column = 0; column < 60; ++column)
+      if (column % 4 == 0 || random.uniform() < 0.3f) columns.push_back(column);
+    model.groups.push_back(random_group(random, first, count, columns, 0.3f));
+    first += count;
+  }
+  model.order.clear();
+  for (std::uint32_t i = 0; i < model.rest.vertex_count(); ++i)
+    model.order.push_back((5 * i + 3) % static_cast<std::uint32_t>(model.rest.vertex_count()));
   return model;
 }
 
-// What FORMAT.md defines, in double and in the plainest way.
-std::vector<double> reference(const FaceModel& model, const std::vector<float>& controls) {
-  std::vector<double> features;
-  for (const Feature& f : model.network.features) {
-    const Control& c = model.schema.controls[f.control];
-    const double u = (std::clamp<double>(controls[f.control], c.minimum, c.maximum) - c.rest) * f.scale;
-    features.push_back(f.kind == Feature::Kind::identity ? u : std::max(u - f.threshold, 0.0));
-  }
-  const auto run = [](const Region& region, const std::vector<double>& all) {
-    std::vector<double> x;
-    for (const std::uint32_t f : region.features) x.push_back(all[f]);
-    for (const DenseLayer& layer : region.layers) {
-      std::vector<double> y(layer.outputs);
-      for (std::uint32_t o = 0; o < layer.outputs; ++o) {
-        y[o] = layer.bias[o];
-        for (std::uint32_t i = 0; i < layer.inputs; ++i) y[o] += double(layer.weights[o * layer.inputs + i]) * x[i];
-        if (layer.activation == Activation::relu) y[o] = std::max(y[o], 0.0);
-        if (layer.skip) y[o] += x[o];
-      }
-      x = y;
-    }
-    return x;
-  };
-  std::vector<double> coefficients;
-  for (const std::uint32_t f : model.network.direct) coefficients.push_back(features[f]);
-  for (const Region& region : model.network.regions) {
-    const auto posed = run(region, features), rest = run(region, std::vector<double>(features.size()));
-    for (std::size_t i = 0; i < posed.size(); ++i) coefficients.push_back(posed[i] - rest[i]);
-  }
-  std::vector<double> positions(model.rest.points.begin(), model.rest.points.end());
-  for (const RowGroup& group : model.basis.groups)
-    for (std::size_t c = 0; c < group.columns.size(); ++c)
-      for (std::uint32_t r = 0; r < group.row_count; ++r)
-        positions[group.first_row + r] += group.values[c * group.row_count + r] * coefficients[group.columns[c]];
-  return positions;
+PackedModel in_order(PackedModel model) {
+  model.order.clear();
+  return model;
 }
 
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
@@ -100,26 +83,96 @@ std::vector<float> evaluate(const Evaluator& evaluator, const std::vector<float>
 
 }  // namespace
 
-TEST_CASE("poses agree with the definition in double precision") {
-  for (const FaceModel& model : {tiny_model(), tiny_model(2), wide_model()}) {
+TEST_CASE("poses agree with the definition bit for bit") {
+  for (const PackedModel& model : {tiny_packed_model(), tiny_packed_model(2), in_order(tiny_packed_model(3)),
+                                   wide_model(), wide_model(8), in_order(wide_model(9))}) {
     const Evaluator evaluator(model);
+    Workspace workspace(evaluator);
     Random random(3);
-    double worst = 0, moved = 0;
-    for (int n = 0; n < 50; ++n) {
-      const std::vector<float> pose = random_pose(model.schema, random), positions = evaluate(evaluator, pose);
-      const std::vector<double> expected = reference(model, pose);
-      for (std::size_t i = 0; i < positions.size(); ++i) {
-        worst = std::max(worst, std::abs(positions[i] - expected[i]));
-        moved = std::max(moved, std::abs(expected[i] - model.rest.points[i]));
-      }
+    double moved = 0;
+    for (int n = 0; n < 25; ++n) {
+      std::vector<float> pose = random_pose(model.schema, random), weights(evaluator.coefficient_count());
+      for (std::size_t c = 0; c < pose.size(); ++c)  // from dense to sparse, and at the ends of ranges
+        if (random.uniform() < 0.04f * float(n)) pose[c] = model.schema.controls[c].rest;
+      if (n % 3 == 0) pose[0] = 9;
+      const std::vector<float> positions = evaluate(evaluator, pose);
+      CHECK(same_bits(positions, plain::positions(model, pose)));
+      evaluator.coefficients(pose.data(), weights.data(), workspace);
+      CHECK(same_bits(weights, plain::coefficients(model, pose)));
+      for (std::size_t i = 0; i < positions.size(); ++i)
+        moved = std::max(moved, std::fabs(double(positions[i]) - model.rest.points[i]));
     }
     CHECK(moved > 0.02 * model.rest.diagonal());
-    CHECK(worst < 1e-6 * model.rest.diagonal());
   }
 }
 
+TEST_CASE("whole numbers never overflow, whatever the weights") {
+  // Rows of extreme digits, as long as it takes for 32 bits to be too few for the largest inputs, and longer.
+  for (const std::uint32_t inputs : {515u, 521u, 700u, 3000u})
+    for (const bool wide : {false, true}) {
+      PackedModel model = tiny_packed_model();
+      Random random(inputs);
+      model.regions.resize(1);
+      PackedRegion& region = model.regions[0];
+      region.features.assign(inputs, 0);
+      const int most = wide ? 127 * 256 - 128 : largest_narrow;  // both digits far out
+      PackedLayer first{inputs, 4, Activation::linear, false, wide, {}, {1e-6f, 1e-6f, 1e-6f, 1e-6f}, {0, 1, 2, 3}};
+      for (std::uint32_t o = 0; o < 4; ++o)
+        for (std::uint32_t i = 0; i < inputs; ++i)
+          first.weights.push_back(static_cast<std::int16_t>(o == 0   ? most
+                                                            : o == 1 ? -most
+                                                            : o == 2 ? (i % 2 ? most : -most)
+                                                                     : int(random.below(250)) - 125));
+      region.layers = {first, random_packed_layer(random, 4, 2, Activation::linear, false, false)};
+      model.columns = 4;
+      for (PackedRowGroup& group : model.groups) {
+        group.columns.resize(3);
+        for (std::uint32_t c = 0; c < 3; ++c) group.columns[c].column = c + 1;
+        group.values.resize(std::size_t(3) * group.row_count);
+        for (std::size_t i = 0; i < group.values.size(); ++i)
+          if (!group.columns[i / group.row_count].wide)
+            group.values[i] = std::clamp<std::int16_t>(group.values[i], -127, 127);
+      }
+      const Evaluator evaluator(model);
+      for (const float jaw : {1.0f, 0.37f, 0.0f}) {
+        std::vector<float> pose = model.schema.rest_pose();
+        pose[0] = jaw;
+        CHECK(same_bits(evaluate(evaluator, pose), plain::positions(model, pose)));
+      }
+    }
+}
+
+TEST_CASE("numbers beyond all bounds have a defined result too") {
+  for (const float huge : {1e30f, 1e38f}) {
+    PackedModel model = wide_model();
+    for (std::size_t f = 0; f < model.features.size(); f += 5) model.features[f].scale = huge;
+    for (float& scale : model.regions[0].layers[1].scales) scale = huge;
+    for (PackedRowGroup& group : model.groups) group.columns[0].scale = huge * 1e-3f;
+    const Evaluator evaluator(model);
+    Random random(11);
+    for (int n = 0; n < 5; ++n) {
+      const std::vector<float> pose = random_pose(model.schema, random), positions = evaluate(evaluator, pose);
+      CHECK(same_bits(positions, plain::positions(model, pose)));
+      CHECK(std::none_of(positions.begin(), positions.end(), [](float p) { return p != p; }));
+    }
+  }
+}
+
+TEST_CASE("a gate is shut while one control alone is moved") {
+  const PackedModel model = tiny_packed_model();
+  const Evaluator evaluator(model);
+  Workspace workspace(evaluator);
+  std::vector<float> weights(evaluator.coefficient_count()), pose = model.schema.rest_pose();
+  pose[3] = 1.5f;
+  evaluator.coefficients(pose.data(), weights.data(), workspace);
+  CHECK(weights[4] == 0);
+  pose[1] = 0.5f;
+  evaluator.coefficients(pose.data(), weights.data(), workspace);
+  CHECK(weights[4] != 0);
+}
+
 TEST_CASE("controls at rest give the rest mesh to the last bit and no coefficients") {
-  for (const FaceModel& model : {tiny_model(), wide_model()}) {
+  for (const PackedModel& model : {tiny_packed_model(), wide_model(), in_order(wide_model())}) {
     const Evaluator evaluator(model);
     CHECK(same_bits(evaluate(evaluator, model.schema.rest_pose()), model.rest.points));
     Workspace workspace(evaluator);
@@ -130,7 +183,7 @@ TEST_CASE("controls at rest give the rest mesh to the last bit and no coefficien
 }
 
 TEST_CASE("coefficients are the weights of the basis' columns") {
-  const FaceModel model = wide_model();
+  const PackedModel model = wide_model();
   const Evaluator evaluator(model);
   Workspace workspace(evaluator);
   Random random(4);
@@ -138,15 +191,18 @@ TEST_CASE("coefficients are the weights of the basis' columns") {
   std::vector<float> weights(evaluator.coefficient_count());
   evaluator.coefficients(pose.data(), weights.data(), workspace);
   std::vector<double> sum(model.rest.points.begin(), model.rest.points.end());
-  for (const RowGroup& group : model.basis.groups)
-    for (std::size_t c = 0; c < group.columns.size(); ++c)
+  for (const PackedRowGroup& group : model.groups)
+    for (std::size_t c = 0; c < group.columns.size(); ++c) {
+      const std::vector<float> moved = displacements(group, c);
       for (std::uint32_t r = 0; r < group.row_count; ++r)
-        sum[group.first_row + r] += double(weights[group.columns[c]]) * group.values[c * group.row_count + r];
-  for (std::size_t i = 0; i < sum.size(); ++i) CHECK(positions[i] == doctest::Approx(sum[i]).epsilon(1e-5));
+        sum[model.coordinate(group.first_row + r)] += double(weights[group.columns[c].column]) * moved[r];
+    }
+  for (std::size_t i = 0; i < sum.size(); ++i)  // but for the rounding of coefficients
+    CHECK(std::fabs(positions[i] - sum[i]) < 1e-4 * model.rest.diagonal());
 }
 
 TEST_CASE("values outside their range are clamped and counted; NaN is refused by name") {
-  const FaceModel model = tiny_model();
+  const PackedModel model = tiny_packed_model();
   const Evaluator evaluator(model);
   Workspace workspace(evaluator);
   std::vector<float> positions(model.rest.points.size());
@@ -164,7 +220,7 @@ TEST_CASE("values outside their range are clamped and counted; NaN is refused by
 }
 
 TEST_CASE("a batch gives the bits of single poses, whatever the strides, the layout and the threads") {
-  const FaceModel model = wide_model();
+  const PackedModel model = wide_model();
   const Evaluator evaluator(model);
   const std::size_t poses = 13, controls = evaluator.control_count(), vertices = evaluator.vertex_count();
   Random random(5);
@@ -197,7 +253,7 @@ TEST_CASE("a batch gives the bits of single poses, whatever the strides, the lay
 }
 
 TEST_CASE("a batch that does not fit is refused before anything is written") {
-  const FaceModel model = tiny_model();
+  const PackedModel model = tiny_packed_model();
   const Evaluator evaluator(model);
   std::vector<Workspace> workspaces;
   workspaces.emplace_back(evaluator);
@@ -218,7 +274,7 @@ TEST_CASE("a batch that does not fit is refused before anything is written") {
 }
 
 TEST_CASE("a host's scheduler that breaks its promise is found out") {
-  const FaceModel model = tiny_model();
+  const PackedModel model = tiny_packed_model();
   const Evaluator evaluator(model);
   std::vector<Workspace> workspaces;
   for (int w = 0; w < 2; ++w) workspaces.emplace_back(evaluator);
@@ -242,20 +298,20 @@ TEST_CASE("a host's scheduler that breaks its promise is found out") {
 }
 
 TEST_CASE("a model beyond the memory limit, or one that overflows at rest, is refused") {
-  FaceModel model = tiny_model();
+  PackedModel model = tiny_packed_model();
   const std::uint64_t bytes = Evaluator(model).bytes();
   CHECK(bytes > model.rest.points.size() * sizeof(float));
   CHECK_NOTHROW(Evaluator(model, *std::pmr::get_default_resource(), bytes));
   CHECK_THROWS_AS(Evaluator(model, *std::pmr::get_default_resource(), bytes - 1), Error);
-  for (DenseLayer& layer : model.network.regions[0].layers)
-    std::fill(layer.weights.begin(), layer.weights.end(), 3e38f);
-  std::fill_n(model.network.regions[0].layers[0].bias.begin(), 8, 3e38f);
-  CHECK_THROWS_AS(Evaluator{model}, Error);
+  PackedLayer& last = model.regions[0].layers.back();
+  std::fill(last.scales.begin(), last.scales.end(), 3e38f);
+  std::fill(model.regions[0].layers[0].bias.begin(), model.regions[0].layers[0].bias.end(), 1.0f);
+  CHECK_THROWS_WITH_AS(Evaluator{model}, "region \"face\" overflows in the rest pose", Error);
 }
 
 #if defined(__SSE2__)
 TEST_CASE("the host's floating-point mode changes no bit and is given back") {
-  const FaceModel model = wide_model();
+  const PackedModel model = wide_model();
   const Evaluator evaluator(model);
   Random random(6);
   const std::vector<float> pose = random_pose(model.schema, random), expected = evaluate(evaluator, pose);

@@ -14,7 +14,7 @@ constexpr std::size_t block_frames = 16;    // one worker's piece
 constexpr std::size_t blocks_at_once = 32;  // between two reports of progress
 
 // The face of the archive must be the face of the source: same controls, same vertices in the same places.
-void check_same_face(const FaceModel& model, const Source& source) {
+void check_same_face(const PackedModel& model, const Source& source) {
   check_same_controls(model.schema, "the archive", source.schema(), "the source");
   const std::vector<float>&a = model.rest.points, &b = source.rest().points;
   if (a.size() != b.size())
@@ -63,7 +63,7 @@ ErrorSums measure(const Evaluator& face, const PoseSet& poses, const Parallel& p
 
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress) {
-  const FaceModel model = read_archive(archive).model;
+  const PackedModel model = read_archive(archive).model;
   check_same_face(model, source);
   const Evaluator face(model);
   const auto wanted = [&](const Clip& clip) { return !split || clip.split == *split; };
@@ -89,7 +89,7 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
 
 Errors evaluate_archive_on(std::span<const std::byte> archive, const PoseSet& poses, const Parallel& parallel,
                            Progress& progress) {
-  const FaceModel model = read_archive(archive).model;
+  const PackedModel model = read_archive(archive).model;
   check_same_face(model, poses.source());
   const Evaluator face(model);
   std::uint64_t done = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/status.h"
+#include "model/feature_values.h"
 
 namespace fb {
 namespace {
@@ -10,41 +11,25 @@ namespace {
 // Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
 constexpr std::size_t tile_poses = 8;
 
-}  // namespace
-
-// Vertices that follow each other, as they mostly do, are one contiguous loop.
-void add_scaled(const SparseShape& shape, float value, std::span<float> displacement) {
+// target += value * shape. Vertices that follow each other, as they mostly do, are one contiguous loop.
+void add_scaled(const SparseShape& shape, float value, float* target) {
   const std::size_t count = shape.vertices.size();
   for (std::size_t first = 0; first < count;) {
     const std::uint32_t start = shape.vertices[first];
     std::size_t last = first + 1;
     while (last < count && shape.vertices[last] - start == last - first) ++last;
     const float* from = shape.offsets.data() + 3 * first;
-    float* to = displacement.data() + std::size_t{3} * start;
+    float* to = target + std::size_t{3} * start;
     for (std::size_t i = 0; i < 3 * (last - first); ++i) to[i] += value * from[i];
     first = last;
   }
 }
 
+}  // namespace
+
 void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
                        std::span<float> values) {
-  for (std::size_t f = 0; f < features.size(); ++f) {
-    const Feature& feature = features[f];
-    float value = 0;
-    if (feature.kind == Feature::Kind::product) {
-      value = values[feature.first] * values[feature.second];
-    } else if (feature.kind == Feature::Kind::minimum) {
-      value = std::min(values[feature.first], values[feature.second]);
-    } else {
-      value = (controls[feature.control] - rest[feature.control]) * feature.scale;
-      if (feature.kind == Feature::Kind::ramp) value = std::max(value - feature.threshold, 0.0f);
-      if (feature.kind == Feature::Kind::hat) {
-        const float t = value - feature.threshold;
-        value = std::max(std::min(t, 1 + (1 - t) * feature.fall), 0.0f);
-      }
-    }
-    values[f] = value;
-  }
+  feature_values(features, controls.data(), rest.data(), values.data());
 }
 
 void CurveBase::add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
@@ -63,7 +48,7 @@ void CurveBase::add(std::span<const float> controls, std::span<const float> rest
     for (const SparseShape& shape : shapes)
       for (std::size_t i = 0; i < poses; ++i) {
         const float value = values[i * features.size() + shape.feature];
-        if (value != 0) add_scaled(shape, sign * value, displacements.subspan((first + i) * size, size));
+        if (value != 0) add_scaled(shape, sign * value, displacements.data() + (first + i) * size);
       }
   }
 }

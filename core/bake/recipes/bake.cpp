@@ -4,7 +4,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "archive/reader.h"
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
 #include "bake/recipes/recipe.h"
@@ -77,27 +76,27 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 
   Baked baked;
   const auto start = std::chrono::steady_clock::now();
-  FaceModel model = recipe.make(poses, rig, options, progress);
+  const auto [model, packing] = recipe.make(poses, rig, options, progress);
   baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   baked.poses = poses.size();
   baked.coefficients = model.basis.columns;
   baked.parameters = model.network.parameter_count();
 
   progress.begin("packing", 2);
-  const FaceModel packed = read_archive(write_archive(model, {})).model;
+  PackedModel packed = pack_model(model, packing);
   progress.step(1);
-  baked.quantisation = worst_difference(model, packed, poses_to_pack_by(poses, options.seed));
-  model.provenance = nlohmann::ordered_json{{"creator", "FaceBaker " FB_VERSION},
-                                            {"recipe", options.recipe},
-                                            {"use", name_of(options.use)},
-                                            {"seed", options.seed},
-                                            {"source", data.schema().name},
-                                            {"training_poses", baked.poses},
-                                            {"coefficients", baked.coefficients},
-                                            {"parameters", baked.parameters},
-                                            {"quantisation_over_diagonal", baked.quantisation}}
-                         .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  baked.archive = write_archive(model, make_proof(packed, options.seed));
+  baked.quantisation = worst_difference(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
+  packed.provenance = nlohmann::ordered_json{{"creator", "FaceBaker " FB_VERSION},
+                                             {"recipe", options.recipe},
+                                             {"use", name_of(options.use)},
+                                             {"seed", options.seed},
+                                             {"source", data.schema().name},
+                                             {"training_poses", baked.poses},
+                                             {"coefficients", baked.coefficients},
+                                             {"parameters", baked.parameters},
+                                             {"quantisation_over_diagonal", baked.quantisation}}
+                          .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  baked.archive = write_archive(packed, make_proof(packed, options.seed));
   verify_archive(baked.archive);
   progress.step(2);
   return baked;

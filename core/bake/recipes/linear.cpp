@@ -14,7 +14,8 @@ namespace {
 
 using Matrix = Eigen::MatrixXf;  // a column is a shape or a pose
 
-constexpr float negligible = 1e-7f;  // of the diagonal: what a shape leaves out
+constexpr float negligible = 1e-7f;         // of the diagonal: what a shape leaves out
+constexpr double packing_tolerance = 1e-6;  // over the diagonal: there is no other error to hide a larger one in
 constexpr std::size_t fitted_poses = 4096;
 
 // One side of a control: a ramp that is 0 at rest and 1 at the limit.
@@ -114,8 +115,9 @@ Matrix find_shapes(const PoseSet& poses, const std::vector<Feature>& ramps, Prog
 
 }  // namespace
 
-FaceModel make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
-  FaceModel model;
+Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  Learnt learnt;
+  FaceModel& model = learnt.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   model.network.features = ramps_of(model.schema);
@@ -127,7 +129,8 @@ FaceModel make_linear(const PoseSet& poses, Source* rig, const BakeOptions& opti
   std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
   model.basis = make_basis(checked_u32(shapes.rows(), "coordinates"), checked_u32(shapes.cols(), "blendshapes"),
                            std::vector<float>(shapes.data(), shapes.data() + shapes.size()));
-  return model;
+  learnt.packing.basis_tolerance = packing_tolerance;
+  return learnt;
 }
 
 }  // namespace fb

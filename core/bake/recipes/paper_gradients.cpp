@@ -6,7 +6,7 @@
 
 namespace fb {
 
-FaceModel make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+Learnt make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
   const GradientMap map(poses.source().rest());
   const PrincipalComponents pca =
       kept_components(GradientRows(poses, map), poses.controls(), paper_variance, options, progress);

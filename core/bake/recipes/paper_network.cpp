@@ -1,6 +1,7 @@
 #include "bake/recipes/paper_network.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "bake/train/checkpoint.h"
@@ -57,11 +58,12 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
   return pca;
 }
 
-FaceModel paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                        TrainingPlan plan, const BakeOptions& options, Progress& progress) {
+Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
+                     TrainingPlan plan, const BakeOptions& options, Progress& progress) {
   const RigSchema& schema = poses.source().schema();
   const std::size_t count = coefficients.size() / poses.size();
-  FaceModel model;
+  Learnt learnt;
+  FaceModel& model = learnt.model;
   model.schema = schema;
   model.rest = poses.source().rest();
   model.network.features = identity_features(schema);
@@ -80,7 +82,12 @@ FaceModel paper_network(const PoseSet& poses, const std::vector<float>& coeffici
   model.network.regions.push_back(std::move(region));
   model.basis =
       make_basis(checked_u32(model.rest.points.size(), "coordinates"), checked_u32(count, "components"), shapes);
-  return model;
+  learnt.packing.first_bits = learnt.packing.output_bits = 16;  // small layers that rounding to 8 bits shows in most
+  std::vector<double> squares(count);
+  for (std::size_t i = 0; i < coefficients.size(); ++i) squares[i % count] += double(coefficients[i]) * coefficients[i];
+  for (const double sum : squares)
+    learnt.packing.coefficient_sizes.push_back(static_cast<float>(std::sqrt(sum / double(poses.size()))));
+  return learnt;
 }
 
 }  // namespace fb

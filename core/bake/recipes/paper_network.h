@@ -28,7 +28,7 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
 // Eight hidden layers of 256 with additive skips and a linear layer to the coefficients, trained as `plan` says; its
 // widths, seed, threads and checkpoint, and epochs where the options give them, are filled in here. `shapes` are the
 // fixed blendshapes, one a coefficient: coefficients x 3 x vertices.
-FaceModel paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                        TrainingPlan plan, const BakeOptions& options, Progress& progress);
+Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
+                     TrainingPlan plan, const BakeOptions& options, Progress& progress);
 
 }  // namespace fb

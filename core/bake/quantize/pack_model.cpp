@@ -1,0 +1,104 @@
+#include "bake/quantize/pack_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr float least = 0x1p-100f;  // magnitudes below are 0
+
+float magnitude(const float* values, std::size_t count) {
+  float most = 0;
+  for (std::size_t i = 0; i < count; ++i) most = std::max(most, std::fabs(values[i]));
+  return most;
+}
+
+// Appends `count` values as multiples of one scale, the smallest with which they stay in -largest..largest.
+float append_rounded(const float* values, std::size_t count, int largest, std::vector<std::int16_t>& to) {
+  const float most = magnitude(values, count), scale = most < least ? 0 : most / static_cast<float>(largest);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double steps = scale == 0 ? 0 : std::nearbyint(double(values[i]) / scale);
+    to.push_back(static_cast<std::int16_t>(std::clamp(steps, -double(largest), double(largest))));
+  }
+  return scale;
+}
+
+PackedLayer pack_layer(const DenseLayer& layer, int bits) {
+  if (bits != 8 && bits != 16) fail(Status::invalid_argument, "weights of %d bits; there are 8 and 16", bits);
+  PackedLayer packed{layer.inputs, layer.outputs, layer.activation, layer.skip, bits == 16, {}, {}, layer.bias};
+  packed.weights.reserve(layer.weights.size());
+  for (std::size_t o = 0; o < layer.outputs; ++o)
+    packed.scales.push_back(append_rounded(layer.weights.data() + o * layer.inputs, layer.inputs,
+                                           packed.wide ? largest_wide : largest_narrow, packed.weights));
+  return packed;
+}
+
+PackedRegion pack_region(const Region& region, const PackOptions& options) {
+  PackedRegion packed{region.name, region.features, {}, region.gate};
+  for (std::size_t l = 0; l < region.layers.size(); ++l) {
+    const int bits = l + 1 == region.layers.size() ? options.output_bits
+                     : l == 0                      ? options.first_bits
+                                                   : options.hidden_bits;
+    packed.layers.push_back(pack_layer(region.layers[l], bits));
+  }
+  return packed;
+}
+
+// What a column's values may be rounded by, and how small they may be before they are dropped, in units of values.
+struct Allowance {
+  double rounding, drop;
+};
+
+PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& allowances) {
+  PackedRowGroup packed{group.first_row, group.row_count, {}, {}};
+  for (std::size_t c = 0; c < group.columns.size(); ++c) {
+    const Allowance& allowed = allowances[group.columns[c]];
+    const auto first = group.values.begin() + c * group.row_count;
+    std::vector<float> values(first, first + group.row_count);
+    for (float& value : values)
+      if (std::fabs(value) < allowed.drop) value = 0;
+    const float most = magnitude(values.data(), values.size());
+    if (most < least) continue;
+    const bool wide = most / largest_narrow / 2 > allowed.rounding;
+    const float scale =
+        append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow, packed.values);
+    packed.columns.push_back({group.columns[c], wide, scale});
+  }
+  return packed;
+}
+
+}  // namespace
+
+PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
+  check(model);
+  if (!options.coefficient_sizes.empty() && options.coefficient_sizes.size() != model.basis.columns)
+    fail(Status::invalid_argument, "%zu coefficient sizes for %u coefficients", options.coefficient_sizes.size(),
+         model.basis.columns);
+  PackedModel packed;
+  packed.schema = model.schema;
+  packed.rest = model.rest;
+  packed.features = model.network.features;
+  packed.direct = model.network.direct;
+  for (const Region& region : model.network.regions) packed.regions.push_back(pack_region(region, options));
+  packed.columns = model.basis.columns;
+  packed.order = model.basis.order;
+  packed.provenance = model.provenance;
+
+  const double diagonal = model.rest.diagonal();
+  std::vector<Allowance> allowances;
+  for (std::uint32_t column = 0; column < model.basis.columns; ++column) {
+    const double size = options.coefficient_sizes.empty() ? 1 : options.coefficient_sizes[column];
+    constexpr double any = std::numeric_limits<double>::infinity();  // of a coefficient that is always 0
+    allowances.push_back(size > 0 ? Allowance{options.basis_tolerance * diagonal / size, options.drop * diagonal / size}
+                                  : Allowance{any, 0});
+  }
+  for (const RowGroup& group : model.basis.groups) packed.groups.push_back(pack_group(group, allowances));
+  check(packed);
+  return packed;
+}
+
+}  // namespace fb

@@ -1,0 +1,57 @@
+// What a network of floats and one of whole numbers have to hold alike.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "base/status.h"
+#include "model/network.h"
+
+namespace fb {
+
+// Fails, naming the feature, unless controls exist, products and minima use earlier features, and numbers are finite.
+void check_features(const std::vector<Feature>& features, std::size_t control_count);
+
+// Fails unless the features that direct coefficients name exist.
+void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Feature>& features);
+
+// Fails unless its features exist and are identities, no control's twice, and its slope is a positive number.
+void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region);
+
+// Fails, naming region and layer, unless widths fit each other; check_values(layer, where) looks at the numbers.
+template <class AnyRegion, class CheckValues>
+void check_regions(const std::vector<AnyRegion>& regions, const std::vector<Feature>& features,
+                   CheckValues&& check_values) {
+  for (const AnyRegion& region : regions) {
+    const char* name = region.name.c_str();
+    for (const std::uint32_t f : region.features)
+      if (f >= features.size())
+        fail(Status::bad_data, "region \"%s\" names feature %u of %zu", name, f, features.size());
+    if (region.layers.empty()) fail(Status::bad_data, "region \"%s\" has no layers", name);
+    std::size_t width = region.features.size();
+    for (std::size_t l = 0; l < region.layers.size(); ++l) {
+      const auto& layer = region.layers[l];
+      const std::string place = format("region \"%s\" layer %zu", name, l);
+      const char* where = place.c_str();
+      if (layer.inputs != width)
+        fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, width);
+      if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", where);
+      if (layer.skip && layer.inputs != layer.outputs)
+        fail(Status::bad_data, "%s skips from %u inputs to %u outputs", where, layer.inputs, layer.outputs);
+      if (layer.activation > Activation::silu)
+        fail(Status::unsupported, "%s has unknown activation %u", where, static_cast<unsigned>(layer.activation));
+      check_values(layer, where);
+      width = layer.outputs;
+    }
+    check_gate(region.gate, features, name);
+  }
+}
+
+inline bool all_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+}  // namespace fb
