@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numeric>
+#include <set>
 
 #include "bake/train/checkpoint.h"
 #include "bake/train/optimizer.h"
@@ -272,6 +274,130 @@ TEST_CASE("a lingering rate rises, stays, and falls in a straight line") {
   CHECK(schedule_factor(Schedule::cosine, 250, 500) == doctest::Approx(0.5));
 }
 
+// Weights rounded to whole multiples of their row's largest over 2^(bits - 1) - 1.
+static std::vector<DenseLayer> rounded(std::vector<DenseLayer> layers, int bits) {
+  for (DenseLayer& layer : layers)
+    for (std::size_t o = 0; o < layer.outputs; ++o) {
+      const std::span<float> row = std::span(layer.weights).subspan(o * layer.inputs, layer.inputs);
+      double top = 0;
+      for (const float weight : row) top = std::max(top, std::abs(double(weight)));
+      const double step = top / ((1 << (bits - 1)) - 1);
+      for (float& weight : row) weight = static_cast<float>(std::nearbyint(weight / step) * step);
+    }
+  return layers;
+}
+
+TEST_CASE("training through rounded weights leaves less error once they are rounded") {
+  const Task task = make_task(1000, 1), unseen = make_task(500, 2);
+  TrainingPlan plan = plan_of(40);
+  plan.batch = 32;
+  plan.activation = Activation::silu;
+  plan.weight_bits = 5;
+  const std::vector<DenseLayer> plain = train_layers(task.set, plan, silent_progress()).layers;
+  plan.quantized_share = 0.4f;
+  const std::vector<DenseLayer> aware = train_layers(task.set, plan, silent_progress()).layers;
+  CHECK(relative_error(rounded(plain, 5), unseen) > 1.4 * relative_error(plain, unseen));
+  CHECK(relative_error(rounded(aware, 5), unseen) < 0.8 * relative_error(rounded(plain, 5), unseen));
+}
+
+TEST_CASE("bent layers learn what straight ones cannot") {
+  const Task task = make_task(1000, 1), unseen = make_task(500, 2);
+  TrainingPlan plan = plan_of(40);
+  plan.batch = 32;
+  plan.activation = Activation::linear;
+  CHECK(relative_error(train_layers(task.set, plan, silent_progress()).layers, unseen) > 0.1);
+  for (const Activation activation : {Activation::silu, Activation::tanh}) {
+    plan.activation = activation;
+    CHECK(relative_error(train_layers(task.set, plan, silent_progress()).layers, unseen) < 0.01);
+  }
+}
+
+TEST_CASE("the weights that serve validation poses best are kept, and those poses are not trained on") {
+  Task task = make_task(160, 1);
+  Random noise(9);
+  for (float& target : task.targets) target += noise.normal();  // nothing to learn by heart
+  std::vector<std::uint32_t> validation;
+  for (std::uint32_t pose = 0; pose < 160; pose += 2) validation.push_back(pose);
+  TrainingSet set = task.set;
+  set.validation = validation;
+  TrainingPlan plan = plan_of(200);
+  plan.batch = 40;
+  Task kept;  // the validation poses alone
+  for (const std::uint32_t pose : validation) {
+    kept.features.insert(kept.features.end(), task.features.begin() + 5 * pose, task.features.begin() + 5 * pose + 5);
+    kept.targets.insert(kept.targets.end(), task.targets.begin() + 3 * pose, task.targets.begin() + 3 * pose + 3);
+  }
+  kept.set = {validation.size(), 5, 3, kept.features, kept.targets};
+  const TrainedLayers trained = train_layers(set, plan, silent_progress());
+  REQUIRE(trained.epochs.size() == 200);
+  double best = INFINITY;
+  std::set<double> measured;
+  for (const EpochLoss& epoch : trained.epochs)
+    if (epoch.validation > 0) best = std::min(best, epoch.validation), measured.insert(epoch.validation);
+  CHECK(measured.size() == 20);
+  CHECK(relative_error(trained.layers, kept) == doctest::Approx(best).epsilon(1e-4));
+  CHECK(trained.epochs.back().validation > 1.2 * best);
+  CHECK(trained.epochs.back().training == trained.loss);
+
+  // What validation poses are to become has no part in the steps.
+  const float before = task.targets[0];
+  task.targets[0] = 1e6f;
+  const TrainedLayers other = train_layers(set, plan, silent_progress());
+  CHECK(other.epochs.front().training == trained.epochs.front().training);
+  task.targets[0] = before;
+
+  // An interrupted training keeps what it has found best.
+  const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
+  plan.checkpoint = path;
+  StopAfter stop(300);
+  CHECK_THROWS_AS(train_layers(set, plan, stop), Error);
+  CHECK(same(trained.layers, train_layers(set, plan, silent_progress()).layers));
+  std::filesystem::remove(path);
+
+  std::vector<std::uint32_t> all(160);
+  std::iota(all.begin(), all.end(), 0u);
+  set.validation = all;
+  CHECK_THROWS_AS(train_layers(set, plan, silent_progress()), Error);
+}
+
+TEST_CASE("training that runs away begins again at half the rate, three times at most") {
+  const Task task = make_task(300, 1);
+  TrainingPlan plan = plan_of(6);
+  TrainedLayers trained;
+  for (plan.learning_rate = 1; trained.restarts == 0; plan.learning_rate *= 4)
+    trained = train_layers(task.set, plan, silent_progress());
+  plan.learning_rate = std::ldexp(plan.learning_rate / 4, -static_cast<int>(trained.restarts));
+  const TrainedLayers slower = train_layers(task.set, plan, silent_progress());
+  CHECK(slower.restarts == 0);
+  CHECK(same(slower.layers, trained.layers));
+  plan.learning_rate = 1e15f;
+  CHECK_THROWS_WITH_AS(train_layers(task.set, plan, silent_progress()), doctest::Contains("3 restarts"), Error);
+}
+
+TEST_CASE("training goes on from given layers, also to another network's outputs") {
+  const Task task = make_task(1000, 1);
+  TrainingPlan plan = plan_of(20);
+  plan.output_scaling = 1;
+  const TrainedLayers first = train_layers(task.set, plan, silent_progress());
+  plan.start = first.layers;
+  plan.epochs = 0;
+  const std::vector<DenseLayer> untouched = train_layers(task.set, plan, silent_progress()).layers;
+  CHECK(relative_error(untouched, task) == doctest::Approx(relative_error(first.layers, task)).epsilon(1e-4));
+  plan.epochs = 20;
+  const TrainedLayers more = train_layers(task.set, plan, silent_progress());
+  CHECK(more.loss < 0.7 * first.loss);
+
+  const std::vector<float> taught = run_layers(more.layers, task.set, {});
+  Task pupil = task;
+  pupil.targets = taught;
+  pupil.set.targets = pupil.targets;
+  CHECK(relative_error(train_layers(pupil.set, plan, silent_progress()).layers, pupil) <
+        0.5 * relative_error(first.layers, pupil));
+
+  plan.start.front().inputs = 4;
+  CHECK_THROWS_AS(train_layers(task.set, plan, silent_progress()), Error);
+}
+
 TEST_CASE("every pose is trained on, also where batches leave some out, and numbers that are none stop it") {
   for (std::size_t pose = 0; pose < 5; ++pose) {
     Task task = make_task(5, 1);
@@ -307,12 +433,15 @@ TEST_CASE("an interrupted training goes on to the very same network") {
 TEST_CASE("a training that differs in anything begins anew") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   const Task task = make_task(700, 1), other_task = make_task(700, 2);
-  std::vector<TrainingPlan> others(5, plan_of(4));
+  std::vector<TrainingPlan> others(8, plan_of(4));
   others[0].epochs = 3;
   others[1].seed = 2;
   others[2].batch = 128;
   others[3].learning_rate = 1e-3f;
   others[4].widths = {48, 48};
+  others[5].activation = Activation::silu;
+  others[6].output_scaling = 1;
+  others[7].weight_decay = 0.1f;
   const auto begun_after_another = [&](TrainingPlan plan, const TrainingSet& set) {
     const auto fresh = train_layers(set, plan, silent_progress()).layers;
     TrainingPlan first = plan_of(4);

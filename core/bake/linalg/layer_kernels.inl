@@ -100,17 +100,19 @@ void adam(const AdamStep& step, std::size_t first, std::size_t count, const floa
 }
 
 void round_row(std::size_t count, float levels, const float* __restrict row, float* __restrict rounded) {
-  // The largest of 16 interleaved ones, as a vector finds it.
-  float tops[16] = {};
-  for (std::size_t i = 0; i < count; ++i) {
-    const float size = row[i] < 0 ? -row[i] : row[i];
-    tops[i % 16] = size > tops[i % 16] ? size : tops[i % 16];
-  }
-  float top = 0;
-  for (const float t : tops) top = t > top ? t : top;
+  // The largest of every 16th number side by side, as vectors find it.
+  float tops[16] = {}, top = 0;
+  const auto larger = [](float a, float b) __attribute__((always_inline)) {
+    return b > a ? b : a;
+  };
+  std::size_t i = 0;
+  for (; i + 16 <= count; i += 16)
+    for (std::size_t j = 0; j < 16; ++j) tops[j] = larger(tops[j], __builtin_fabsf(row[i + j]));
+  for (; i < count; ++i) top = larger(top, __builtin_fabsf(row[i]));
+  for (const float t : tops) top = larger(top, t);
   const float step = top / levels, steps = top > 0 ? levels / top : 0;
   constexpr float whole = 12582912.0f;  // 1.5 * 2^23: adding it leaves no room for fractions
-  for (std::size_t i = 0; i < count; ++i) rounded[i] = ((row[i] * steps + whole) - whole) * step;
+  for (i = 0; i < count; ++i) rounded[i] = ((row[i] * steps + whole) - whole) * step;
 }
 
 }  // namespace

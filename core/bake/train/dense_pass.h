@@ -47,7 +47,7 @@ void check_features(const TrainingSet& set);
 // so its gradient is minus the sum of theirs.
 class DensePass {
  public:
-  static constexpr std::size_t most_poses = 64;
+  static constexpr std::size_t most_poses = 128;
 
   explicit DensePass(const NetShape& shape);
 

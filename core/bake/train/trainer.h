@@ -79,10 +79,10 @@ struct TrainedLayers {
 // it is the error through rounded weights. Few poses (below some thousands a network) are learnt by heart: keep
 // validation poses back, and use weight_decay and narrow widths before more epochs.
 //
-// Same seed, same result, whatever the number of threads: a batch is cut into pieces of 64 poses whose gradients are
+// Same seed, same result, whatever the number of threads: a batch is cut into pieces of 128 poses whose gradients are
 // added in order. When the loss stops being a number, training begins again at half the rate; the fourth time it fails
 // with internal. Fails with interrupted after saving the checkpoint.
-// Memory: a checkpoint's worth (four times the parameters), and once the parameters and 65 poses' signals a piece.
+// Memory: a checkpoint's worth (four times the parameters), and once the parameters and 129 poses' signals a piece.
 TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Progress& progress);
 
 // Several networks, each exactly as train_layers gives it; the plans' own `parallel` is not used. The largest come
