@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/probe/curve_base.h"
 #include "base/status.h"
+#include "model/feature_values.h"
 
 namespace fb {
 namespace {
@@ -58,7 +58,7 @@ std::uint64_t ByteCount::touched(std::span<const float> controls) const {
   if (controls.size() != rest_.size())
     fail(Status::invalid_argument, "a pose of %zu controls for a model of %zu", controls.size(), rest_.size());
   std::vector<float> features(model_->features.size());
-  evaluate_features(model_->features, controls, rest_, features);
+  feature_values(model_->features, controls.data(), rest_.data(), features.data());
   std::uint64_t bytes = always_;
   for (std::size_t d = 0; d < direct_.size(); ++d)
     if (features[model_->direct[d]] != 0) bytes += direct_[d];

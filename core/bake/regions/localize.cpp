@@ -15,12 +15,12 @@ using Matrix = Eigen::MatrixXf;
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // The columns a region has in the basis, and the square root of its covariance: root x root^T.
-struct Part {
+struct RegionColumns {
   std::uint32_t first = 0, count = 0;
   Matrix root;
 };
 
-Part make_part(const Region& region, std::uint32_t first, const std::vector<float>& covariance) {
+RegionColumns region_columns(const Region& region, std::uint32_t first, const std::vector<float>& covariance) {
   const std::uint32_t n = region.layers.back().outputs;
   if (covariance.size() != std::size_t(n) * n)
     fail(Status::invalid_argument, "region \"%s\" has %u coefficients and a covariance of %zu numbers",
@@ -80,7 +80,7 @@ class RowFinder {
 };
 
 // The region whose coefficients move a vertex most, or the number of regions.
-std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vector<Part>& parts,
+std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vector<RegionColumns>& parts,
                                              const Parallel& parallel) {
   std::vector<float> strength(basis.rows * parts.size(), 0);  // squared motion by row and region
   parallel_for(parallel, basis.groups.size(), [&](std::size_t g, std::size_t) {
@@ -109,12 +109,18 @@ std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vect
   return labels;
 }
 
-// A region's columns in a chunk, as they are and in fewer of its own.
+// A region's columns in a chunk, and the principal directions of what they do there.
 struct Local {
   Columns old;
-  Matrix directions;         // 3 x vertices, orthonormal columns
-  Matrix projection;         // directions^T x old values
-  std::vector<float> sizes;  // root mean square of each new coefficient
+  Matrix directions;                // 3 x vertices, orthonormal columns by falling motion
+  std::vector<double> motion = {};  // root mean square length of each, rig's units
+  std::size_t moved = 0;            // vertices
+
+  // How many move the vertices moved by more than this, root mean square a vertex.
+  Eigen::Index kept(double threshold) const {
+    const double least = threshold * std::sqrt(double(moved));
+    return std::partition_point(motion.begin(), motion.end(), [&](double m) { return m > least; }) - motion.begin();
+  }
 };
 
 struct Chunk {
@@ -123,46 +129,47 @@ struct Chunk {
   std::vector<Local> regions;
 };
 
-// Principal directions that move the region's vertices here by more than `threshold` (root mean square, rig's units).
-Local make_local(Columns old, const Part& part, double threshold) {
-  Local local{std::move(old), {}, {}, {}};
+Local make_local(Columns old, const RegionColumns& region) {
+  Local local{std::move(old), {}};
   const Matrix& values = local.old.values;
   local.directions.resize(values.rows(), 0);
-  local.projection.resize(0, values.cols());
   if (values.cols() == 0) return local;
-  Matrix root(values.cols(), part.count);
+  std::vector<Eigen::Index> rows;  // of vertices that are moved
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+    if (!values.middleRows(row / 3 * 3, 3).isZero(0)) rows.push_back(row);
+  local.moved = rows.size() / 3;
+  Matrix root(values.cols(), region.count);
   for (Eigen::Index c = 0; c < values.cols(); ++c)
-    root.row(c) = part.root.row(local.old.numbers[std::size_t(c)] - part.first);
-  const Eigen::MatrixXd motion = (values * root).cast<double>();
+    root.row(c) = region.root.row(local.old.numbers[std::size_t(c)] - region.first);
+  const Matrix part = values(rows, Eigen::all);
+  const Eigen::MatrixXd motion = (part * root).cast<double>();
   const Spectrum spectrum = symmetric_spectrum(motion * motion.transpose());
-  Eigen::Index moved = 0;  // vertices
-  for (Eigen::Index v = 0; v < values.rows() / 3; ++v) moved += !values.middleRows(3 * v, 3).isZero(0);
   // What is smaller than the rounding of the largest motion is no direction.
   constexpr double rounding = 1e-14;
-  const double least = std::max(threshold * threshold * double(moved), spectrum.values[0] * rounding);
-  const Eigen::Index most = std::min(values.rows(), values.cols());
-  Eigen::Index kept = 0;
-  while (kept < most && spectrum.values[kept] > least) ++kept;
-  local.directions = spectrum.vectors.leftCols(kept);
-  local.projection = local.directions.transpose() * values;
-  for (Eigen::Index k = 0; k < kept; ++k) local.sizes.push_back(float(std::sqrt(spectrum.values[k])));
+  Eigen::Index count = 0;
+  while (count < std::min(part.rows(), part.cols()) && spectrum.values[count] > spectrum.values[0] * rounding) ++count;
+  local.directions = Matrix::Zero(values.rows(), count);
+  local.directions(rows, Eigen::all) = spectrum.vectors.leftCols(count);
+  for (Eigen::Index k = 0; k < count; ++k) local.motion.push_back(std::sqrt(spectrum.values[k]));
   return local;
 }
 
 // Whether a region's new columns and output layer hold fewer numbers than the old.
-bool pays(const std::vector<Chunk>& chunks, std::size_t r, const DenseLayer& last) {
+bool pays(const std::vector<Chunk>& chunks, std::size_t r, const DenseLayer& last, double threshold) {
   if (last.activation != Activation::linear || last.skip) return false;
   const std::size_t row = std::size_t(last.inputs) + 1;  // weights and bias of one output
   std::size_t before = row * last.outputs, after = 0;
   for (const Chunk& chunk : chunks) {
-    before += std::size_t(chunk.regions[r].old.values.size());
-    after += std::size_t(chunk.regions[r].directions.size()) + chunk.regions[r].sizes.size() * row;
+    const Local& local = chunk.regions[r];
+    before += std::size_t(local.old.values.size());
+    after += std::size_t(local.kept(threshold)) * (3 * chunk.vertices.size() + row);
   }
   return after < before;
 }
 
 // The last layer giving every chunk's own coefficients, chunk after chunk.
-DenseLayer merged(const DenseLayer& last, const std::vector<Chunk>& chunks, std::size_t r, const Part& part) {
+DenseLayer merged(const DenseLayer& last, const std::vector<Chunk>& chunks, std::size_t r, std::uint32_t first,
+                  double threshold) {
   DenseLayer layer = last;
   layer.outputs = 0;
   layer.weights.clear();
@@ -170,15 +177,16 @@ DenseLayer merged(const DenseLayer& last, const std::vector<Chunk>& chunks, std:
   const Eigen::Map<const RowMatrix> weights(last.weights.data(), last.outputs, last.inputs);
   for (const Chunk& chunk : chunks) {
     const Local& local = chunk.regions[r];
-    RowMatrix rows(local.projection.cols(), last.inputs);
+    RowMatrix rows(local.old.values.cols(), last.inputs);
     Eigen::VectorXf bias(rows.rows());
     for (Eigen::Index c = 0; c < rows.rows(); ++c) {
-      const std::uint32_t output = local.old.numbers[std::size_t(c)] - part.first;
+      const std::uint32_t output = local.old.numbers[std::size_t(c)] - first;
       rows.row(c) = weights.row(output);
       bias[c] = last.bias[output];
     }
-    const RowMatrix turned = local.projection * rows;
-    const Eigen::VectorXf turned_bias = local.projection * bias;
+    const Matrix projection = local.directions.leftCols(local.kept(threshold)).transpose() * local.old.values;
+    const RowMatrix turned = projection * rows;
+    const Eigen::VectorXf turned_bias = projection * bias;
     layer.outputs += std::uint32_t(turned.rows());
     layer.weights.insert(layer.weights.end(), turned.data(), turned.data() + turned.size());
     layer.bias.insert(layer.bias.end(), turned_bias.data(), turned_bias.data() + turned_bias.size());
@@ -193,31 +201,43 @@ void append(RowGroup& group, std::uint32_t column, const Matrix& values, Eigen::
 
 }  // namespace
 
-LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                              const LocalizeOptions& options, const Parallel& parallel) {
+struct Localizer::Parts {
+  FaceModel model;
+  std::vector<RegionColumns> regions;
+  std::vector<Chunk> chunks;
+};
+
+Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                     std::uint32_t chunk_vertices, const Parallel& parallel) {
   check(model);
   const Network& network = model.network;
   if (covariance.size() != network.regions.size())
     fail(Status::invalid_argument, "%zu covariances for %zu regions", covariance.size(), network.regions.size());
   const auto direct = std::uint32_t(network.direct.size());
-  std::vector<Part> parts;
+  auto parts = std::make_unique<Parts>(Parts{model, {}, {}});
   std::uint32_t next = direct;
-  for (std::size_t r = 0; r < covariance.size(); next += parts[r].count, ++r)
-    parts.push_back(make_part(network.regions[r], next, covariance[r]));
+  for (std::size_t r = 0; r < covariance.size(); next += parts->regions[r].count, ++r)
+    parts->regions.push_back(region_columns(network.regions[r], next, covariance[r]));
 
-  std::vector<Chunk> chunks;
-  const std::vector<std::uint32_t> labels = strongest_regions(model.basis, parts, parallel);
-  for (auto& vertices : vertex_chunks(model.rest, labels, options.chunk_vertices))
-    chunks.push_back({std::move(vertices), {}, {}});
+  const std::vector<std::uint32_t> labels = strongest_regions(model.basis, parts->regions, parallel);
+  for (auto& vertices : vertex_chunks(model.rest, labels, chunk_vertices))
+    parts->chunks.push_back({std::move(vertices), {}, {}});
   const RowFinder finder(model.basis);
-  const double threshold = options.threshold * model.rest.diagonal();
-  parallel_for(parallel, chunks.size(), [&](std::size_t i, std::size_t) {
-    Chunk& chunk = chunks[i];
+  parallel_for(parallel, parts->chunks.size(), [&](std::size_t i, std::size_t) {
+    Chunk& chunk = parts->chunks[i];
     chunk.direct = finder.gather(chunk.vertices, 0, direct);
-    for (const Part& part : parts)
-      chunk.regions.push_back(make_local(finder.gather(chunk.vertices, part.first, part.count), part, threshold));
+    for (const RegionColumns& region : parts->regions)
+      chunk.regions.push_back(make_local(finder.gather(chunk.vertices, region.first, region.count), region));
   });
+  parts_ = std::move(parts);
+}
 
+Localizer::~Localizer() = default;
+
+LocalizedModel Localizer::localized(double threshold_over_diagonal) const {
+  const auto& [model, regions, chunks] = *parts_;
+  const double threshold = threshold_over_diagonal * model.rest.diagonal();
+  const auto direct = std::uint32_t(model.network.direct.size());
   LocalizedModel result{model, std::vector<float>(direct, 1.0f)};
   Basis& basis = result.model.basis;
   basis = {model.basis.rows, direct, {}, {}};
@@ -228,27 +248,33 @@ LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vecto
     for (std::size_t c = 0; c < chunk.direct.numbers.size(); ++c)
       append(group, chunk.direct.numbers[c], chunk.direct.values, Eigen::Index(c));
   }
-  for (std::size_t r = 0; r < parts.size(); ++r) {
+  for (std::size_t r = 0; r < regions.size(); ++r) {
     DenseLayer& last = result.model.network.regions[r].layers.back();
-    const bool local = pays(chunks, r, last);
-    if (local) last = merged(last, chunks, r, parts[r]);
+    const bool local = pays(chunks, r, last, threshold);
+    if (local) last = merged(last, chunks, r, regions[r].first, threshold);
     std::uint32_t own = basis.columns;  // the next chunk's first
     for (std::size_t i = 0; i < chunks.size(); ++i) {
       const Local& part = chunks[i].regions[r];
-      for (std::size_t c = 0; local && c < part.sizes.size(); ++c) {
-        append(basis.groups[i], own++, part.directions, Eigen::Index(c));
-        result.coefficient_sizes.push_back(part.sizes[c]);
+      for (Eigen::Index c = 0; local && c < part.kept(threshold); ++c) {
+        append(basis.groups[i], own++, part.directions, c);
+        result.coefficient_sizes.push_back(float(part.motion[std::size_t(c)]));
       }
       for (std::size_t c = 0; !local && c < part.old.numbers.size(); ++c)
-        append(basis.groups[i], basis.columns + part.old.numbers[c] - parts[r].first, part.old.values, Eigen::Index(c));
+        append(basis.groups[i], basis.columns + part.old.numbers[c] - regions[r].first, part.old.values,
+               Eigen::Index(c));
     }
-    for (Eigen::Index c = 0; !local && c < parts[r].root.rows(); ++c)
-      result.coefficient_sizes.push_back(parts[r].root.row(c).norm());
+    for (Eigen::Index c = 0; !local && c < regions[r].root.rows(); ++c)
+      result.coefficient_sizes.push_back(regions[r].root.row(c).norm());
     basis.columns += last.outputs;
   }
   std::erase_if(result.model.network.regions, [](const Region& region) { return region.layers.back().outputs == 0; });
   check(result.model);
   return result;
+}
+
+LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                              const LocalizeOptions& options, const Parallel& parallel) {
+  return Localizer(model, covariance, options.chunk_vertices, parallel).localized(options.threshold);
 }
 
 }  // namespace fb

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,10 +26,26 @@ struct LocalizedModel {
 // own, the principal directions of that region's motion there (orthonormal, by falling motion), and the rotation is
 // merged into the region's last, linear layer. A region that would not hold fewer numbers so (output layer and basis),
 // or whose last layer is not linear, keeps its columns. They and direct columns are left out of the chunks they do not
-// move. `covariance`: one matrix a region, outputs x outputs: the mean over poses of the products of its coefficients.
-// The result has the same features, regions and hidden layers, less the regions that move nothing by the threshold;
-// with threshold 0 it moves as before in every pose the covariance was made of. The same for any thread count; fails
-// with invalid_argument on a covariance of another size.
+// move.
+class Localizer {
+ public:
+  // Finds all directions. `covariance`: one matrix a region, outputs x outputs: the mean over poses of the products of
+  // its coefficients. The same for any thread count; fails with invalid_argument on a covariance of another size.
+  Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance, std::uint32_t chunk_vertices,
+            const Parallel& parallel);
+  ~Localizer();
+
+  // Keeps those above a threshold: see LocalizeOptions. The result has the model's features, regions and hidden layers,
+  // less the regions that move nothing by the threshold; with threshold 0 it moves as the model did in every pose the
+  // covariance was made of. Thread-safe.
+  LocalizedModel localized(double threshold) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+// Both at once.
 LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
                               const LocalizeOptions& options, const Parallel& parallel = {});
 
