@@ -20,7 +20,10 @@ constexpr double fade = 0.1;
 // A piece of a region with fewer vertices than this joins what surrounds it.
 constexpr std::size_t smallest_piece = 12;
 // The band of an overlap is at least so many edges wide, however coarse the mesh.
-constexpr double band_edges = 4;
+constexpr double band_edges = 6;
+
+// Of networks of equal size in all, few wide ones are best where few controls interact, more where many do.
+constexpr std::size_t controls_per_region = 25, fewest_regions = 3, most_regions = 10;
 
 // residual_motion, seen from the vertices.
 struct Motion {
@@ -76,6 +79,16 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> split_vertices(const Mesh& 
   return same;
 }
 
+// How many regions serve the controls that move the residual at all.
+std::size_t enough_regions(const Motion& motion, double still) {
+  std::size_t moving = 0;
+  for (std::size_t c = 0; c < motion.controls(); ++c) {
+    const std::span<const float> of_control = motion.values.subspan(c * motion.vertices, motion.vertices);
+    moving += *std::max_element(of_control.begin(), of_control.end()) > still;
+  }
+  return std::clamp(moving / controls_per_region, fewest_regions, most_regions);
+}
+
 // Clusters of the vertices that move, by direction in the space of the controls' influence (square roots, so that weak
 // controls count too) and by place; vertices that move far pull harder.
 std::vector<std::uint32_t> cluster(const Mesh& rest, const Motion& motion, const RegionOptions& options) {
@@ -99,8 +112,11 @@ std::vector<std::uint32_t> cluster(const Mesh& rest, const Motion& motion, const
           static_cast<float>(2 * rest.points[3 * std::size_t(moved[i]) + axis] / diagonal);
     weights.push_back(motion.energy[moved[i]]);
   }
-  const std::vector<std::uint32_t> found = weighted_kmeans(
-      features, width, weights, {.clusters = options.regions, .smallest = smallest_piece, .seed = options.seed});
+  const std::vector<std::uint32_t> found =
+      weighted_kmeans(features, width, weights,
+                      {.clusters = options.regions ? options.regions : enough_regions(motion, options.still),
+                       .smallest = smallest_piece,
+                       .seed = options.seed});
   for (std::size_t i = 0; i < moved.size(); ++i) labels[moved[i]] = found[i];
   return labels;
 }
@@ -216,9 +232,9 @@ void number_names(std::vector<FaceRegion>& regions) {
 
 std::vector<FaceRegion> find_regions(const Mesh& rest, const RigSchema& schema, std::span<const float> residual_motion,
                                      const RegionOptions& options) {
-  if (options.regions == 0 || !(options.overlap >= 0) || !(options.still > 0))
-    fail(Status::invalid_argument, "%u regions, an overlap of %g and a stillness of %g make no regions",
-         options.regions, options.overlap, options.still);
+  if (!(options.overlap >= 0) || !(options.still > 0))
+    fail(Status::invalid_argument, "an overlap of %g and a stillness of %g make no regions", options.overlap,
+         options.still);
   const Motion motion = look_at(rest, schema, residual_motion);
   std::vector<std::uint32_t> labels = cluster(rest, motion, options);
   const SurfaceGraph graph(rest, split_vertices(rest, motion));

@@ -20,9 +20,11 @@ struct FaceRegion {
 };
 
 struct RegionOptions {
-  std::uint32_t regions = 8;
-  double overlap = 0.01;  // width of the band two regions share, along the surface, over the diagonal
-  double still = 1e-4;    // a control that moves the residual of a region less (over D) is no input of it
+  std::uint32_t regions = 0;  // at most; 0: one for every 25 controls that move the residual, 3 to 10
+  // Width of the band two regions share, along the surface, over the diagonal; at least six edges wide, unless 0, which
+  // makes hard borders.
+  double overlap = 0.01;
+  double still = 1e-4;  // a control that moves the residual of a region less (over D) is no input of it
   std::uint64_t seed = 1;
 };
 
