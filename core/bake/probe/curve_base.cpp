@@ -11,21 +11,21 @@ namespace {
 // Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
 constexpr std::size_t tile_poses = 8;
 
-// target += value * shape. Vertices that follow each other, as they mostly do, are one contiguous loop.
-void add_scaled(const SparseShape& shape, float value, float* target) {
+}  // namespace
+
+// Vertices that follow each other, as they mostly do, are one contiguous loop.
+void add_scaled(const SparseShape& shape, float value, std::span<float> displacement) {
   const std::size_t count = shape.vertices.size();
   for (std::size_t first = 0; first < count;) {
     const std::uint32_t start = shape.vertices[first];
     std::size_t last = first + 1;
     while (last < count && shape.vertices[last] - start == last - first) ++last;
     const float* from = shape.offsets.data() + 3 * first;
-    float* to = target + std::size_t{3} * start;
+    float* to = displacement.data() + std::size_t{3} * start;
     for (std::size_t i = 0; i < 3 * (last - first); ++i) to[i] += value * from[i];
     first = last;
   }
 }
-
-}  // namespace
 
 void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
                        std::span<float> values) {
@@ -48,7 +48,7 @@ void CurveBase::add(std::span<const float> controls, std::span<const float> rest
     for (const SparseShape& shape : shapes)
       for (std::size_t i = 0; i < poses; ++i) {
         const float value = values[i * features.size() + shape.feature];
-        if (value != 0) add_scaled(shape, sign * value, displacements.data() + (first + i) * size);
+        if (value != 0) add_scaled(shape, sign * value, displacements.subspan((first + i) * size, size));
       }
   }
 }

@@ -17,6 +17,9 @@ struct SparseShape {
   std::vector<float> offsets;           // 3 a vertex, in the rig's units
 };
 
+// displacement += value * shape; displacement: 3 x vertices.
+void add_scaled(const SparseShape& shape, float value, std::span<float> displacement);
+
 struct CurveBase {
   std::vector<Feature> features;
   std::vector<SparseShape> shapes;  // no two of one feature; features used only by other features have none

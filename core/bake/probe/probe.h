@@ -17,16 +17,16 @@ struct ProbeOptions {
   // What a curve of a single control, and then the terms of pairs and triples, may be off, over the diagonal.
   double curve_tolerance = 1e-4;
   double term_tolerance = 1e-4;
-  std::uint32_t max_knots = 8;     // on either side of rest
-  std::uint32_t max_pairs = 1600;  // interacting pairs given terms, the strongest first
-  std::uint32_t max_triples = 400;
-  std::uint64_t rig_budget = 0;  // rig calls at most; 0: as many as it takes
+  std::uint32_t max_knots = 8;      // on either side of rest
+  std::uint32_t max_pairs = 1600;   // interacting pairs given terms, the strongest first
+  std::uint32_t max_triples = 400;  // and a quarter as many fours
+  std::uint64_t rig_budget = 0;     // rig calls at most; 0: as many as it takes
   std::uint64_t seed = 1;
 };
 
 // Controls that do together what they do not do one by one.
 struct Interaction {
-  std::vector<std::uint32_t> controls;  // two or three, ascending
+  std::vector<std::uint32_t> controls;  // two to four, ascending
   double energy = 0;                    // sum over vertices of squared distance to the base without it, over D^2
   std::vector<std::uint32_t> features;  // the product and minimum features found for it, in CurveBase::features
 };

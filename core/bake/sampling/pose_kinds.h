@@ -22,6 +22,9 @@ enum class Stream : std::uint64_t {
   synthetic_shots,
   validation,
   performances,
+  candidates,
+  choice,
+  learning_curve,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "bake/dataset/npy.h"
+#include "bake/sampling/plan_steps.h"
 #include "bake/sampling/pose_kinds.h"
-#include "bake/sampling/sampling.h"
 
 namespace fb {
 namespace {
@@ -40,49 +40,118 @@ Clip clamped(Clip clip, const RigSchema& schema, Progress& progress) {
   return clip;
 }
 
-std::size_t share(std::uint64_t poses, double part) {
-  return static_cast<std::size_t>(std::llround(static_cast<double>(poses) * part));
+// A kind of pose and its share of a plan.
+struct Part {
+  const char* name;
+  ClipKind kind;
+  double share;
+  std::vector<float> (*make)(const RigSchema&, const RigProbe&, std::uint64_t seed, std::size_t poses);
+};
+
+std::vector<float> excitations(const RigSchema& schema, const RigProbe& probe, std::uint64_t, std::size_t poses) {
+  return make_excitations(schema, probe, poses);
+}
+std::vector<float> dense(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses) {
+  return make_dense(schema, probe, seed, poses, false);
+}
+std::vector<float> heavy(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses) {
+  return make_dense(schema, probe, seed, poses, true);
+}
+
+constexpr Part paper_mix[] = {{"excitations", ClipKind::excitation, 0.25, excitations},
+                              {"calisthenics", ClipKind::calisthenics, 0.20, make_calisthenics},
+                              {"regional", ClipKind::regional, 0.55, make_regional}};
+constexpr Part dense_mix[] = {{"excitations", ClipKind::excitation, 0.05, excitations},
+                              {"calisthenics", ClipKind::calisthenics, 0.05, make_calisthenics},
+                              {"dense", ClipKind::dense, 0.25, dense},
+                              {"performances", ClipKind::dense, 0.45, make_performances},
+                              {"heavy", ClipKind::dense, 0.20, heavy}};
+
+std::span<const Part> mix_named(const std::string& name) {
+  if (name == "paper") return paper_mix;
+  if (name == "dense") return dense_mix;
+  fail(Status::invalid_argument, "\"%s\" is no mix of poses; there are paper, dense", name.c_str());
+}
+
+// Spreads poses over parts by their shares; the last part takes what rounding leaves.
+void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& schema, const RigProbe& probe,
+               std::uint64_t seed, std::size_t poses) {
+  double shares = 0;
+  for (const Part& part : parts) shares += part.share;
+  std::size_t left = poses;
+  for (const Part& part : parts) {
+    const bool last = &part == &parts.back();
+    const double wanted = static_cast<double>(poses) * part.share / shares;
+    const std::size_t count = last ? left : std::min(left, static_cast<std::size_t>(std::llround(wanted)));
+    left -= count;
+    add(plan, {part.name, part.kind, Split::train, 30, count, part.make(schema, probe, seed, count)});
+  }
+}
+
+bool held_out_wanted(const Source& rig, const SamplingOptions& options) {
+  const auto is_test = [](const Clip& clip) { return clip.split == Split::test; };
+  return options.held_out && !(options.shots && std::any_of(rig.clips().begin(), rig.clips().end(), is_test)) &&
+         std::none_of(options.extra.begin(), options.extra.end(), is_test);
+}
+
+bool wanted(const Clip& clip, const SamplingOptions& options) {
+  return options.shots && (options.held_out || clip.split != Split::test);
 }
 
 }  // namespace
 
-PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress) {
-  const RigSchema& schema = rig.schema();
-  const bool paper = options.mix == "paper";
-  if (!paper && options.mix != "dense")
-    fail(Status::invalid_argument, "\"%s\" is no mix of poses; there are paper, dense", options.mix.c_str());
+std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
   if (options.poses == 0) fail(Status::invalid_argument, "no poses are asked for");
-  if (!rig.live())
-    fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", schema.name.c_str());
-  const RigProbe probe(rig, parallel, progress);
+  if (options.rig_budget == 0) return options.poses;
+  const std::uint64_t probing = RigProbe::values * rig.schema().control_count() + timed_poses;
+  std::uint64_t frames = 0;
+  for (const Clip& clip : rig.clips())
+    if (wanted(clip, options)) frames += clip.frames;
+  for (const Clip& clip : options.extra) frames += clip.frames;
+  if (held_out_wanted(rig, options))
+    for (const Clip& clip : make_held_out(rig.schema(), options.seed)) frames += clip.frames;
+  if (probing + frames >= options.rig_budget)
+    fail(Status::invalid_argument,
+         "a rig budget of %llu leaves no new poses: probing \"%s\" takes %llu calls and its clips %llu frames",
+         static_cast<unsigned long long>(options.rig_budget), rig.schema().name.c_str(),
+         static_cast<unsigned long long>(probing), static_cast<unsigned long long>(frames));
+  return std::min(options.poses, options.rig_budget - probing - frames);
+}
 
-  const std::uint64_t seed = options.seed;
-  const std::size_t excitations = share(options.poses, paper ? 0.25 : 0.05);
-  const std::size_t calisthenics = share(options.poses, paper ? 0.20 : 0.05);
-  const std::size_t others = options.poses - excitations - calisthenics;
+PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress) {
+  check_request(rig, options);
+  return make_plan(rig, RigProbe(rig, parallel, progress), options, progress);
+}
+
+void check_request(const Source& rig, const SamplingOptions& options) {
+  mix_named(options.mix);
+  poses_to_draw(rig, options);
+  if (!rig.live())
+    fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
+}
+
+PosePlan make_plan(const Source& rig, const RigProbe& probe, const SamplingOptions& options, Progress& progress) {
+  const RigSchema& schema = rig.schema();
   PosePlan plan;
-  const auto add_training = [&](const char* name, ClipKind kind, std::size_t frames, std::vector<float> controls) {
-    add(plan, {name, kind, Split::train, 30, frames, std::move(controls)});
-  };
-  add_training("excitations", ClipKind::excitation, excitations, make_excitations(schema, probe, excitations));
-  add_training("calisthenics", ClipKind::calisthenics, calisthenics,
-               make_calisthenics(schema, probe, seed, calisthenics));
-  if (paper) {
-    add_training("regional", ClipKind::regional, others, make_regional(schema, probe, seed, others));
-  } else {
-    const std::size_t dense = share(options.poses, 0.25), performances = share(options.poses, 0.45);
-    const std::size_t heavy = others - std::min(others, dense + performances);
-    add_training("dense", ClipKind::dense, dense, make_dense(schema, probe, seed, dense, false));
-    add_training("heavy", ClipKind::dense, heavy, make_dense(schema, probe, seed, heavy, true));
-    add_training("performances", ClipKind::dense, performances, make_performances(schema, probe, seed, performances));
-  }
-  if (options.shots)
-    for (const Clip& clip : rig.clips()) add(plan, clamped(clip, schema, progress));
+  add_parts(plan, mix_named(options.mix), schema, probe, options.seed, poses_to_draw(rig, options));
+  for (const Clip& clip : rig.clips())
+    if (wanted(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
-  const bool tested = std::any_of(plan.begin(), plan.end(), [](const Clip& clip) { return clip.split == Split::test; });
-  if (options.held_out && !tested)
-    for (Clip& clip : make_held_out(schema, seed)) add(plan, std::move(clip));
+  if (held_out_wanted(rig, options))
+    for (Clip& clip : make_held_out(schema, options.seed)) add(plan, std::move(clip));
   return plan;
+}
+
+std::vector<float> draw_candidates(const RigSchema& schema, const RigProbe& probe, const std::string& mix,
+                                   std::uint64_t seed, std::size_t poses) {
+  std::vector<Part> parts;
+  for (const Part& part : mix_named(mix))
+    if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
+  PosePlan plan;
+  add_parts(plan, parts, schema, probe, open_stream(seed, Stream::candidates, 0).next(), poses);
+  std::vector<float> all;
+  for (const Clip& clip : plan) all.insert(all.end(), clip.controls.begin(), clip.controls.end());
+  return all;
 }
 
 Clip read_clip(const std::string& name, const std::filesystem::path& path, const RigSchema& schema) {

@@ -7,7 +7,8 @@
 #include "bake/dataset/npy.h"
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/evaluate_parallel.h"
-#include "bake/sampling/sampling.h"
+#include "bake/sampling/plan_steps.h"
+#include "bake/sampling/rig_meter.h"
 #include "base/file.h"
 #include "base/hash.h"
 
@@ -61,16 +62,23 @@ class Digest {
   std::uint64_t value = 0;
 };
 
-std::uint64_t hash_of_plan(const Source& rig, const PosePlan& plan) {
+// Of the first `clips` of a plan.
+std::uint64_t hash_of_plan(const Source& rig, const PosePlan& plan, std::size_t clips) {
   Digest digest;
   digest.add(rig);
-  for (const Clip& clip : plan) digest.add(clip);
+  for (std::size_t i = 0; i < clips; ++i) digest.add(plan.at(i));
   return digest.value;
 }
 
 std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options) {
   Digest digest;
-  digest.add(rig).add(options.poses).add(options.seed).add(options.mix).add(options.shots).add(options.held_out);
+  digest.add(rig)
+      .add(options.poses)
+      .add(options.seed)
+      .add(options.mix)
+      .add(options.shots)
+      .add(options.held_out)
+      .add(options.rig_budget);
   for (const std::vector<Clip>& clips : {rig.clips(), options.extra})
     for (const Clip& clip : clips) digest.add(clip);
   return digest.value;
@@ -129,21 +137,29 @@ class Sampler {
   }
 
   SampleReport run(std::uint64_t request) {
-    const std::uint64_t hash = hash_of_plan(rig_, plan_);
+    const std::uint64_t hash = hash_of_plan(rig_, plan_, plan_.size());
     const bool resuming = fs::exists(folder_ / dataset_file);
+    std::size_t first_compared = 0;
     if (resuming) {
-      const std::optional<DatasetIndex::Sampling> before = read_dataset_index(folder_).sampling;
-      if (!before || before->plan != hash)
+      const DatasetIndex there = read_dataset_index(folder_);
+      // The plan that is there, or one that goes on where it ends.
+      const std::size_t clips = there.clips.size();
+      if (!there.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != there.sampling->plan)
         fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
              folder_.c_str());
-      index_ = make_index(rig_, plan_, *before);
+      index_ = make_index(rig_, plan_, {there.sampling->request, hash, there.sampling->shard_frames});
+      if (clips < plan_.size()) {  // controls first, so that the plan can be read wherever this stops
+        write_plan();
+        write_dataset_index(folder_, index_);
+        first_compared = clips - 1;
+      }
     } else {
       make_folder(folder_);
       index_ = make_index(rig_, plan_, {request, hash, frames_per_shard()});
       write_dataset_index(folder_, index_);
     }
     write_plan();
-    write_shards(resuming);
+    write_shards(resuming, first_compared);
     return report_;
   }
 
@@ -153,7 +169,7 @@ class Sampler {
   std::size_t frames_per_shard() {
     const Clip& clip = plan_.at(0);
     double seconds = 0;
-    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {
+    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {  // timed_poses together
       const std::size_t frames = std::min(count, clip.frames);
       std::vector<float> points(frames * size_);
       const double start = seconds_now();
@@ -177,12 +193,12 @@ class Sampler {
     }
   }
 
-  void write_shards(bool resuming) {
+  void write_shards(bool resuming, std::size_t first_compared) {
     progress_.begin("sampling poses", report_.poses);
     const std::size_t shard_frames = index_.sampling->shard_frames;
     std::size_t done = 0;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
-      bool compared = false;
+      bool compared = i < first_compared;
       std::size_t first = 0;
       for (const std::string& name : index_.clips[i].points) {
         const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
@@ -267,41 +283,78 @@ PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
   return plan;
 }
 
-SampleReport write_samples(Source& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
+SampleReport write_samples(RigMeter& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
                            const Parallel& parallel, Progress& progress) {
   if (!rig.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
   if (plan.empty()) fail(Status::invalid_argument, "the plan has no clips");
-  return Sampler(rig, plan, folder, parallel, progress).run(request);
+  SampleReport report = Sampler(rig, plan, folder, parallel, progress).run(request);
+  report.rig_calls = rig.calls();
+  return report;
+}
+
+// The plan of a folder begun by this request; empty where there is none yet, or not all of it.
+PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& folder) {
+  if (!fs::exists(folder / dataset_file)) return {};
+  const DatasetIndex index = read_dataset_index(folder);
+  if (!index.sampling || (index.sampling->request != request && index.sampling->request != 0))
+    fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
+         folder.c_str());
+  try {
+    PosePlan plan = read_plan(folder, index);
+    if (index.sampling->request == request && hash_of_plan(rig, plan, plan.size()) == index.sampling->plan) return plan;
+  } catch (const Error&) {
+    // Stopped before all controls were written: planning again gives the same.
+  }
+  return {};
 }
 
 }  // namespace
 
 SampleReport sample_to_dataset(Source& rig, const PosePlan& plan, const fs::path& directory, const Parallel& parallel,
                                Progress& progress) {
-  return write_samples(rig, plan, 0, directory, parallel, progress);
+  RigMeter meter(rig);
+  return write_samples(meter, plan, 0, directory, parallel, progress);
+}
+
+SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const fs::path& directory,
+                            const Parallel& parallel, Progress& progress) {
+  RigMeter meter(rig);
+  const DatasetIndex index = read_dataset_index(directory);
+  PosePlan plan = read_plan(directory, index);
+  for (const Clip& clip : clips) {
+    const auto there =
+        std::find_if(plan.begin(), plan.end(), [&](const Clip& other) { return other.name == clip.name; });
+    if (there == plan.end())
+      plan.push_back(clip);
+    else if (there->controls != clip.controls)
+      fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", directory.c_str(),
+           clip.name.c_str());
+  }
+  return write_samples(meter, plan, 0, directory, parallel, progress);
+}
+
+SampleReport sample_probed(Source& rig, const SamplingOptions& options, const std::function<const RigProbe&()>& probe,
+                           const fs::path& directory, const Parallel& parallel, Progress& progress) {
+  RigMeter meter(rig);
+  const std::uint64_t request = hash_of_request(rig, options);
+  PosePlan plan = plan_begun(rig, request, directory);
+  if (plan.empty()) {
+    check_request(rig, options);
+    plan = make_plan(rig, probe(), options, progress);
+  }
+  return write_samples(meter, plan, request, directory, parallel, progress);
 }
 
 SampleReport sample(Source& rig, const SamplingOptions& options, const fs::path& directory, const Parallel& parallel,
                     Progress& progress) {
-  const std::uint64_t request = hash_of_request(rig, options);
-  if (fs::exists(directory / dataset_file)) {
-    const DatasetIndex index = read_dataset_index(directory);
-    if (index.sampling && index.sampling->request == request) {
-      PosePlan plan;
-      try {
-        plan = read_plan(directory, index);
-      } catch (const Error&) {
-        plan.clear();  // stopped before all controls were written: planning again gives the same
-      }
-      if (!plan.empty() && hash_of_plan(rig, plan) == index.sampling->plan)
-        return write_samples(rig, plan, request, directory, parallel, progress);
-    } else if (!index.sampling || index.sampling->request != 0) {
-      fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
-           directory.c_str());
-    }
-  }
-  return write_samples(rig, make_plan(rig, options, parallel, progress), request, directory, parallel, progress);
+  RigMeter meter(rig);
+  std::optional<RigProbe> probe;
+  SampleReport report = sample_probed(
+      meter, options, [&]() -> const RigProbe& { return probe.emplace(meter, parallel, progress); }, directory,
+      parallel, progress);
+  report.rig_calls = meter.calls();
+  return report;
 }
 
 }  // namespace fb

@@ -1,0 +1,44 @@
+// Asking a rig for the poses that teach most: those where networks trained alike but for their seeds differ
+// (query by committee; Seung, Opper, Sompolinsky, COLT 1992).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "bake/sampling/sampling.h"
+
+namespace fb {
+
+// How much a committee disagrees on each of `count` poses (count x controls, rig values): `count` numbers, none
+// negative, larger where it is less sure. Called with at most 1,000 poses at a time, from one thread.
+using Disagreement = std::function<std::vector<float>(std::span<const float> controls, std::size_t count)>;
+
+// Picks `count` poses of a pool (poses x controls), as numbers within the pool, ascending: those of most disagreement,
+// but of poses whose same controls are far along toward the same ends at most two in a hundred of the pick, and a
+// `random_share` (0..1) drawn evenly from what is left, so that what the committee is wrong about together is asked
+// too. Fails with invalid_argument if the pool holds fewer poses, with not_finite on a score that is no number >= 0.
+std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const float> pool, std::size_t count,
+                                        double random_share, const Disagreement& disagreement, std::uint64_t seed);
+
+struct ChoiceOptions {
+  std::uint32_t rounds = 4;   // after the first poses, which are drawn without a committee
+  double first_share = 0.5;   // of the new poses that are drawn so
+  double random_share = 0.2;  // of every round
+  std::uint32_t pool = 4;     // candidates of a round for each pose chosen
+};
+
+// Trains a committee on what was recorded so far, before round `round` (from 0). The source is gone after the call.
+using Committee = std::function<Disagreement(Source& recorded, std::uint32_t round)>;
+
+// As `sample`, but only the first share of the poses follows the plan; the others are chosen in rounds of equal size
+// among candidates drawn from the same mix, each round a clip "chosen_N" of split train at the end of the dataset. A
+// folder begun with the same options is continued at the round it was stopped in. Deterministic as far as the committee
+// is. The probe of the rig is asked once a call.
+SampleReport sample_by_disagreement(Source& rig, const SamplingOptions& options, const ChoiceOptions& choice,
+                                    const Committee& committee, const std::filesystem::path& directory,
+                                    const Parallel& parallel, Progress& progress);
+
+}  // namespace fb
