@@ -11,14 +11,16 @@ namespace fb {
 
 struct PackOptions {
   int first_bits = 8, hidden_bits = 8, output_bits = 8;  // of weights; 8 or 16
-  // What rounding the values of one basis column may move a vertex when its coefficient has its typical size, over the
-  // diagonal: columns that would move it further are wide.
+  // What rounding the values of one basis column may move a coordinate when the coefficient has its typical size, over
+  // the diagonal: columns that could move one further are wide.
   double basis_tolerance = 1e-5;
   std::vector<float> coefficient_sizes;  // root mean square of each coefficient over poses; empty: 1
   double drop = 0;  // over D: basis values a typical coefficient moves less are 0, columns of a group all 0 leave it
 };
 
-// Weights: one scale a row. Basis: one scale a column of a row group.
+// Weights: one scale a row. Basis: one scale a column of a row group; columns that are 0 on a whole group leave it.
+// Magnitudes below 2^-100 become 0. Fails with invalid_argument on other bits than 8 and 16 or another number of sizes
+// than coefficients, and as check(FaceModel) does.
 PackedModel pack_model(const FaceModel& model, const PackOptions& options);
 
 }  // namespace fb
