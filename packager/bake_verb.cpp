@@ -70,6 +70,16 @@ void add_bake(CLI::App& tool) {
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
+  app->add_option("--max-bytes", verb->options.max_bytes,
+                  "Bytes the archive may have: as precise as they allow; 0: as precise as the recipe says")
+      ->check(whole_number)
+      ->type_name("N")
+      ->capture_default_str();
+  app->add_option("--max-error", verb->options.max_error,
+                  "Largest error wanted on poses kept back, over the diagonal: in as few bytes as it allows; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("E")
+      ->capture_default_str();
   app->add_option("--work", verb->work,
                   "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                   "removed once the archive is whole")

@@ -68,6 +68,10 @@ std::string compare_text(const CompareReport& report) {
               [&](const MethodReport& m) { return figure(m.independent.clips[c].errors.mse); });
   MethodTable costs(report, "cost");
   costs.row("archive, bytes", [](const MethodReport& m) { return std::to_string(m.bytes); });
+  costs.row("touched a shot pose, bytes: mean",
+            [](const MethodReport& m) { return format("%.0f", m.independent.touched.mean); });
+  costs.row("touched a shot pose, bytes: p95",
+            [](const MethodReport& m) { return std::to_string(m.independent.touched.p95); });
   costs.row("poses trained on", [](const MethodReport& m) { return std::to_string(m.poses); });
   costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
   costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });

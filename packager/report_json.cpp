@@ -36,6 +36,14 @@ Json clip_list(const EvalReport& report) {
   return list;
 }
 
+Json touched(const TouchedBytes& bytes) {
+  return {{"poses", bytes.poses},
+          {"mean", bytes.mean},
+          {"p95", bytes.p95},
+          {"max", bytes.max},
+          {"all", bytes.runtime_bytes}};
+}
+
 }  // namespace
 
 std::string eval_json(const std::string& archive, const EvalReport& report) {
@@ -43,7 +51,8 @@ std::string eval_json(const std::string& archive, const EvalReport& report) {
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"clips", clip_list(report)},
-                    {"total", figures(report.total)}});
+                    {"total", figures(report.total)},
+                    {"touched_bytes", touched(report.touched)}});
 }
 
 std::string compare_json(const CompareReport& report) {
@@ -55,6 +64,7 @@ std::string compare_json(const CompareReport& report) {
                        {"clips", clip_list(method.independent)},
                        {"dependency", figures(method.dependency)},
                        {"bytes", method.bytes},
+                       {"touched_bytes", touched(method.independent.touched)},
                        {"parameters", method.parameters},
                        {"coefficients", method.coefficients},
                        {"poses", method.poses},

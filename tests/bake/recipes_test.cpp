@@ -109,6 +109,50 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
   CHECK(unseen_mse(bake(rig, options, silent_progress()).archive, rig) < 1e-10);
 }
 
+TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it reached") {
+  struct Notes final : Progress {
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t) override {}
+    bool cancelled() const override { return false; }
+    void note(std::string_view sentence) override { all += sentence; }
+    std::string all;
+  };
+  const WorkFolder folder;
+  MemorySource source(4, 20, linear_formula);
+  source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.3f, 1);
+  source.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.6f, 2);
+  BakeOptions options = options_in(folder, "linear");
+  const Baked free = bake(source, options, silent_progress());
+  const double error = evaluate_archive(free.archive, source, Split::test, {}, silent_progress()).total.max;
+
+  Notes notes;
+  options.max_bytes = free.archive.size() * 9 / 10;
+  const Baked small = bake(source, options, notes);
+  CHECK(small.archive.size() <= options.max_bytes);
+  CHECK(small.archive.size() > options.max_bytes / 2);
+  const double grown = evaluate_archive(small.archive, source, Split::test, {}, silent_progress()).total.max;
+  CHECK(grown > error);
+  CHECK(notes.all.find("asked") == std::string::npos);
+
+  options.max_bytes = 0;
+  options.max_error = 2 * grown;
+  const Baked rough = bake(source, options, notes);
+  CHECK(rough.archive.size() <= small.archive.size());
+  const auto kept = evaluate_archive(rough.archive, source, Split::train, {}, silent_progress());
+  CHECK(kept.total.max < 4 * grown);
+  CHECK(notes.all.find("asked") == std::string::npos);
+
+  options.max_bytes = 10;
+  bake(source, options, notes);
+  CHECK(notes.all.find("asked for 10 bytes, the smallest reached is ") != std::string::npos);
+
+  options.recipe = "paper";
+  CHECK_THROWS_WITH(bake(source, options, notes), doctest::Contains("\"paper\" keeps to neither"));
+  options.max_bytes = 0;
+  options.max_error = -1;
+  CHECK_THROWS_WITH(bake(source, options, notes), doctest::Contains("-1"));
+}
+
 TEST_CASE("the paper's network beats linear blendshapes on a face with a corrective") {
   WorkFolder folder;
   MemorySource source = curved_face();

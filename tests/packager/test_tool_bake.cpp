@@ -101,6 +101,13 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
   CHECK(total.at("max") == errors.max);
   CHECK(total.at("mfm") == errors.mfm);
   CHECK(total.at("worst_frame") == errors.worst_frame);
+  const Json& touched = measured.at("touched_bytes");
+  CHECK(touched.at("poses") == 12);
+  CHECK(touched.at("mean") > 0);
+  CHECK(touched.at("mean") <= touched.at("max"));
+  CHECK(touched.at("p95") <= touched.at("max"));
+  CHECK(touched.at("max") <= touched.at("all"));
+  CHECK(eval.out.find(std::to_string(touched.at("p95").get<std::uint64_t>())) != std::string::npos);
   CHECK(text_of(folder / "report/eval.json") == text_of(json));
   CHECK(eval.out.find("frown") != std::string::npos);
 
@@ -127,6 +134,28 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
   const ToolRun train = run_tool({"eval", archive, dataset, "--split", "train", "--json", "-"});
   REQUIRE(train.exit_code == 0);
   CHECK(Json::parse(train.out).at("clips").size() == 5);
+}
+
+TEST_CASE("a bake is told how many bytes, or how large an error") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "toy.fbk";
+  std::vector<std::string> bake = {"bake", FB_TOY_RIG, "--poses", "100", "--recipe", "linear", "--out", archive};
+  const auto with = [&](const std::string& option, const std::string& value) {
+    auto words = bake;
+    words.insert(words.end(), {option, value});
+    return run_tool(words);
+  };
+  const ToolRun small = with("--max-bytes", "100");
+  REQUIRE(small.exit_code == 0);
+  CHECK(small.err.find("asked for 100 bytes, the smallest reached is ") != std::string::npos);
+  REQUIRE(with("--max-error", "1e-3").exit_code == 0);
+  const ToolRun negative = with("--max-error", "-1");
+  CHECK(negative.exit_code == 2);
+  CHECK(is_complaint(negative.err, "bake", {"--max-error"}));
+  bake[5] = "paper";
+  const ToolRun paper = with("--max-bytes", "100");
+  CHECK(paper.exit_code == 1);
+  CHECK(is_complaint(paper.err, "bake", {"\"paper\""}));
 }
 
 TEST_CASE("a rig is sampled without its shots if they are not wanted") {
@@ -187,6 +216,7 @@ TEST_CASE("compare lists every method with its figures") {
   for (const Json& method : json.at("methods")) {
     names.push_back(method.at("name").get<std::string>() + " " + method.at("use").get<std::string>());
     CHECK(method.at("bytes") > 0);
+    CHECK(method.at("touched_bytes").at("mean") > 0);
     CHECK(method.at("train_seconds") >= 0);
     CHECK(method.at("clips").size() > 0);
     CHECK(method.at("dependency").at("frames") == method.at("poses"));

@@ -72,7 +72,7 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
     fail(Status::bad_data, "\"%s\" has no clip%s%s to measure on", source.schema().name.c_str(),
          split ? " of the split " : "", split ? name_of(*split) : "");
 
-  EvalReport report{source.schema().units, source.rest().diagonal(), {}, {}};
+  EvalReport report{source.schema().units, source.rest().diagonal(), {}, {}, {}};
   ErrorSums total;
   std::uint64_t done = 0;
   progress.begin("measuring", frames);
@@ -84,6 +84,8 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
     total.append(sums);
   }
   report.total = total.figures(report.diagonal);
+  const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
+  report.touched = touched_bytes(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
   return report;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bake/measure/errors.h"
+#include "bake/measure/touched_bytes.h"
 #include "bake/rig/pose_set.h"
 #include "bake/rig/source.h"
 #include "base/parallel.h"
@@ -25,7 +26,8 @@ struct EvalReport {
   std::string units;
   double diagonal = 0;
   std::vector<ClipErrors> clips;
-  Errors total;  // over the frames of all clips
+  Errors total;          // over the frames of all clips
+  TouchedBytes touched;  // by poses of those clips that are shots, or of all if none is
 };
 
 // Compares a packed archive, through the runtime that ships, with the truth: every clip of `split` (all clips if

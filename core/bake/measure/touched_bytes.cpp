@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/status.h"
 #include "model/feature_values.h"
@@ -92,9 +93,9 @@ TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses) {
   std::vector<std::uint64_t> bytes;
   for (std::size_t pose = 0; pose < some.size(); ++pose) {
     bytes.push_back(count.touched(std::span(controls).subspan(pose * width, width)));
-    result.mean += double(bytes.back()) / double(some.size());
   }
   std::sort(bytes.begin(), bytes.end());
+  result.mean = double(std::accumulate(bytes.begin(), bytes.end(), std::uint64_t(0))) / double(bytes.size());
   result.p95 = bytes[(bytes.size() * 95 + 99) / 100 - 1];
   result.max = bytes.back();
   return result;

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
+#include "bake/recipes/finish_face.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
 #include "base/file.h"
@@ -15,7 +17,7 @@
 namespace fb {
 namespace {
 
-constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear},
+constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear, true},
                                 Recipe{"paper-gradients", make_paper_gradients}};
 
 // Training poses and as many random ones: where packing is compared with the model in memory.
@@ -31,6 +33,16 @@ std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {
     }
   }
   return controls;
+}
+
+// The recipe of the options, which it can follow.
+const Recipe& recipe_for(const BakeOptions& options) {
+  const Recipe& recipe = recipe_named(options.recipe);
+  if (!std::isfinite(options.max_error) || options.max_error < 0)
+    fail(Status::invalid_argument, "an error of at most %g of the diagonal cannot be asked for", options.max_error);
+  if (asks_target(options) && !recipe.fits)
+    fail(Status::invalid_argument, "the recipe \"%s\" keeps to neither bytes nor an error", recipe.name);
+  return recipe;
 }
 
 }  // namespace
@@ -67,7 +79,7 @@ PoseSet training_poses(Source& data, Use use) {
 }
 
 Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
-  const Recipe& recipe = recipe_named(options.recipe);
+  const Recipe& recipe = recipe_for(options);
   const PoseSet poses = training_poses(data, options.use);
   if (poses.size() == 0)
     fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s",
@@ -103,7 +115,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 }
 
 Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
-  recipe_named(options.recipe);
+  recipe_for(options);
   if (!source.live()) return bake_recorded(source, nullptr, options, progress);
   const std::unique_ptr<Source> data = record(source, options, Recording::training_only, progress);
   return bake_recorded(*data, &source, options, progress);

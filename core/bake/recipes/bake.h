@@ -28,6 +28,9 @@ struct BakeOptions {
   std::uint64_t poses = 20000;  // sampled when the source is a live rig
   std::string mix = "dense";    // of those poses: "dense" or "paper"
   std::uint32_t epochs = 0;     // passes over the training poses; 0: the recipe's own
+  // Targets of recipes that choose how precisely to keep what they learnt; 0: the recipe's own precision.
+  std::uint64_t max_bytes = 0;  // of the archive: the least error within them
+  double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
   Parallel parallel;
   // A folder for what makes resuming possible: sampled poses, basis, checkpoints. Made if missing; a later bake with
   // the same options goes on from what is there.

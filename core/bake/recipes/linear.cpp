@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "bake/recipes/recipe.h"
+#include "bake/recipes/finish_face.h"
 #include "bake/rig/evaluate_parallel.h"
 #include "base/checked.h"
 
@@ -130,6 +130,7 @@ Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options
   model.basis = make_basis(checked_u32(shapes.rows(), "coordinates"), checked_u32(shapes.cols(), "blendshapes"),
                            std::vector<float>(shapes.data(), shapes.data() + shapes.size()));
   learnt.packing.basis_tolerance = packing_tolerance;
+  if (asks_target(options)) return finish_face(model, {}, {}, learnt.packing, poses, options, progress);
   return learnt;
 }
 

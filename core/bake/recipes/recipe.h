@@ -18,6 +18,7 @@ struct Recipe {
   const char* name;
   // `rig` answers new poses where there is a live one, else null.
   Learnt (*make)(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+  bool fits = false;  // keeps to BakeOptions::max_bytes and max_error
 };
 
 // Fails with not_found, listing the recipes there are.

@@ -1,0 +1,22 @@
+// The last step of a recipe: from what was learnt to what is packed.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bake/recipes/recipe.h"
+#include "bake/regions/localize.h"
+
+namespace fb {
+
+// Whether the options name bytes or an error to keep to.
+bool asks_target(const BakeOptions& options);
+
+// Localizes a model (see localize_basis) as precisely as the options ask by max_bytes and max_error, measured as packed
+// on some poses kept back by validation_split (on all kinds, if that keeps none); or as `localize` and `packing` say if
+// they ask nothing.
+Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                   const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
+                   const BakeOptions& options, Progress& progress);
+
+}  // namespace fb
