@@ -130,10 +130,10 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
 
   const ToolRun all = run_tool({"eval", archive, dataset, "--split", "all", "--json", "-"});
   REQUIRE(all.exit_code == 0);
-  CHECK(Json::parse(all.out).at("clips").size() == 6);
+  CHECK(Json::parse(all.out).at("clips").size() == 7);
   const ToolRun train = run_tool({"eval", archive, dataset, "--split", "train", "--json", "-"});
   REQUIRE(train.exit_code == 0);
-  CHECK(Json::parse(train.out).at("clips").size() == 5);
+  CHECK(Json::parse(train.out).at("clips").size() == 6);
 }
 
 TEST_CASE("a bake is told how many bytes, or how large an error") {
