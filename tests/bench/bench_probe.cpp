@@ -72,6 +72,7 @@ void measure(fb::Source& source, const std::vector<fb::Clip>& clips, const fb::C
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (argc < 2) return std::fprintf(stderr, "bench_probe SOURCE [PAIRS TRIPLES [BUDGET]]\n"), 2;
   const auto source = fb::open_source(argv[1]);
   fb::ProbeOptions options;

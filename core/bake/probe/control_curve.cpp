@@ -252,7 +252,10 @@ class CurveFitter {
       open.push_back({samples_.places[picked[k]], &samples_.displacements[picked[k]]});
     placed.push_back(open.back());
     open.pop_back();
-    add_shape(add_feature(features, side_ramp(control_, samples_.control, up)), *placed[1].displacement);
+    // The ramp is 1 at the end of the range, which recordings may not reach.
+    std::vector<float> chord = *placed[1].displacement;
+    for (float& offset : chord) offset = static_cast<float>(offset / std::abs(placed[1].place));
+    add_shape(add_feature(features, side_ramp(control_, samples_.control, up)), chord);
     while (!open.empty()) {
       double furthest = -1;
       std::size_t chosen = 0, before = 0;

@@ -57,9 +57,9 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
     rig.progress().note(
         format("the budget of rig calls allows %zu of %zu tries of each control among many", rounds, most_rounds));
   DenseProbe dense;
-  dense.poses_count = rounds * poses;
+  dense.poses = rounds * poses;
   dense.toggles = plan_toggles(schema, seed, rounds, together);
-  for (std::size_t p = 0; p < dense.poses_count; ++p) {
+  for (std::size_t p = 0; p < dense.poses; ++p) {
     Random random = open_stream(seed, Draw::pose, p);
     const float density = random.uniform(0.1f, 0.5f);
     for (const Control& control : schema.controls) {
@@ -69,10 +69,10 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
     }
   }
   const auto controls_of = [&](std::size_t p) { return std::span(dense.controls).subspan(p * width, width); };
-  dense.displacements.resize(dense.poses_count * size);
-  rig.begin("probing many controls", dense.poses_count + dense.toggles.size());
+  dense.displacements.resize(dense.poses * size);
+  rig.begin("probing many controls", dense.poses + dense.toggles.size());
   rig.ask(
-      dense.poses_count,
+      dense.poses,
       [&](std::size_t p, std::span<float> pose) {
         std::copy(controls_of(p).begin(), controls_of(p).end(), pose.begin());
       },

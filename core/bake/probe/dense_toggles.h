@@ -20,8 +20,7 @@ struct DenseProbe {
   std::vector<float> controls;       // poses x controls
   std::vector<float> displacements;  // poses x 3 x vertices
   std::vector<Toggle> toggles;
-  std::size_t poses() const { return poses_count; }
-  std::size_t poses_count = 0;
+  std::size_t poses = 0;
 };
 
 // As many toggles a control, 16 at most, as the budget allows; each block of controls in a pose of its own.

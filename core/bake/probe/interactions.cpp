@@ -65,31 +65,20 @@ InteractionProbe::InteractionProbe(RigAsker& rig, const ProbeOptions& options, c
       curves_(curves),
       dense_(dense),
       base_(base),
+      curve_errors_(measure_curves(rig, curves)),
       single_left_(toggled_motion(dense, base, Over::largest, rig)),
-      dense_left_(dense.displacements),
-      scratch_(worker_count(rig.parallel()), std::vector<float>(rig.size())) {
-  curve_errors_ = measure_curves(rig, curves);
-  const std::size_t width = rig.rest().size(), size = rig.size();
-  parallel_for(rig.parallel(), dense.poses(), [&](std::size_t p, std::size_t) {
-    base.add(std::span(dense.controls).subspan(p * width, width), rig.rest(), 1, -1,
-             std::span(dense_left_).subspan(p * size, size));
-  });
+      held_(dense.controls, dense.displacements, rig.rest(), rig.parallel()) {
+  for (const ControlCurve& curve : curves) held_.add(curve.part, 1);
   note_error("single controls");
 }
 
 void InteractionProbe::note_error(const std::string& what) const {
-  double sum = 0, largest = 0;
-  for (std::size_t i = 0; i < dense_left_.size(); i += 3) {
-    const double squares = square_of(dense_left_.data() + i);
-    sum += squares;
-    largest = std::max(largest, squares);
-  }
-  if (dense_left_.empty()) return;
+  if (dense_.poses == 0) return;
+  const HeldPoses::Error error = held_.error();
   rig_.progress().note(
       format("%s: with 10 to 50 %% of the controls on, the base is off by %.2e (rms) and %.4f (most) of "
              "the diagonal",
-             what.c_str(), std::sqrt(3 * sum / double(dense_left_.size())) / rig_.diagonal(),
-             std::sqrt(largest) / rig_.diagonal()));
+             what.c_str(), error.rms / rig_.diagonal(), error.max / rig_.diagonal()));
 }
 
 // Every pair; beyond, what interacts already with each further control. What all controls of a tuple leave over at a
@@ -325,7 +314,7 @@ void InteractionProbe::find(std::size_t order, std::size_t most) {
   std::vector<const CurveBase*> parts;
   for (const Tuple& tuple : tuples) {
     parts.push_back(&tuple.part);
-    add_to_dense(tuple, -1);
+    held_.add(tuple.part, 1);
   }
   append(base_, parts);
   note_error(format("%zu controls together, %zu tried, %zu interact, terms for %zu", order, tried, interacting,
@@ -333,63 +322,20 @@ void InteractionProbe::find(std::size_t order, std::size_t most) {
   std::move(tuples.begin(), tuples.end(), std::back_inserter(found_));
 }
 
-template <class Use>
-void InteractionProbe::for_dense(const Tuple& tuple, const Use& use) {
-  const std::size_t width = rig_.rest().size(), size = rig_.size();
-  parallel_for(rig_.parallel(), dense_.poses(), [&](std::size_t p, std::size_t worker) {
-    const std::span<const float> pose = std::span(dense_.controls).subspan(p * width, width);
-    for (const std::uint32_t c : tuple.controls)
-      if (pose[c] == rig_.rest()[c]) return;
-    std::vector<float>& term = scratch_[worker];
-    for (const SparseShape& shape : tuple.part.shapes)
-      for (const std::uint32_t v : shape.vertices) std::fill_n(term.data() + 3 * v, 3, 0.0f);
-    tuple.part.add(pose, rig_.rest(), 1, 1, term);
-    use(p, dense_left_.data() + p * size, term.data());
-  });
-}
-
-namespace {
-
-std::vector<std::uint32_t> moved_by(const CurveBase& part) {
-  std::vector<std::uint32_t> moved;
-  for (const SparseShape& shape : part.shapes) moved.insert(moved.end(), shape.vertices.begin(), shape.vertices.end());
-  std::sort(moved.begin(), moved.end());
-  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
-  return moved;
-}
-
-}  // namespace
-
-void InteractionProbe::add_to_dense(const Tuple& tuple, float sign) {
-  const std::vector<std::uint32_t> moved = moved_by(tuple.part);
-  for_dense(tuple, [&](std::size_t, float* left, const float* term) {
-    for (const std::uint32_t v : moved)
-      for (std::size_t i = 3 * v; i < 3 * v + 3; ++i) left[i] += sign * term[i];
-  });
-}
-
 std::vector<Interaction> InteractionProbe::finish() {
   // Weaker ones are judged first, among all that are still there; the largest tuples are the weakest.
   std::stable_sort(found_.begin(), found_.end(), [](const Tuple& a, const Tuple& b) {
     return std::pair(a.controls.size(), b.energy) > std::pair(b.controls.size(), a.energy);
   });
+  std::vector<const CurveBase*> parts;
+  for (const Tuple& tuple : found_) parts.push_back(&tuple.part);
+  const std::vector<bool> helps = held_.judge(parts);
   std::vector<Tuple> kept;
-  for (Tuple& tuple : found_) {
-    const std::vector<std::uint32_t> moved = moved_by(tuple.part);
-    std::vector<double> change(dense_.poses());  // of the squared distances, without it
-    for_dense(tuple, [&](std::size_t p, const float* left, const float* term) {
-      for (const std::uint32_t v : moved)
-        for (std::size_t i = 3 * v; i < 3 * v + 3; ++i)
-          change[p] += double(term[i]) * (double(term[i]) + 2 * double(left[i]));
-    });
-    if (std::accumulate(change.begin(), change.end(), 0.0) < 0)
-      add_to_dense(tuple, 1);
-    else
-      kept.push_back(std::move(tuple));
-  }
+  for (std::size_t t = 0; t < found_.size(); ++t)
+    if (helps[t]) kept.push_back(std::move(found_[t]));
   const std::size_t dropped = found_.size() - kept.size();
   std::stable_sort(kept.begin(), kept.end(), [](const Tuple& a, const Tuple& b) { return a.energy > b.energy; });
-  std::vector<const CurveBase*> parts;
+  parts.clear();
   for (const ControlCurve& curve : curves_) parts.push_back(&curve.part);
   for (const Tuple& tuple : kept) parts.push_back(&tuple.part);
   base_ = {};

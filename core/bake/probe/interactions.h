@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bake/probe/dense_toggles.h"
+#include "bake/probe/held_poses.h"
 #include "bake/probe/probe.h"
 #include "bake/probe/probe_curves.h"
 #include "bake/probe/rig_asker.h"
@@ -50,10 +51,6 @@ class InteractionProbe {
   void rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest);
   void fill(const Tuple& tuple, const Point& point, std::span<float> pose) const;
   void fit(Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) const;
-  // Calls use(pose, what the base leaves over there, the tuple's part) for poses of many controls where it may move.
-  template <class Use>
-  void for_dense(const Tuple& tuple, const Use& use);
-  void add_to_dense(const Tuple& tuple, float sign);
   void note_error(const std::string& what) const;
 
   RigAsker& rig_;
@@ -63,8 +60,7 @@ class InteractionProbe {
   CurveBase& base_;
   std::vector<CurveErrors> curve_errors_;
   std::vector<float> single_left_;  // controls x vertices: the largest distance over D curves leave over of toggles
-  std::vector<float> dense_left_;   // poses x 3 x vertices: rig less base
-  std::vector<std::vector<float>> scratch_;  // of each worker
+  HeldPoses held_;
   std::vector<Tuple> found_;
 };
 
