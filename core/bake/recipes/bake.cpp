@@ -18,7 +18,8 @@ namespace fb {
 namespace {
 
 constexpr std::array recipes = {Recipe{"paper", make_paper}, Recipe{"linear", make_linear, true},
-                                Recipe{"paper-gradients", make_paper_gradients}};
+                                Recipe{"paper-gradients", make_paper_gradients}, Recipe{"compact", make_compact, true},
+                                Recipe{"hero", make_hero, true}};
 
 // Training poses and as many random ones: where packing is compared with the model in memory.
 std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {

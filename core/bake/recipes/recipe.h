@@ -27,6 +27,8 @@ const Recipe& recipe_named(const std::string& name);
 Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_paper(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_paper_gradients(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 
 // The clips of the split train, without shots for a variant.
 PoseSet training_poses(Source& data, Use use);

@@ -1,0 +1,148 @@
+#include "bake/recipes/face_recipe.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/linalg/gemm.h"
+#include "bake/recipes/assemble.h"
+#include "bake/recipes/finish_face.h"
+#include "bake/recipes/network_plan.h"
+#include "bake/recipes/region_training.h"
+#include "bake/sampling/validation_split.h"
+#include "bake/train/trainer.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
+constexpr double validation_share = 0.05;
+constexpr std::size_t sized_poses = 2000;    // that the typical size of a coefficient is taken from
+constexpr double operations_per_weight = 6;  // forward, and backward to inputs and to weights: two each
+
+// outputs x outputs: the mean over poses of the product of two coefficients.
+std::vector<float> second_moments(const LocalBasis& basis, std::size_t poses) {
+  const std::size_t n = basis.count;
+  std::vector<float> moments(n * n);
+  gemm(Op::plain, Op::transposed, n, n, poses, basis.coefficients.data(), n, basis.coefficients.data(), n, 0,
+       moments.data(), n);
+  for (float& moment : moments) moment /= static_cast<float>(poses);
+  return moments;
+}
+
+double energy_of(const LocalBasis& basis, std::size_t poses) {
+  double sum = 0;
+  for (const float c : basis.coefficients) sum += double(c) * c;
+  return sum / static_cast<double>(poses);
+}
+
+// What region r's network is trained on, or run on.
+TrainingSet training_set(const FeatureTable& table, std::size_t r, std::span<const std::uint32_t> columns,
+                         std::span<const float> targets, std::size_t outputs) {
+  TrainingSet set;
+  set.poses = table.poses;
+  set.inputs = columns.size();
+  set.outputs = outputs;
+  set.features = table.values;
+  set.columns = columns;
+  set.stride = table.features.size();
+  set.targets = targets;
+  set.gates = table.gates[r];
+  return set;
+}
+
+struct Parts {
+  Probe probe;
+  std::vector<FaceRegion> regions;
+  std::vector<LocalBasis> bases;
+};
+
+// What is probed, and what that leaves over, cut into regions with a basis each.
+Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                 Progress& progress) {
+  Parts parts;
+  ProbeOptions probing = recipe.probe;
+  probing.seed = options.seed;
+  parts.probe = rig ? probe_rig(*rig, probing, options.parallel, progress)
+                    : probe_poses(poses, probing, options.parallel, progress);
+  const Mesh& rest = poses.source().rest();
+  RegionOptions cutting = recipe.regions;
+  cutting.seed = options.seed;
+  parts.regions = find_regions(rest, poses.source().schema(), parts.probe.residual_motion, cutting);
+  const Residual residual(poses, parts.probe.base);
+  parts.bases = local_bases(residual, parts.regions, recipe.basis, options.parallel, progress);
+  // A region with nothing left to learn needs no network.
+  for (std::size_t r = parts.regions.size(); r-- > 0;)
+    if (parts.bases[r].count == 0 || parts.regions[r].controls.empty()) {
+      parts.regions.erase(parts.regions.begin() + static_cast<std::ptrdiff_t>(r));
+      parts.bases.erase(parts.bases.begin() + static_cast<std::ptrdiff_t>(r));
+    }
+  return parts;
+}
+
+std::vector<Region> train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs& inputs,
+                          const PoseSet& poses, const BakeOptions& options, Progress& progress) {
+  const FeatureTable table = feature_table(inputs, poses, options.parallel);
+  const std::size_t count = parts.regions.size();
+  std::vector<NetworkDemand> demands;
+  for (std::size_t r = 0; r < count; ++r)
+    demands.push_back({inputs.of_region[r].size(), parts.bases[r].count, energy_of(parts.bases[r], poses.size())});
+  const std::vector<std::uint32_t> widths =
+      network_widths(demands, recipe.hidden_layers, recipe.widest, recipe.parameters);
+  double weights = 0;
+  for (std::size_t r = 0; r < count; ++r)
+    weights += static_cast<double>(network_parameters(demands[r], recipe.hidden_layers, widths[r]));
+  const double per_epoch = operations_per_weight * weights * static_cast<double>(poses.size());
+  const std::uint32_t epochs =
+      options.epochs ? options.epochs
+                     : std::clamp(static_cast<std::uint32_t>(recipe.operations / std::max(per_epoch, 1.0)),
+                                  fewest_epochs, most_epochs);
+
+  const ValidationSplit split = validation_split(poses, validation_share, options.seed);
+  std::vector<TrainingSet> sets;
+  std::vector<TrainingPlan> plans;
+  std::vector<std::vector<std::uint32_t>> columns;
+  for (std::size_t r = 0; r < count; ++r) columns.push_back(table.columns(inputs.of_region[r]));
+  for (std::size_t r = 0; r < count; ++r) {
+    sets.push_back(training_set(table, r, columns[r], parts.bases[r].coefficients, parts.bases[r].count));
+    sets.back().validation = split.validation;
+    TrainingPlan plan;
+    plan.widths.assign(recipe.hidden_layers, widths[r]);
+    plan.activation = Activation::silu;
+    plan.schedule = Schedule::linger;
+    plan.learning_rate = 4e-3f;
+    plan.output_scaling = 0.75f;
+    plan.epochs = epochs;
+    plan.quantized_share = 0.15f;
+    plan.seed = options.seed + r;
+    plan.checkpoint = options.work / format("region-%zu.checkpoint", r);
+    plans.push_back(plan);
+  }
+  const std::vector<TrainedLayers> trained = train_regions(sets, plans, options.parallel, progress);
+
+  std::vector<Region> regions;
+  for (std::size_t r = 0; r < count; ++r)
+    regions.push_back({parts.regions[r].name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
+  return regions;
+}
+
+}  // namespace
+
+Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                 Progress& progress) {
+  const Parts parts = find_parts(recipe, poses, rig, options, progress);
+  const RegionInputs inputs =
+      region_inputs(parts.probe, poses.source().schema(), parts.regions, recipe.terms_as_inputs, rig != nullptr);
+  FaceModel model;
+  model.schema = poses.source().schema();
+  model.rest = poses.source().rest();
+  model.network.features = inputs.features;
+  for (const SparseShape& shape : parts.probe.base.shapes) model.network.direct.push_back(shape.feature);
+  model.network.regions = train(recipe, parts, inputs, poses, options, progress);
+  model.basis = assemble_basis(model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
+  std::vector<std::vector<float>> moments;
+  for (const LocalBasis& basis : parts.bases) moments.push_back(second_moments(basis, poses.size()));
+  return finish_face(model, moments, recipe.localize, recipe.pack, poses, options, progress);
+}
+
+}  // namespace fb

@@ -1,0 +1,32 @@
+// Our own way to bake: a base of curves and terms that is probed, and small networks that learn, region by region, what
+// it leaves over. `hero` and `compact` are this with different numbers.
+#pragma once
+
+#include <cstddef>
+
+#include "bake/probe/probe.h"
+#include "bake/recipes/recipe.h"
+#include "bake/regions/find_regions.h"
+#include "bake/regions/local_basis.h"
+#include "bake/regions/localize.h"
+
+namespace fb {
+
+struct FaceRecipe {
+  ProbeOptions probe;
+  RegionOptions regions;
+  LocalBasisOptions basis;
+  LocalizeOptions localize;
+  PackOptions pack;
+  // Networks: numbers in all of them together, shared out by what each region's residual asks for.
+  std::size_t parameters = 0;
+  std::uint32_t hidden_layers = 4;
+  std::uint32_t widest = 512;
+  bool terms_as_inputs = true;  // the products and minima found by probing are inputs too
+  double operations = 0;        // floating-point operations that training may take, about
+};
+
+Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                 Progress& progress);
+
+}  // namespace fb
