@@ -27,6 +27,7 @@ std::string bake_text(const Baked& baked) {
   Table table({"figure", "value"});
   table.add({"bytes", std::to_string(baked.archive.size())});
   table.add({"poses trained on", std::to_string(baked.poses)});
+  table.add({"rig calls", std::to_string(baked.rig_calls)});
   table.add({"coefficients", std::to_string(baked.coefficients)});
   table.add({"trained numbers", std::to_string(baked.parameters)});
   table.add({"training, seconds", format("%.1f", baked.train_seconds)});
@@ -64,7 +65,7 @@ void add_bake(CLI::App& tool) {
   app->add_option("--use", verb->use, "variant: shots are not trained on; backlot: they are")
       ->check(CLI::IsMember({"variant", "backlot"}))
       ->capture_default_str();
-  add_poses(*app, verb->options.poses);
+  add_poses(*app, verb->options.poses, verb->options.rig_budget);
   add_mix(*app, verb->options.mix);
   app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: the recipe's own number")
       ->check(whole_number)

@@ -128,7 +128,7 @@ void add_compare(CLI::App& tool) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember(recipe_names()))
       ->capture_default_str();
-  add_poses(*app, verb->options.poses);
+  add_poses(*app, verb->options.poses, verb->options.rig_budget);
   add_mix(*app, verb->options.mix);
   app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: each recipe's own number")
       ->check(whole_number)

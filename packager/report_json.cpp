@@ -69,14 +69,18 @@ std::string compare_json(const CompareReport& report) {
                        {"coefficients", method.coefficients},
                        {"poses", method.poses},
                        {"train_seconds", method.train_seconds}});
-  return json_text(
-      {{"name", report.name}, {"units", report.units}, {"diagonal", report.diagonal}, {"methods", std::move(methods)}});
+  return json_text({{"name", report.name},
+                    {"units", report.units},
+                    {"diagonal", report.diagonal},
+                    {"rig_calls", report.rig_calls},
+                    {"methods", std::move(methods)}});
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {
   return json_text({{"archive", archive},
                     {"bytes", baked.archive.size()},
                     {"poses", baked.poses},
+                    {"rig_calls", baked.rig_calls},
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},

@@ -41,9 +41,15 @@ void SampleVerb::run() {
     report = sample(*rig, options, out, parallel, progress);
   }
   if (json)
-    std::fputs(json_text({{"dataset", out}, {"poses", report.poses}, {"evaluated", report.evaluated}}).c_str(), stdout);
+    std::fputs(json_text({{"dataset", out},
+                          {"poses", report.poses},
+                          {"evaluated", report.evaluated},
+                          {"rig_calls", report.rig_calls}})
+                   .c_str(),
+               stdout);
   else
-    std::printf("%s: %zu poses, %zu of them evaluated now\n", out.c_str(), report.poses, report.evaluated);
+    std::printf("%s: %zu poses, %zu of them evaluated now, in %llu rig calls\n", out.c_str(), report.poses,
+                report.evaluated, static_cast<unsigned long long>(report.rig_calls));
 }
 
 }  // namespace
@@ -58,7 +64,7 @@ void add_sample(CLI::App& tool) {
   app->add_option("--out", verb->out, "The dataset folder to write; one begun with the same options is continued")
       ->type_name("DIR")
       ->required();
-  add_poses(*app, verb->options.poses);
+  add_poses(*app, verb->options.poses, verb->options.rig_budget);
   add_mix(*app, verb->options.mix);
   app->add_option("--clip", verb->clips,
                   "A clip of your own to evaluate as well: controls in a NumPy file of frames x "

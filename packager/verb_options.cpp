@@ -24,11 +24,20 @@ void add_seed(CLI::App& verb, std::uint64_t& seed) {
       ->capture_default_str();
 }
 
-void add_poses(CLI::App& verb, std::uint64_t& poses) {
-  verb.add_option("--poses", poses, "Poses to ask the rig for")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 32))
-      ->type_name("N")
-      ->capture_default_str();
+void add_poses(CLI::App& verb, std::uint64_t& poses, std::uint64_t& rig_budget) {
+  const CLI::Range count(std::uint64_t{1}, std::uint64_t{1} << 32);
+  const CLI::Option* given = verb.add_option("--poses", poses, "Poses to ask the rig for")
+                                 ->check(count)
+                                 ->type_name("N")
+                                 ->capture_default_str();
+  verb.add_option("--rig-budget", rig_budget,
+                  "Poses to ask the rig for at most, for whatever reason: probing, its own clips, tests; new poses are "
+                  "cut to what that leaves, and are as many as that without --poses")
+      ->check(count)
+      ->type_name("N");
+  verb.parse_complete_callback([given, &poses, &rig_budget] {
+    if (rig_budget > 0 && given->empty()) poses = rig_budget;
+  });
 }
 
 void add_mix(CLI::App& verb, std::string& mix) {

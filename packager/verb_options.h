@@ -19,7 +19,8 @@ std::string whole_number(const std::string& word);
 
 void add_threads(CLI::App& verb, Parallel& parallel);
 void add_seed(CLI::App& verb, std::uint64_t& seed);
-void add_poses(CLI::App& verb, std::uint64_t& poses);
+// --poses and --rig-budget; a budget alone asks for as many poses as it allows.
+void add_poses(CLI::App& verb, std::uint64_t& poses, std::uint64_t& rig_budget);
 void add_mix(CLI::App& verb, std::string& mix);
 void add_sources(CLI::App& verb, std::vector<std::string>& sources);
 void add_archive(CLI::App& verb, std::string& archive);

@@ -14,7 +14,7 @@ using namespace fb;
 
 namespace {
 
-constexpr std::size_t steps = 6000, unseen = 2000;
+constexpr std::size_t steps = 2500, unseen = 1000;
 const Parallel parallel{2};
 
 struct Bench {

@@ -10,6 +10,7 @@
 #include "bake/recipes/finish_face.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
+#include "bake/sampling/rig_meter.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -118,8 +119,12 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   recipe_for(options);
   if (!source.live()) return bake_recorded(source, nullptr, options, progress);
-  const std::unique_ptr<Source> data = record(source, options, Recording::training_only, progress);
-  return bake_recorded(*data, &source, options, progress);
+  RigMeter meter(source);
+  const std::unique_ptr<Source> data =
+      record(meter, options, Recording::training_only, recipe_named(options.recipe).asks_rig, progress);
+  Baked baked = bake_recorded(*data, &meter, with_budget_left(options, meter, 1), progress);
+  baked.rig_calls = meter.calls();
+  return baked;
 }
 
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress) {

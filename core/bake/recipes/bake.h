@@ -27,7 +27,10 @@ struct BakeOptions {
   std::uint64_t seed = 1;
   std::uint64_t poses = 20000;  // sampled when the source is a live rig
   std::string mix = "dense";    // of those poses: "dense" or "paper"
-  std::uint32_t epochs = 0;     // passes over the training poses; 0: the recipe's own
+  // Poses a live rig is asked for at most, probing and clips included; `poses` is cut to what that leaves. 0: no limit.
+  // A recipe finds here what is left for it, at least 1.
+  std::uint64_t rig_budget = 0;
+  std::uint32_t epochs = 0;  // passes over the training poses; 0: the recipe's own
   // Targets of recipes that choose how precisely to keep what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
   double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
@@ -42,6 +45,7 @@ std::vector<std::string> recipe_names();
 struct Baked {
   std::vector<std::byte> archive;
   std::size_t poses = 0;         // trained on
+  std::uint64_t rig_calls = 0;   // poses a live rig was asked for in this call, for whatever reason
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done

@@ -42,7 +42,10 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       fail(Status::invalid_argument, "the method \"%s\" is given more than once", method.c_str());
   }
   std::unique_ptr<Source> recorded;
-  if (source.live()) recorded = record(source, options, Recording::with_test, progress);
+  RigMeter meter(source);
+  const auto asks = [](const std::string& method) { return recipe_named(method).asks_rig; };
+  const auto asking = static_cast<std::size_t>(std::count_if(methods.begin(), methods.end(), asks));
+  if (source.live()) recorded = record(meter, options, Recording::with_test, asking > 0, progress);
   Source& data = recorded ? *recorded : source;
   if (!any_clip(data, [](const Clip& clip) { return clip.split == Split::test; }))
     fail(Status::bad_data,
@@ -52,7 +55,8 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
   if (training_poses(data, Use::backlot).size() == 0)
     fail(Status::bad_data, "\"%s\" has no clip of the split train to bake from", data.schema().name.c_str());
 
-  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), {}};
+  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}};
+  const BakeOptions each = with_budget_left(options, meter, 2 * asking);  // at most two uses
   for (const Use use : {Use::variant, Use::backlot}) {
     if (use == Use::backlot && training_poses(data, use).size() == training_poses(data, Use::variant).size()) continue;
     if (use == Use::variant && training_poses(data, use).size() == 0) {
@@ -61,13 +65,14 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
     }
     for (const std::string& method : methods) {
       progress.note(format("baking the %s of \"%s\"", name_of(use), method.c_str()));
-      BakeOptions one = options;
+      BakeOptions one = each;
       one.recipe = method;
       one.use = use;
       one.work = options.work / (method + "." + name_of(use));
-      report.methods.push_back(run_method(data, source.live() ? &source : nullptr, one, progress));
+      report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
     }
   }
+  report.rig_calls = meter.calls();
   return report;
 }
 

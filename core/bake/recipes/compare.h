@@ -23,6 +23,7 @@ struct MethodReport {
 struct CompareReport {
   std::string name, units;
   double diagonal = 0;
+  std::uint64_t rig_calls = 0;        // poses a live rig was asked for in this call, by all methods together
   std::vector<MethodReport> methods;  // every method as variant, then as backlot where shots to train on exist
 };
 

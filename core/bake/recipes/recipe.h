@@ -18,7 +18,8 @@ struct Recipe {
   const char* name;
   // `rig` answers new poses where there is a live one, else null.
   Learnt (*make)(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-  bool fits = false;  // keeps to BakeOptions::max_bytes and max_error
+  bool fits = false;      // keeps to BakeOptions::max_bytes and max_error
+  bool asks_rig = false;  // asks a live rig for poses of its own, within BakeOptions::rig_budget
 };
 
 // Fails with not_found, listing the recipes there are.

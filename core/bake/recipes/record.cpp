@@ -1,18 +1,31 @@
 #include "bake/recipes/record.h"
 
+#include <algorithm>
+
 #include "bake/sampling/sampling.h"
 
 namespace fb {
 
-std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, Progress& progress) {
+std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
+                               Progress& progress) {
   SamplingOptions sampling;
   sampling.poses = options.poses;
   sampling.seed = options.seed;
   sampling.mix = options.mix;
   sampling.held_out = what == Recording::with_test;
+  sampling.rig_budget = options.rig_budget - (recipes_ask ? options.rig_budget / 3 : 0);
+  // A variant learns from no shot; where poses are dear none is asked for.
+  if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
   const std::filesystem::path folder = options.work / "poses";
   sample(rig, sampling, folder, options.parallel, progress);
   return open_source(folder.string());
+}
+
+BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::size_t recipes) {
+  if (options.rig_budget == 0) return options;
+  const std::uint64_t left = options.rig_budget - std::min(spent.calls(), options.rig_budget);
+  options.rig_budget = std::max<std::uint64_t>(1, left / std::max<std::size_t>(1, recipes));
+  return options;
 }
 
 }  // namespace fb

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "bake/recipes/bake.h"
+#include "bake/sampling/rig_meter.h"
 
 namespace fb {
 
@@ -11,7 +12,12 @@ enum class Recording {
   with_test,  // the rig's test clips too, or held-out random poses and synthetic shots where it has none
 };
 
-// Samples a live rig into a dataset in the work folder, or finds it there, and opens it.
-std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, Progress& progress);
+// Samples a live rig into a dataset in the work folder, or finds it there, and opens it. `recipes_ask`: a third of the
+// rig budget, if there is one, is kept for recipes that ask the rig themselves.
+std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
+                               Progress& progress);
+
+// The options of one of `recipes` that share equally what a rig budget still holds.
+BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::size_t recipes);
 
 }  // namespace fb

@@ -17,7 +17,7 @@ void fit(LearningCurve& curve) {
   std::vector<std::pair<double, double>> logs;
   const std::size_t skipped = curve.points.size() - std::min(curve.points.size(), fitted_points);
   for (std::size_t i = skipped; i < curve.points.size(); ++i) {
-    const LearningPoint& point = curve.points[i];
+    const LearningCurve::Point& point = curve.points[i];
     if (!(point.errors.mse > 0)) return;  // exact: there is nothing to extrapolate
     logs.emplace_back(std::log(static_cast<double>(point.poses)), std::log(point.errors.mse));
   }
@@ -67,7 +67,7 @@ LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainA
 
 std::string learning_curve_text(const LearningCurve& curve) {
   std::string text = "     poses        mse        max        mfm\n";
-  for (const LearningPoint& point : curve.points)
+  for (const LearningCurve::Point& point : curve.points)
     text += format("%10zu  %9.2e  %9.2e  %9.2e\n", point.poses, point.errors.mse, point.errors.max, point.errors.mfm);
   const double most = static_cast<double>(curve.points.back().poses);
   if (curve.factor == 0) return text + "nothing is left to learn\n";

@@ -12,13 +12,12 @@
 
 namespace fb {
 
-struct LearningPoint {
-  std::size_t poses = 0;
-  Errors errors;
-};
-
 struct LearningCurve {
-  std::vector<LearningPoint> points;  // by rising number of poses
+  struct Point {
+    std::size_t poses = 0;
+    Errors errors;
+  };
+  std::vector<Point> points;  // by rising number of poses
   // mse = factor * poses^-exponent, a straight line through the logarithms of the last three points by least squares.
   double exponent = 0, factor = 0;
   double deviation = 0;  // root mean square distance of those points from the line, as a ratio of errors less 1
