@@ -11,7 +11,7 @@
 #include "base/checked.h"
 #include "base/file.h"
 #include "base/status.h"
-#include "render/surface.h"
+#include "model/surface.h"
 
 namespace fb {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "render/vector3.h"
+#include "base/vector3.h"
 
 namespace fb {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/vector3.h"
+#include "base/vector3.h"
 
 namespace fb {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "render/vector3.h"
+#include "base/vector3.h"
 
 namespace fb {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/surface.h"
 #include "render/colour_map.h"
 #include "render/exposure.h"
 #include "render/shading.h"
-#include "render/surface.h"
 
 namespace fb {
 namespace {

@@ -1,8 +1,8 @@
 // Light on a surface point: a small photographer's studio in camera space, so that a head turns in fixed light.
 #pragma once
 
+#include "base/vector3.h"
 #include "render/image.h"
-#include "render/vector3.h"
 
 namespace fb {
 

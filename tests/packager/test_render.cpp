@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "model/surface.h"
 #include "render/colour_map.h"
 #include "render/exposure.h"
 #include "render/panels.h"
@@ -12,7 +13,6 @@
 #include "render/portrait.h"
 #include "render/rasterizer.h"
 #include "render/shading.h"
-#include "render/surface.h"
 #include "render/text.h"
 
 using namespace fb;

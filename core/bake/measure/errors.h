@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <vector>
+
+#include "bake/measure/histogram.h"
 
 namespace fb {
 
@@ -34,7 +34,7 @@ class ErrorSums {
  private:
   std::size_t frames_ = 0, vertices_ = 0, worst_frame_ = 0;
   double squares_ = 0, distances_ = 0, frame_worsts_ = 0, worst_ = 0;
-  std::vector<std::uint64_t> histogram_;  // of e^2 by the leading bits of its float representation
+  Histogram histogram_;  // of e^2
 };
 
 }  // namespace fb

@@ -1,11 +1,11 @@
-// What shading needs to know of a posed mesh at its vertices.
+// What shading and measuring need to know of a posed mesh at its vertices.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "render/vector3.h"
+#include "base/vector3.h"
 
 namespace fb {
 

@@ -1,4 +1,4 @@
-// The little vector arithmetic that drawing needs.
+// The little vector arithmetic that drawing and measuring need.
 #pragma once
 
 #include <cmath>
