@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <memory>
 
 #include "bake/recipes/bake.h"
-#include "base/file.h"
 #include "figure_outputs.h"
 #include "progress_bar.h"
+#include "report/face_report.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"
@@ -21,6 +23,9 @@ struct BakeVerb {
   bool json = false;
 
   void run();
+
+ private:
+  void write_page(const Baked& baked, Source& source, Progress& progress) const;
 };
 
 std::string bake_text(const Baked& baked) {
@@ -35,16 +40,48 @@ std::string bake_text(const Baked& baked) {
   return table.text();
 }
 
+// Measures the archive on clips it was not trained on, if the source has any, and writes the page.
+void BakeVerb::write_page(const Baked& baked, Source& source, Progress& progress) const {
+  MethodReport face;
+  face.name = options.recipe;
+  face.use = options.use;
+  face.bytes = baked.archive.size();
+  face.archive = baked.archive;
+  face.diary = baked.diary;
+  face.parameters = baked.parameters;
+  face.coefficients = baked.coefficients;
+  face.poses = baked.poses;
+  face.train_seconds = baked.train_seconds;
+  std::string measured = "Not measured: there is no clip of the splits test and validation.";
+  for (const Split split : {Split::test, Split::validation}) {
+    const auto& clips = source.clips();
+    if (std::none_of(clips.begin(), clips.end(), [&](const Clip& clip) { return clip.split == split; })) continue;
+    measured = format("Measured on the clips of the split %s.", name_of(split));
+    face.independent = evaluate_archive(baked.archive, source, split, options.parallel, progress, Detail::quality);
+    break;
+  }
+  const std::uint64_t left =
+      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, baked.rig_calls) : UINT64_MAX;
+  if (const auto locality = locality_within(left, source.schema().control_count()); locality && source.live()) {
+    const std::array<std::span<const std::byte>, 1> archives = {baked.archive};
+    face.locality = measure_locality(archives, source, *locality, options.parallel, progress).at(0);
+  }
+  const CompareReport faces = alone(std::move(face), source);
+  write_face_report(report, {source.schema().name + ": " + options.recipe, measured, faces, source}, options.parallel,
+                    progress);
+}
+
 void BakeVerb::run() {
   options.use = use_from(use);
   options.work = work;
   const auto source = open_sources(sources);
-  if (!report.empty()) make_folder(report);  // better to learn now that it cannot be
+  if (!report.empty()) claim_report_folder(report);  // better to learn now that it cannot be
   Baked baked;
   {
     ProgressBar progress;
     for (const std::string& note : source->notes()) progress.note(note);
     baked = bake_to_file(*source, out, options, progress);
+    if (!report.empty()) write_page(baked, *source, progress);
   }
   if (!report.empty()) write_report(report, "bake", bake_json(out, baked), bake_text(baked));
   std::fputs(json ? bake_json(out, baked).c_str() : (out + "\n" + bake_text(baked)).c_str(), stdout);
@@ -85,7 +122,7 @@ void add_bake(CLI::App& tool) {
                   "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                   "removed once the archive is whole")
       ->type_name("DIR");
-  add_report(*app, verb->report);
+  add_report(*app, verb->report, ", and a page of pictures, curves and tables (index.html)");
   add_seed(*app, verb->options.seed);
   add_threads(*app, verb->options.parallel);
   add_json_flag(*app, verb->json);

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "figure_outputs.h"
 #include "progress_bar.h"
+#include "report/face_report.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"
@@ -113,6 +114,11 @@ void CompareVerb::run() {
     ProgressBar progress;
     for (const std::string& note : source->notes()) progress.note(note);
     result = compare(*source, methods, options, progress);
+    if (!outputs.report.empty())
+      write_face_report(outputs.report,
+                        {result.name + ": methods compared", "Measured on the clips of the split test.", result,
+                         result.recorded ? *result.recorded : *source},
+                        options.parallel, progress);
   }
   outputs.write("compare", compare_json(result), compare_text(result));
 }
@@ -138,7 +144,7 @@ void add_compare(CLI::App& tool) {
                   "Folder for intermediate files, kept so that the same command can go on; by default "
                   "a temporary one")
       ->type_name("DIR");
-  verb->outputs.add_to(*app);
+  verb->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
   add_seed(*app, verb->options.seed);
   add_threads(*app, verb->options.parallel);
   app->callback([verb] { verb->run(); });

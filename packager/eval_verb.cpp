@@ -1,16 +1,15 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
 #include "base/file.h"
 #include "figure_outputs.h"
-#include "pose_animation.h"
 #include "progress_bar.h"
-#include "render/png_file.h"
-#include "render/portrait.h"
+#include "report/face_report.h"
 #include "report_json.h"
 #include "table.h"
 #include "verb_options.h"
@@ -26,6 +25,9 @@ struct EvalVerb {
   Parallel parallel;
 
   void run();
+
+ private:
+  void write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const;
 };
 
 std::string eval_text(const EvalReport& report) {
@@ -45,38 +47,39 @@ std::string eval_text(const EvalReport& report) {
                 static_cast<unsigned long long>(touched.p95));
 }
 
-// The frame with the largest error of all: the true rig, the archive, and where they differ.
-void write_worst_frame(const std::string& folder, const PackedModel& model, Source& source, const EvalReport& report,
-                       const Parallel& parallel) {
-  const auto worst = std::max_element(report.clips.begin(), report.clips.end(),
-                                      [](const auto& a, const auto& b) { return a.errors.max < b.errors.max; });
-  const auto& clips = source.clips();
-  const auto clip = std::find_if(clips.begin(), clips.end(), [&](const Clip& c) { return c.name == worst->name; });
-  if (worst == report.clips.end() || clip == clips.end()) return;
-  const std::size_t width = model.schema.control_count();
-  const std::span<const float> controls(&clip->controls[worst->errors.worst_frame * width], width);
-  std::vector<float> truth(model.rest.points.size());
-  source.read(static_cast<std::size_t>(clip - clips.begin()), worst->errors.worst_frame, 1, truth);
-  const Portrait portrait(model.rest, model.schema.up_axis, {}, {}, parallel);
-  const auto predicted = evaluate_frames(Evaluator(model), controls, parallel);
-  write_png(folder + "/worst.png", portrait.draw_beside(truth, predicted, 0).image);
+void EvalVerb::write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const {
+  face.name = std::filesystem::path(archive).stem().string();
+  face.bytes = bytes.size();
+  face.archive = std::move(bytes);
+  const CompareReport faces = alone(std::move(face), source);
+  const std::string measured =
+      split == "all" ? "Measured on all clips." : "Measured on the clips of the split " + split + ".";
+  ProgressBar progress;
+  write_face_report(outputs.report, {faces.methods[0].name, measured, faces, source}, parallel, progress);
 }
 
 void EvalVerb::run() {
-  const auto bytes = read_file(archive);
-  const PackedModel model = naming(archive, [&] { return read_archive(bytes).model; });
+  const std::vector<std::byte> bytes = read_file(archive);
+  naming(archive, [&] { return read_archive(bytes).format_version; });
   const auto source = open_sources(sources);
   outputs.check();
   std::optional<Split> only;
   if (split != "all") only = split_from(split);
-  EvalReport result;
+  const bool detailed = !outputs.report.empty() || !outputs.json.empty();
+  MethodReport face;
   {
     ProgressBar progress;
     for (const std::string& note : source->notes()) progress.note(note);
-    result = evaluate_archive(bytes, *source, only, parallel, progress);
+    face.independent =
+        evaluate_archive(bytes, *source, only, parallel, progress, detailed ? Detail::quality : Detail::errors);
+    if (detailed && source->live()) {
+      const std::array<std::span<const std::byte>, 1> archives = {bytes};
+      face.locality = measure_locality(archives, *source, {}, parallel, progress).at(0);
+    }
   }
-  outputs.write("eval", eval_json(archive, result), eval_text(result));
-  if (!outputs.report.empty()) write_worst_frame(outputs.report, model, *source, result, parallel);
+  const std::string json = eval_json(archive, face.independent, face.locality), text = eval_text(face.independent);
+  if (!outputs.report.empty()) write_page(std::move(face), bytes, *source);
+  outputs.write("eval", json, text);
 }
 
 }  // namespace
@@ -89,7 +92,7 @@ void add_eval(CLI::App& tool) {
   app->add_option("--split", verb->split, "Which clips to measure on")
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
-  verb->outputs.add_to(*app, ", and a picture of the worst frame");
+  verb->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
   add_threads(*app, verb->parallel);
   app->callback([verb] { verb->run(); });
 }

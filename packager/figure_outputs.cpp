@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "report/face_report.h"
 #include "verb_options.h"
 
 namespace fb {
@@ -16,7 +17,7 @@ void FigureOutputs::add_to(CLI::App& verb, const char* also) {
 
 void FigureOutputs::check() const {
   if (!json.empty() && json != "-") const AtomicFile trial(json);
-  if (!report.empty()) make_folder(report);
+  if (!report.empty()) claim_report_folder(report);
 }
 
 void FigureOutputs::write(const std::string& name, const std::string& figures, const std::string& table) const {
@@ -27,7 +28,6 @@ void FigureOutputs::write(const std::string& name, const std::string& figures, c
 
 void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,
                   const std::string& table) {
-  make_folder(folder);
   write_file(folder / (name + ".json"), figures);
   write_file(folder / (name + ".md"), table);
 }

@@ -21,7 +21,7 @@ struct FigureOutputs {
   void write(const std::string& name, const std::string& figures, const std::string& table) const;
 };
 
-// Writes folder/name.json and folder/name.md, making the folder if it is missing.
+// Writes name.json and name.md into a folder that claim_report_folder made.
 void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,
                   const std::string& table);
 

@@ -88,9 +88,9 @@ void PoseVerb::write_still_files(const PackedModel& model, const Evaluator& eval
     } else {
       std::vector<float> expected(points);
       truth->evaluate(controls, 1, expected);
-      const auto difference = portrait->draw_beside(expected, positions, full_scale);
-      write_png(path, difference.image);
-      worst_ = std::max(worst_, difference.max);
+      const auto comparison = portrait->draw_beside({"true rig", expected}, {{"archive", positions}}, full_scale);
+      write_png(path, comparison.image);
+      worst_ = std::max(worst_, comparison.differences[0].max);
     }
     files_.push_back(path);
     progress.step(f + 1);

@@ -44,15 +44,54 @@ Json touched(const TouchedBytes& bytes) {
           {"all", bytes.runtime_bytes}};
 }
 
+Json part_list(const std::vector<PartErrors>& parts, const char* count) {
+  Json list = Json::array();
+  for (const PartErrors& part : parts)
+    list.push_back({{"name", part.name}, {count, part.count}, {"mse", part.mse}, {"max", part.max}});
+  return list;
+}
+
+// null where it was not measured.
+Json quality_of(const EvalReport& report) {
+  if (!report.quality) return nullptr;
+  const Quality& q = *report.quality;
+  return {{"normal_degrees_rms", q.normal_rms},
+          {"normal_degrees_p99", q.normal_p99},
+          {"jitter", q.jitter},
+          {"jitter_frames", q.jitter_frames},
+          {"border_jump", q.border_jump},
+          {"inside_jump", q.inside_jump},
+          {"border_edges", q.border_edges},
+          {"regions", part_list(q.regions, "vertices")},
+          {"controls", part_list(q.controls, "frames")}};
+}
+
+Json locality_of(const std::optional<Locality>& locality) {
+  if (!locality) return nullptr;
+  Json worst = Json::array();
+  for (const ControlLeak& leak : locality->leaks) {
+    if (leak.leak == 0 || worst.size() == 10) break;
+    worst.push_back({{"control", leak.control}, {"leak", leak.leak}, {"vertex", leak.vertex}});
+  }
+  return {{"largest", locality->largest},
+          {"share_above", locality->above},
+          {"tolerance", locality->options.tolerance},
+          {"still", locality->options.still},
+          {"poses", locality->options.poses},
+          {"worst", std::move(worst)}};
+}
+
 }  // namespace
 
-std::string eval_json(const std::string& archive, const EvalReport& report) {
+std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality) {
   return json_text({{"archive", archive},
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"clips", clip_list(report)},
                     {"total", figures(report.total)},
-                    {"touched_bytes", touched(report.touched)}});
+                    {"touched_bytes", touched(report.touched)},
+                    {"quality", quality_of(report)},
+                    {"locality", locality_of(locality)}});
 }
 
 std::string compare_json(const CompareReport& report) {
@@ -68,7 +107,10 @@ std::string compare_json(const CompareReport& report) {
                        {"parameters", method.parameters},
                        {"coefficients", method.coefficients},
                        {"poses", method.poses},
-                       {"train_seconds", method.train_seconds}});
+                       {"train_seconds", method.train_seconds},
+                       {"rig_calls", method.diary.rig_calls},
+                       {"quality", quality_of(method.independent)},
+                       {"locality", locality_of(method.locality)}});
   return json_text({{"name", report.name},
                     {"units", report.units},
                     {"diagonal", report.diagonal},

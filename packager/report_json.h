@@ -2,16 +2,19 @@
 // ever added.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bake/measure/evaluate.h"
+#include "bake/measure/locality.h"
 #include "bake/measure/verify.h"
 #include "bake/recipes/bake.h"
 #include "bake/recipes/compare.h"
 
 namespace fb {
 
-std::string eval_json(const std::string& archive, const EvalReport& report);
+// "quality" and "locality" are null where they were not measured.
+std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality);
 std::string compare_json(const CompareReport& report);
 std::string bake_json(const std::string& archive, const Baked& baked);
 std::string verify_json(const std::string& archive, const VerifyReport& report);

@@ -21,13 +21,23 @@ class Portrait {
 
   Image draw(std::span<const float> points) const;
 
+  // The surface coloured by one number a vertex, in the colours of map_colour from 0 to `full`.
+  Image draw_field(std::span<const float> points, std::span<const float> field, float full) const;
+
+  struct Posed {
+    std::string caption;
+    std::span<const float> points;
+  };
   struct Difference {
-    Image image;
     double rms = 0, max = 0;  // over the diagonal
   };
-  // Three panels: the truth, what the archive gives, and the distance between them in fractions of the diagonal.
-  // full_scale: the end of the error map's scale; 0: a round number above the largest error.
-  Difference draw_beside(std::span<const float> truth, std::span<const float> predicted, float full_scale) const;
+  struct Comparison {
+    Image image;
+    std::vector<Difference> differences;  // one for each face compared
+  };
+  // Side by side: the truth, each of the faces, then for each of them its distance to the truth in fractions of the
+  // diagonal, all on one scale. full_scale: the end of that scale; 0: a round number above the largest error.
+  Comparison draw_beside(const Posed& truth, const std::vector<Posed>& faces, float full_scale) const;
 
  private:
   std::vector<std::uint32_t> triangles_;

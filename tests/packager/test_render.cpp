@@ -179,18 +179,20 @@ TEST_CASE("a face beside the truth is measured over the diagonal and shown on th
   const double distance = 0.2 / std::sqrt(8.0);
   const Portrait portrait(rest, "y", {}, small, {});
   for (const float full : {0.0f, 0.4f}) {
-    const Portrait::Difference difference = portrait.draw_beside(shape.points, off, full);
+    const Portrait::Comparison beside = portrait.draw_beside({"truth", shape.points}, {{"archive", off}}, full);
+    const Portrait::Difference difference = beside.differences.at(0);
     CHECK(difference.max == doctest::Approx(distance));
     CHECK(difference.rms == doctest::Approx(distance));
     const float scale = full > 0 ? full : round_scale(float(distance));
-    const Rgb seen = difference.image.at(3 * 8 + 2 * 160 + 80, 8 + 80),
+    const Rgb seen = beside.image.at(3 * 8 + 2 * 160 + 80, 8 + 80),
               expected = to_srgb(shade_map({0, 0, 1}, 1, map_colour(float(distance), scale)));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
   }
   off[2] = shape.points[2];  // one of four is where it belongs
-  const Portrait::Difference three = portrait.draw_beside(shape.points, off, 0);
+  const Portrait::Difference three =
+      portrait.draw_beside({"truth", shape.points}, {{"archive", off}}, 0).differences.at(0);
   CHECK(three.max == doctest::Approx(distance));
   CHECK(three.rms == doctest::Approx(distance * std::sqrt(0.75)));
 }

@@ -12,8 +12,66 @@ namespace {
 
 constexpr std::size_t block_frames = 16;    // one worker's piece
 constexpr std::size_t blocks_at_once = 32;  // between two reports of progress
+constexpr std::size_t lead_frames = 2;      // before a piece: what flicker looks back on
+constexpr std::size_t frames_apart = 12;    // of worst frames
+constexpr std::size_t poses_to_part_by = 256;
 
-// The face of the archive must be the face of the source: same controls, same vertices in the same places.
+struct Sums {
+  ErrorSums errors;
+  std::optional<QualitySums> quality;
+
+  void append(const Sums& later) {
+    errors.append(later.errors);
+    if (quality && later.quality) quality->append(*later.quality);
+  }
+};
+
+// `shot`: poses follow each other in time. basis: null for errors alone.
+Sums measure(const Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
+             const Parallel& parallel, Progress& progress, std::uint64_t& done) {
+  const std::size_t width = face.rest_positions().size(), controls = face.control_count();
+  const std::size_t lead = shot && basis ? lead_frames : 0;
+  const Parallel workers = poses.source().thread_safe() ? parallel : Parallel{.threads = 1};
+  const std::vector<float> all_controls = poses.controls();
+  struct Worker {
+    Workspace workspace;
+    std::vector<float> truth, predicted;
+  };
+  std::vector<Worker> work;
+  for (std::size_t w = 0; w < worker_count(workers); ++w)
+    work.push_back({Workspace(face), std::vector<float>((lead + block_frames) * width), std::vector<float>(width)});
+
+  const auto none = [&] { return Sums{{}, basis ? std::optional<QualitySums>(*basis) : std::nullopt}; };
+  Sums sums = none();
+  for (std::size_t first = 0; first < poses.size(); first += block_frames * blocks_at_once) {
+    const std::size_t frames = std::min(block_frames * blocks_at_once, poses.size() - first);
+    std::vector<Sums> blocks((frames + block_frames - 1) / block_frames, none());
+    parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t w) {
+      Worker& mine = work[w];
+      const std::size_t begin = first + b * block_frames, end = std::min(begin + block_frames, first + frames);
+      const std::size_t from = begin - std::min(lead, begin);
+      poses.read_points(from, end - from, std::span(mine.truth).first((end - from) * width));
+      for (std::size_t i = from; i < end; ++i) {
+        const auto pose = std::span(all_controls).subspan(i * controls, controls);
+        const auto truth = std::span(mine.truth).subspan((i - from) * width, width);
+        face.evaluate(pose.data(), mine.predicted.data(), mine.workspace);
+        if (i < begin) {
+          blocks[b].quality->lead_in(mine.predicted, truth);
+          continue;
+        }
+        blocks[b].errors.add_frame(mine.predicted, truth);
+        if (basis) blocks[b].quality->add_frame(pose, mine.predicted, truth, shot);
+      }
+    });
+    for (const Sums& block : blocks) sums.append(block);
+    done += frames;
+    progress.step(done);
+  }
+  return sums;
+}
+
+}  // namespace
+
 void check_same_face(const PackedModel& model, const Source& source) {
   check_same_controls(model.schema, "the archive", source.schema(), "the source");
   const std::vector<float>&a = model.rest.points, &b = source.rest().points;
@@ -26,64 +84,35 @@ void check_same_face(const PackedModel& model, const Source& source) {
            i / 3);
 }
 
-ErrorSums measure(const Evaluator& face, const PoseSet& poses, const Parallel& parallel, Progress& progress,
-                  std::uint64_t& done) {
-  const std::size_t width = face.rest_positions().size(), controls = face.control_count();
-  const Parallel workers = poses.source().thread_safe() ? parallel : Parallel{.threads = 1};
-  const std::vector<float> all_controls = poses.controls();
-  struct Worker {
-    Workspace workspace;
-    std::vector<float> truth, predicted;
-  };
-  std::vector<Worker> work;
-  for (std::size_t w = 0; w < worker_count(workers); ++w)
-    work.push_back({Workspace(face), std::vector<float>(block_frames * width), std::vector<float>(width)});
-
-  ErrorSums sums;
-  for (std::size_t first = 0; first < poses.size(); first += block_frames * blocks_at_once) {
-    const std::size_t frames = std::min(block_frames * blocks_at_once, poses.size() - first);
-    std::vector<ErrorSums> blocks((frames + block_frames - 1) / block_frames);
-    parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t w) {
-      Worker& mine = work[w];
-      const std::size_t begin = first + b * block_frames, count = std::min(block_frames, first + frames - begin);
-      poses.read_points(begin, count, std::span(mine.truth).first(count * width));
-      for (std::size_t i = 0; i < count; ++i) {
-        face.evaluate(all_controls.data() + (begin + i) * controls, mine.predicted.data(), mine.workspace);
-        blocks[b].add_frame(mine.predicted, std::span(mine.truth).subspan(i * width, width));
-      }
-    });
-    for (const ErrorSums& block : blocks) sums.append(block);
-    done += frames;
-    progress.step(done);
-  }
-  return sums;
-}
-
-}  // namespace
-
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
-                            const Parallel& parallel, Progress& progress) {
+                            const Parallel& parallel, Progress& progress, Detail detail) {
   const PackedModel model = read_archive(archive).model;
   check_same_face(model, source);
   const Evaluator face(model);
   const auto wanted = [&](const Clip& clip) { return !split || clip.split == *split; };
-  const std::size_t frames = PoseSet(source, wanted).size();
-  if (frames == 0)
+  const PoseSet all(source, wanted);
+  if (all.size() == 0)
     fail(Status::bad_data, "\"%s\" has no clip%s%s to measure on", source.schema().name.c_str(),
          split ? " of the split " : "", split ? name_of(*split) : "");
+  std::optional<QualityBasis> basis;
+  if (detail == Detail::quality)
+    basis.emplace(model.rest, model.schema, face_parts(model, all.thinned(poses_to_part_by).controls()));
+  const QualityBasis* by = basis ? &*basis : nullptr;
 
-  EvalReport report{source.schema().units, source.rest().diagonal(), {}, {}, {}};
-  ErrorSums total;
+  EvalReport report{source.schema().units, source.rest().diagonal(), {}, {}, {}, {}};
+  Sums total{{}, by ? std::optional<QualitySums>(*by) : std::nullopt};
   std::uint64_t done = 0;
-  progress.begin("measuring", frames);
+  progress.begin("measuring", all.size());
   for (const Clip& clip : source.clips()) {
     if (!wanted(clip)) continue;
     const PoseSet poses(source, [&](const Clip& other) { return &other == &clip; });
-    const ErrorSums sums = measure(face, poses, parallel, progress, done);
-    report.clips.push_back({clip.name, clip.kind, clip.split, sums.figures(report.diagonal)});
+    const Sums sums = measure(face, poses, clip.kind == ClipKind::shot, by, parallel, progress, done);
+    report.clips.push_back({clip.name, clip.kind, clip.split, sums.errors.figures(report.diagonal),
+                            sums.quality ? sums.quality->frames() : std::vector<FrameErrors>()});
     total.append(sums);
   }
-  report.total = total.figures(report.diagonal);
+  report.total = total.errors.figures(report.diagonal);
+  if (total.quality) report.quality = total.quality->figures();
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
   report.touched = touched_bytes(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
   return report;
@@ -93,10 +122,27 @@ Errors evaluate_archive_on(std::span<const std::byte> archive, const PoseSet& po
                            Progress& progress) {
   const PackedModel model = read_archive(archive).model;
   check_same_face(model, poses.source());
-  const Evaluator face(model);
   std::uint64_t done = 0;
   progress.begin("measuring", poses.size());
-  return measure(face, poses, parallel, progress, done).figures(poses.source().rest().diagonal());
+  return measure(Evaluator(model), poses, false, nullptr, parallel, progress, done)
+      .errors.figures(poses.source().rest().diagonal());
+}
+
+std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count) {
+  std::vector<FrameOfClip> all, worst;
+  for (std::size_t c = 0; c < report.clips.size(); ++c)
+    for (std::size_t f = 0; f < report.clips[c].frames.size(); ++f) all.push_back({c, f, report.clips[c].frames[f]});
+  std::stable_sort(all.begin(), all.end(),
+                   [](const FrameOfClip& a, const FrameOfClip& b) { return a.errors.max > b.errors.max; });
+  for (const FrameOfClip& frame : all) {
+    if (worst.size() == count) break;
+    const bool near = std::any_of(worst.begin(), worst.end(), [&](const FrameOfClip& other) {
+      return other.clip == frame.clip &&
+             std::max(other.frame, frame.frame) - std::min(other.frame, frame.frame) < frames_apart;
+    });
+    if (!near) worst.push_back(frame);
+  }
+  return worst;
 }
 
 }  // namespace fb

@@ -16,11 +16,11 @@ bool any_clip(const Source& data, bool (*wanted)(const Clip&)) {
 }
 
 MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
-  const Baked baked = bake_recorded(data, rig, options, progress);
+  Baked baked = bake_recorded(data, rig, options, progress);
   MethodReport report;
   report.name = options.recipe;
   report.use = options.use;
-  report.independent = evaluate_archive(baked.archive, data, Split::test, options.parallel, progress);
+  report.independent = evaluate_archive(baked.archive, data, Split::test, options.parallel, progress, Detail::quality);
   report.dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).thinned(dependency_poses),
                                           options.parallel, progress);
   report.bytes = baked.archive.size();
@@ -28,7 +28,22 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
   report.coefficients = baked.coefficients;
   report.poses = baked.poses;
   report.train_seconds = baked.train_seconds;
+  report.archive = std::move(baked.archive);
+  report.diary = std::move(baked.diary);
   return report;
+}
+
+// How well each method keeps controls in their places, all on the same poses of the rig, if the budget still has them.
+void add_locality(CompareReport& report, RigMeter& rig, const BakeOptions& options, Progress& progress) {
+  const std::uint64_t left =
+      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, rig.calls()) : UINT64_MAX;
+  std::optional<LocalityOptions> locality = locality_within(left, rig.schema().control_count());
+  if (!locality) return progress.note("the rig's budget is spent: locality is not measured");
+  std::vector<std::span<const std::byte>> archives;
+  for (const MethodReport& method : report.methods) archives.push_back(method.archive);
+  locality->seed = options.seed;
+  std::vector<Locality> all = measure_locality(archives, rig, *locality, options.parallel, progress);
+  for (std::size_t m = 0; m < all.size(); ++m) report.methods[m].locality = std::move(all[m]);
 }
 
 }  // namespace
@@ -55,7 +70,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
   if (training_poses(data, Use::backlot).size() == 0)
     fail(Status::bad_data, "\"%s\" has no clip of the split train to bake from", data.schema().name.c_str());
 
-  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}};
+  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}};
   const BakeOptions each = with_budget_left(options, meter, 2 * asking);  // at most two uses
   for (const Use use : {Use::variant, Use::backlot}) {
     if (use == Use::backlot && training_poses(data, use).size() == training_poses(data, Use::variant).size()) continue;
@@ -72,7 +87,9 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
     }
   }
+  if (source.live()) add_locality(report, meter, options, progress);
   report.rig_calls = meter.calls();
+  report.recorded = std::move(recorded);
   return report;
 }
 

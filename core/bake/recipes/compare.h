@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/measure/evaluate.h"
+#include "bake/measure/locality.h"
 #include "bake/recipes/bake.h"
 
 namespace fb {
@@ -13,11 +16,14 @@ namespace fb {
 struct MethodReport {
   std::string name;  // "linear", "paper"
   Use use = Use::variant;
-  EvalReport independent;   // unseen: clips of the split test
+  EvalReport independent;   // unseen: clips of the split test, with quality
   Errors dependency;        // data it was trained on (at most 4,000 frames, evenly spaced)
   std::uint64_t bytes = 0;  // of the archive
   std::size_t parameters = 0, coefficients = 0, poses = 0;
   double train_seconds = 0;
+  std::vector<std::byte> archive;
+  BakeDiary diary;
+  std::optional<Locality> locality;  // where there is a live rig to ask
 };
 
 struct CompareReport {
@@ -25,6 +31,8 @@ struct CompareReport {
   double diagonal = 0;
   std::uint64_t rig_calls = 0;        // poses a live rig was asked for in this call, by all methods together
   std::vector<MethodReport> methods;  // every method as variant, then as backlot where shots to train on exist
+  // The recording of a live rig that has the clips measured on; null where they are the source's own.
+  std::unique_ptr<Source> recorded;
 };
 
 // Bakes every method on the same poses and measures the packed archives on the same clips. A live rig is sampled once;

@@ -1,0 +1,52 @@
+#include "bake/measure/face_parts.h"
+
+#include "base/checked.h"
+#include "runtime/evaluator.h"
+
+namespace fb {
+namespace {
+
+std::vector<double> mean_squares(const Evaluator& face, std::span<const float> poses) {
+  Workspace workspace(face);
+  std::vector<float> coefficients(face.coefficient_count());
+  std::vector<double> squares(coefficients.size());
+  for (std::size_t at = 0; at < poses.size(); at += face.control_count()) {
+    face.coefficients(&poses[at], coefficients.data(), workspace);
+    for (std::size_t c = 0; c < squares.size(); ++c) squares[c] += double(coefficients[c]) * coefficients[c];
+  }
+  return squares;
+}
+
+}  // namespace
+
+FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
+  const std::size_t vertices = model.rest.vertex_count(), regions = model.regions.size();
+  FaceParts parts{{}, std::vector<std::uint32_t>(vertices, checked_u32(regions, "regions"))};
+  std::vector<std::size_t> region_of(model.direct.size(), regions);  // of a column
+  for (const PackedRegion& region : model.regions) {
+    region_of.resize(region_of.size() + region.layers.back().outputs, parts.names.size());
+    parts.names.push_back(region.name);
+  }
+  const std::vector<double> squares = mean_squares(Evaluator(model), poses);
+  std::vector<double> moved(vertices * regions);
+  for (const PackedRowGroup& group : model.groups)
+    for (std::size_t c = 0; c < group.columns.size(); ++c) {
+      const std::size_t column = group.columns[c].column;
+      if (region_of[column] == regions) continue;
+      const std::vector<float> moves = displacements(group, c);
+      for (std::uint32_t i = 0; i < group.row_count; ++i)
+        moved[model.coordinate(group.first_row + i) / 3 * regions + region_of[column]] +=
+            squares[column] * moves[i] * moves[i];
+    }
+  for (std::size_t v = 0; v < vertices; ++v) {
+    double most = 0;
+    for (std::uint32_t r = 0; r < regions; ++r)
+      if (moved[v * regions + r] > most) {
+        most = moved[v * regions + r];
+        parts.labels[v] = r;
+      }
+  }
+  return parts;
+}
+
+}  // namespace fb

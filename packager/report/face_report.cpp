@@ -1,0 +1,55 @@
+#include "report/face_report.h"
+
+#include "base/file.h"
+#include "base/status.h"
+#include "report/html.h"
+#include "report/report_pictures.h"
+#include "report/report_view.h"
+
+namespace fb {
+namespace {
+
+bool is_report(const std::filesystem::path& folder) {
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(folder / "index.html", missing)) return false;
+  const std::vector<std::byte> page = read_file(folder / "index.html");
+  const std::string_view text(reinterpret_cast<const char*>(page.data()), page.size());
+  return text.starts_with(report_mark);
+}
+
+}  // namespace
+
+void claim_report_folder(const std::filesystem::path& folder) {
+  make_folder(folder);
+  if (is_report(folder)) return;
+  if (!std::filesystem::is_empty(folder))
+    fail(Status::io, "%s: there is something in it that is no report", folder.c_str());
+  Html page("A report to be");
+  page.paragraph("Work is going on, or was stopped before there was anything to report.");
+  write_file(folder / "index.html", page.page());
+}
+
+CompareReport alone(MethodReport face, const Source& source) {
+  CompareReport faces{source.schema().name, source.schema().units, source.rest().diagonal(), {}, {}};
+  faces.methods.push_back(std::move(face));
+  return faces;
+}
+
+void write_face_report(const std::filesystem::path& folder, const FaceReport& report, const Parallel& parallel,
+                       Progress& progress) {
+  const ReportView view(report.faces);
+  Html page(report.title);
+  add_summary(page, view, report);
+  add_table_1(page, view);
+  add_pictures(page, view, report.frames, folder, parallel, progress);
+  add_parts(page, view);
+  add_errors_over_time(page, view);
+  add_methods(page, view);
+  add_smoothness(page, view);
+  add_locality(page, view);
+  add_training(page, view);
+  add_sizes(page, view);
+  write_file(folder / "index.html", page.page());
+}
+
+}  // namespace fb

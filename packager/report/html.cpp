@@ -1,0 +1,118 @@
+#include "report/html.h"
+
+#include <cstdint>
+
+namespace fb {
+namespace {
+
+constexpr std::string_view style = R"(<style>
+:root { color-scheme: light dark; --ink: #22242a; --faint: #6c7078; --line: #d5d8de; --paper: #fdfdfc; --shade: #f1f2f4;
+  --c0: #8a8f98; --c1: #c2410c; --c2: #2563a8; --c3: #15803d; --c4: #9333a8; --c5: #a16207; --c6: #0e7490; --c7: #be185d; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e4e6ea; --faint: #9aa0aa; --line: #3a3e46; --paper: #16181c;
+  --shade: #202328; --c0: #9aa0aa; --c1: #fb8a4c; --c2: #6cb0f5; --c3: #5fd08a; --c4: #d58af0; --c5: #e0b23c; --c6: #4fc7e0; --c7: #f57cb5; } }
+body { margin: 0 auto; padding: 1.5rem 2rem 4rem; max-width: 78rem; background: var(--paper); color: var(--ink);
+  font: 16px/1.5 system-ui, sans-serif; }
+h1 { font-size: 1.7rem; margin: 0 0 .5rem; } h2 { font-size: 1.3rem; margin: 2.6rem 0 .6rem; border-bottom: 1px solid var(--line); }
+h3 { font-size: 1.05rem; margin: 1.6rem 0 .4rem; } p { max-width: 50rem; margin: .5rem 0; }
+nav { font-size: .9rem; } nav a { margin-right: 1rem; white-space: nowrap; } a { color: var(--c2); }
+.wide { overflow-x: auto; } table { border-collapse: collapse; margin: .6rem 0; font-size: .9rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .2rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
+th { background: var(--shade); font-weight: 600; } th:first-child, td:first-child { text-align: left; }
+figure { margin: 1rem 0; } figure img { max-width: 100%; height: auto; border: 1px solid var(--line); }
+figcaption { color: var(--faint); font-size: .9rem; } pre { background: var(--shade); padding: .8rem; overflow-x: auto; font-size: .8rem; }
+svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
+svg .grid { stroke: var(--line); stroke-width: 1; } svg .frame { fill: none; stroke: var(--faint); } svg .faint { fill: var(--faint); }
+svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
+</style>
+)";
+
+// Bytes of the UTF-8 sequence that begins here; 0 if none does.
+std::size_t sequence(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint8_t lead = byte(0);
+  if (lead < 0x80) return lead >= 32 && lead != 127 ? 1 : 0;
+  const std::size_t length = lead >= 0xc2 && lead <= 0xdf   ? 2
+                             : lead >= 0xe0 && lead <= 0xef ? 3
+                             : lead >= 0xf0 && lead <= 0xf4 ? 4
+                                                            : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  const bool overlong = (lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xf0 && byte(1) < 0x90);
+  const bool beyond = (lead == 0xed && byte(1) >= 0xa0) || (lead == 0xf4 && byte(1) >= 0x90);
+  return overlong || beyond ? 0 : length;
+}
+
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  std::string escaped;
+  while (!text.empty()) {
+    const std::size_t length = sequence(text);
+    const std::string_view character = text.substr(0, length);
+    if (length == 0)
+      escaped += '?';
+    else if (character == "&")
+      escaped += "&amp;";
+    else if (character == "<")
+      escaped += "&lt;";
+    else if (character == ">")
+      escaped += "&gt;";
+    else if (character == "\"")
+      escaped += "&quot;";
+    else if (character == "'")
+      escaped += "&#39;";
+    else
+      escaped += character;
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return escaped;
+}
+
+void Html::heading(std::string_view text) {
+  const std::string id = "s" + std::to_string(++headings_);
+  contents_ += "<a href=\"#" + id + "\">" + escape_html(text) + "</a>\n";
+  body_ += "<h2 id=\"" + id + "\">" + escape_html(text) + "</h2>\n";
+}
+
+void Html::subheading(std::string_view text) {
+  body_ += "<h3>" + escape_html(text) + "</h3>\n";
+}
+
+void Html::paragraph(std::string_view text) {
+  body_ += "<p>" + escape_html(text) + "</p>\n";
+}
+
+void Html::preformatted(std::string_view text) {
+  body_ += "<pre>";
+  for (std::size_t end; !text.empty(); text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1)) {
+    end = text.find('\n');
+    body_ += escape_html(text.substr(0, end)) + "\n";
+  }
+  body_ += "</pre>\n";
+}
+
+void Html::table(const std::vector<std::vector<std::string>>& rows) {
+  body_ += "<div class=\"wide\"><table>\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::string cell = r == 0 ? "th" : "td";
+    body_ += "<tr>";
+    for (const std::string& word : rows[r]) body_ += "<" + cell + ">" + escape_html(word) + "</" + cell + ">";
+    body_ += "</tr>\n";
+  }
+  body_ += "</table></div>\n";
+}
+
+void Html::picture(const std::string& file, std::string_view caption) {
+  body_ += "<figure><img src=\"" + escape_html(file) + "\" alt=\"" + escape_html(caption) + "\"><figcaption>" +
+           escape_html(caption) + "</figcaption></figure>\n";
+}
+
+std::string Html::page() const {
+  return std::string(report_mark) +
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escape_html(title_) +
+         "</title>\n" + std::string(style) + "</head>\n<body>\n<h1>" + escape_html(title_) + "</h1>\n<nav>" +
+         contents_ + "</nav>\n" + body_ + "</body>\n</html>\n";
+}
+
+}  // namespace fb

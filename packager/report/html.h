@@ -1,0 +1,40 @@
+// A page of plain HTML: no scripts, nothing loaded from elsewhere, readable on light and dark.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fb {
+
+// Text as HTML shows it: markup characters become entities, control characters and bytes that are no UTF-8 become '?'.
+std::string escape_html(std::string_view text);
+
+// Builds the body from top to bottom. Every word given to it is text, except in `raw`.
+class Html {
+ public:
+  explicit Html(std::string title) : title_(std::move(title)) {}
+
+  void heading(std::string_view text);  // also an entry of the list of contents
+  void subheading(std::string_view text);
+  void paragraph(std::string_view text);
+  void preformatted(std::string_view text);
+  // First row: heads; first column: words, the others numbers.
+  void table(const std::vector<std::vector<std::string>>& rows);
+  // A picture of the report's folder.
+  void picture(const std::string& file, std::string_view caption);
+  void raw(std::string_view markup) { body_ += markup; }
+
+  std::string page() const;
+
+ private:
+  std::string title_, contents_, body_;
+  int headings_ = 0;
+};
+
+// How every page of a report begins, by which its folder is known as one.
+inline constexpr std::string_view report_mark =
+    "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+    "<meta name=\"generator\" content=\"FaceBaker report\">\n";
+
+}  // namespace fb
