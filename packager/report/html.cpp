@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "base/status.h"
+
 namespace fb {
 namespace {
 
@@ -70,7 +72,7 @@ std::string escape_html(std::string_view text) {
 }
 
 void Html::heading(std::string_view text) {
-  const std::string id = "s" + std::to_string(++headings_);
+  const std::string id = format("s%d", ++headings_);
   contents_ += "<a href=\"#" + id + "\">" + escape_html(text) + "</a>\n";
   body_ += "<h2 id=\"" + id + "\">" + escape_html(text) + "</h2>\n";
 }
