@@ -31,23 +31,40 @@ void draw_scale(Image& onto, int x, int y, int height, float full) {
   }
 }
 
+std::vector<std::string> lines_of(const std::string& caption) {
+  std::vector<std::string> lines(1);
+  for (const char c : caption)
+    if (c == '\n')
+      lines.emplace_back();
+    else
+      lines.back() += c;
+  return lines;
+}
+
 }  // namespace
 
 Image compose(const std::vector<Panel>& panels) {
-  int width = gap, height = 0;
+  int width = gap, height = 0, magnification = 2;
+  std::size_t lines = 1;
   for (const Panel& panel : panels) {
     width += panel.image.width + gap + (panel.scale_full ? bar_area : 0);
     height = std::max(height, panel.image.height);
+    const std::vector<std::string> caption = lines_of(panel.caption);
+    lines = std::max(lines, caption.size());
+    for (const std::string& line : caption)  // smaller if a line would not fit
+      if (text_width(line, magnification) > panel.image.width) magnification = 1;
   }
-  int magnification = 2;  // smaller if a caption would not fit
-  for (const Panel& panel : panels)
-    if (text_width(panel.caption, magnification) > panel.image.width) magnification = 1;
-  Image sheet(width, gap + height + 2 * gap + text_height(magnification), paper);
+  const int line_height = text_height(magnification) + gap / 2;
+  Image sheet(width, 3 * gap + height + static_cast<int>(lines) * line_height, paper);
   int x = gap;
   for (const Panel& panel : panels) {
     paste(sheet, panel.image, x, gap);
-    const int indent = std::max(0, (panel.image.width - text_width(panel.caption, magnification)) / 2);
-    draw_text(sheet, x + indent, gap + height + gap, panel.caption, ink, magnification);
+    int y = 2 * gap + height;
+    for (const std::string& line : lines_of(panel.caption)) {
+      const int indent = std::max(0, (panel.image.width - text_width(line, magnification)) / 2);
+      draw_text(sheet, x + indent, y, line, ink, magnification);
+      y += line_height;
+    }
     x += panel.image.width + gap;
     if (panel.scale_full) {
       draw_scale(sheet, x, gap, height, *panel.scale_full);

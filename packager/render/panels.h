@@ -10,7 +10,7 @@ namespace fb {
 
 struct Panel {
   Image image;
-  std::string caption;
+  std::string caption;              // lines end at a \n
   std::optional<float> scale_full;  // with a value: a bar of map_colour from 0 to it stands beside the picture
 };
 

@@ -51,7 +51,7 @@ Portrait::Comparison Portrait::draw_beside(const Posed& truth, const std::vector
     const std::string who = faces.size() > 1 ? faces[f].caption + " error" : "error / diagonal";
     panels.push_back(
         {draw_field(faces[f].points, distances[f], full),
-         format("%s: rms %.1e, max %.1e", who.c_str(), comparison.differences[f].rms, comparison.differences[f].max),
+         format("%s\nrms %.1e, max %.1e", who.c_str(), comparison.differences[f].rms, comparison.differences[f].max),
          f + 1 == faces.size() ? std::optional(full) : std::nullopt});
   }
   comparison.image = compose(panels);

@@ -1,6 +1,7 @@
 #include "report/report_pictures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 
@@ -17,16 +18,41 @@ namespace {
 
 constexpr Canvas canvas = {460, 575, 3};
 constexpr std::size_t expressive_frames = 4, frames_looked_at = 1000, worst_shown = 4, fields_shown = 4;
+constexpr double moving = 2e-3;  // of the diagonal: what moves less need not be in the picture
 
 struct FrameAddress {
   std::size_t clip = 0, frame = 0;  // of the source
 };
 
+// A view of the part of the mesh that moves in these frames, so that a face on a body is seen from near.
+View view_of(Source& source, const std::vector<FrameAddress>& frames) {
+  const std::vector<float>& rest = source.rest().points;
+  const double still = moving * source.rest().diagonal();
+  Box box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  std::vector<float> points(rest.size());
+  for (const FrameAddress& at : frames) {
+    source.read(at.clip, at.frame, 1, points);
+    for (std::size_t v = 0; v < rest.size() / 3; ++v) {
+      const Vector3 p = vector_at(rest.data(), v);
+      if (length(vector_at(points.data(), v) - p) <= still) continue;
+      box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+      box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+    }
+  }
+  View view;
+  if (box.low.x <= box.high.x) view.region = box;
+  return view;
+}
+
 // Poses the rig and the methods, and draws them.
 class Studio {
  public:
-  Studio(Source& source, const std::filesystem::path& folder, const Parallel& parallel)
-      : source_(source), folder_(folder), portrait_(source.rest(), source.schema().up_axis, {}, canvas, parallel) {}
+  // `shown`: frames whose motion is to be in the pictures.
+  Studio(Source& source, const std::vector<FrameAddress>& shown, const std::filesystem::path& folder,
+         const Parallel& parallel)
+      : source_(source),
+        folder_(folder),
+        portrait_(source.rest(), source.schema().up_axis, view_of(source, shown), canvas, parallel) {}
 
   const Portrait& portrait() const { return portrait_; }
   FrameAddress find(const std::string& clip, std::size_t frame) const {
@@ -138,14 +164,14 @@ void add_figure_1(Html& page, const ReportView& view, Studio& studio) {
           errors_text(comparison, {view.label(view.ours()), view.label(*linear)}));
 }
 
-void add_figure_3(Html& page, const ReportView& view, const Source& source, Studio& studio, Progress& progress) {
+void add_figure_3(Html& page, const ReportView& view, const std::vector<FrameAddress>& frames, Studio& studio,
+                  Progress& progress) {
   std::vector<const MethodReport*> faces = {&view.ours()};
   if (view.backlot()) faces.push_back(view.backlot());
   std::vector<std::string> names;
   for (const MethodReport* face : faces) names.push_back(view.label(*face));
   page.heading("Figure 3: posed faces");
   page.paragraph("Measured frames that are far from rest and from each other, whatever their errors.");
-  const std::vector<FrameAddress> frames = pick_expressive(source, view.ours().independent);
   progress.begin("drawing posed faces", frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::string file = format("figure_3_%zu.png", i + 1);
@@ -164,7 +190,7 @@ void add_error_maps(Html& page, const ReportView& view, const Source& source, St
     const std::vector<float>& rms = method.independent.quality->vertex_rms;
     const float worst = *std::max_element(rms.begin(), rms.end()), full = round_scale(worst);
     panels.push_back({studio.portrait().draw_field(source.rest().points, rms, full),
-                      format("%s: worst %.1e", view.label(method).c_str(), worst), full});
+                      format("%s\nworst %.1e", view.label(method).c_str(), worst), full});
   }
   if (panels.empty()) return;
   studio.write("error_map.png", compose(panels));
@@ -192,9 +218,10 @@ void add_worst_frames(Html& page, const ReportView& view, Studio& studio, Progre
 void add_pictures(Html& page, const ReportView& view, Source& frames, const std::filesystem::path& folder,
                   const Parallel& parallel, Progress& progress) {
   if (!view.measured()) return;
-  Studio studio(frames, folder, parallel);
+  const std::vector<FrameAddress> expressive = pick_expressive(frames, view.ours().independent);
+  Studio studio(frames, expressive, folder, parallel);
   add_figure_1(page, view, studio);
-  add_figure_3(page, view, frames, studio, progress);
+  add_figure_3(page, view, expressive, studio, progress);
   add_worst_frames(page, view, studio, progress);
   add_error_maps(page, view, frames, studio);
 }

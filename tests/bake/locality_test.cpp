@@ -15,6 +15,8 @@ using namespace fb;
 namespace {
 
 constexpr std::size_t side = 5, controls = 3;
+constexpr double rounding =
+    1e-5;  // an archive rounds coefficients together, so each control stirs the others' last digit
 
 bool belongs(std::size_t control, std::size_t vertex) {
   return vertex % side == control;  // a column of the grid each
@@ -65,9 +67,9 @@ TEST_CASE("a leak is found where it was planted, and only there") {
   // From rest to an end of the range, or from an end half as far or more to rest.
   CHECK(both[0].largest <= 0.2501);
   CHECK(both[0].largest >= 0.125);
-  CHECK(both[0].leaks[1].leak == 0);
+  CHECK(both[0].leaks[1].leak < rounding);
   CHECK(both[0].above == doctest::Approx(1.0 / 3));
-  CHECK(both[1].largest == 0);
+  CHECK(both[1].largest < rounding);
   CHECK(both[1].above == 0);
 }
 
@@ -75,7 +77,7 @@ TEST_CASE("motion where the rig moves the vertex too is no leak") {
   MemorySource rig = columns_rig();
   const auto archive = archive_of(rig, 1, side + 1, 1);  // its own vertex, sideways
   const std::array<std::span<const std::byte>, 1> archives = {archive};
-  CHECK(measure_locality(archives, rig, {}, {}, silent_progress()).at(0).largest == 0);
+  CHECK(measure_locality(archives, rig, {}, {}, silent_progress()).at(0).largest < rounding);
 }
 
 TEST_CASE("locality needs a live rig") {

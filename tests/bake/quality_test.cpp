@@ -89,7 +89,7 @@ TEST_CASE("a step of the error where parts meet is a jump at the border and none
   sums.add_frame(at_rest, moved(truth, 0.25f, false, true), truth, false);
   const Quality quality = sums.figures();
   CHECK(quality.border_jump == doctest::Approx(0.25 / basis.diagonal));
-  CHECK(quality.inside_jump == 0);
+  CHECK(quality.inside_jump < 1e-7);  // of rounding alone
   CHECK(quality.border_edges == side);
   REQUIRE(quality.regions.size() == 2);
   CHECK(quality.regions[0].mse == 0);
