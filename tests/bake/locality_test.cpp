@@ -88,3 +88,12 @@ TEST_CASE("locality needs a live rig") {
       fb::test::failure(Status::invalid_argument, [&] { measure_locality(archives, rig, {}, {}, silent_progress()); });
   CHECK(fb::test::contains(why, "no live rig"));
 }
+
+TEST_CASE("a budget of rig calls is kept, with fewer poses or none") {
+  LocalityOptions options;
+  CHECK(locality_calls(options, controls) == options.poses * (controls + 1));
+  CHECK(locality_calls(options, 65) == options.poses * (65 + 2));  // the pose itself is asked for again
+  CHECK(locality_within(UINT64_MAX, controls)->poses == options.poses);
+  CHECK(locality_within(2 * (controls + 1) + 1, controls)->poses == 2);
+  CHECK_FALSE(locality_within(controls, controls));
+}
