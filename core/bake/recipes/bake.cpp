@@ -90,8 +90,9 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 
   Baked baked;
   const auto start = std::chrono::steady_clock::now();
-  const auto [model, packing] = recipe.make(poses, rig, options, progress);
+  auto [model, packing, diary] = recipe.make(poses, rig, options, progress);
   baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  baked.diary = std::move(diary);
   baked.poses = poses.size();
   baked.coefficients = model.basis.columns;
   baked.parameters = model.network.parameter_count();

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "bake/linalg/gemm.h"
+#include "bake/probe/keep_terms.h"
+#include "bake/quantize/fit_target.h"
 #include "bake/recipes/assemble.h"
 #include "bake/recipes/finish_face.h"
 #include "bake/recipes/network_plan.h"
@@ -16,6 +18,7 @@ namespace fb {
 namespace {
 
 constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
+constexpr std::size_t typical_poses = 1000;  // that stand for those to come
 constexpr double validation_share = 0.05;
 constexpr std::size_t sized_poses = 2000;    // that the typical size of a coefficient is taken from
 constexpr double operations_per_weight = 6;  // forward, and backward to inputs and to weights: two each
@@ -66,9 +69,15 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   parts.probe = rig ? probe_rig(*rig, probing, options.parallel, progress)
                     : probe_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
+  const RigSchema& schema = poses.source().schema();
+  const std::size_t dropped =
+      keep_terms(parts.probe, schema, poses.thinned(typical_poses).controls(), rest.diagonal(), recipe.term_bytes);
+  if (dropped > 0)
+    progress.note(format("%zu of %zu combinations of controls are left to the networks", dropped,
+                         parts.probe.interactions.size()));
   RegionOptions cutting = recipe.regions;
   cutting.seed = options.seed;
-  parts.regions = find_regions(rest, poses.source().schema(), parts.probe.residual_motion, cutting);
+  parts.regions = find_regions(rest, schema, parts.probe.residual_motion, cutting);
   const Residual residual(poses, parts.probe.base);
   parts.bases = local_bases(residual, parts.regions, recipe.basis, options.parallel, progress);
   // A region with nothing left to learn needs no network.
@@ -80,8 +89,14 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   return parts;
 }
 
-std::vector<Region> train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs& inputs,
-                          const PoseSet& poses, const BakeOptions& options, Progress& progress) {
+struct Networks {
+  std::vector<Region> regions;
+  std::vector<RegionDiary> diary;
+  double rms = 0;  // of a vertex on poses kept back, over D
+};
+
+Networks train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs& inputs, const PoseSet& poses,
+               const BakeOptions& options, Progress& progress) {
   const FeatureTable table = feature_table(inputs, poses, options.parallel);
   const std::size_t count = parts.regions.size();
   std::vector<NetworkDemand> demands;
@@ -120,10 +135,37 @@ std::vector<Region> train(const FaceRecipe& recipe, const Parts& parts, const Re
   }
   const std::vector<TrainedLayers> trained = train_regions(sets, plans, options.parallel, progress);
 
-  std::vector<Region> regions;
-  for (std::size_t r = 0; r < count; ++r)
-    regions.push_back({parts.regions[r].name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
-  return regions;
+  Networks networks;
+  const Mesh& rest = poses.source().rest();
+  double squares = 0;
+  for (std::size_t r = 0; r < count; ++r) {
+    const FaceRegion& region = parts.regions[r];
+    networks.regions.push_back({region.name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
+    double loss = trained[r].loss;
+    if (!split.validation.empty() && !trained[r].epochs.empty()) loss = trained[r].epochs.back().validation;
+    squares += loss * demands[r].energy;
+    networks.diary.push_back({region.name, region.vertices.size(), inputs.of_region[r].size(), demands[r].outputs,
+                              network_parameters(demands[r], recipe.hidden_layers, widths[r]), region.energy, loss,
+                              trained[r].epochs, trained[r].restarts});
+  }
+  networks.rms = std::sqrt(squares / static_cast<double>(rest.vertex_count())) / rest.diagonal();
+  return networks;
+}
+
+std::vector<std::string> notes_on(const Parts& parts, double rms) {
+  std::size_t numbers = 0;
+  for (const SparseShape& shape : parts.probe.base.shapes) numbers += shape.offsets.size();
+  std::vector<std::string> notes = {
+      format("the base holds %zu shapes of %zu numbers; %u controls are linear, %zu combinations of controls interact; "
+             "between knots it is off by %.1e of the diagonal at most",
+             parts.probe.base.shapes.size(), numbers, parts.probe.linear_controls, parts.probe.interactions.size(),
+             parts.probe.curve_error)};
+  if (parts.regions.empty())
+    notes.push_back("the base leaves nothing over: there are no networks");
+  else
+    notes.push_back(format("%zu networks leave %.1e of the diagonal (root mean square, poses kept back)",
+                           parts.regions.size(), rms));
+  return notes;
 }
 
 }  // namespace
@@ -138,11 +180,20 @@ Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   model.rest = poses.source().rest();
   model.network.features = inputs.features;
   for (const SparseShape& shape : parts.probe.base.shapes) model.network.direct.push_back(shape.feature);
-  model.network.regions = train(recipe, parts, inputs, poses, options, progress);
+  Networks networks = train(recipe, parts, inputs, poses, options, progress);
+  model.network.regions = std::move(networks.regions);
   model.basis = assemble_basis(model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
   std::vector<std::vector<float>> moments;
   for (const LocalBasis& basis : parts.bases) moments.push_back(second_moments(basis, poses.size()));
-  return finish_face(model, moments, recipe.localize, recipe.pack, poses, options, progress);
+  const Precision precision{std::max(recipe.precision * networks.rms, recipe.finest)};
+  LocalizeOptions localize;
+  localize.threshold = precision.scale;
+  Learnt learnt = finish_face(model, moments, localize, precision.pack(), poses, options, progress);
+  learnt.diary.regions = std::move(networks.diary);
+  learnt.diary.rig_calls = parts.probe.rig_calls;
+  learnt.diary.notes = notes_on(parts, networks.rms);
+  for (const std::string& note : learnt.diary.notes) progress.note(note);
+  return learnt;
 }
 
 }  // namespace fb

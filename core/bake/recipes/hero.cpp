@@ -5,20 +5,24 @@ namespace fb {
 
 Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
   FaceRecipe recipe;
-  recipe.basis.max_error = 5e-4;
-  recipe.localize.threshold = 5e-6;
-  recipe.parameters = 2'000'000;
-  recipe.operations = 6e13;
+  recipe.basis.max_error = 3e-4;
+  recipe.term_bytes = 1'200'000;
+  recipe.parameters = 1'600'000;
+  recipe.operations = 2.5e13;
+  recipe.precision = 0.06;
   return make_face(recipe, poses, rig, options, progress);
 }
 
 Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
   FaceRecipe recipe;
+  recipe.probe.curve_tolerance = 2e-4;
   recipe.basis.max_error = 1e-3;
   recipe.basis.max_components = 96;
-  recipe.localize.threshold = 2e-5;
+  recipe.term_bytes = 150'000;
   recipe.parameters = 350'000;
-  recipe.operations = 2e13;
+  recipe.operations = 1e13;
+  recipe.precision = 0.12;
+  recipe.finest = 5e-6;
   return make_face(recipe, poses, rig, options, progress);
 }
 

@@ -12,6 +12,7 @@ namespace fb {
 struct Learnt {
   FaceModel model;
   PackOptions packing = {};
+  BakeDiary diary = {};
 };
 
 struct Recipe {
