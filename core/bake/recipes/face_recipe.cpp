@@ -188,7 +188,8 @@ Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   const Precision precision{std::max(recipe.precision * networks.rms, recipe.finest)};
   LocalizeOptions localize;
   localize.threshold = precision.scale;
-  Learnt learnt = finish_face(model, moments, localize, precision.pack(), poses, options, progress);
+  Learnt learnt =
+      finish_face(model, moments, localize, precision.pack(), poses, options, progress, recipe.touched_bytes);
   learnt.diary.regions = std::move(networks.diary);
   learnt.diary.rig_calls = parts.probe.rig_calls;
   learnt.diary.notes = notes_on(parts, networks.rms);

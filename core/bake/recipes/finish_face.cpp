@@ -5,6 +5,7 @@
 
 #include "archive/writer.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/touched_bytes.h"
 #include "bake/measure/verify.h"
 #include "bake/quantize/fit_target.h"
 #include "bake/sampling/validation_split.h"
@@ -21,6 +22,8 @@ PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
   return (split.validation.empty() ? poses : poses.picked(split.validation)).thinned(measured_poses);
 }
 
+constexpr int most_steps = 12;  // 1.4^12: 57 times coarser
+
 }  // namespace
 
 bool asks_target(const BakeOptions& options) {
@@ -29,14 +32,21 @@ bool asks_target(const BakeOptions& options) {
 
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
-                   const BakeOptions& options, Progress& progress) {
-  if (!asks_target(options)) {
-    LocalizedModel local = localize_basis(model, covariance, localize, options.parallel);
-    Learnt learnt{std::move(local.model), packing};
-    learnt.packing.coefficient_sizes = std::move(local.coefficient_sizes);
-    return learnt;
-  }
+                   const BakeOptions& options, Progress& progress, double touched_bytes) {
   const PoseSet validation = measured(poses, options.seed);
+  if (!asks_target(options)) {
+    const Localizer localizer(model, covariance, localize.chunk_vertices, options.parallel);
+    double coarser = 1;
+    for (int step = 0;; ++step, coarser *= 1.4) {
+      LocalizedModel local = localizer.localized(coarser * localize.threshold);
+      Learnt learnt{std::move(local.model), packing};
+      learnt.packing.coefficient_sizes = std::move(local.coefficient_sizes);
+      learnt.packing.basis_tolerance *= coarser;
+      learnt.packing.drop *= coarser;
+      if (touched_bytes <= 0 || step == most_steps) return learnt;
+      if (fb::touched_bytes(pack_model(learnt.model, learnt.packing), validation).mean <= touched_bytes) return learnt;
+    }
+  }
   const auto bytes = [&](const PackedModel& packed) {
     return write_archive(packed, make_proof(packed, options.seed)).size() + room;
   };

@@ -13,10 +13,11 @@ namespace fb {
 bool asks_target(const BakeOptions& options);
 
 // Localizes a model (see localize_basis) as precisely as the options ask by max_bytes and max_error, measured as packed
-// on some poses kept back by validation_split (on all kinds, if that keeps none); or as `localize` and `packing` say if
-// they ask nothing.
+// on some poses kept back by validation_split (on all kinds, if that keeps none); or, if they ask nothing, as
+// `localize` and `packing` say, made coarser together until these poses read `touched_bytes` on average (0: any
+// number).
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
-                   const BakeOptions& options, Progress& progress);
+                   const BakeOptions& options, Progress& progress, double touched_bytes = 0);
 
 }  // namespace fb

@@ -10,6 +10,7 @@ Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, 
   recipe.parameters = 1'600'000;
   recipe.operations = 2.5e13;
   recipe.precision = 0.06;
+  recipe.touched_bytes = 4e6;
   return make_face(recipe, poses, rig, options, progress);
 }
 
@@ -23,6 +24,7 @@ Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& option
   recipe.operations = 1e13;
   recipe.precision = 0.12;
   recipe.finest = 5e-6;
+  recipe.touched_bytes = 1.3e6;
   return make_face(recipe, poses, rig, options, progress);
 }
 
