@@ -44,7 +44,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
       learnt.packing.basis_tolerance *= coarser;
       learnt.packing.drop *= coarser;
       if (touched_bytes <= 0 || step == most_steps) return learnt;
-      if (fb::touched_bytes(pack_model(learnt.model, learnt.packing), validation).mean <= touched_bytes) return learnt;
+      if (fb::touched_bytes(pack_model(learnt.model, learnt.packing), validation).p95 <= touched_bytes) return learnt;
     }
   }
   const auto bytes = [&](const PackedModel& packed) {

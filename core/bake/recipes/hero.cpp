@@ -23,7 +23,7 @@ Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& option
   recipe.parameters = 350'000;
   recipe.operations = 1e13;
   recipe.precision = 0.12;
-  recipe.finest = 5e-6;
+  recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.3e6;
   return make_face(recipe, poses, rig, options, progress);
 }
