@@ -19,7 +19,7 @@ h3 { font-size: 1.05rem; margin: 1.6rem 0 .4rem; } p { max-width: 50rem; margin:
 nav { font-size: .9rem; } nav a { margin-right: 1rem; white-space: nowrap; } a { color: var(--c2); }
 .wide { overflow-x: auto; } table { border-collapse: collapse; margin: .6rem 0; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .2rem .7rem; border-bottom: 1px solid var(--line); text-align: right; white-space: nowrap; }
-th { background: var(--shade); font-weight: 600; } th:first-child, td:first-child { text-align: left; }
+th { background: var(--shade); font-weight: 600; white-space: normal; vertical-align: bottom; } th:first-child, td:first-child { text-align: left; }
 figure { margin: 1rem 0; } figure img { max-width: 100%; height: auto; border: 1px solid var(--line); }
 figcaption { color: var(--faint); font-size: .9rem; } pre { background: var(--shade); padding: .8rem; overflow-x: auto; font-size: .8rem; }
 svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }

@@ -9,7 +9,7 @@
 namespace fb {
 namespace {
 
-constexpr double decades_at_most = 6;
+constexpr double decades_at_most = 12;
 
 std::string colour_of(int colour) {
   return "var(--c" + std::to_string(colour % 8) + ")";
@@ -48,7 +48,7 @@ void add_ticks(Axis& axis) {
                       : raw / decade <= 5 ? 5 * decade
                                           : 10 * decade;
   for (double tick = std::ceil(axis.low / step - 1e-9) * step; tick <= axis.high + 1e-9 * step; tick += step)
-    axis.ticks.push_back(tick);
+    axis.ticks.push_back(tick + 0.0);  // no -0
 }
 
 Axis axis_over(const std::vector<double>& values, bool logarithmic) {
@@ -102,13 +102,21 @@ std::string line_of(const Curve& curve, const Axis& x, const Axis& y) {
          "</title></polyline>\n";
 }
 
+// A curve's values without its lowest tenth, so that a few frames at rest do not flatten all else.
+std::vector<double> without_lowest(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10));
+  return values;
+}
+
 }  // namespace
 
 std::string draw_plot(const Plot& plot) {
   std::vector<double> xs, ys;
   for (const Curve& curve : plot.curves) {
     xs.insert(xs.end(), curve.x.begin(), curve.x.end());
-    ys.insert(ys.end(), curve.y.begin(), curve.y.end());
+    const std::vector<double> high = plot.log_y ? without_lowest(curve.y) : curve.y;
+    ys.insert(ys.end(), high.begin(), high.end());
   }
   Axis x = axis_over(xs, plot.log_x), y = axis_over(ys, plot.log_y);
   if (!(x.low <= x.high) || !(y.low <= y.high)) return "";

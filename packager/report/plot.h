@@ -20,7 +20,8 @@ struct Plot {
   int width = 560, height = 300;
 };
 
-// Curves of more points than the plot is wide are drawn by the largest of each column. Empty if there is no point.
+// Curves of more points than the plot is wide are drawn by the largest of each column. Where y is logarithmic, a
+// curve's lowest tenth does not stretch the scale and may lie on its edge. Empty if there is no point.
 std::string draw_plot(const Plot& plot);
 
 struct Bar {
@@ -29,7 +30,7 @@ struct Bar {
 };
 
 // A list of bars, each with its numbers; series are named and coloured alike throughout. A logarithmic scale spans at
-// most six decades below the largest value.
+// most twelve decades below the largest value.
 std::string draw_bars(const std::vector<std::string>& series, const std::vector<int>& colours,
                       const std::vector<Bar>& bars, bool logarithmic);
 

@@ -74,13 +74,15 @@ void add_table_1(Html& page, const ReportView& view) {
       "are the paper's own characters, with about 6,000 vertices and 500 controls, on the paper's own shots: "
       "other faces in other motion, so only orders of magnitude compare. Independent: poses nothing was "
       "trained on. Dependency: poses trained on.");
-  std::vector<const MethodReport*> shown;
+  std::vector<const MethodReport*> shown;  // ours first
   for (const MethodReport& method : view.methods())
-    if (method.name == view.ours().name || method.name == "linear" || method.name.starts_with("paper"))
+    if (method.name == view.ours().name) shown.push_back(&method);
+  for (const MethodReport& method : view.methods())
+    if (method.name != view.ours().name && (method.name == "linear" || method.name.starts_with("paper")))
       shown.push_back(&method);
   Rows rows = {{"Independent test"}, {"MSE"}, {"Max err"}, {"Dependency test"}, {"MSE"}, {"Max err"}};
   for (const PaperColumn& column : paper_columns) {
-    rows[0].push_back(std::string("paper: ") + column.name);
+    rows[0].push_back(std::string("the paper's ") + column.name);
     rows[1].push_back(column.independent_mse);
     rows[2].push_back(column.independent_max);
     rows[3].push_back("");
