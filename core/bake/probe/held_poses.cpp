@@ -65,10 +65,16 @@ double HeldPoses::change_without(const CurveBase& part) {
 }
 
 std::vector<bool> HeldPoses::judge(std::span<const CurveBase* const> parts) {
-  std::vector<bool> kept(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    kept[p] = change_without(*parts[p]) >= 0;
-    if (!kept[p]) add(*parts[p], -1);
+  std::vector<bool> kept(parts.size(), true);
+  // What was worth its place beside a part that has gone since may no longer be.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if (kept[p] && change_without(*parts[p]) < 0) {
+        add(*parts[p], -1);
+        kept[p] = false;
+        changed = true;
+      }
   }
   return kept;
 }

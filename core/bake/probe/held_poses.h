@@ -18,7 +18,8 @@ class HeldPoses {
   void add(const CurveBase& part, float sign);
   // How the sum of squared distances changes if the base loses this part of it.
   double change_without(const CurveBase& part);
-  // Takes parts out of the base that make it worse, in their order. Returns for each whether it is kept.
+  // Takes parts out of the base that make it worse, in their order, until none does. Returns for each whether it is
+  // kept.
   std::vector<bool> judge(std::span<const CurveBase* const> parts);
 
   struct Error {

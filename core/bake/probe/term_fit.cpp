@@ -15,6 +15,8 @@ constexpr double least_gain = 0.15;   // of what is left, for a further term
 constexpr double much_gain = 0.99;    // a term that takes this share is worth it below the tolerance too
 constexpr double little = 0.01;       // of the tolerance: nothing is worth it below
 constexpr double independent = 0.05;  // share of a candidate that what is picked must not hold already
+constexpr double seen = 0.5;          // candidates are 1 at most: those that come nowhere near at any point are unknown
+constexpr double largest_shape = 3;   // of the largest residual: shapes beyond balance each other at the points only
 constexpr double needless = 1e-3;     // share of the energy taken that a picked feature may be missed by
 
 bool never_negative(std::span<const Feature> features, std::uint32_t index) {
@@ -58,6 +60,7 @@ Eigen::MatrixXd select(const Eigen::MatrixXd& table, std::span<const Eigen::Inde
   return columns;
 }
 
+// Of rows of offsets, three a vertex.
 double largest_distance(const Rows& rows) {
   double worst = 0;
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
@@ -77,7 +80,8 @@ std::vector<Eigen::Index> pick_terms(const Eigen::MatrixXd& table, Rows left, co
     for (Eigen::Index k = 0; k < table.cols(); ++k) {
       const auto column = rest_of.col(k);
       const double length = column.squaredNorm();
-      if (length <= independent * independent * table.col(k).squaredNorm() || length == 0) continue;
+      if (length <= independent * independent * table.col(k).squaredNorm()) continue;
+      if (table.col(k).cwiseAbs().maxCoeff() < seen) continue;
       const double gain = column.dot(energy * column) / length;
       // The first candidates are the simplest.
       if (gain > 1.02 * best) best = gain, chosen = k;
@@ -140,11 +144,13 @@ CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint
       for (std::size_t axis = 0; axis < 3; ++axis)
         rows(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * k + axis)) = residuals[i][3 * moved[k] + axis];
   const Eigen::MatrixXd table = values_at(features, candidates, poses, rest);
-  const std::vector<Eigen::Index> picked = pick_terms(table, rows, limits);
-  if (picked.empty()) return terms;
-  const Eigen::MatrixXd columns = select(table, picked);
-  const Eigen::MatrixXf weights = columns.completeOrthogonalDecomposition().pseudoInverse().cast<float>();
-  const Rows shapes = weights * rows;
+  std::vector<Eigen::Index> picked = pick_terms(table, rows, limits);
+  Rows shapes;
+  for (; !picked.empty(); picked.pop_back()) {
+    const Eigen::MatrixXd columns = select(table, picked);
+    shapes = columns.completeOrthogonalDecomposition().pseudoInverse().cast<float>() * rows;
+    if (largest_distance(shapes) <= largest_shape * std::sqrt(largest)) break;
+  }
   std::vector<float> offsets(3 * vertices);
   for (std::size_t p = 0; p < picked.size(); ++p) {
     for (std::size_t k = 0; k < moved.size(); ++k)

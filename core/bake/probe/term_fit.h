@@ -23,8 +23,10 @@ std::vector<std::uint32_t> compose(std::vector<Feature>& features, std::span<con
 // Terms among the candidate features that, times shapes, come to `residuals` (points x 3 x vertices) at the points of
 // `poses` (points x controls): picks the feature that takes most of what is left, fits the shapes of all picked by
 // least squares, and goes on until the tolerance is met or a pick takes too little; then takes out those that the
-// others make needless. Orthogonal matching pursuit (Pati, Rezaiifar, Krishnaprasad, Asilomar 1993), all vertices at
-// once. The result's features are those of its shapes and what they are made of.
+// others make needless. Features that the points hardly see, and picks whose shapes cancel each other at the points,
+// are left out: far from the points they could be anything. Orthogonal matching pursuit (Pati, Rezaiifar,
+// Krishnaprasad, Asilomar 1993), all vertices at once. The result's features are those of its shapes and what they are
+// made of.
 CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
                     std::span<const float> poses, std::span<const float> rest,
                     std::span<const std::vector<float>> residuals, const TermLimits& limits);
