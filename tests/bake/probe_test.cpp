@@ -185,7 +185,39 @@ TEST_CASE("a budget is kept to, and what it cut is told") {
   }
 }
 
+TEST_CASE("what four controls do together is found by way of three") {
+  const auto four = [](const float* c, std::span<float> p) {
+    for (std::size_t v = 0; v < vertices; ++v) {
+      p[3 * v] += c[0] + c[1] * c[2];
+      p[3 * v + 1] += c[2] + c[3] + 0.5f * c[0] * c[1] * c[2];
+      p[3 * v + 2] += c[1] + 0.5f * c[0] * c[1] * c[2] * c[3];
+    }
+  };
+  MemorySource rig(4, side, four, true);
+  for (Control& control : rig.edit_schema().controls) control.minimum = 0;
+  const Probe probe = probe_rig(rig, {}, {}, silent_progress());
+  std::set<std::vector<std::uint32_t>> found;
+  for (const Interaction& interaction : probe.interactions) found.insert(interaction.controls);
+  CHECK(found == std::set<std::vector<std::uint32_t>>{{1, 2}, {0, 1, 2}, {0, 1, 2, 3}});
+  CHECK(worst_error(rig, probe.base, {0.7f, 0.4f, 0.9f, 0.6f}) < 1e-6);
+}
+
 TEST_CASE("a recording cannot be probed, and a rig's failure names the controls") {
   MemorySource recording(6, side, formula, false);
   CHECK_THROWS_AS(probe_rig(recording, {}, {}, silent_progress()), Error);
+  struct FailingRig final : MemorySource {
+    FailingRig() : MemorySource(6, side, formula, true) {}
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      for (std::size_t i = 0; i < count; ++i)
+        if (poses[6 * i + 3] > 0.9f) throw PoseError(Status::not_finite, i, "vertex 7 is not a number");
+      MemorySource::evaluate(poses, count, points);
+    }
+  } rig;
+  try {
+    probe_rig(rig, {}, {}, silent_progress());
+    FAIL("a failing rig was probed");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::not_finite);
+    CHECK(std::string(error.what()) == "control \"control3\" at 1: vertex 7 is not a number");
+  }
 }

@@ -1,11 +1,13 @@
-// bench_probe SOURCE [PAIRS TRIPLES]: what probing a live rig costs and finds, and how far its curve base is from the
-// rig on poses it has not seen: the rig's own test clips, or random ones.
+// bench_probe SOURCE [PAIRS TRIPLES]: what probing a live rig, or fitting a recording, costs and finds, and how far the
+// curve base is from it on poses it has not seen: test clips, or random ones of a live rig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <set>
+#include <string>
 
 #include "bake/probe/probe.h"
 #include "bake/rig/evaluate_parallel.h"
@@ -50,7 +52,13 @@ void measure(fb::Source& source, const std::vector<fb::Clip>& clips, const fb::C
       const std::size_t count = std::min(block, clip.frames - first);
       const std::span<const float> controls = std::span(clip.controls).subspan(first * width, count * width);
       points.resize(count * size);
-      fb::evaluate_parallel(source, controls, count, points, {});
+      if (source.live()) {
+        fb::evaluate_parallel(source, controls, count, points, {});
+      } else {
+        const auto same = [&](const fb::Clip& other) { return other.name == clip.name; };
+        const auto found = std::find_if(source.clips().begin(), source.clips().end(), same);
+        source.read(static_cast<std::size_t>(found - source.clips().begin()), first, count, points);
+      }
       for (std::size_t i = 0; i < points.size(); ++i) points[i] -= source.rest().points[i % size];
       fb::parallel_for({}, count, [&](std::size_t i, std::size_t) {
         base.add(controls.subspan(i * width, width), rest, 1, -1, std::span(points).subspan(i * size, size));
@@ -83,7 +91,9 @@ int main(int argc, char** argv) {
   if (argc > 4) options.rig_budget = static_cast<std::uint64_t>(std::atoll(argv[4]));
   Notes notes;
   const auto start = std::chrono::steady_clock::now();
-  const fb::Probe probe = fb::probe_rig(*source, options, {}, notes);
+  const auto train = [](const fb::Clip& clip) { return clip.split == fb::Split::train; };
+  const fb::Probe probe = source->live() ? fb::probe_rig(*source, options, {}, notes)
+                                         : fb::probe_poses(fb::PoseSet(*source, train), options, {}, notes);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("%zu controls (%u linear), %llu rig calls, %.1f s, curve error %.2e of D\n",
               source->schema().control_count(), probe.linear_controls, static_cast<unsigned long long>(probe.rig_calls),
@@ -109,8 +119,10 @@ int main(int argc, char** argv) {
     std::printf("order %zu: %zu shapes, %zu numbers\n", order, shapes, numbers);
     measure(*source, clips, base, fb::format("up to order %zu", order).c_str());
   }
-  std::size_t pairs = 0, triples = 0;
-  for (const fb::Interaction& interaction : probe.interactions) (interaction.controls.size() == 2 ? pairs : triples)++;
-  std::printf("%zu features, %zu pairs, %zu triples\n", base.features.size(), pairs, triples);
+  std::map<std::size_t, std::size_t> interactions;
+  for (const fb::Interaction& interaction : probe.interactions) ++interactions[interaction.controls.size()];
+  std::printf("%zu features", base.features.size());
+  for (const auto& [order, count] : interactions) std::printf(", %zu times %zu controls together", count, order);
+  std::printf("\n");
   return 0;
 }

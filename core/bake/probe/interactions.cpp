@@ -102,9 +102,13 @@ std::vector<InteractionProbe::Tuple> InteractionProbe::candidates(std::size_t or
   // Motion the base of today leaves over tells most, but toggles may have missed a rare combination.
   const std::vector<float> left = order == 2 ? single_left_ : toggled_motion(dense_, base_, Over::largest, rig_);
   const auto threshold = static_cast<float>(still * options_.term_tolerance);
+  std::vector<std::vector<std::uint32_t>> moved(width);  // by each control, as curves leave it over
+  for (std::uint32_t c = 0; c < width; ++c)
+    for (std::uint32_t v = 0; v < vertices; ++v)
+      if (single_left_[c * vertices + v] > threshold) moved[c].push_back(v);
   const auto shared = [&](const std::vector<float>& motion, const std::vector<std::uint32_t>& tuple) {
     double score = 0;
-    for (std::size_t v = 0; v < vertices; ++v) {
+    for (const std::uint32_t v : moved[tuple[0]]) {
       float least = motion[tuple[0] * vertices + v];
       for (const std::uint32_t c : tuple) least = std::min(least, motion[c * vertices + v]);
       if (least > threshold) score += double(least) * least;

@@ -11,7 +11,7 @@ namespace fb {
 namespace {
 
 constexpr std::size_t block_controls = 24;  // their samples are held together: at most 24 a side and control
-constexpr int waves = 4;
+constexpr int waves = 6;
 constexpr int first_places = 8;  // of a side
 constexpr std::size_t most_telling = 4;
 

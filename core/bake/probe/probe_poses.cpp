@@ -1,15 +1,14 @@
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "bake/linalg/gemm.h"
 #include "bake/probe/base_parts.h"
 #include "bake/probe/control_curve.h"
 #include "bake/probe/held_poses.h"
 #include "bake/probe/probe.h"
+#include "bake/probe/recorded_motion.h"
+#include "bake/probe/recorded_pairs.h"
 #include "bake/probe/regression.h"
-#include "base/random.h"
 #include "base/status.h"
 
 namespace fb {
@@ -19,19 +18,7 @@ constexpr std::size_t most_fitted = 6000;  // poses, evenly spaced
 constexpr std::size_t most_held = 400;     // poses to judge by; at most a fifth of all
 constexpr std::size_t most_alone = 24;     // poses of one control alone, a side
 constexpr std::size_t poses_a_term = 20;   // fitted for every pair given a term
-constexpr std::size_t sketch_width = 48;   // numbers a pose that stand for its residual when pairs are ranked
-constexpr std::size_t pair_rounds = 4;
 constexpr double straight_ridge = 1e-4, bent_ridge = 1e-3, pair_ridge = 1e-4;
-
-// Numbers drawn so that products with them keep lengths, on average: a random projection (Johnson, Lindenstrauss 1984).
-std::vector<float> draw_projection(std::size_t size, std::uint64_t seed) {
-  std::vector<float> projection(size * sketch_width);
-  for (std::size_t i = 0; i < size; ++i) {
-    Random random(seed, std::uint64_t{11} << 48 | i);
-    for (std::size_t k = 0; k < sketch_width; ++k) projection[k * size + i] = random.normal();
-  }
-  return projection;
-}
 
 class RecordedProbe {
  public:
@@ -54,7 +41,12 @@ class RecordedProbe {
     fit_together();
     fit_pairs();
     assemble();
-    measure_motion();
+    std::vector<const CurveBase*> parts;
+    for (const ControlCurve& curve : curves_) parts.push_back(&curve.part);
+    for (const CurveBase& part : pairs_) parts.push_back(&part);
+    probe_.motion = motion_of(schema_, parts, size_ / 3, diagonal_, parallel_);
+    probe_.residual_motion =
+        missed_with(recorded(fitted_, probe_.base), probe_.motion, diagonal_, parallel_, progress_);
     return std::move(probe_);
   }
 
@@ -235,52 +227,16 @@ class RecordedProbe {
     return side_ramp(control, c, has_side(control, true));
   }
 
-  // Products of two controls that what is left goes along with most, a few at a time, each time less what those before
-  // take; then all fitted together, and those kept that help.
+  // Products of the pairs what is left goes along with most, fitted together; those kept that help.
   void fit_pairs() {
     const std::size_t most = std::min<std::size_t>(options_.max_pairs, fitted_.size() / poses_a_term);
     if (most == 0) return;
     CurveBase known;
     append_curves(known);
-    const std::size_t count = fitted_.size(), width = rest_.size();
-    const auto n = static_cast<Eigen::Index>(count);
-    // What is left of each pose, as a few numbers: count x sketch_width.
-    Eigen::MatrixXf sketch(n, static_cast<Eigen::Index>(sketch_width));
-    const std::vector<float> projection = draw_projection(size_, options_.seed);
-    std::vector<float> left, flat;
-    constexpr std::size_t block = 128;
-    progress_.begin("looking for pairs in recorded poses", count);
-    for (std::size_t first = 0; first < count; first += block) {
-      const std::size_t poses = std::min(block, count - first);
-      left.resize(poses * size_);
-      flat.resize(poses * sketch_width);
-      recorded(fitted_, known).read(first, poses, left, parallel_);
-      gemm(Op::transposed, Op::plain, poses, sketch_width, size_, left.data(), size_, projection.data(), size_, 0,
-           flat.data(), poses);
-      sketch.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(poses)) =
-          Eigen::Map<const Eigen::MatrixXf>(flat.data(), static_cast<Eigen::Index>(poses),
-                                            static_cast<Eigen::Index>(sketch_width));
-      progress_.step(first + poses);
-    }
     std::vector<Feature> features;
-    for (std::uint32_t c = 0; c < width; ++c) features.push_back(factor(c));
-    Eigen::MatrixXf single(n, static_cast<Eigen::Index>(width));
-    std::vector<float> values(width);
-    for (std::size_t i = 0; i < count; ++i) {
-      evaluate_features(features, pose(fitted_[i]), rest_, values);
-      for (std::size_t c = 0; c < width; ++c)
-        single(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) = values[c];
-    }
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> chosen;
-    Eigen::MatrixXf unexplained = sketch, columns(n, 0);
-    for (std::size_t round = 0; round < pair_rounds; ++round) {
-      add_pairs(single, unexplained, (most + pair_rounds - 1) / pair_rounds, chosen, columns);
-      if (chosen.empty()) return;
-      // Columns have length 1; the small ridge keeps the fit from leaning on near copies.
-      const Eigen::MatrixXf gram =
-          columns.transpose() * columns + 1e-3f * Eigen::MatrixXf::Identity(columns.cols(), columns.cols());
-      unexplained = sketch - columns * gram.ldlt().solve(columns.transpose() * sketch);
-    }
+    for (std::uint32_t c = 0; c < rest_.size(); ++c) features.push_back(factor(c));
+    const std::vector<ControlPair> chosen =
+        telling_pairs(recorded(fitted_, known), features, most, options_.seed, parallel_, progress_);
     std::vector<std::uint32_t> carriers;
     for (const auto& [a, b] : chosen)
       carriers.push_back(add_feature(features, {Feature::Kind::product, 0, 1, 0, 0, a, b}));
@@ -289,45 +245,6 @@ class RecordedProbe {
                       options_.term_tolerance);
     std::reverse(pairs_.begin(), pairs_.end());  // the last found are judged first
     keep_helpful(known, pairs_);
-  }
-
-  // Adds the pairs whose product explains most of the sketch.
-  void add_pairs(const Eigen::MatrixXf& single, const Eigen::MatrixXf& sketch, std::size_t wanted,
-                 std::vector<std::pair<std::uint32_t, std::uint32_t>>& chosen, Eigen::MatrixXf& columns) const {
-    const auto width = static_cast<std::uint32_t>(rest_.size());
-    struct Gain {
-      float share;
-      std::uint32_t a, b;
-    };
-    std::vector<std::vector<Gain>> of_control(width);
-    const float energy = sketch.squaredNorm();
-    parallel_for(parallel_, width, [&](std::size_t a, std::size_t) {
-      const auto first = static_cast<Eigen::Index>(a);
-      const Eigen::Index others = static_cast<Eigen::Index>(width) - first - 1;
-      if (others == 0 || energy == 0) return;
-      const Eigen::MatrixXf products = single.rightCols(others).array().colwise() * single.col(first).array();
-      const Eigen::MatrixXf along = products.transpose() * sketch;
-      for (Eigen::Index k = 0; k < others; ++k) {
-        const float length = products.col(k).squaredNorm();
-        if ((products.col(k).array() != 0).count() < 8) continue;  // too few poses tell of it
-        of_control[a].push_back({along.row(k).squaredNorm() / length / energy, static_cast<std::uint32_t>(a),
-                                 static_cast<std::uint32_t>(first + 1 + k)});
-      }
-    });
-    std::vector<Gain> gains;
-    for (const std::vector<Gain>& some : of_control) gains.insert(gains.end(), some.begin(), some.end());
-    std::stable_sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.share > b.share; });
-    // A product that has nothing to do with what is left explains one of as many directions as there are poses.
-    const float chance = 4 / static_cast<float>(sketch.rows());
-    for (const Gain& gain : gains) {
-      if (wanted == 0 || gain.share < chance) break;
-      const std::pair pair(gain.a, gain.b);
-      if (std::find(chosen.begin(), chosen.end(), pair) != chosen.end()) continue;
-      chosen.push_back(pair);
-      columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
-      columns.rightCols(1) = single.col(gain.a).cwiseProduct(single.col(gain.b)).normalized();
-      --wanted;
-    }
   }
 
   void assemble() {
@@ -346,93 +263,6 @@ class RecordedProbe {
     }
     std::stable_sort(probe_.interactions.begin(), probe_.interactions.end(),
                      [](const Interaction& a, const Interaction& b) { return a.energy > b.energy; });
-  }
-
-  // What the base moves with each control at the ends of its range, and what pairs move where both are 1; and by how
-  // much more the poses are missed, vertex by vertex, while a control that moves the vertex is on.
-  void measure_motion() {
-    const std::size_t width = rest_.size(), vertices = size_ / 3;
-    probe_.motion.assign(width * vertices, 0);
-    parallel_for(parallel_, width, [&](std::size_t c, std::size_t) {
-      const Control& control = schema_.controls[c];
-      std::vector<float> moved(size_), controls(rest_), values(probe_.base.features.size());
-      const auto raise = [&] {
-        for (std::size_t v = 0; v < vertices; ++v)
-          probe_.motion[c * vertices + v] =
-              std::max(probe_.motion[c * vertices + v],
-                       static_cast<float>(std::hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]) / diagonal_));
-      };
-      for (const double place : {-1.0, -0.5, 0.5, 1.0}) {
-        if (!has_side(control, place > 0)) continue;
-        controls[c] = value_at(control, place);
-        std::fill(moved.begin(), moved.end(), 0.0f);
-        curves_[c].part.add(controls, rest_, 1, 1, moved);
-        raise();
-      }
-      for (const CurveBase& part : pairs_) {
-        const bool mine = std::any_of(part.features.begin(), part.features.end(), [&](const Feature& f) {
-          return f.kind != Feature::Kind::product && f.control == c;
-        });
-        if (!mine) continue;
-        std::fill(moved.begin(), moved.end(), 0.0f);
-        add_scaled(part.shapes[0], 1, moved);
-        raise();
-      }
-    });
-    measure_residual();
-  }
-
-  void measure_residual() {
-    const std::size_t width = rest_.size(), vertices = size_ / 3, count = fitted_.size();
-    probe_.residual_motion.assign(width * vertices, 0);
-    if (count == 0) return;
-    constexpr std::size_t block = 64;
-    std::vector<float> left, squares;
-    std::vector<double> all(vertices), fourth(vertices);
-    std::vector<float> on(width * vertices);
-    std::vector<std::size_t> on_count(width);
-    progress_.begin("measuring what is left of recorded poses", count);
-    for (std::size_t first = 0; first < count; first += block) {
-      const std::size_t poses = std::min(block, count - first);
-      left.resize(poses * size_);
-      squares.resize(poses * vertices);
-      recorded(fitted_, probe_.base).read(first, poses, left, parallel_);
-      parallel_for(parallel_, poses, [&](std::size_t i, std::size_t) {
-        for (std::size_t v = 0; v < vertices; ++v) {
-          const float* d = left.data() + i * size_ + 3 * v;
-          squares[i * vertices + v] = static_cast<float>(
-              (double(d[0]) * d[0] + double(d[1]) * d[1] + double(d[2]) * d[2]) / (diagonal_ * diagonal_));
-        }
-      });
-      for (std::size_t i = 0; i < poses; ++i)
-        for (std::size_t v = 0; v < vertices; ++v) {
-          const double s = squares[i * vertices + v];
-          all[v] += s;
-          fourth[v] += s * s;
-        }
-      parallel_for(parallel_, width, [&](std::size_t c, std::size_t) {
-        for (std::size_t i = 0; i < poses; ++i) {
-          if (pose(fitted_[first + i])[c] == rest_[c]) continue;
-          ++on_count[c];
-          for (std::size_t v = 0; v < vertices; ++v) on[c * vertices + v] += squares[i * vertices + v];
-        }
-      });
-      progress_.step(first + poses);
-    }
-    parallel_for(parallel_, width, [&](std::size_t c, std::size_t) {
-      const auto with = static_cast<double>(on_count[c]), without = static_cast<double>(count) - with;
-      if (with == 0) return;
-      for (std::size_t v = 0; v < vertices; ++v) {
-        if (probe_.motion[c * vertices + v] <= 1e-5f) continue;
-        const double mean_on = on[c * vertices + v] / with;
-        const double mean_off = without > 0 ? std::max(0.0, all[v] - on[c * vertices + v]) / without : 0;
-        const double mean = all[v] / double(count);
-        const double variance = std::max(0.0, fourth[v] / double(count) - mean * mean);
-        const double chance = without > 0 ? 2 * std::sqrt(variance * (1 / with + 1 / without)) : 0;
-        if (mean_on - mean_off > chance)
-          probe_.residual_motion[c * vertices + v] = static_cast<float>(std::sqrt(mean_on - mean_off));
-      }
-    });
   }
 
   const PoseSet& poses_;
