@@ -213,7 +213,7 @@ class RecordedProbe {
       if (kept[p]) helpful.push_back(std::move(parts[p]));
     parts = std::move(helpful);
     const HeldPoses::Error error = held.error();
-    if (!held_.empty())
+    if (!held_.empty() && !pointers.empty())
       progress_.note(
           format("%zu of %zu shapes fitted to recorded poses help; %zu poses kept back are off by %.2e (rms) "
                  "and %.4f (most) of the diagonal",
