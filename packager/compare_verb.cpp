@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -74,6 +75,8 @@ std::string compare_text(const CompareReport& report) {
   costs.row("touched a shot pose, bytes: p95",
             [](const MethodReport& m) { return std::to_string(m.independent.touched.p95); });
   costs.row("poses trained on", [](const MethodReport& m) { return std::to_string(m.poses); });
+  costs.row("bones",
+            [](const MethodReport& m) { return m.diary.bones ? std::to_string(m.diary.bones) : std::string("-"); });
   costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
   costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });
   costs.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
@@ -105,6 +108,7 @@ class TemporaryFolder {
 };
 
 void CompareVerb::run() {
+  if (std::find(methods.begin(), methods.end(), "all") != methods.end()) methods = recipe_names();
   const auto source = open_sources(sources);
   outputs.check();
   std::optional<TemporaryFolder> temporary;
@@ -121,18 +125,24 @@ void CompareVerb::run() {
                         options.parallel, progress);
   }
   outputs.write("compare", compare_json(result), compare_text(result));
+  if (!result.failures.empty())
+    fail(Status::internal, "%zu of %zu bakes failed; the first, the %s of \"%s\": %s", result.failures.size(),
+         result.failures.size() + result.methods.size(), name_of(result.failures[0].use),
+         result.failures[0].name.c_str(), result.failures[0].reason.c_str());
 }
 
 }  // namespace
 
 void add_compare(CLI::App& tool) {
+  std::vector<std::string> names = recipe_names();
+  names.push_back("all");
   auto verb = std::make_shared<CompareVerb>();
   CLI::App* app = tool.add_subcommand("compare", "Bake and measure several methods side by side on the same data");
   add_sources(*app, verb->sources);
-  app->add_option("--methods", verb->methods, "Methods, separated by commas")
+  app->add_option("--methods", verb->methods, "Methods, separated by commas; all: every one there is")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(recipe_names()))
+      ->check(CLI::IsMember(names))
       ->capture_default_str();
   add_poses(*app, verb->options.poses, verb->options.rig_budget);
   add_mix(*app, verb->options.mix);

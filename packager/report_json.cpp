@@ -106,16 +106,21 @@ std::string compare_json(const CompareReport& report) {
                        {"touched_bytes", touched(method.independent.touched)},
                        {"parameters", method.parameters},
                        {"coefficients", method.coefficients},
+                       {"bones", method.diary.bones},
                        {"poses", method.poses},
                        {"train_seconds", method.train_seconds},
                        {"rig_calls", method.diary.rig_calls},
                        {"quality", quality_of(method.independent)},
                        {"locality", locality_of(method.locality)}});
+  Json failed = Json::array();
+  for (const MethodFailure& failure : report.failures)
+    failed.push_back({{"name", failure.name}, {"use", name_of(failure.use)}, {"reason", failure.reason}});
   return json_text({{"name", report.name},
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"rig_calls", report.rig_calls},
-                    {"methods", std::move(methods)}});
+                    {"methods", std::move(methods)},
+                    {"failed", std::move(failed)}});
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {

@@ -35,6 +35,7 @@ struct StageTime {
 
 struct BakeDiary {
   std::vector<std::string> notes;       // sentences about the bake: what probing found, what was left out
+  std::size_t bones = 0;                // of the skeleton, where there is one
   std::uint64_t rig_calls = 0;          // poses asked of a live rig besides the recorded ones
   std::vector<RegionDiary> regions;     // in the order of the model's regions
   std::vector<LearningPoint> learning;  // by ascending poses

@@ -1,7 +1,9 @@
 #include "bake/recipes/compare.h"
 
 #include <algorithm>
+#include <exception>
 
+#include "bake/recipes/kept_bake.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
 #include "base/status.h"
@@ -16,7 +18,7 @@ bool any_clip(const Source& data, bool (*wanted)(const Clip&)) {
 }
 
 MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
-  Baked baked = bake_recorded(data, rig, options, progress);
+  Baked baked = bake_or_keep(data, rig, options, progress);
   MethodReport report;
   report.name = options.recipe;
   report.use = options.use;
@@ -70,8 +72,9 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
   if (training_poses(data, Use::backlot).size() == 0)
     fail(Status::bad_data, "\"%s\" has no clip of the split train to bake from", data.schema().name.c_str());
 
-  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}};
+  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}, {}};
   const BakeOptions each = with_budget_left(options, meter, 2 * asking);  // at most two uses
+  std::exception_ptr first_failure;
   for (const Use use : {Use::variant, Use::backlot}) {
     if (use == Use::backlot && training_poses(data, use).size() == training_poses(data, Use::variant).size()) continue;
     if (use == Use::variant && training_poses(data, use).size() == 0) {
@@ -84,9 +87,17 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       one.recipe = method;
       one.use = use;
       one.work = options.work / (method + "." + name_of(use));
-      report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
+      try {
+        report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
+      } catch (const Error& error) {
+        if (error.status() == Status::interrupted) throw;
+        if (!first_failure) first_failure = std::current_exception();
+        progress.note(format("the %s of \"%s\" failed: %s", name_of(use), method.c_str(), error.what()));
+        report.failures.push_back({method, use, error.what()});
+      }
     }
   }
+  if (report.methods.empty() && first_failure) std::rethrow_exception(first_failure);
   if (source.live()) add_locality(report, meter, options, progress);
   report.rig_calls = meter.calls();
   report.recorded = std::move(recorded);

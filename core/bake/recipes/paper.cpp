@@ -7,7 +7,7 @@ namespace fb {
 Learnt make_paper(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
   const PrincipalComponents pca =
       kept_components(Displacements(poses), poses.controls(), paper_variance, options, progress);
-  return paper_network(poses, pca.coefficients, pca.components, paper_plan(), options, progress);
+  return paper_network(poses, pca.coefficients, pca.components, paper_plan(), {}, options, progress);
 }
 
 }  // namespace fb

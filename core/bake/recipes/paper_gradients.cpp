@@ -15,7 +15,7 @@ Learnt make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& op
     map.to_displacements(std::span(pca.components).subspan(k * pca.rows, pca.rows),
                          std::span(shapes).subspan(k * pca.rows, pca.rows));
   });
-  return paper_network(poses, pca.coefficients, shapes, paper_plan(), options, progress);
+  return paper_network(poses, pca.coefficients, shapes, paper_plan(), {}, options, progress);
 }
 
 }  // namespace fb

@@ -16,6 +16,21 @@ TrainingPlan paper_plan() {
   return plan;
 }
 
+TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& options) {
+  TrainingPlan plan;
+  plan.activation = Activation::tanh;
+  plan.learning_rate = 4e-3f;
+  plan.schedule = Schedule::linger;
+  plan.output_scaling = 1;
+  plan.batch = poses < 8192 ? 64 : 128;
+  plan.epochs = options.epochs
+                    ? options.epochs
+                    : static_cast<std::uint32_t>(std::clamp(visits / static_cast<double>(poses), 40.0, 400.0));
+  plan.seed = options.seed;
+  plan.parallel = options.parallel;
+  return plan;
+}
+
 std::vector<Feature> identity_features(const RigSchema& schema) {
   std::vector<Feature> features;
   for (const Control& control : schema.controls)
@@ -59,7 +74,8 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
 }
 
 Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                     TrainingPlan plan, const BakeOptions& options, Progress& progress) {
+                     TrainingPlan plan, std::span<const std::uint32_t> validation, const BakeOptions& options,
+                     Progress& progress) {
   const RigSchema& schema = poses.source().schema();
   const std::size_t count = coefficients.size() / poses.size();
   Learnt learnt;
@@ -77,8 +93,8 @@ Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficient
   plan.parallel = options.parallel;
   plan.checkpoint = options.work / "network.checkpoint";
   const std::vector<float> features = identity_values(poses.controls(), schema);
-  region.layers =
-      train_layers({poses.size(), schema.control_count(), count, features, coefficients}, plan, progress).layers;
+  const TrainingSet set{poses.size(), schema.control_count(), count, features, coefficients, {}, validation};
+  region.layers = train_layers(set, plan, progress).layers;
   model.network.regions.push_back(std::move(region));
   model.basis =
       make_basis(checked_u32(model.rest.points.size(), "coordinates"), checked_u32(count, "components"), shapes);

@@ -1,7 +1,9 @@
 // The paper's architecture, shared by the recipes that differ in what they feed it and how they train it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bake/basis/pca.h"
@@ -15,6 +17,13 @@ namespace fb {
 inline constexpr double paper_variance = 0.999;
 TrainingPlan paper_plan();
 
+// Training as well as we know for networks of tanh: outputs in units of their own, a higher rate, and as many epochs as
+// make `visits` of poses in all (40 to 400 epochs), in smaller batches where poses are few. Epochs as the options say
+// where they do.
+TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& options);
+// The part of the poses that is then kept back, to keep the best moment by.
+inline constexpr double kept_back = 0.04;
+
 // One identity feature a control, in units of its reach, in the order of the controls.
 std::vector<Feature> identity_features(const RigSchema& schema);
 
@@ -27,8 +36,9 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
 
 // Eight hidden layers of 256 with additive skips and a linear layer to the coefficients, trained as `plan` says; its
 // widths, seed, threads and checkpoint, and epochs where the options give them, are filled in here. `shapes` are the
-// fixed blendshapes, one a coefficient: coefficients x 3 x vertices.
+// fixed blendshapes, one a coefficient: coefficients x 3 x vertices. `validation`: see TrainingSet.
 Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                     TrainingPlan plan, const BakeOptions& options, Progress& progress);
+                     TrainingPlan plan, std::span<const std::uint32_t> validation, const BakeOptions& options,
+                     Progress& progress);
 
 }  // namespace fb

@@ -8,7 +8,7 @@
 
 namespace fb {
 
-// What a recipe makes of poses: a model, without provenance, and how it is to be packed.
+// What a recipe makes of poses: a model, without provenance, how it is to be packed, and how it came about.
 struct Learnt {
   FaceModel model;
   PackOptions packing = {};
@@ -27,7 +27,10 @@ struct Recipe {
 const Recipe& recipe_named(const std::string& name);
 
 Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+Learnt make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_paper(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+Learnt make_paper_tuned(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_paper_gradients(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
