@@ -30,7 +30,7 @@ void claim_report_folder(const std::filesystem::path& folder) {
 }
 
 CompareReport alone(MethodReport face, const Source& source) {
-  CompareReport faces{source.schema().name, source.schema().units, source.rest().diagonal(), 0, {}, {}};
+  CompareReport faces{source.schema().name, source.schema().units, source.rest().diagonal(), 0, {}, {}, {}};
   faces.methods.push_back(std::move(face));
   return faces;
 }
