@@ -96,6 +96,23 @@ TEST_CASE("controls never recorded alone are estimated, and that is told") {
   CHECK(probe.interactions[0].controls == std::vector<std::uint32_t>{0, 1});
 }
 
+TEST_CASE("a side of a control that was not recorded alone is fitted beside the one that was") {
+  const auto two_sided = [](const float* c, std::span<float> p) {
+    for (std::size_t v = 0; v < vertices; ++v) {
+      p[3 * v] += c[0] > 0 ? c[0] : 0.2f * c[0];
+      p[3 * v + 1] += c[1] + 0.5f * std::abs(c[1]);
+    }
+  };
+  MemorySource source(2, side, two_sided);
+  source.add_clip("alone", ClipKind::excitation, Split::train, 2, 0, 1);
+  source.edit_clip(0).controls = {1, 0, 0, 1};
+  source.add_clip("together", ClipKind::dense, Split::train, 200, 1, 2);
+  source.add_clip("unseen", ClipKind::dense, Split::test, 40, 1, 3);
+  const Probe probe = probe_poses(training(source), {}, {}, silent_progress());
+  CHECK(worst_error(source, probe.base, 0) < 1e-6);
+  CHECK(worst_error(source, probe.base, 2) < 1e-3);
+}
+
 TEST_CASE("what a base leaves over is attributed to the controls that cause it") {
   MemorySource source = make_recording(controls, 400);
   ProbeOptions options;

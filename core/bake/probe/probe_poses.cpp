@@ -59,12 +59,12 @@ class RecordedProbe {
   void sort_poses() {
     std::vector<std::size_t> mixed;
     std::vector<std::size_t> moved(rest_.size());
-    alone_.resize(rest_.size());
+    alone_.resize(2 * rest_.size());
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       std::size_t count = 0, last = 0;
       for (std::size_t c = 0; c < rest_.size(); ++c)
         if (pose(i)[c] != rest_[c]) ++count, last = c, ++moved[c];
-      if (count == 1) alone_[last].push_back(i);
+      if (count == 1) alone_[2 * last + (pose(i)[last] > rest_[last])].push_back(i);
       if (count > 1) mixed.push_back(i);
     }
     // Held poses lie together in short runs, so that neighbours of the same motion are not on both sides.
@@ -91,7 +91,7 @@ class RecordedProbe {
     const CurveLimits limits{options_.curve_tolerance * diagonal_, 1e-6 * diagonal_, options_.max_knots};
     std::vector<std::uint32_t> controls;
     for (std::uint32_t c = 0; c < rest_.size(); ++c)
-      if (!alone_[c].empty()) controls.push_back(c);
+      if (!alone_[2 * c].empty() || !alone_[2 * c + 1].empty()) controls.push_back(c);
     progress_.begin("fitting controls recorded alone", controls.size());
     for (std::size_t i = 0; i < controls.size(); ++i) {
       const std::uint32_t c = controls[i];
@@ -107,18 +107,16 @@ class RecordedProbe {
 
   CurveSamples read_alone(std::uint32_t c) const {
     const Control& control = schema_.controls[c];
-    std::map<double, std::size_t> at[2];  // place: pose
-    for (const std::size_t i : alone_[c]) {
-      const float value = pose(i)[c];
-      const bool up = value > control.rest;
-      const double reach = double(up ? control.maximum : control.minimum) - control.rest;
-      const double place = (double(value) - control.rest) / reach;
-      at[up].emplace(up ? place : -place, i);
-    }
     CurveSamples samples;
     samples.control = c;
     for (const bool up : {false, true}) {
-      std::vector<std::pair<double, std::size_t>> all(at[up].begin(), at[up].end());
+      const double reach = double(up ? control.maximum : control.minimum) - control.rest;
+      std::map<double, std::size_t> at;  // place: pose
+      for (const std::size_t i : alone_[2 * c + up]) {
+        const double share = (double(pose(i)[c]) - control.rest) / reach;
+        at.emplace(up ? share : -share, i);
+      }
+      const std::vector<std::pair<double, std::size_t>> all(at.begin(), at.end());
       const std::size_t count = std::min(most_alone, all.size());
       for (std::size_t k = 0; k < count; ++k) {
         const auto& [place, i] = all[count == 1 ? all.size() - 1 : k * (all.size() - 1) / (count - 1)];
@@ -146,8 +144,8 @@ class RecordedProbe {
     return HeldPoses(std::move(controls), std::move(left), rest_, parallel_);
   }
 
-  // Curves of the controls that were not recorded alone: straight on each side, with a bend half way where enough poses
-  // tell of it. What brings held poses no closer goes, bends before lines.
+  // Curves of the sides of controls that were not recorded alone: straight on each side, with a bend half way where
+  // enough poses tell of it. What brings held poses no closer goes, bends before lines.
   void fit_together() {
     if (fitted_.empty()) return;
     CurveBase known;
@@ -156,15 +154,19 @@ class RecordedProbe {
     std::vector<std::uint32_t> carriers;
     std::vector<double> ridge;
     for (std::uint32_t c = 0; c < rest_.size(); ++c) {
-      if (!alone_[c].empty()) continue;
       for (const bool up : {true, false}) {
         const std::size_t told = std::count_if(fitted_.begin(), fitted_.end(), [&](std::size_t i) {
           return up ? pose(i)[c] > rest_[c] : pose(i)[c] < rest_[c];
         });
-        if (told == 0) continue;
+        // A single pose at the end says nothing of the way there.
+        const std::vector<std::size_t>& alone = alone_[2 * c + up];
+        if (told == 0 || alone.size() > 1) continue;
         const double end = up ? 1 : -1;
-        carriers.push_back(add_feature(features, side_ramp(schema_.controls[c], c, up)));
-        ridge.push_back(straight_ridge);
+        if (!alone.empty() && pose(alone[0])[c] != value_at(schema_.controls[c], end)) continue;
+        if (alone.empty()) {
+          carriers.push_back(add_feature(features, side_ramp(schema_.controls[c], c, up)));
+          ridge.push_back(straight_ridge);
+        }
         if (told < 20) continue;
         carriers.push_back(add_feature(features, tent(schema_.controls[c], c, 0, end / 2, end)));
         ridge.push_back(bent_ridge);
@@ -274,7 +276,7 @@ class RecordedProbe {
   std::size_t size_;
   double diagonal_;
   std::vector<ControlCurve> curves_;
-  std::vector<std::vector<std::size_t>> alone_;  // poses of each control alone
+  std::vector<std::vector<std::size_t>> alone_;  // poses of control c alone, at 2 c below rest and at 2 c + 1 above
   std::vector<std::size_t> fitted_, held_;
   std::vector<CurveBase> pairs_;
   Probe probe_;
