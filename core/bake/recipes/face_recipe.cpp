@@ -70,8 +70,8 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
                     : probe_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
-  const std::size_t dropped =
-      keep_terms(parts.probe, schema, poses.thinned(typical_poses).controls(), rest.diagonal(), recipe.term_bytes);
+  const std::size_t dropped = keep_terms(parts.probe, schema, without_shots(poses).thinned(typical_poses).controls(),
+                                         rest.diagonal(), recipe.term_bytes);
   if (dropped > 0)
     progress.note(format("%zu of %zu combinations of controls are left to the networks", dropped,
                          parts.probe.interactions.size()));
@@ -188,6 +188,9 @@ Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   const Precision precision{std::max(recipe.precision * networks.rms, recipe.finest)};
   LocalizeOptions localize;
   localize.threshold = precision.scale;
+  // Without networks there is nothing to merge a rotation into, and shapes are kept best in short columns with a scale
+  // each.
+  if (model.network.regions.empty()) localize.chunk_vertices = 21;
   Learnt learnt =
       finish_face(model, moments, localize, precision.pack(), poses, options, progress, recipe.touched_bytes);
   learnt.diary.regions = std::move(networks.diary);

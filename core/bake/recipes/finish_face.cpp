@@ -1,6 +1,7 @@
 #include "bake/recipes/finish_face.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "archive/writer.h"
@@ -22,9 +23,14 @@ PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
   return (split.validation.empty() ? poses : poses.picked(split.validation)).thinned(measured_poses);
 }
 
-constexpr int most_steps = 12;  // 1.4^12: 57 times coarser
+constexpr double coarsest = 64;  // times what was asked for
 
 }  // namespace
+
+PoseSet without_shots(const PoseSet& poses) {
+  PoseSet others = training_poses(poses.source(), Use::variant);
+  return others.size() > 0 ? others : poses;
+}
 
 bool asks_target(const BakeOptions& options) {
   return options.max_bytes > 0 || options.max_error > 0;
@@ -33,20 +39,39 @@ bool asks_target(const BakeOptions& options) {
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
                    const BakeOptions& options, Progress& progress, double touched_bytes) {
-  const PoseSet validation = measured(poses, options.seed);
   if (!asks_target(options)) {
     const Localizer localizer(model, covariance, localize.chunk_vertices, options.parallel);
-    double coarser = 1;
-    for (int step = 0;; ++step, coarser *= 1.4) {
+    const auto made = [&](double coarser) {
       LocalizedModel local = localizer.localized(coarser * localize.threshold);
       Learnt learnt{std::move(local.model), packing};
       learnt.packing.coefficient_sizes = std::move(local.coefficient_sizes);
       learnt.packing.basis_tolerance *= coarser;
       learnt.packing.drop *= coarser;
-      if (touched_bytes <= 0 || step == most_steps) return learnt;
-      if (fb::touched_bytes(pack_model(learnt.model, learnt.packing), validation).p95 <= touched_bytes) return learnt;
+      return learnt;
+    };
+    if (touched_bytes <= 0) return made(1);
+    const PoseSet typical = measured(without_shots(poses), options.seed);
+    const auto fits = [&](const Learnt& learnt) {
+      return fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical).p95 <= touched_bytes;
+    };
+    // Doubled until it fits, then halved towards the finest that does.
+    Learnt best = made(1);
+    double finer = 1, coarser = 1;
+    while (!fits(best) && coarser < coarsest) {
+      finer = coarser;
+      coarser *= 2;
+      best = made(coarser);
     }
+    for (int step = 0; step < 3 && coarser > finer; ++step) {
+      const double middle = std::sqrt(finer * coarser);
+      Learnt other = made(middle);
+      const bool enough = fits(other);
+      (enough ? coarser : finer) = middle;
+      if (enough) best = std::move(other);
+    }
+    return best;
   }
+  const PoseSet validation = measured(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
     return write_archive(packed, make_proof(packed, options.seed)).size() + room;
   };
