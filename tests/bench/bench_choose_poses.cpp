@@ -14,8 +14,8 @@ using namespace fb;
 
 namespace {
 
-constexpr std::size_t steps = 2500, unseen = 1000;
-const Parallel parallel{2};
+constexpr std::size_t steps = 6000, unseen = 1000;
+const Parallel parallel{1};
 
 struct Bench {
   explicit Bench(Source& rig)
@@ -117,8 +117,10 @@ int main(int argc, char** argv) try {
                 static_cast<unsigned long long>(round),
                 correlation_of_logs(disagreement(mix.controls, 0),
                                     bench.squared_difference(bench.method.predict(one, mix.controls), mix.truth)));
+    std::fflush(stdout);
     const std::vector<float> pool = draw_candidates(bench.schema, bench.probe, "dense", 100 + round, 6 * first);
-    for (const std::uint32_t pose : choose_poses(bench.schema, pool, first, 0.2, disagreement, round)) {
+    for (const std::uint32_t pose :
+         choose_poses(bench.schema, pool, first, ChoiceOptions().random_share, disagreement, round)) {
       const auto at = pool.begin() + static_cast<std::ptrdiff_t>(pose * width);
       controls.insert(controls.end(), at, at + static_cast<std::ptrdiff_t>(width));
     }

@@ -16,6 +16,7 @@ namespace fb {
 namespace {
 
 constexpr std::size_t scored_at_once = 1000;
+constexpr std::size_t stratum_count = 10;
 
 // Which controls are far along, and toward which end: poses that share it are near-duplicates.
 std::uint64_t gist_of(const RigSchema& schema, std::span<const float> pose) {
@@ -44,6 +45,42 @@ std::vector<float> scores_of(const RigSchema& schema, std::span<const float> poo
   return scores;
 }
 
+// Which tenth of the pool a pose is in by how far it is from rest altogether.
+std::vector<std::uint8_t> strata_of(const RigSchema& schema, std::span<const float> pool) {
+  const std::size_t width = schema.control_count(), size = pool.size() / width;
+  std::vector<float> travel(size);
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    const Control& control = schema.controls[i % width];
+    travel[i / width] += std::abs(pool[i] - control.rest) / control.reach();
+  }
+  std::vector<std::uint32_t> order(size);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return travel[a] < travel[b]; });
+  std::vector<std::uint8_t> strata(size);
+  for (std::size_t i = 0; i < size; ++i) strata[order[i]] = static_cast<std::uint8_t>(i * stratum_count / size);
+  return strata;
+}
+
+// How many poses each stratum gives: in proportion to the root of its scores (Neyman's allocation), none more than it
+// has.
+std::vector<std::size_t> allotted(const std::vector<float>& scores, const std::vector<std::uint8_t>& strata,
+                                  std::size_t count) {
+  std::vector<double> weights(stratum_count);
+  std::vector<std::size_t> sizes(stratum_count), parts(stratum_count);
+  double sum = 0;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    const double root = std::sqrt(double(scores[i]));
+    weights[strata[i]] += root;
+    sum += root;
+    ++sizes[strata[i]];
+  }
+  for (std::size_t s = 0; s < stratum_count; ++s) {
+    const double part = sum > 0 ? weights[s] / sum : 1.0 / stratum_count;
+    parts[s] = std::min(sizes[s], static_cast<std::size_t>(part * static_cast<double>(count)));
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const float> pool, std::size_t count,
@@ -61,17 +98,27 @@ std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const
 
   const auto by_score = count - static_cast<std::size_t>(std::llround(random_share * static_cast<double>(count)));
   const std::size_t alike = std::max<std::size_t>(2, count / 50);
-  std::vector<std::uint32_t> chosen, left;
+  const std::vector<std::uint8_t> strata = strata_of(schema, pool);
+  std::vector<std::size_t> wanted = allotted(scores, strata, by_score);
+  std::vector<std::uint32_t> chosen;
   std::map<std::uint64_t, std::size_t> taken;
-  for (const std::uint32_t pose : order)
-    if (chosen.size() < by_score && taken[gist_of(schema, pool.subspan(pose * width, width))]++ < alike)
-      chosen.push_back(pose);
-    else
-      left.push_back(pose);
+  // Takes poses in order that `may` allows; the others stay, in order.
+  const auto take = [&](const auto& may) {
+    std::vector<std::uint32_t> left;
+    for (const std::uint32_t pose : order) {
+      std::size_t& same = taken[gist_of(schema, pool.subspan(pose * width, width))];
+      const bool chooses = chosen.size() < by_score && same < alike && may(pose);
+      same += chooses;
+      (chooses ? chosen : left).push_back(pose);
+    }
+    order = std::move(left);
+  };
+  take([&](std::uint32_t pose) { return wanted[strata[pose]] > 0 && wanted[strata[pose]]-- > 0; });
+  take([](std::uint32_t) { return true; });  // what rounding and near-duplicates left open
   Random random = open_stream(seed, Stream::choice, 0);
   for (std::size_t i = 0; chosen.size() < count; ++i) {
-    std::swap(left[i], left[i + random.below(static_cast<std::uint32_t>(left.size() - i))]);
-    chosen.push_back(left[i]);
+    std::swap(order[i], order[i + random.below(static_cast<std::uint32_t>(order.size() - i))]);
+    chosen.push_back(order[i]);
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;

@@ -16,17 +16,19 @@ namespace fb {
 // negative, larger where it is less sure. Called with at most 1,000 poses at a time, from one thread.
 using Disagreement = std::function<std::vector<float>(std::span<const float> controls, std::size_t count)>;
 
-// Picks `count` poses of a pool (poses x controls), as numbers within the pool, ascending: those of most disagreement,
-// but of poses whose same controls are far along toward the same ends at most two in a hundred of the pick, and a
-// `random_share` (0..1) drawn evenly from what is left, so that what the committee is wrong about together is asked
-// too. Fails with invalid_argument if the pool holds fewer poses, with not_finite on a score that is no number >= 0.
+// Picks `count` poses of a pool (poses x controls), as numbers within the pool, ascending. The pool is cut in ten by
+// how far poses are from rest altogether, so that the largest do not take all; each tenth gives its poses of most
+// disagreement, as many as the roots of its scores ask for. Of poses whose same controls are far along toward the same
+// ends at most two in a hundred of the pick are taken so, and a `random_share` (0..1) is drawn evenly from what is
+// left: what the committee is wrong about together is asked too. Fails with invalid_argument if the pool holds fewer
+// poses, with not_finite on a score that is no number >= 0.
 std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const float> pool, std::size_t count,
                                         double random_share, const Disagreement& disagreement, std::uint64_t seed);
 
 struct ChoiceOptions {
   std::uint32_t rounds = 4;   // after the first poses, which are drawn without a committee
   double first_share = 0.5;   // of the new poses that are drawn so
-  double random_share = 0.2;  // of every round
+  double random_share = 0.1;  // of every round
   std::uint32_t pool = 4;     // candidates of a round for each pose chosen
 };
 
