@@ -80,11 +80,14 @@ std::string compare_text(const CompareReport& report) {
   costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
   costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });
   costs.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
+  std::string failures;
+  for (const MethodFailure& failure : report.failures)
+    failures += format("The %s of %s failed: %s\n", name_of(failure.use), failure.name.c_str(), failure.reason.c_str());
   return format(
              "%s: errors over the diagonal of the rest mesh, %g %s; mfm: mean over frames of the worst vertex.\n"
              "Independent: clips nothing was trained on. Dependency: data trained on.\n\n",
              report.name.c_str(), report.diagonal, report.units.c_str()) +
-         errors.text() + clips.text() + costs.text();
+         errors.text() + clips.text() + costs.text() + failures;
 }
 
 // A folder of this process for intermediate files, removed with everything in it.

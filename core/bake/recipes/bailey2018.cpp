@@ -104,9 +104,10 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   }
   Region bones{"skeleton", std::vector<std::uint32_t>(inputs), {}};
   std::iota(bones.features.begin(), bones.features.end(), 0u);
-  bones.layers = train_layers({poses.size(), inputs, numbers, features, transforms, {}, validation},
-                              small_network(options, poses.size(), "skeleton"), progress)
-                     .layers;
+  const TrainingSet all_bones{poses.size(), inputs, numbers, features, transforms, {}, validation};
+  TrainedLayers moved = train_layers(all_bones, small_network(options, poses.size(), "skeleton"), progress);
+  learnt.diary.regions = {diary_of(bones.name, model.rest.vertex_count(), all_bones, moved)};
+  bones.layers = std::move(moved.layers);
   model.network.regions.push_back(std::move(bones));
   model.basis = basis_by_bone(skeleton, columns);
   transforms = {};
@@ -138,6 +139,7 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   for (std::size_t i = 0; i < taught.size(); ++i) {
     const FaceRegion& group = groups[taught[i]];
     const LocalBasis& basis = bases[taught[i]];
+    learnt.diary.regions.push_back(diary_of(group.name, group.vertices.size(), sets[i], trained[i]));
     model.network.regions.push_back({group.name, group.controls, std::move(trained[i].layers)});
     for (std::size_t k = 0; k < basis.count; ++k) {
       columns.resize(columns.size() + rows, 0.0f);
@@ -149,6 +151,7 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   model.basis = basis_by_bone(skeleton, columns);
   learnt.packing.first_bits = learnt.packing.output_bits = 16;
   learnt.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
+  share_energy(learnt.diary.regions);
   learnt.diary.bones = skeleton.bone_count();
   return learnt;
 }

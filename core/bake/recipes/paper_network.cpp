@@ -22,6 +22,7 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   plan.learning_rate = 4e-3f;
   plan.schedule = Schedule::linger;
   plan.output_scaling = 1;
+  plan.quantized_share = 0.1f;
   plan.batch = poses < 8192 ? 64 : 128;
   plan.epochs = options.epochs
                     ? options.epochs
@@ -29,6 +30,23 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   plan.seed = options.seed;
   plan.parallel = options.parallel;
   return plan;
+}
+
+RegionDiary diary_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
+                     const TrainedLayers& trained) {
+  RegionDiary diary{name, vertices, set.inputs, set.outputs};
+  for (const DenseLayer& layer : trained.layers) diary.parameters += layer.weights.size() + layer.bias.size();
+  diary.epochs = trained.epochs;
+  diary.restarts = trained.restarts;
+  for (const float target : set.targets) diary.energy += double(target) * target;
+  if (!set.validation.empty() && !trained.epochs.empty()) diary.validation = trained.epochs.back().validation;
+  return diary;
+}
+
+void share_energy(std::vector<RegionDiary>& regions) {
+  double sum = 0;
+  for (const RegionDiary& region : regions) sum += region.energy;
+  for (RegionDiary& region : regions) region.energy /= sum > 0 ? sum : 1;
 }
 
 std::vector<Feature> identity_features(const RigSchema& schema) {
@@ -94,7 +112,10 @@ Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficient
   plan.checkpoint = options.work / "network.checkpoint";
   const std::vector<float> features = identity_values(poses.controls(), schema);
   const TrainingSet set{poses.size(), schema.control_count(), count, features, coefficients, {}, validation};
-  region.layers = train_layers(set, plan, progress).layers;
+  TrainedLayers trained = train_layers(set, plan, progress);
+  learnt.diary.regions = {diary_of(region.name, model.rest.vertex_count(), set, trained)};
+  share_energy(learnt.diary.regions);
+  region.layers = std::move(trained.layers);
   model.network.regions.push_back(std::move(region));
   model.basis =
       make_basis(checked_u32(model.rest.points.size(), "coordinates"), checked_u32(count, "components"), shapes);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "bake/basis/pca.h"
@@ -17,12 +18,17 @@ namespace fb {
 inline constexpr double paper_variance = 0.999;
 TrainingPlan paper_plan();
 
-// Training as well as we know for networks of tanh: outputs in units of their own, a higher rate, and as many epochs as
-// make `visits` of poses in all (40 to 400 epochs), in smaller batches where poses are few. Epochs as the options say
-// where they do.
+// Training as well as we know for networks of tanh: outputs in units of their own, a higher rate that lingers, smaller
+// batches, the last epochs through rounded weights, and as many epochs as make `visits` of poses in all (40 to 400), or
+// as the options say.
 TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& options);
 // The part of the poses that is then kept back, to keep the best moment by.
 inline constexpr double kept_back = 0.04;
+
+// What reports tell of a network that moves so many vertices; its energy is not a share yet.
+RegionDiary diary_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
+                     const TrainedLayers& trained);
+void share_energy(std::vector<RegionDiary>& regions);
 
 // One identity feature a control, in units of its reach, in the order of the controls.
 std::vector<Feature> identity_features(const RigSchema& schema);
