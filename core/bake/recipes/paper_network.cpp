@@ -34,7 +34,11 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
 
 RegionDiary diary_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
                      const TrainedLayers& trained) {
-  RegionDiary diary{name, vertices, set.inputs, set.outputs};
+  RegionDiary diary;
+  diary.name = name;
+  diary.vertices = vertices;
+  diary.inputs = set.inputs;
+  diary.coefficients = set.outputs;
   for (const DenseLayer& layer : trained.layers) diary.parameters += layer.weights.size() + layer.bias.size();
   diary.epochs = trained.epochs;
   diary.restarts = trained.restarts;
