@@ -123,6 +123,7 @@ void add_bake(CLI::App& tool) {
                   "removed once the archive is whole")
       ->type_name("DIR");
   add_report(*app, verb->report, ", and a page of pictures, curves and tables (index.html)");
+  add_learning_curve(*app, verb->options.learning_curve);
   add_seed(*app, verb->options.seed);
   add_threads(*app, verb->options.parallel);
   add_json_flag(*app, verb->json);

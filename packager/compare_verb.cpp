@@ -158,6 +158,7 @@ void add_compare(CLI::App& tool) {
                   "a temporary one")
       ->type_name("DIR");
   verb->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
+  add_learning_curve(*app, verb->options.learning_curve);
   add_seed(*app, verb->options.seed);
   add_threads(*app, verb->options.parallel);
   app->callback([verb] { verb->run(); });

@@ -61,6 +61,11 @@ void add_archive(CLI::App& verb, std::string& archive) {
   verb.add_option("FACE", archive, "The archive (.fbk)")->required();
 }
 
+void add_learning_curve(CLI::App& verb, bool& learning_curve) {
+  verb.add_flag("--learning-curve", learning_curve,
+                "Bake also on 1/8, 1/4 and 1/2 of the poses, for the report, and measure on clips not trained on");
+}
+
 void add_json_flag(CLI::App& verb, bool& json) {
   verb.add_flag("--json", json, "Print the figures as JSON instead of text");
 }

@@ -70,8 +70,8 @@ TEST_CASE("a plot shows every curve that has a point, and nothing is drawn of no
 TEST_CASE("compare writes a page that has all it shows, and figures of quality and locality") {
   const ScratchFolder folder;
   const std::string report = folder / "report";
-  const ToolRun run =
-      run_tool({"compare", FB_TOY_RIG, "--poses", "120", "--epochs", "2", "--report", report, "--json", "-"});
+  const ToolRun run = run_tool({"compare", FB_TOY_RIG, "--poses", "120", "--epochs", "2", "--learning-curve",
+                                "--report", report, "--json", "-"});
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
   const std::string page = text_of(report + "/index.html");
@@ -82,8 +82,8 @@ TEST_CASE("compare writes a page that has all it shows, and figures of quality a
     CHECK(text_of(report + "/" + picture).starts_with("\x89PNG"));
   }
   for (const std::string& link : named(page, "href")) CHECK(link.starts_with("#"));
-  for (const char* section :
-       {"Table 1", "Figure 1", "Figure 3", "Worst frames", "Error over time", "Locality", "Size", "1.54e-3"})
+  for (const char* section : {"Table 1", "Figure 1", "Figure 3", "Worst frames", "Error over time", "Learning curve",
+                              "Coverage", "Locality", "Size", "1.54e-3"})
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
   const Json figures = Json::parse(run.out);

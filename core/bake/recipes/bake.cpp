@@ -8,6 +8,7 @@
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
 #include "bake/recipes/finish_face.h"
+#include "bake/recipes/pose_worth.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
 #include "bake/sampling/rig_meter.h"
@@ -122,11 +123,17 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 
 Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   recipe_for(options);
-  if (!source.live()) return bake_recorded(source, nullptr, options, progress);
   RigMeter meter(source);
-  const std::unique_ptr<Source> data =
-      record(meter, options, Recording::training_only, recipe_named(options.recipe).asks_rig, progress);
-  Baked baked = bake_recorded(*data, &meter, with_budget_left(options, meter, 1), progress);
+  std::unique_ptr<Source> recorded;
+  if (source.live())
+    recorded = record(meter, options, Recording::training_only, recipe_named(options.recipe).asks_rig, progress);
+  Source& data = recorded ? *recorded : source;
+  Source* const rig = source.live() ? &meter : nullptr;
+  Baked baked = bake_recorded(data, rig, with_budget_left(options, meter, 1), progress);
+  const PoseSet poses = training_poses(data, options.use), asked = held_back_poses(source);
+  baked.diary.coverage = coverage_of(poses, asked, options.parallel);
+  if (options.learning_curve)
+    baked.diary.learning = learn_by_parts(poses, asked, baked.archive, rig, options, progress);
   baked.rig_calls = meter.calls();
   return baked;
 }

@@ -34,6 +34,9 @@ struct BakeOptions {
   // Targets of recipes that choose how precisely to keep what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
   double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
+  // Bakes again on parts of the poses to see what more of them would bring (BakeDiary::learning), which takes about as
+  // long as the bake itself.
+  bool learning_curve = false;
   Parallel parallel;
   // A folder for what makes resuming possible: sampled poses, basis, checkpoints. Made if missing; a later bake with
   // the same options goes on from what is there.

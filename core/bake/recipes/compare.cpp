@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "bake/recipes/kept_bake.h"
+#include "bake/recipes/pose_worth.h"
 #include "bake/recipes/recipe.h"
 #include "bake/recipes/record.h"
 #include "base/status.h"
@@ -32,6 +33,9 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
   report.train_seconds = baked.train_seconds;
   report.archive = std::move(baked.archive);
   report.diary = std::move(baked.diary);
+  if (options.learning_curve)
+    report.diary.learning = learn_by_parts(training_poses(data, options.use), held_back_poses(data), report.archive,
+                                           rig, options, progress);
   return report;
 }
 
@@ -81,6 +85,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       progress.note("every clip to train on is a shot: there is no variant to compare");
       continue;
     }
+    const std::string coverage = coverage_of(training_poses(data, use), held_back_poses(data), options.parallel);
     for (const std::string& method : methods) {
       progress.note(format("baking the %s of \"%s\"", name_of(use), method.c_str()));
       BakeOptions one = each;
@@ -89,6 +94,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       one.work = options.work / (method + "." + name_of(use));
       try {
         report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
+        report.methods.back().diary.coverage = coverage;
       } catch (const Error& error) {
         if (error.status() == Status::interrupted) throw;
         if (!first_failure) first_failure = std::current_exception();
