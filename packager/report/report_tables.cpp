@@ -115,6 +115,9 @@ void add_methods(Html& page, const ReportView& view) {
                       format("%.1f", m.train_seconds)});
     }
     page.table(rows);
+    for (const MethodFailure& failure : view.faces().failures)
+      page.paragraph(
+          format("The %s of \"%s\" failed: %s", name_of(failure.use), failure.name.c_str(), failure.reason.c_str()));
     page.subheading("Mean squared error by clip");
   }
   Rows rows = {{"clip", "kind", "split", "frames"}};
@@ -168,7 +171,8 @@ void add_locality(Html& page, const ReportView& view) {
   const auto first = std::find_if(view.methods().begin(), view.methods().end(), measured);
   const LocalityOptions& options = first->locality->options;
   page.paragraph(
-      format("Every control was moved in %u random poses. A leak is how far the archive then moves a vertex that "
+      format("Every control was moved in %u poses, alone and among others. A leak is how far the archive then moves a "
+             "vertex that "
              "the rig moves less than %.0e D in all of them; leaks up to %.0e D are tolerated.",
              options.poses, options.still, options.tolerance));
   Rows rows = {{"method", "largest leak / D", "controls above the tolerance"}};

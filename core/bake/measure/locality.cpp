@@ -17,7 +17,11 @@ namespace {
 
 constexpr std::size_t moves_at_once = 64;
 
-std::vector<float> random_pose(const RigSchema& schema, const LocalityOptions& options, std::size_t number) {
+constexpr std::size_t alone = 2;  // of the poses; the others are random
+
+// The pose that controls are moved away from.
+std::vector<float> pose_of(const RigSchema& schema, const LocalityOptions& options, std::size_t number) {
+  if (number < alone) return schema.rest_pose();
   Random random(options.seed, number);
   std::vector<float> pose;
   for (const Control& control : schema.controls) {
@@ -28,7 +32,8 @@ std::vector<float> random_pose(const RigSchema& schema, const LocalityOptions& o
   return pose;
 }
 
-float other_value(const Control& control, float value) {
+float moved_value(const Control& control, float value, std::size_t number) {
+  if (number < alone) return number == 0 ? control.maximum : control.minimum;
   if (std::abs(value - control.rest) > 0.5f * control.reach()) return control.rest;
   return control.maximum - control.rest >= control.rest - control.minimum ? control.maximum : control.minimum;
 }
@@ -65,11 +70,12 @@ struct Moves {
   std::size_t first = 0, count = 0;
 };
 
-Moves moves_from(const RigSchema& schema, const std::vector<float>& pose, std::size_t first, std::size_t count) {
+Moves moves_from(const RigSchema& schema, const std::vector<float>& pose, std::size_t number, std::size_t first,
+                 std::size_t count) {
   Moves moves{pose, first, count};
   for (std::size_t c = first; c < first + count; ++c) {
     moves.poses.insert(moves.poses.end(), pose.begin(), pose.end());
-    moves.poses[moves.poses.size() - pose.size() + c] = other_value(schema.controls[c], pose[c]);
+    moves.poses[moves.poses.size() - pose.size() + c] = moved_value(schema.controls[c], pose[c], number);
   }
   return moves;
 }
@@ -129,9 +135,9 @@ std::vector<Locality> measure_locality(std::span<const std::span<const std::byte
   Motion truth(controls * width / 3);
   progress.begin("measuring locality", options.poses * controls);
   for (std::size_t p = 0; p < options.poses; ++p) {
-    const std::vector<float> pose = random_pose(rig.schema(), options, p);
+    const std::vector<float> pose = pose_of(rig.schema(), options, p);
     for (std::size_t first = 0; first < controls; first += moves_at_once) {
-      const Moves moves = moves_from(rig.schema(), pose, first, std::min(moves_at_once, controls - first));
+      const Moves moves = moves_from(rig.schema(), pose, p, first, std::min(moves_at_once, controls - first));
       std::vector<float> points((moves.count + 1) * width);
       evaluate_parallel(rig, moves.poses, moves.count + 1, points, parallel);
       raise_by(truth, moves, points, diagonal, parallel);
