@@ -13,7 +13,7 @@ using namespace fb;
 
 int main(int argc, char** argv) try {
   if (argc < 3) fail(Status::invalid_argument, "give RIG POSES [MIX...]");
-  const Parallel parallel{2};
+  const Parallel parallel{1};
   const auto rig = open_source(argv[1]);
   const RigSchema& schema = rig->schema();
   const bench::QuickMethod method(*rig, 200, parallel);
