@@ -43,7 +43,7 @@ TEST_CASE("every earlier system beats linear blendshapes on a face with a correc
   const Baked bailey = bake_quickly(source, folder, "bailey2018", 80);
   CHECK(unseen_mse(bailey.archive, source) < 0.5 * linear);
   CHECK(bailey.diary.bones > 1);
-  CHECK(unseen_mse(bake_quickly(source, folder, "paper-gradients", 80).archive, source) < 0.5 * linear);
+  CHECK(unseen_mse(bake_quickly(source, folder, "paper-gradients", 50).archive, source) < 0.5 * linear);
   CHECK(unseen_mse(bake_quickly(source, folder, "paper-tuned", 40).archive, source) < 0.2 * linear);
 }
 
@@ -94,23 +94,23 @@ TEST_CASE("every method bakes one control, no polygons, three poses and a live r
       for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[0] * std::sin(float(i));
     });
     single.add_clip("poses", ClipKind::dense, Split::train, 40, 1, 1);
-    CHECK(bake_quickly(single, folder, recipe, 2).archive.size() > 0);
+    CHECK(bake_quickly(single, folder, recipe, 1).archive.size() > 0);
 
     WorkFolder loose_folder;
     MemorySource loose = face_of(curved_formula, false, 6);
     loose.edit_rest().polygon_sizes.clear();
     loose.edit_rest().polygon_corners.clear();
     loose.add_clip("poses", ClipKind::dense, Split::train, 40, 0.6f, 1);
-    CHECK(bake_quickly(loose, loose_folder, recipe, 2).poses == 40);
+    CHECK(bake_quickly(loose, loose_folder, recipe, 1).poses == 40);
 
     WorkFolder few_folder;
     MemorySource few = face_of(curved_formula, false, 6);
     few.add_clip("poses", ClipKind::dense, Split::train, 3, 0.6f, 1);
-    CHECK(bake_quickly(few, few_folder, recipe, 2).poses == 3);
+    CHECK(bake_quickly(few, few_folder, recipe, 1).poses == 3);
 
     WorkFolder live_folder;
     MemorySource live = face_of(curved_formula, true, 6);
-    CHECK(bake_quickly(live, live_folder, recipe, 2).poses >= 60);
+    CHECK(bake_quickly(live, live_folder, recipe, 1).poses >= 60);
   }
 }
 
@@ -132,6 +132,11 @@ TEST_CASE("a comparison that is repeated bakes nothing again, unless the poses a
     CHECK(after.methods[m].parameters == before.methods[m].parameters);
     CHECK(after.methods[m].bytes == before.methods[m].bytes);
   }
+  std::filesystem::remove(folder.path / "linear.variant" / "face.fbk");
+  write_file(folder.path / "paper.backlot" / "bake.json", std::string("{\"key\": 1"));
+  Heard damaged;
+  CHECK(compare(source, methods, options, damaged).methods.size() == before.methods.size());
+  CHECK(damaged.did("training"));
   source.edit_clip(0).controls[4] = 0.125f;
   compare(source, methods, options, other);
   CHECK(other.did("training"));

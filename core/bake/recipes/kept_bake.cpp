@@ -35,22 +35,27 @@ std::uint64_t key_of(Source& data, const Source* rig, const BakeOptions& options
   return hash64_of<char>(words.dump(), hash64_of<std::uint32_t>(data.rest().polygon_corners, seen));
 }
 
+// What is missing or damaged is baked again.
 std::optional<Baked> kept(const std::filesystem::path& folder, std::uint64_t key) {
-  if (!std::filesystem::exists(folder / figures_name)) return std::nullopt;
+  if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
+    return std::nullopt;
   const std::vector<std::byte> text = read_file(folder / figures_name);
-  const Json json = Json::parse(reinterpret_cast<const char*>(text.data()),
-                                reinterpret_cast<const char*>(text.data()) + text.size(), nullptr, false);
-  if (!json.is_object() || json.value("key", std::uint64_t(0)) != key) return std::nullopt;
-  Baked baked;
-  baked.archive = read_file(folder / archive_name);
-  if (json.value("archive", std::uint64_t(0)) != hash64(baked.archive)) return std::nullopt;
-  json.at("poses").get_to(baked.poses);
-  json.at("coefficients").get_to(baked.coefficients);
-  json.at("parameters").get_to(baked.parameters);
-  json.at("train_seconds").get_to(baked.train_seconds);
-  json.at("quantisation").get_to(baked.quantisation);
-  json.at("diary").get_to(baked.diary);
-  return baked;
+  try {
+    const Json json = Json::parse(reinterpret_cast<const char*>(text.data()),
+                                  reinterpret_cast<const char*>(text.data()) + text.size());
+    Baked baked;
+    baked.archive = read_file(folder / archive_name);
+    if (json.at("key") != key || json.at("archive") != hash64(baked.archive)) return std::nullopt;
+    json.at("poses").get_to(baked.poses);
+    json.at("coefficients").get_to(baked.coefficients);
+    json.at("parameters").get_to(baked.parameters);
+    json.at("train_seconds").get_to(baked.train_seconds);
+    json.at("quantisation").get_to(baked.quantisation);
+    json.at("diary").get_to(baked.diary);
+    return baked;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
 }
 
 void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& baked) {
