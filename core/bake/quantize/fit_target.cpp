@@ -101,7 +101,7 @@ PackOptions Precision::pack() const {
   PackOptions options;
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = scale / 2;
-  options.drop = scale / 2;
+  options.drop = scale / 4;
   return options;
 }
 

@@ -21,10 +21,10 @@ namespace {
 
 // By age.
 constexpr std::array recipes = {
-    Recipe{"linear", make_linear, true},     Recipe{"kanyuk2018", make_kanyuk2018},
-    Recipe{"bailey2018", make_bailey2018},   Recipe{"paper", make_paper},
-    Recipe{"paper-tuned", make_paper_tuned}, Recipe{"paper-gradients", make_paper_gradients},
-    Recipe{"compact", make_compact, true},   Recipe{"hero", make_hero, true}};
+    Recipe{"linear", make_linear, true},         Recipe{"kanyuk2018", make_kanyuk2018},
+    Recipe{"bailey2018", make_bailey2018},       Recipe{"paper", make_paper},
+    Recipe{"paper-tuned", make_paper_tuned},     Recipe{"paper-gradients", make_paper_gradients},
+    Recipe{"compact", make_compact, true, true}, Recipe{"hero", make_hero, true, true}};
 
 // Training poses and as many random ones: where packing is compared with the model in memory.
 std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {

@@ -66,6 +66,7 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   Parts parts;
   ProbeOptions probing = recipe.probe;
   probing.seed = options.seed;
+  probing.rig_budget = options.rig_budget;
   parts.probe = rig ? probe_rig(*rig, probing, options.parallel, progress)
                     : probe_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();

@@ -26,7 +26,7 @@ struct FaceRecipe {
   // What localizing, rounding and dropping may lose: a share of the networks' own error (root mean square over poses
   // kept back), but never less than `finest` of the diagonal.
   double precision = 0.1, finest = 1e-6;
-  double touched_bytes = 0;  // that 95 % of poses kept back may read, the first ground for less precision; 0: any
+  double touched_bytes = 0;  // that a pose may read (see finish_face), a ground for less precision; 0: any
 };
 
 Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,

@@ -9,7 +9,7 @@ Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, 
   recipe.term_bytes = 1'200'000;
   recipe.parameters = 1'600'000;
   recipe.operations = 2.5e13;
-  recipe.precision = 0.06;
+  recipe.precision = 0.015;
   recipe.touched_bytes = 4e6;
   return make_face(recipe, poses, rig, options, progress);
 }
@@ -22,7 +22,7 @@ Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& option
   recipe.term_bytes = 150'000;
   recipe.parameters = 350'000;
   recipe.operations = 1e13;
-  recipe.precision = 0.12;
+  recipe.precision = 0.05;
   recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.3e6;
   return make_face(recipe, poses, rig, options, progress);
