@@ -28,13 +28,15 @@ MemorySource saturating_rig() {
 BakeOptions quick(const WorkFolder& folder, const std::string& recipe) {
   BakeOptions options = options_in(folder, recipe);
   options.poses = 1000;
-  options.epochs = 20;
+  options.epochs = 6;
   return options;
 }
 
 double mse_of(const std::string& recipe, MemorySource rig) {
   const WorkFolder folder;
-  return unseen_mse(bake(rig, quick(folder, recipe), silent_progress()).archive, rig);
+  BakeOptions options = quick(folder, recipe);
+  options.epochs = 50;
+  return unseen_mse(bake(rig, options, silent_progress()).archive, rig);
 }
 
 }  // namespace
