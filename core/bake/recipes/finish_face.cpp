@@ -52,8 +52,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
     if (touched_bytes <= 0) return made(1);
     const PoseSet typical = measured(without_shots(poses), options.seed);
     const auto fits = [&](const Learnt& learnt) {
-      const TouchedBytes read = fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical);
-      return (read.mean + static_cast<double>(read.p95)) / 2 <= touched_bytes;
+      return fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical).p95 <= touched_bytes;
     };
     // Doubled until it fits, then halved towards the finest that does.
     Learnt best = made(1);
@@ -63,7 +62,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
       coarser *= 2;
       best = made(coarser);
     }
-    for (int step = 0; step < 3 && coarser > finer; ++step) {
+    for (int step = 0; step < 5 && coarser > finer; ++step) {
       const double middle = std::sqrt(finer * coarser);
       Learnt other = made(middle);
       const bool enough = fits(other);

@@ -18,9 +18,8 @@ PoseSet without_shots(const PoseSet& poses);
 
 // Localizes a model (see localize_basis) as precisely as the options ask by max_bytes and max_error, measured as packed
 // on some poses kept back by validation_split (on all kinds, if that keeps none). If they ask nothing, as `localize`
-// and `packing` say, made coarser together until those poses, shots apart, read no more than `touched_bytes` (0: any
-// number): halfway between their average and what 95 % of them read, because shots move more controls than the average
-// of poses drawn at random and fewer than the densest.
+// and `packing` say, made coarser together until 95 % of those poses, shots apart, read no more than `touched_bytes`
+// (0: any number).
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
                    const BakeOptions& options, Progress& progress, double touched_bytes = 0);
