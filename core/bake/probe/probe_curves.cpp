@@ -36,6 +36,21 @@ std::vector<Wanted> first_wave(const RigSchema& schema, std::size_t begin, std::
   return wanted;
 }
 
+// Asks the rig for single controls and hands `take` what the curves are off there.
+template <class Take>
+void ask_misses(RigAsker& rig, const std::vector<ControlCurve>& curves, const std::vector<Wanted>& wanted,
+                const Take& take) {
+  rig.ask(
+      wanted.size(),
+      [&](std::size_t i, std::span<float> pose) {
+        pose[wanted[i].control] = value_at(rig.schema().controls[wanted[i].control], wanted[i].place);
+      },
+      [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
+        curves[wanted[i].control].part.add(pose, rig.rest(), 1, -1, displacement);
+        take(i, std::span<const float>(displacement));
+      });
+}
+
 }  // namespace
 
 std::vector<ControlCurve> probe_curves(RigAsker& rig, const ProbeOptions& options, std::vector<float>& motion) {
@@ -125,15 +140,8 @@ std::vector<CurveErrors> measure_curves(RigAsker& rig, const std::vector<Control
   const double drop = 2e-6 * rig.diagonal();
   std::vector<SparseShape> answers(wanted.size());
   rig.begin("checking single controls", wanted.size());
-  rig.ask(
-      wanted.size(),
-      [&](std::size_t i, std::span<float> pose) {
-        pose[wanted[i].control] = value_at(schema.controls[wanted[i].control], wanted[i].place);
-      },
-      [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        curves[wanted[i].control].part.add(pose, rig.rest(), 1, -1, displacement);
-        answers[i] = make_sparse(0, displacement, drop);
-      });
+  ask_misses(rig, curves, wanted,
+             [&](std::size_t i, std::span<const float> miss) { answers[i] = make_sparse(0, miss, drop); });
   for (std::size_t i = 0, place = 0; i < wanted.size(); ++i, ++place) {
     if (i > 0 && wanted[i].control != wanted[i - 1].control) place = 0;
     errors[wanted[i].control].errors[place] = std::move(answers[i]);
@@ -154,17 +162,10 @@ double test_curves(RigAsker& rig, const std::vector<ControlCurve>& curves, std::
   if (wanted.size() > rig.left()) wanted.resize(rig.left());
   std::vector<double> errors(wanted.size());
   rig.begin("testing single controls", wanted.size());
-  rig.ask(
-      wanted.size(),
-      [&](std::size_t i, std::span<float> pose) {
-        pose[wanted[i].control] = value_at(schema.controls[wanted[i].control], wanted[i].place);
-      },
-      [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        curves[wanted[i].control].part.add(pose, rig.rest(), 1, -1, displacement);
-        for (std::size_t k = 0; k < displacement.size(); k += 3)
-          errors[i] =
-              std::max(errors[i], std::hypot(double(displacement[k]), displacement[k + 1], displacement[k + 2]));
-      });
+  ask_misses(rig, curves, wanted, [&](std::size_t i, std::span<const float> miss) {
+    for (std::size_t k = 0; k < miss.size(); k += 3)
+      errors[i] = std::max(errors[i], std::hypot(double(miss[k]), miss[k + 1], miss[k + 2]));
+  });
   double largest = 0;
   for (const double error : errors) largest = std::max(largest, error / rig.diagonal());
   return largest;
