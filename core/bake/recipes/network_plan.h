@@ -16,8 +16,7 @@ struct NetworkDemand {
 std::size_t network_parameters(const NetworkDemand& demand, std::uint32_t layers, std::uint32_t width);
 
 // One width a region, multiples of 16 from 32 to `widest`, so that all networks together have about `parameters`
-// numbers. Widths grow with the fourth root of the energy: prototypes did well with 4 to 8 times wider layers where the
-// residual was three orders of magnitude larger (mouth against cheeks).
+// numbers. Widths grow with the fourth root of the energy.
 std::vector<std::uint32_t> network_widths(std::span<const NetworkDemand> demands, std::uint32_t layers,
                                           std::uint32_t widest, std::size_t parameters);
 

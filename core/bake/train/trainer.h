@@ -74,10 +74,8 @@ struct TrainedLayers {
 // constant the basis cannot hold; the wide vertex layer is never touched. The loss sees outputs minus those at rest,
 // times gates, as a reader of the archive computes them.
 //
-// With validation poses, their error is measured after at most 20 epochs of a training (each time about a third of
-// training on as many poses), and the weights with the least are given back; where a share of the epochs is quantised,
-// it is the error through rounded weights. Few poses (below some thousands a network) are learnt by heart: keep
-// validation poses back, and use weight_decay and narrow widths before more epochs.
+// With validation poses, their error is measured after at most 20 epochs of a training, and the weights with the least
+// are given back; where a share of the epochs is quantised, it is the error through rounded weights.
 //
 // Same seed, same result, whatever the number of threads: a batch is cut into pieces of 128 poses whose gradients are
 // added in order. When the loss stops being a number, training begins again at half the rate; the fourth time it fails
