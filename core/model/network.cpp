@@ -60,18 +60,17 @@ void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Fe
 void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region) {
   if (!std::isfinite(gate.slope) || !(gate.slope > 0))
     fail(Status::not_finite, "region \"%s\" has a gate of slope %g", region, gate.slope);
-  std::vector<std::uint32_t> controls;
+  const Feature* before = nullptr;
   for (const std::uint32_t f : gate.features) {
     if (f >= features.size())
       fail(Status::bad_data, "the gate of region \"%s\" names feature %u of %zu", region, f, features.size());
     if (features[f].kind != Feature::Kind::identity)
       fail(Status::bad_data, "the gate of region \"%s\" names feature %u, which is no identity", region, f);
-    controls.push_back(features[f].control);
+    if (before && features[f].control <= before->control)
+      fail(Status::bad_data, "the gate of region \"%s\" looks at control %u after control %u", region,
+           features[f].control, before->control);
+    before = &features[f];
   }
-  std::sort(controls.begin(), controls.end());
-  const auto twice = std::adjacent_find(controls.begin(), controls.end());
-  if (twice != controls.end())
-    fail(Status::bad_data, "the gate of region \"%s\" looks at control %u twice", region, *twice);
 }
 
 void check(const Network& network, std::size_t control_count) {

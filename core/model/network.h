@@ -8,7 +8,8 @@
 
 namespace fb {
 
-// A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names:
+// A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names (see
+// feature_values.h):
 struct Feature {
   enum class Kind : std::uint32_t {
     identity = 0,  // u
@@ -43,7 +44,7 @@ struct DenseLayer {
 // What keeps a region still while at most one control is away from rest, where the base alone is exact: coefficients
 // are multiplied by clamp(slope * (sum |f| - max |f|), 0, 1) over these features. Without features there is no gate.
 struct Gate {
-  std::vector<std::uint32_t> features;  // identities, one a control
+  std::vector<std::uint32_t> features;  // identities, their controls ascending
   float slope = 10;
 };
 

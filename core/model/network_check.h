@@ -18,7 +18,7 @@ void check_features(const std::vector<Feature>& features, std::size_t control_co
 // Fails unless the features that direct coefficients name exist.
 void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Feature>& features);
 
-// Fails unless its features exist and are identities, no control's twice, and its slope is a positive number.
+// Fails unless its features exist and are identities of ascending controls, and its slope is a positive number.
 void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region);
 
 // Fails, naming region and layer, unless widths fit each other; check_values(layer, where) looks at the numbers.

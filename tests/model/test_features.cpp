@@ -49,6 +49,19 @@ TEST_CASE("features count from rest, and products and minima are made of earlier
   for (const float value : values) CHECK(value == 0);
 }
 
+TEST_CASE("a feature of controls at rest is +0, whatever the others are") {
+  using Kind = Feature::Kind;
+  const Feature features[] = {{Kind::identity, 0, -1},
+                              {Kind::identity, 1, 3e38f},
+                              {Kind::product, 0, 1, 0, 0, 0, 1},
+                              {Kind::product, 0, 1, 0, 0, 1, 0}};
+  const float rest[] = {0.5f, 0}, controls[] = {0.5f, 9};
+  float values[4];
+  feature_values(features, controls, rest, values);
+  CHECK(values[1] == INFINITY);
+  for (const int f : {0, 2, 3}) CHECK((values[f] == 0 && !std::signbit(values[f])));
+}
+
 TEST_CASE("activations follow the functions they are named for") {
   double worst_tanh = 0, worst_silu = 0;
   for (int i = -200000; i <= 200000; ++i) {

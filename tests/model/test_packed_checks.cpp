@@ -55,7 +55,9 @@ TEST_CASE("gates") {
           [](auto& m) { m.regions[1].gate.features[0] = 9; });
   refuses(Status::bad_data, "names feature 2, which is no identity",
           [](auto& m) { m.regions[1].gate.features[0] = 2; });
-  refuses(Status::bad_data, "looks at control 1 twice", [](auto& m) { m.regions[1].gate.features[0] = 1; });
+  refuses(Status::bad_data, "looks at control 1 after control 1", [](auto& m) { m.regions[1].gate.features[0] = 1; });
+  refuses(Status::bad_data, "looks at control 0 after control 1",
+          [](auto& m) { std::swap(m.regions[1].gate.features[0], m.regions[1].gate.features[1]); });
   for (const float slope : {0.0f, -1.0f, INFINITY, NAN})
     refuses(Status::not_finite, "region \"brow\" has a gate of slope",
             [=](auto& m) { m.regions[1].gate.slope = slope; });

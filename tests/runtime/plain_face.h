@@ -38,7 +38,8 @@ inline Floats features(const PackedModel& model, const Floats& controls) {
   Floats values;
   for (const Feature& f : model.features) {
     if (f.kind == Kind::product) {
-      values.push_back(values[f.first] * values[f.second]);
+      const bool none = values[f.first] == 0 || values[f.second] == 0;
+      values.push_back(none ? 0 : values[f.first] * values[f.second]);
     } else if (f.kind == Kind::minimum) {
       values.push_back(smaller(values[f.first], values[f.second]));
     } else {
@@ -46,7 +47,7 @@ inline Floats features(const PackedModel& model, const Floats& controls) {
       float value = controls[f.control];
       if (value < c.minimum) value = c.minimum;
       if (value > c.maximum) value = c.maximum;
-      const float u = (value - c.rest) * f.scale, t = u - f.threshold;
+      const float u = value == c.rest ? 0 : (value - c.rest) * f.scale, t = u - f.threshold;
       if (f.kind == Kind::identity) values.push_back(u);
       if (f.kind == Kind::ramp) values.push_back(positive(t));
       if (f.kind == Kind::hat) values.push_back(positive(smaller(t, 1 + (1 - t) * f.fall)));
