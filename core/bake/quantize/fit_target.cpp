@@ -102,6 +102,7 @@ PackOptions Precision::pack() const {
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = scale / 2;
   options.drop = scale / 4;
+  options.step = scale;
   return options;
 }
 

@@ -20,7 +20,7 @@ struct FitTarget {
 
 // One scale for what the basis may lose by localizing, rounding and dropping, and the bits of weights.
 struct Precision {
-  double scale = 1e-5;  // over D: LocalizeOptions::threshold, the others follow from it
+  double scale = 1e-5;  // over D: LocalizeOptions::threshold and PackOptions::step, the others follow from it
   int weight_bits = 8;
 
   PackOptions pack() const;

@@ -17,9 +17,11 @@ float magnitude(const float* values, std::size_t count) {
   return most;
 }
 
-// Appends `count` values as multiples of one scale, the smallest with which they stay in -largest..largest.
-float append_rounded(const float* values, std::size_t count, int largest, std::vector<std::int16_t>& to) {
-  const float most = magnitude(values, count), scale = most < least ? 0 : most / static_cast<float>(largest);
+// Appends `count` values as multiples of one scale, the smallest with which they stay in -largest..largest, but at
+// least `step`.
+float append_rounded(const float* values, std::size_t count, int largest, float step, std::vector<std::int16_t>& to) {
+  const float most = magnitude(values, count);
+  const float scale = most < least ? 0 : std::max(most / static_cast<float>(largest), step);
   for (std::size_t i = 0; i < count; ++i) {
     const double steps = scale == 0 ? 0 : std::nearbyint(double(values[i]) / scale);
     to.push_back(static_cast<std::int16_t>(std::clamp(steps, -double(largest), double(largest))));
@@ -33,7 +35,7 @@ PackedLayer pack_layer(const DenseLayer& layer, int bits) {
   packed.weights.reserve(layer.weights.size());
   for (std::size_t o = 0; o < layer.outputs; ++o)
     packed.scales.push_back(append_rounded(layer.weights.data() + o * layer.inputs, layer.inputs,
-                                           packed.wide ? largest_wide : largest_narrow, packed.weights));
+                                           packed.wide ? largest_wide : largest_narrow, 0, packed.weights));
   return packed;
 }
 
@@ -48,9 +50,10 @@ PackedRegion pack_region(const Region& region, const PackOptions& options) {
   return packed;
 }
 
-// What a column's values may be rounded by, and how small they may be before they are dropped, in units of values.
+// What a column's values may be rounded by, how small they may be before they are dropped, and the step they need not
+// be finer than, in units of values.
 struct Allowance {
-  double rounding, drop;
+  double rounding, drop, step;
 };
 
 PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& allowances) {
@@ -62,10 +65,10 @@ PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& a
     for (float& value : values)
       if (std::fabs(value) < allowed.drop) value = 0;
     const float most = magnitude(values.data(), values.size());
-    if (most < least) continue;
+    if (most < least || most < allowed.step / 2) continue;
     const bool wide = most / largest_narrow / 2 > allowed.rounding;
-    const float scale =
-        append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow, packed.values);
+    const float scale = append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow,
+                                       static_cast<float>(allowed.step), packed.values);
     packed.columns.push_back({group.columns[c], wide, scale});
   }
   return packed;
@@ -93,8 +96,9 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
   for (std::uint32_t column = 0; column < model.basis.columns; ++column) {
     const double size = options.coefficient_sizes.empty() ? 1 : options.coefficient_sizes[column];
     constexpr double any = std::numeric_limits<double>::infinity();  // of a coefficient that is always 0
-    allowances.push_back(size > 0 ? Allowance{options.basis_tolerance * diagonal / size, options.drop * diagonal / size}
-                                  : Allowance{any, 0});
+    const double unit = diagonal / size;
+    allowances.push_back(size > 0 ? Allowance{options.basis_tolerance * unit, options.drop * unit, options.step * unit}
+                                  : Allowance{any, 0, 0});
   }
   for (const RowGroup& group : model.basis.groups) packed.groups.push_back(pack_group(group, allowances));
   check(packed);
