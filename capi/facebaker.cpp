@@ -354,9 +354,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     model->evaluator.evaluate_batch({known.poses,
                                      {known.controls, known.control_floats},
                                      known.control_stride,
-                                     {known.positions, known.position_floats},
-                                     known.pose_stride,
-                                     known.vertex_stride},
+                                     {known.positions, known.position_floats, known.pose_stride, known.vertex_stride}},
                                     scratch->workspaces, parallel);
     scratch->clamped = 0;
     for (const fb::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();

@@ -61,7 +61,7 @@ std::vector<float> evaluate_frames(const Evaluator& evaluator, std::span<const f
   batch.poses = controls.size() / evaluator.control_count();
   batch.controls = controls;
   std::vector<float> positions(batch.poses * 3 * evaluator.vertex_count());
-  batch.positions = positions;
+  batch.positions = {positions.data(), positions.size()};
   std::vector<Workspace> workspaces;
   for (std::size_t w = 0; w < worker_count(parallel); ++w) workspaces.emplace_back(evaluator);
   evaluator.evaluate_batch(batch, workspaces, parallel);

@@ -5,14 +5,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
-#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/parallel.h"
 #include "model/packed_model.h"
+#include "runtime/feature_graph.h"
+#include "runtime/instruction_set.h"
 #include "runtime/metered_memory.h"
-#include "runtime/panel_matrix.h"
+#include "runtime/quantized.h"
+#include "runtime/region_net.h"
+#include "runtime/row_chunk.h"
+#include "runtime/vertex_normals.h"
+#include "runtime/vertex_output.h"
 
 namespace fb {
 
@@ -28,20 +34,53 @@ class Workspace {
 
  private:
   friend class Evaluator;
-  std::pmr::vector<float> controls_, features_, coefficients_, layer_input_, layer_output_, summands_, rows_;
-  std::pmr::vector<ActiveColumn> active_;
+  // Numbers and the places they belong to, for each of several lists.
+  struct Lists {
+    Lists(std::size_t total, std::size_t lists, std::pmr::memory_resource& memory)
+        : values(total, &memory), places(total, &memory), counts(lists, &memory) {}
+    std::pmr::vector<float> values;
+    std::pmr::vector<std::uint32_t> places, counts;
+  };
+  struct Watch {  // what a gate looks at
+    float sum, most;
+  };
+  FeatureState features_;
+  Lists inputs_, summands_;  // of regions, of chunks
+  std::pmr::vector<Watch> watches_;
+  std::pmr::vector<std::uint8_t> open_;  // by region: whether it gives anything but 0
+  std::pmr::vector<float> coefficients_, layers_, rows_;
+  std::pmr::vector<std::uint8_t> moved_;  // by chunk: whether rows_ are not those at rest
+  std::pmr::vector<std::uint16_t> halves_;
+  Quantized quantized_;
+  VertexNormals::State normals_;
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
 
-// Where the poses of a batch are and where their positions go; strides in floats. Vertex v of pose p begins at
-// positions[p * pose_stride + v * vertex_stride]; what lies between vertices is not touched.
+// Which regions' networks run; the others give coefficients 0, as at rest. Empty: all; else one a region, 0 for no.
+using RegionMask = std::span<const std::uint8_t>;
+
+// Where poses go: normals need no positions to go anywhere.
+struct PoseOutput {
+  VertexOutput positions, normals;
+};
+
+// Where something of each pose of a batch goes: pose p's begins at first + p * pose_stride numbers, vertex v's
+// v * vertex_stride further. What lies between vertices is not touched.
+struct BatchOutput {
+  void* first = nullptr;          // of floats or halves; null: not wanted
+  std::size_t size = 0;           // of that buffer, in numbers
+  std::size_t pose_stride = 0;    // 0: vertex_stride x vertices
+  std::size_t vertex_stride = 0;  // >= 3; 0: 3
+};
+
 struct Batch {
   std::size_t poses = 0;
   std::span<const float> controls;
-  std::size_t control_stride = 0;  // 0: the number of controls
-  std::span<float> positions;
-  std::size_t pose_stride = 0;    // 0: vertex_stride x vertices
-  std::size_t vertex_stride = 0;  // >= 3; 0: 3
+  std::size_t control_stride = 0;  // in floats; 0: the number of controls
+  BatchOutput positions, normals = {};
+  VertexOrder order = VertexOrder::source;
+  NumberFormat format = NumberFormat::float32;
+  RegionMask regions = {};
 };
 
 // Immutable once built: any number of threads may evaluate at once, each with its own Workspace. Evaluating takes no
@@ -53,23 +92,28 @@ class Evaluator {
   // any more. Fails with limit if the blocks take more than max_bytes, with not_finite if the network overflows at
   // rest.
   explicit Evaluator(const PackedModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
-                     std::uint64_t max_bytes = UINT64_MAX);
+                     std::uint64_t max_bytes = UINT64_MAX, const Kernels& kernels = choose_kernels());
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
 
   const RigSchema& schema() const { return schema_; }
-  std::size_t control_count() const { return ranges_.size(); }
+  const Kernels& kernels() const { return kernels_; }
+  std::size_t control_count() const { return graph_.control_count(); }
   std::size_t coefficient_count() const { return coefficient_count_; }
   std::size_t vertex_count() const { return rest_.size() / 3; }
   std::span<const float> rest_positions() const { return rest_; }
   std::uint64_t bytes() const { return memory_.bytes(); }
+  const std::vector<std::string>& region_names() const { return region_names_; }
+  // The basis: row 3 i + axis is coordinate `axis` of vertex order()[i], or of vertex i if it is empty.
+  const std::pmr::vector<RowChunk>& chunks() const { return chunks_; }
+  std::span<const std::uint32_t> order() const { return order_; }
 
   // One pose: control_count() floats in control order, clamped to their ranges. Vertex v goes to positions + v *
   // vertex_stride. Fails with not_finite by control on NaN, before anything is written.
   void evaluate(const float* controls, float* positions, Workspace& workspace, std::size_t vertex_stride = 3) const;
 
   // The weights of the basis' columns: coefficient_count() floats, all 0 at rest. NaN as above.
-  void coefficients(const float* controls, float* coefficients, Workspace& workspace) const;
+  void coefficients(const float* controls, float* coefficients, Workspace& workspace, RegionMask regions = {}) const;
 
   // Many poses, on up to min(worker_count(parallel), workspaces.size()) workers. Before anything is written, fails with
   // invalid_argument if a buffer is too small or poses overlap, with not_finite by pose and control on NaN.
@@ -77,60 +121,53 @@ class Evaluator {
 
  private:
   friend class Workspace;
-  struct Range {
-    float minimum, maximum;
+  // Of features.
+  struct InputUse {
+    std::uint32_t region, place;
   };
-  struct Layer {
-    Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
-    std::uint32_t inputs, outputs;
-    Activation activation;
-    bool skip;
-    PanelMatrix low;
-    std::optional<PanelMatrix> high;  // the other digits of a wide layer
-    float limit;
-    std::pmr::vector<float> scales, bias;
+  struct SummandUse {
+    std::uint32_t chunk, place;
+    float scale;
   };
-  struct Net {
-    Net(const PackedRegion& region, std::pmr::memory_resource& memory);
-    std::pmr::vector<std::uint32_t> features, gate;
-    float slope;
-    std::pmr::vector<Layer> layers;
-    std::pmr::vector<float> at_rest;  // what the last layer gives there
-  };
-  // A row group. Summand s is coefficient columns[s] times scales[s]; a wide column has two, one for each digit.
-  struct Chunk {
-    Chunk(const PackedRowGroup& group, std::pmr::memory_resource& memory);
-    std::uint32_t first_row;
-    std::pmr::vector<std::uint32_t> columns;
-    std::pmr::vector<float> scales;
-    PanelMatrix digits;
+  // A region's summands in a chunk.
+  struct ChunkRegion {
+    std::uint32_t region, begin, end;
   };
 
+  void lay_out_uses(const PackedModel& model);
   // The arithmetic, under a FloatState the caller holds.
-  void clamp(const float* controls, Workspace& workspace) const;
-  static void run_layer(const Layer& layer, Workspace& workspace);
-  // Runs the layers on workspace.layer_input_, where the result is too.
-  static void run_layers(const Net& net, Workspace& workspace);
-  static void run_net(const Net& net, Workspace& workspace, float* coefficients);
-  void run_coefficients(const float* controls, Workspace& workspace) const;
-  // Adds what the coefficients move to the rest positions of the chunk's rows.
-  static void run_chunk(const Chunk& chunk, Workspace& workspace, const float* rest, float* positions);
-  void run_pose(const float* controls, float* positions, std::size_t vertex_stride, Workspace& workspace) const;
+  void run_regions(RegionMask regions, Workspace& workspace) const;
+  void gather_summands(Workspace& workspace) const;
+  void run_chunks(Workspace& workspace, float* rows) const;
+  void run_pose(const float* controls, const PoseOutput& output, RegionMask regions, Workspace& workspace) const;
+  void run_coefficients(const float* controls, RegionMask regions, float* coefficients, Workspace& workspace) const;
 
+  void check_batch(const Batch& batch) const;
   // The first control that is NaN, or control_count().
   std::size_t find_nan(const float* controls) const;
   void refuse_nan(const float* controls) const;
 
   RigSchema schema_;
+  const Kernels& kernels_;
   MeteredMemory memory_;
-  std::pmr::vector<Range> ranges_;
-  std::pmr::vector<float> rest_controls_, rest_;
-  std::pmr::vector<Feature> features_;
+  FeatureGraph graph_;
+  std::vector<std::string> region_names_;
+  std::pmr::vector<RegionNet> nets_;
+  std::pmr::vector<float> slopes_;  // of the regions' gates; 0: no gate
+  std::pmr::vector<RowChunk> chunks_;
   std::pmr::vector<std::uint32_t> direct_;
-  std::pmr::vector<Net> nets_;
-  std::pmr::vector<Chunk> chunks_;
-  std::pmr::vector<std::uint32_t> order_;  // empty: rows are in the order of vertices
-  std::pmr::vector<float> rest_rows_;      // rest_ in the order of rows; empty where that is the same
+  std::pmr::vector<std::uint32_t> first_coefficient_, first_input_, first_summand_;  // of regions and of chunks
+  // What features are used for, feature after feature.
+  std::pmr::vector<InputUse> inputs_;
+  std::pmr::vector<std::uint32_t> gates_;  // the regions that watch a feature
+  std::pmr::vector<SummandUse> summands_;
+  std::pmr::vector<std::uint32_t> inputs_begin_, gates_begin_, summands_begin_;
+  // What chunks use of regions, chunk after chunk.
+  std::pmr::vector<ChunkRegion> chunk_regions_;
+  std::pmr::vector<std::uint32_t> chunk_regions_begin_;
+  std::pmr::vector<float> rest_, rest_rows_;          // in the order of vertices, and of rows
+  std::pmr::vector<std::uint32_t> order_, place_of_;  // empty: rows are in the order of vertices
+  VertexNormals normals_;
   std::size_t coefficient_count_, widest_layer_ = 0, longest_list_ = 0;
 };
 

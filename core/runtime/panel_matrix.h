@@ -10,7 +10,7 @@
 
 #include "base/checked.h"
 #include "model/packed_model.h"
-#include "runtime/kernels/panel_sums.h"
+#include "runtime/kernels/panel_kernels.h"
 
 namespace fb {
 
@@ -34,7 +34,7 @@ class PanelMatrix {
       for (std::size_t column = 0; column < columns; ++column, line += lines_of(first))
         for (std::uint32_t r = 0; r < rows_at(first); ++r) {
           const int d = digit(first + r, column);
-          line[r / 16].digit[r % 16] = static_cast<std::int8_t>(d);
+          line[r / 16].digit[r % 16] = static_cast<std::uint8_t>(d + 128);
           weights[r] += std::abs(d);
         }
       heaviest = std::max(heaviest, *std::max_element(weights, weights + panel_rows));
@@ -49,29 +49,29 @@ class PanelMatrix {
   // is at most most_summands.
   std::int32_t limit() const { return limit_; }
 
-  // Calls finish(row, count, sums) for each panel in the order of rows.
-  template <class Finish>
-  void multiply(std::span<const ActiveColumn> active, Finish&& finish) const {
-    for (std::uint32_t first = 0; first < rows_; first += panel_rows) {
-      alignas(64) std::int32_t sums[panel_rows];
-      sum(first, active, sums);
-      finish(first, rows_at(first), static_cast<const std::int32_t*>(sums));
-    }
+  // How many rows the panel has that begins at row `first`, a multiple of panel_rows.
+  std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows, rows_ - first); }
+
+  // The sums of that panel.
+  void sum(const Kernels& kernels, std::uint32_t first, const ActiveColumns& active,
+           std::int32_t (&sums)[panel_rows]) const {
+    kernels.panel_sums(panel(first), std::size_t(16) * lines_of(first), active, sums);
   }
 
-  // The sums of the panel that begins at row `first`, a multiple of panel_rows.
-  void sum(std::uint32_t first, std::span<const ActiveColumn> active, std::int32_t* sums) const {
-    // All panels before this one are full.
-    const auto* digits = reinterpret_cast<const std::int8_t*>(lines_.data() + std::size_t(first / 16) * columns_);
-    panel_sums(digits, std::size_t(16) * lines_of(first), active, sums);
+  int digit(std::uint32_t row, std::size_t column) const {
+    const std::uint32_t first = row / panel_rows * panel_rows;
+    return panel(first)[16 * lines_of(first) * column + row - first] - 128;
   }
 
  private:
   struct alignas(16) Line {
-    std::int8_t digit[16];
+    std::uint8_t digit[16];
   };
-  std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows, rows_ - first); }
-  std::uint32_t lines_of(std::uint32_t first) const { return (rows_at(first) + 15) / 16; }
+  std::size_t lines_of(std::uint32_t first) const { return (rows_at(first) + 15) / 16; }
+  // All panels before this one are full.
+  const std::uint8_t* panel(std::uint32_t first) const {
+    return reinterpret_cast<const std::uint8_t*>(lines_.data() + first / 16 * columns_);
+  }
 
   std::uint32_t rows_;
   std::size_t columns_;

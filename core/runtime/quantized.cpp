@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 
 namespace fb {
 namespace {
@@ -19,20 +18,35 @@ float magnitude(const float* x, std::size_t count) {
 
 }  // namespace
 
-Quantized quantize(const float* x, std::size_t count, float limit, std::span<ActiveColumn> active) {
+void Quantized::quantize(const float* x, const std::uint32_t* places, std::size_t count, float limit) {
+  step_ = 0;
+  columns_ = {};
   const float m = magnitude(x, count);
-  if (m < smallest) return {};
+  if (m < smallest) return;
+  step_ = m / limit;
   const float inverse = limit / m;
-  std::size_t used = 0;
+  std::int32_t* wholes = wholes_.data();
   for (std::size_t i = 0; i < count; ++i) {
     // Beyond 2^23 floats are whole, so adding 1.5 * 2^23 rounds to nearest even.
     float q = (x[i] * inverse + 12582912.0f) - 12582912.0f;
     q = q > limit ? limit : q < -limit ? -limit : q;
-    // Written whether listed or not: whether an activation is 0 is a coin toss no branch predictor wins.
-    active[used] = {static_cast<std::uint32_t>(i), q == q ? static_cast<std::int32_t>(q) : 0};
-    used += active[used].input != 0;
+    wholes[i] = static_cast<std::int32_t>(q == q ? q : 0);
   }
-  return {active.first(used), m / limit};
+  // Written whether listed or not: whether an activation is 0 is a coin toss no branch predictor wins.
+  std::uint32_t *listed = places_.data(), sum = 0;
+  std::int16_t* inputs = inputs_.data();
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    listed[used] = places ? places[i] : static_cast<std::uint32_t>(i);
+    inputs[used] = static_cast<std::int16_t>(wholes[i]);
+    sum += static_cast<std::uint32_t>(wholes[i]);
+    used += wholes[i] != 0;
+  }
+  for (; used % 4 != 0; ++used) {
+    listed[used] = listed[0];
+    inputs[used] = 0;
+  }
+  columns_ = {listed, inputs, used, 0 - 128 * sum};
 }
 
 }  // namespace fb

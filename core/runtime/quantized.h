@@ -2,19 +2,34 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
 
-#include "runtime/kernels/panel_sums.h"
+#include "runtime/kernels/panel_kernels.h"
 
 namespace fb {
 
-// x[i] is about step * input, where place i is listed, and about 0 where it is not. step is 0 if all are.
-struct Quantized {
-  std::span<const ActiveColumn> active;
-  float step = 0;
-};
+// Up to `longest` numbers, ready to be multiplied with the columns of a matrix.
+class Quantized {
+ public:
+  Quantized(std::size_t longest, std::pmr::memory_resource& memory)
+      : wholes_(longest, &memory), places_(longest + 3, &memory), inputs_(longest + 3, &memory) {}
 
-// FORMAT.md, "Whole numbers". `active` is working memory of at least `count` entries; `limit` is the largest input.
-Quantized quantize(const float* x, std::size_t count, float limit, std::span<ActiveColumn> active);
+  // FORMAT.md, "Whole numbers", of x[i] at column places[i], or at column i where places is null; columns not named are
+  // 0. `limit` is the largest input.
+  void quantize(const float* x, const std::uint32_t* places, std::size_t count, float limit);
+
+  // An input times step() is about the number it stands for; 0 if all numbers are.
+  float step() const { return step_; }
+  const ActiveColumns& columns() const { return columns_; }
+
+ private:
+  std::pmr::vector<std::int32_t> wholes_;
+  std::pmr::vector<std::uint32_t> places_;
+  std::pmr::vector<std::int16_t> inputs_;
+  ActiveColumns columns_ = {};
+  float step_ = 0;
+};
 
 }  // namespace fb

@@ -246,8 +246,9 @@ TEST_CASE("a batch gives the bits of single poses, whatever the strides, the lay
       for (std::size_t p = 0; p < poses; ++p)
         for (std::size_t i = 0; i < 3 * vertices; ++i)
           expected[p * pose_stride + i / 3 * vertex_stride + i % 3] = single[p][i];
-      evaluator.evaluate_batch({poses, input, control_stride, output, layout.pose_stride, layout.vertex_stride},
-                               workspaces, {threads});
+      evaluator.evaluate_batch(
+          {poses, input, control_stride, {output.data(), output.size(), layout.pose_stride, layout.vertex_stride}},
+          workspaces, {threads});
       CHECK(same_bits(output, expected));
     }
 }
@@ -263,14 +264,18 @@ TEST_CASE("a batch that does not fit is refused before anything is written") {
     CHECK_THROWS_AS(evaluator.evaluate_batch(batch, workspaces), Error);
     CHECK(same_bits(output, before));
   };
-  refuses({2, std::span(input).first(9), 0, output});
-  refuses({2, input, 0, std::span(output).first(179)});
-  refuses({2, input, 0, output, 0, 2});
-  refuses({2, input, 0, output, 89, 3});
-  refuses({2, input, SIZE_MAX / 2, output});
-  refuses({SIZE_MAX, input, 0, output});
+  const BatchOutput whole = {output.data(), output.size()};
+  refuses({2, std::span(input).first(9), 0, whole});
+  refuses({2, input, 0, {output.data(), 179}});
+  refuses({2, input, 0, {output.data(), output.size(), 0, 2}});
+  refuses({2, input, 0, {output.data(), output.size(), 89, 3}});
+  refuses({2, input, 0, whole, {output.data(), 179}});
+  refuses({2, input, SIZE_MAX / 2, whole});
+  refuses({SIZE_MAX, input, 0, whole});
+  const std::vector<std::uint8_t> mask(3, 1);
+  refuses({.poses = 2, .controls = input, .positions = whole, .regions = mask});
   input[7] = NAN;
-  refuses({2, input, 0, output});
+  refuses({2, input, 0, whole});
 }
 
 TEST_CASE("a host's scheduler that breaks its promise is found out") {
@@ -280,7 +285,7 @@ TEST_CASE("a host's scheduler that breaks its promise is found out") {
   for (int w = 0; w < 2; ++w) workspaces.emplace_back(evaluator);
   std::vector<float> input(3 * 5, 0.0f), output(3 * 90);
   const auto run = [&](HostParallelFor host) {
-    evaluator.evaluate_batch({3, input, 0, output}, workspaces, {2, host, nullptr});
+    evaluator.evaluate_batch({3, input, 0, {output.data(), output.size()}}, workspaces, {2, host, nullptr});
   };
   run([](void*, std::uint32_t count, std::uint32_t workers, HostTask task, void* context) {
     for (std::uint32_t i = 0; i < count; ++i) task(context, i, i % workers);

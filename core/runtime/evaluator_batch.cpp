@@ -1,0 +1,101 @@
+// Many poses at once.
+#include <algorithm>
+
+#include "base/checked.h"
+#include "base/status.h"
+#include "runtime/evaluator.h"
+#include "runtime/float_state.h"
+
+namespace fb {
+namespace {
+
+// Beyond this, what was written first has left a core's caches before the last is written, and writing past them spares
+// reading every line that is overwritten.
+constexpr std::size_t streamed_bytes = std::size_t(4) << 20;
+
+// One past the last number that `count` items of `size` numbers touch, `stride` apart.
+std::size_t extent(std::size_t count, std::size_t stride, std::size_t size) {
+  return count == 0 ? 0 : checked_add(checked_multiply(count - 1, stride, "batch"), size, "batch");
+}
+
+struct Strides {
+  std::size_t pose, vertex;
+};
+
+Strides strides_of(const BatchOutput& output, std::size_t vertices) {
+  const std::size_t vertex = output.vertex_stride ? output.vertex_stride : 3;
+  return {output.pose_stride ? output.pose_stride : checked_multiply(vertex, vertices, "pose stride"), vertex};
+}
+
+void check_output(const BatchOutput& output, const char* what, std::size_t poses, std::size_t vertices) {
+  if (!output.first && output.size == 0) return;
+  const auto [pose_stride, vertex_stride] = strides_of(output, vertices);
+  if (vertex_stride < 3)
+    fail(Status::invalid_argument, "%s: a vertex stride of %zu numbers is below 3", what, vertex_stride);
+  const std::size_t pose_extent = extent(vertices, vertex_stride, 3);
+  const std::size_t needed = extent(poses, pose_stride, pose_extent);
+  if (output.size < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu numbers of %s; the buffer has %zu", poses, needed, what,
+         output.size);
+  // Poses one after the other, or interleaved within each vertex.
+  const bool interleaved = pose_stride >= 3 && vertex_stride >= extent(poses, pose_stride, 3);
+  if (poses > 1 && pose_stride < pose_extent && !interleaved)
+    fail(Status::invalid_argument, "%s of poses overlap: %zu numbers apart, %zu long", what, pose_stride, pose_extent);
+}
+
+VertexOutput output_of(const Batch& batch, const BatchOutput& output, std::size_t pose, std::size_t vertices) {
+  if (!output.first) return {};
+  const auto [pose_stride, vertex_stride] = strides_of(output, vertices);
+  const std::size_t number = batch.format == NumberFormat::float16 ? sizeof(std::uint16_t) : sizeof(float);
+  const bool streamed = batch.format == NumberFormat::float32 && vertex_stride == 3 && pose_stride == 3 * vertices &&
+                        batch.poses * vertices >= streamed_bytes / (3 * number);
+  return {static_cast<std::byte*>(output.first) + pose * pose_stride * number, vertex_stride, batch.order, batch.format,
+          streamed};
+}
+
+}  // namespace
+
+void Evaluator::check_batch(const Batch& batch) const {
+  const std::size_t control_stride = batch.control_stride ? batch.control_stride : control_count();
+  const std::size_t needed = extent(batch.poses, control_stride, control_count());
+  if (batch.controls.size() < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu control floats; the buffer has %zu", batch.poses, needed,
+         batch.controls.size());
+  check_output(batch.positions, "positions", batch.poses, vertex_count());
+  check_output(batch.normals, "normals", batch.poses, vertex_count());
+  if (!batch.regions.empty() && batch.regions.size() != nets_.size())
+    fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", batch.regions.size(), nets_.size());
+  for (std::size_t pose = 0; pose < batch.poses; ++pose) {
+    const std::size_t control = find_nan(batch.controls.data() + pose * control_stride);
+    if (control < control_count())
+      fail(Status::not_finite, "pose %zu: control \"%s\" is not a number", pose,
+           schema_.controls[control].name.c_str());
+  }
+}
+
+void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const {
+  if (workspaces.empty()) fail(Status::invalid_argument, "a batch needs a workspace");
+  check_batch(batch);
+  const std::size_t control_stride = batch.control_stride ? batch.control_stride : control_count();
+  Parallel within = parallel;
+  within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
+  for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
+  parallel_for(within, batch.poses, [&](std::size_t pose, std::size_t worker) {
+    if (pose >= batch.poses || worker >= workspaces.size())
+      fail(Status::invalid_argument, "the host's parallel_for gave pose %zu of %zu to worker %zu of %zu", pose,
+           batch.poses, worker, workspaces.size());
+    const FloatState state;
+    Workspace& workspace = workspaces[worker];
+    run_pose(batch.controls.data() + pose * control_stride,
+             {output_of(batch, batch.positions, pose, vertex_count()),
+              output_of(batch, batch.normals, pose, vertex_count())},
+             batch.regions, workspace);
+    ++workspace.poses_;
+  });
+  std::size_t done = 0;
+  for (const Workspace& workspace : workspaces) done += workspace.poses_;
+  if (done != batch.poses)
+    fail(Status::invalid_argument, "the host's parallel_for ran %zu poses of %zu", done, batch.poses);
+}
+
+}  // namespace fb

@@ -1,0 +1,77 @@
+// From controls to the features that are not 0: what rests costs nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "model/packed_model.h"
+
+namespace fb {
+
+class FeatureGraph;
+
+// The features of one pose. Values of those not listed are 0.
+class FeatureState {
+ public:
+  FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory);
+  std::span<const std::uint32_t> active() const { return {active_.data(), count_}; }
+  float operator[](std::size_t feature) const { return values_[feature]; }
+
+ private:
+  friend class FeatureGraph;
+  void set(std::uint32_t feature, float value) {
+    values_[feature] = value;
+    active_[count_] = feature;
+    count_ += value != 0;
+  }
+  std::pmr::vector<float> values_;
+  std::pmr::vector<std::uint32_t> active_, moved_controls_;
+  std::pmr::vector<float> moved_values_;
+  std::size_t count_ = 0;
+};
+
+// The features of a model, arranged so that controls at rest, and what is made of them, are not looked at.
+class FeatureGraph {
+ public:
+  FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory);
+
+  std::size_t control_count() const { return ranges_.size(); }
+  std::size_t feature_count() const { return feature_count_; }
+
+  // FORMAT.md, "Clamp" and "Features": leaves in `state` the features that are not 0, those of controls first and in
+  // the order of controls. Returns how many controls were beyond their range.
+  std::uint64_t run(const float* controls, FeatureState& state) const;
+
+ private:
+  struct Range {
+    float minimum, maximum, rest;
+  };
+  struct ControlFeature {
+    Feature feature;
+    std::uint32_t index;
+  };
+  struct Combined {
+    std::uint32_t index, first, second;
+    Feature::Kind kind;
+  };
+  // combine(index of `combined`) of all combined features that may have become other than 0.
+  void combine(const Combined& combined, FeatureState& state) const;
+
+  std::size_t feature_count_;
+  std::pmr::vector<Range> ranges_;
+  std::pmr::vector<ControlFeature> of_controls_;   // control after control
+  std::pmr::vector<std::uint32_t> control_begin_;  // in of_controls_; one more than controls
+  // A combined feature can only be other than 0 if the one it is listed under is: of its two the one that is itself
+  // combined more deeply.
+  std::pmr::vector<Combined> combined_;             // feature after feature
+  std::pmr::vector<std::uint32_t> combined_begin_;  // in combined_; one more than features
+  // But for minima of features that may be below 0: those are taken in every pose, level after level. Level 0 are
+  // features of controls, each other is one more than the deeper of its two.
+  std::pmr::vector<Combined> restless_;
+  std::pmr::vector<std::uint32_t> restless_begin_;  // in restless_, by level; one more than levels
+};
+
+}  // namespace fb

@@ -1,0 +1,19 @@
+#include "runtime/kernels/panel_kernels.h"
+
+namespace fb {
+namespace {
+
+void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+  for (std::size_t r = 0; r < rows; ++r) {
+    std::uint32_t sum = active.start;
+    for (std::size_t k = 0; k < active.count; ++k)
+      sum += static_cast<std::uint32_t>(active.inputs[k] * digits[active.places[k] * rows + r]);
+    sums[r] = static_cast<std::int32_t>(sum);
+  }
+}
+
+}  // namespace
+
+const Kernels scalar_kernels = {"scalar", panel_sums};
+
+}  // namespace fb

@@ -1,0 +1,111 @@
+#include "runtime/region_net.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/status.h"
+#include "model/activation.h"
+
+namespace fb {
+namespace {
+
+PanelMatrix digits_of(const PackedLayer& layer, bool high, std::pmr::memory_resource& memory) {
+  const auto digit = [&](std::size_t row, std::size_t column) {
+    const int weight = layer.weights[row * layer.inputs + column];
+    return high ? high_digit(weight) : layer.wide ? low_digit(weight) : weight;
+  };
+  return PanelMatrix(layer.outputs, layer.inputs, digit, memory);
+}
+
+void activate(Activation activation, float* values, std::size_t count) {
+  switch (activation) {
+    case Activation::linear:
+      return;
+    case Activation::relu:
+      for (std::size_t i = 0; i < count; ++i) values[i] = values[i] > 0 ? values[i] : 0;
+      return;
+    case Activation::tanh:
+      for (std::size_t i = 0; i < count; ++i) values[i] = rational_tanh(values[i]);
+      return;
+    case Activation::silu:
+      for (std::size_t i = 0; i < count; ++i) values[i] = rational_silu(values[i]);
+      return;
+  }
+}
+
+}  // namespace
+
+RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& memory)
+    : inputs(layer.inputs),
+      outputs(layer.outputs),
+      activation(layer.activation),
+      skip(layer.skip),
+      low(digits_of(layer, false, memory)),
+      limit(static_cast<float>(low.limit())),
+      scales(layer.scales.begin(), layer.scales.end(), &memory),
+      bias(layer.bias.begin(), layer.bias.end(), &memory) {
+  if (!layer.wide) return;
+  high.emplace(digits_of(layer, true, memory));
+  limit = static_cast<float>(std::min(low.limit(), high->limit()));
+}
+
+void RegionNet::Layer::run(const Kernels& kernels, const Quantized& x, const float* input, float* output) const {
+  const float step = x.step();
+  for (std::uint32_t first = 0; first < outputs; first += PanelMatrix::panel_rows) {
+    const std::uint32_t rows = low.rows_at(first);
+    std::int32_t sums[PanelMatrix::panel_rows];
+    float floats[PanelMatrix::panel_rows];
+    low.sum(kernels, first, x.columns(), sums);
+    for (std::uint32_t r = 0; r < rows; ++r) floats[r] = static_cast<float>(sums[r]);
+    if (high) {
+      high->sum(kernels, first, x.columns(), sums);
+      for (std::uint32_t r = 0; r < rows; ++r) floats[r] = 256 * static_cast<float>(sums[r]) + floats[r];
+    }
+    const float *scale = scales.data() + first, *add = bias.data() + first;
+    for (std::uint32_t r = 0; r < rows; ++r) output[first + r] = (scale[r] * step) * floats[r] + add[r];
+  }
+  activate(activation, output, outputs);
+  if (skip)
+    for (std::uint32_t o = 0; o < outputs; ++o) output[o] += input[o];
+}
+
+RegionNet::RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory)
+    : layers_(&memory), at_rest_(region.layers.back().outputs, &memory) {
+  layers_.reserve(region.layers.size());
+  for (const PackedLayer& layer : region.layers) layers_.emplace_back(layer, memory);
+}
+
+std::size_t RegionNet::widest() const {
+  std::size_t widest = 0;
+  for (const Layer& layer : layers_) widest = std::max<std::size_t>({widest, layer.inputs, layer.outputs});
+  return widest;
+}
+
+[[gnu::noinline]] void RegionNet::run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized,
+                                      float* outputs) const {
+  float *before = work, *after = work + widest();
+  quantized.quantize(input.values, input.places, input.count, layers_.front().limit);
+  if (layers_.front().skip) {
+    std::fill_n(before, input_count(), 0.0f);
+    for (std::size_t i = 0; i < input.count; ++i) before[input.places[i]] = input.values[i];
+  }
+  for (const Layer& layer : layers_) {
+    if (&layer != &layers_.front()) quantized.quantize(before, nullptr, layer.inputs, layer.limit);
+    layer.run(kernels, quantized, before, after);
+    std::swap(before, after);
+  }
+  for (std::size_t o = 0; o < output_count(); ++o) outputs[o] = before[o] - at_rest_[o];
+}
+
+void RegionNet::find_rest(const Kernels& kernels, const char* name) {
+  std::vector<float> work(2 * widest()), outputs(output_count());
+  Quantized quantized(widest(), *std::pmr::get_default_resource());
+  std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
+  run(kernels, {nullptr, nullptr, 0}, work.data(), quantized, outputs.data());
+  std::copy(outputs.begin(), outputs.end(), at_rest_.begin());
+  if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
+    fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);
+}
+
+}  // namespace fb

@@ -1,0 +1,56 @@
+// A region's network.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <optional>
+#include <vector>
+
+#include "model/packed_model.h"
+#include "runtime/kernels/panel_kernels.h"
+#include "runtime/panel_matrix.h"
+#include "runtime/quantized.h"
+
+namespace fb {
+
+// What running a network needs. The input of the first layer is a list of numbers and their places; all others are 0.
+struct NetInput {
+  const float* values;
+  const std::uint32_t* places;
+  std::size_t count;
+};
+
+class RegionNet {
+ public:
+  RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory);
+
+  std::size_t input_count() const { return layers_.front().inputs; }
+  std::size_t output_count() const { return layers_.back().outputs; }
+  // Of any layer's input or output.
+  std::size_t widest() const;
+
+  // FORMAT.md, "Regions", without the gate: output_count() numbers. `work` are 2 x widest() floats.
+  void run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized, float* outputs) const;
+
+  // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.
+  void find_rest(const Kernels& kernels, const char* name);
+
+ private:
+  struct Layer {
+    Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
+    // Of quantised numbers; `input` are those numbers, for layers that skip.
+    void run(const Kernels& kernels, const Quantized& x, const float* input, float* output) const;
+    std::uint32_t inputs, outputs;
+    Activation activation;
+    bool skip;
+    PanelMatrix low;
+    std::optional<PanelMatrix> high;  // the other digits of a wide layer
+    float limit;
+    std::pmr::vector<float> scales, bias;
+  };
+  std::pmr::vector<Layer> layers_;
+  std::pmr::vector<float> at_rest_;  // what the last layer gives there
+};
+
+}  // namespace fb

@@ -1,0 +1,75 @@
+#include "runtime/row_chunk.h"
+
+#include <algorithm>
+
+namespace fb {
+namespace {
+
+PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& memory) {
+  const auto count = static_cast<std::uint32_t>(group.columns.size());
+  std::vector<std::uint32_t> wide;
+  for (std::uint32_t c = 0; c < count; ++c)
+    if (group.columns[c].wide) wide.push_back(c);
+  const auto digit = [&](std::size_t row, std::size_t summand) {
+    const std::size_t c = summand < count ? summand : wide[summand - count];
+    const int value = group.values[c * group.row_count + row];
+    return summand >= count ? high_digit(value) : group.columns[c].wide ? low_digit(value) : value;
+  };
+  return PanelMatrix(group.row_count, count + wide.size(), digit, memory);
+}
+
+}  // namespace
+
+RowChunk::RowChunk(const PackedRowGroup& group, std::pmr::memory_resource& memory)
+    : first_row_(group.first_row),
+      column_count_(group.columns.size()),
+      columns_(&memory),
+      scales_(&memory),
+      digits_(digits_of(group, memory)) {
+  columns_.reserve(digits_.columns());
+  scales_.reserve(digits_.columns());
+  for (const bool high : {false, true})
+    for (const PackedColumn& column : group.columns)
+      if (column.wide || !high) {
+        columns_.push_back(column.column);
+        scales_.push_back(high ? 256 * column.scale : column.scale);
+      }
+}
+
+std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t first_column,
+                                                                std::uint32_t last_column) const {
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    const auto at = [&](std::uint32_t column) {
+      return static_cast<std::uint32_t>(std::lower_bound(columns_.begin() + begin, columns_.begin() + end, column) -
+                                        columns_.begin());
+    };
+    return Span{at(first_column), at(last_column)};
+  };
+  return {part(0, column_count_), part(column_count_, columns_.size())};
+}
+
+bool RowChunk::run(const Kernels& kernels, const float* summands, const std::uint32_t* places, std::size_t count,
+                   Quantized& quantized, const float* rest, float* rows) const {
+  quantized.quantize(summands, places, count, static_cast<float>(digits_.limit()));
+  const float step = quantized.step();
+  if (step == 0) return false;
+  for (std::uint32_t first = 0; first < row_count(); first += PanelMatrix::panel_rows) {
+    std::int32_t sums[PanelMatrix::panel_rows];
+    digits_.sum(kernels, first, quantized.columns(), sums);
+    const std::uint32_t end = digits_.rows_at(first);
+    for (std::uint32_t r = 0; r < end; ++r) rows[first + r] = rest[first + r] + step * static_cast<float>(sums[r]);
+  }
+  return true;
+}
+
+void RowChunk::displacements(std::size_t place, float* moved) const {
+  const auto wide = std::lower_bound(columns_.begin() + column_count_, columns_.end(), columns_[place]);
+  const std::size_t high = wide - columns_.begin();
+  const bool has_high = wide != columns_.end() && *wide == columns_[place];
+  for (std::uint32_t r = 0; r < row_count(); ++r) {
+    const int value = digits_.digit(r, place) + (has_high ? 256 * digits_.digit(r, high) : 0);
+    moved[r] = scales_[place] * static_cast<float>(value);
+  }
+}
+
+}  // namespace fb

@@ -1,0 +1,58 @@
+// A row group of the basis, laid out for speed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "model/packed_model.h"
+#include "runtime/kernels/panel_kernels.h"
+#include "runtime/panel_matrix.h"
+#include "runtime/quantized.h"
+
+namespace fb {
+
+// Summand s is coefficient column(s) times scale(s); a wide column has two, one for each digit. Every column's values
+// or low digits come first, then the high digits of wide columns; in both parts columns ascend.
+class RowChunk {
+ public:
+  RowChunk(const PackedRowGroup& group, std::pmr::memory_resource& memory);
+
+  std::uint32_t first_row() const { return first_row_; }
+  std::uint32_t row_count() const { return digits_.rows(); }
+  std::size_t summand_count() const { return columns_.size(); }
+  std::uint32_t column(std::size_t summand) const { return columns_[summand]; }
+  float scale(std::size_t summand) const { return scales_[summand]; }
+
+  // The summands that use columns first_column and on, up to last_column: begin..end.
+  struct Span {
+    std::uint32_t begin, end;
+  };
+  // Of both parts; the second is empty if there is no wide column.
+  std::pair<Span, Span> summands_of(std::uint32_t first_column, std::uint32_t last_column) const;
+
+  // coefficients[column(s)] * scale(s) for the summands of a span.
+  void weigh(Span span, const float* coefficients, float* summands) const {
+    for (std::uint32_t s = span.begin; s < span.end; ++s)
+      summands[s - span.begin] = coefficients[columns_[s]] * scales_[s];
+  }
+
+  // Adds what `count` summands move, those at `places`, to the rest positions of the rows, where any of them counts.
+  // Returns whether it did; rows are left alone where not.
+  bool run(const Kernels& kernels, const float* summands, const std::uint32_t* places, std::size_t count,
+           Quantized& quantized, const float* rest, float* rows) const;
+
+  // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.
+  void displacements(std::size_t place, float* moved) const;
+  std::size_t column_count() const { return column_count_; }
+
+ private:
+  std::uint32_t first_row_;
+  std::size_t column_count_;
+  std::pmr::vector<std::uint32_t> columns_;
+  std::pmr::vector<float> scales_;
+  PanelMatrix digits_;
+};
+
+}  // namespace fb

@@ -1,0 +1,60 @@
+// Normals of the posed mesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "model/mesh.h"
+
+namespace fb {
+
+// A vertex' normal is the sum of the area vectors of the polygons around it, made one long; null where there is no
+// polygon, or no area. A polygon's area vector is that of the closed loop of its corners, flat or not: of a quad the
+// cross product of its diagonals, of others the sum over the quads they fan into. Only what moved is computed: a
+// chunk's vertices where its rows, or those of polygons around them, moved.
+class VertexNormals {
+ public:
+  // Working memory: area vectors and normals, and which chunks' normals are not those at rest.
+  class State {
+   public:
+    State(const VertexNormals& normals, std::pmr::memory_resource& memory);
+    // The last pose's: 3 floats a vertex in baked order, and one float more.
+    const float* normals() const { return normals_.data(); }
+
+   private:
+    friend class VertexNormals;
+    std::pmr::vector<float> areas_, normals_;  // 4 floats a piece; 3 a vertex and 1
+    std::pmr::vector<std::uint8_t> moved_, needed_;
+  };
+
+  // place_of: the place of a vertex in baked order, empty if that is the mesh's own. chunk_rows: the first row of every
+  // chunk, and then the number of rows.
+  VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> place_of, std::span<const std::uint32_t> chunk_rows,
+                std::pmr::memory_resource& memory);
+
+  // rows: positions in baked order, readable one float beyond. moved: whether a chunk's rows are not those at rest.
+  void run(const float* rows, std::span<const std::uint8_t> moved, State& state) const;
+
+ private:
+  // Four corners, of which the last may repeat the first.
+  struct Piece {
+    std::uint32_t corner[4];
+  };
+  void compute_areas(std::size_t chunk, const float* rows, float* areas) const;
+  void compute_normals(std::size_t chunk, const float* areas, float* normals) const;
+  std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
+
+  std::pmr::vector<Piece> pieces_;               // chunk after chunk: that of the polygon's first corner
+  std::pmr::vector<std::uint32_t> piece_begin_;  // in pieces_, by chunk
+  std::pmr::vector<std::uint32_t> around_;       // the pieces whose polygon has a vertex, vertex after vertex
+  std::pmr::vector<std::uint32_t> around_begin_;
+  std::pmr::vector<std::uint32_t> vertex_begin_;  // vertices, in baked order, by the chunk their first row is in
+  // The chunks whose pieces a chunk's normals are made of, and those whose rows these pieces are made of.
+  std::pmr::vector<std::uint32_t> sources_, source_begin_, influences_, influence_begin_;
+  std::pmr::vector<float> at_rest_;
+};
+
+}  // namespace fb

@@ -1,0 +1,84 @@
+#include "runtime/vertex_output.h"
+
+#include <bit>
+#include <cstring>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace fb {
+namespace {
+
+// To the nearest of 16 bits, ties to the even one, without branches. Below 2^-14, adding 0.5 leaves a half's last bit
+// the last of the sum; above, the exponent is moved and the bits that fall off decide.
+std::uint16_t to_half(float number) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(number), size = bits & 0x7fffffff;
+  const std::uint32_t small = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5f) - 0x3f000000;
+  const std::uint32_t ordinary = (size - 0x38000000 + 0xfff + (size >> 13 & 1)) >> 13;
+  const std::uint32_t beyond = size > 0x7f800000 ? 0x7e00 : 0x7c00;
+  const std::uint32_t half = size < 0x38800000 ? small : size < 0x47800000 ? ordinary : beyond;
+  return static_cast<std::uint16_t>(half | (bits >> 16 & 0x8000));
+}
+
+// Without gaps, a number more than the three is copied, because that is one instruction; the next vertex sets it right.
+template <class Number, class Place>
+void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, Place&& place) {
+  auto* to = static_cast<Number*>(output.first);
+  if (vertices == 0) return;
+  const std::size_t last = vertices - 1;
+  if (output.vertex_stride == 3)
+    for (std::size_t v = 0; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * place(v), 4 * sizeof(Number));
+  else
+    for (std::size_t v = 0; v < last; ++v)
+      std::memcpy(to + v * output.vertex_stride, rows + 3 * place(v), 3 * sizeof(Number));
+  std::memcpy(to + last * output.vertex_stride, rows + 3 * place(last), 3 * sizeof(Number));
+}
+
+#if defined(__SSE2__)
+// Four vertices are three vectors.
+template <class Place>
+void stream(const float* rows, std::size_t vertices, float* to, Place&& place) {
+  std::size_t v = 0;
+  for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
+    std::memcpy(to + 3 * v, rows + 3 * place(v), 3 * sizeof(float));
+  for (; v + 4 <= vertices; v += 4) {
+    const __m128 a = _mm_loadu_ps(rows + 3 * place(v)), b = _mm_loadu_ps(rows + 3 * place(v + 1));
+    const __m128 c = _mm_loadu_ps(rows + 3 * place(v + 2)), d = _mm_loadu_ps(rows + 3 * place(v + 3));
+    const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));  // z z x x
+    const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
+    _mm_stream_ps(to + 3 * v, _mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0)));
+    _mm_stream_ps(to + 3 * v + 4, _mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1)));
+    _mm_stream_ps(to + 3 * v + 8, _mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0)));
+  }
+  for (; v < vertices; ++v) std::memcpy(to + 3 * v, rows + 3 * place(v), 3 * sizeof(float));
+  _mm_sfence();
+}
+#endif
+
+template <class Number, class Place>
+void write(const Number* rows, std::size_t vertices, const VertexOutput& output, Place&& place) {
+#if defined(__SSE2__)
+  if constexpr (sizeof(Number) == sizeof(float))
+    if (output.streamed && output.vertex_stride == 3)
+      return stream(rows, vertices, static_cast<float*>(output.first), place);
+#endif
+  copy(rows, vertices, output, place);
+}
+
+}  // namespace
+
+void write_vertices(const float* rows, std::size_t vertices, std::span<const std::uint32_t> place_of,
+                    std::uint16_t* halves, const VertexOutput& output) {
+  const auto in_order = [&](const auto* numbers) {
+    if (place_of.empty() || output.order == VertexOrder::baked)
+      write(numbers, vertices, output, [](std::size_t v) { return v; });
+    else
+      write(numbers, vertices, output, [&](std::size_t v) { return std::size_t(place_of[v]); });
+  };
+  if (output.format == NumberFormat::float32) return in_order(rows);
+  for (std::size_t i = 0; i < 3 * vertices; ++i) halves[i] = to_half(rows[i]);
+  in_order(static_cast<const std::uint16_t*>(halves));
+}
+
+}  // namespace fb
