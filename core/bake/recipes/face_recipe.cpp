@@ -171,33 +171,40 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 
 }  // namespace
 
-Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
-                 Progress& progress) {
+LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                      Progress& progress) {
   const Parts parts = find_parts(recipe, poses, rig, options, progress);
   const RegionInputs inputs =
       region_inputs(parts.probe, poses.source().schema(), parts.regions, recipe.terms_as_inputs, rig != nullptr);
-  FaceModel model;
-  model.schema = poses.source().schema();
-  model.rest = poses.source().rest();
-  model.network.features = inputs.features;
-  for (const SparseShape& shape : parts.probe.base.shapes) model.network.direct.push_back(shape.feature);
+  LearntFace face;
+  face.model.schema = poses.source().schema();
+  face.model.rest = poses.source().rest();
+  face.model.network.features = inputs.features;
+  for (const SparseShape& shape : parts.probe.base.shapes) face.model.network.direct.push_back(shape.feature);
   Networks networks = train(recipe, parts, inputs, poses, options, progress);
-  model.network.regions = std::move(networks.regions);
-  model.basis = assemble_basis(model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
-  std::vector<std::vector<float>> moments;
-  for (const LocalBasis& basis : parts.bases) moments.push_back(second_moments(basis, poses.size()));
-  const Precision precision{std::max(recipe.precision * networks.rms, recipe.finest)};
+  face.model.network.regions = std::move(networks.regions);
+  face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
+  for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
+  face.rms = networks.rms;
+  face.diary.regions = std::move(networks.diary);
+  face.diary.rig_calls = parts.probe.rig_calls;
+  face.diary.notes = notes_on(parts, networks.rms);
+  for (const std::string& note : face.diary.notes) progress.note(note);
+  return face;
+}
+
+Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                 Progress& progress) {
+  LearntFace face = learn_face(recipe, poses, rig, options, progress);
+  const Precision precision{std::max(recipe.precision * face.rms, recipe.finest)};
   LocalizeOptions localize;
   localize.threshold = precision.scale;
   // Without networks there is nothing to merge a rotation into, and shapes are kept best in short columns with a scale
   // each.
-  if (model.network.regions.empty()) localize.chunk_vertices = 21;
+  if (face.model.network.regions.empty()) localize.chunk_vertices = 21;
   Learnt learnt =
-      finish_face(model, moments, localize, precision.pack(), poses, options, progress, recipe.touched_bytes);
-  learnt.diary.regions = std::move(networks.diary);
-  learnt.diary.rig_calls = parts.probe.rig_calls;
-  learnt.diary.notes = notes_on(parts, networks.rms);
-  for (const std::string& note : learnt.diary.notes) progress.note(note);
+      finish_face(face.model, face.moments, localize, precision.pack(), poses, options, progress, recipe.touched_bytes);
+  learnt.diary = std::move(face.diary);
   return learnt;
 }
 

@@ -29,6 +29,21 @@ struct FaceRecipe {
   double touched_bytes = 0;  // that a pose may read (see finish_face), a ground for less precision; 0: any
 };
 
+FaceRecipe hero_recipe();
+FaceRecipe compact_recipe();
+
+// A face of floats: what is known before anything is rounded.
+struct LearntFace {
+  FaceModel model;
+  std::vector<std::vector<float>> moments;  // of each region's coefficients over the poses, see localize_basis
+  double rms = 0;                           // what the networks leave at a vertex on poses kept back, over D
+  BakeDiary diary;
+};
+
+LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                      Progress& progress);
+
+// learn_face, then finish_face.
 Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                  Progress& progress);
 

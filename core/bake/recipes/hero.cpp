@@ -3,7 +3,7 @@
 
 namespace fb {
 
-Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+FaceRecipe hero_recipe() {
   FaceRecipe recipe;
   recipe.basis.max_error = 3e-4;
   recipe.term_bytes = 1'200'000;
@@ -11,10 +11,10 @@ Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, 
   recipe.operations = 2.5e13;
   recipe.precision = 0.015;
   recipe.touched_bytes = 4e6;
-  return make_face(recipe, poses, rig, options, progress);
+  return recipe;
 }
 
-Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+FaceRecipe compact_recipe() {
   FaceRecipe recipe;
   recipe.probe.curve_tolerance = 2e-4;
   recipe.basis.max_error = 1e-3;
@@ -25,7 +25,15 @@ Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& option
   recipe.precision = 0.05;
   recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.3e6;
-  return make_face(recipe, poses, rig, options, progress);
+  return recipe;
+}
+
+Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  return make_face(hero_recipe(), poses, rig, options, progress);
+}
+
+Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  return make_face(compact_recipe(), poses, rig, options, progress);
 }
 
 }  // namespace fb

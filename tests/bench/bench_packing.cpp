@@ -1,0 +1,167 @@
+// Where a face's error comes from: bench_packing RECIPE [NUMBER=VALUE...] -- SOURCE...
+// Learns a face by the recipe `hero` or `compact` with numbers of its own, then packs it as each line of standard input
+// says, "threshold tolerance drop bits" (over the diagonal but the bits), and prints errors on poses kept back from
+// training beside those of the face of floats. Sources are one character: one a live rig.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "archive/writer.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/float_face.h"
+#include "bake/recipes/face_recipe.h"
+#include "bake/recipes/finish_face.h"
+#include "bake/sampling/validation_split.h"
+#include "bake/recipes/recipe.h"
+#include "base/status.h"
+
+using namespace fb;
+
+namespace {
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Prints how long each stage took.
+class PrintedStages : public Progress {
+ public:
+  void begin(std::string_view stage, std::uint64_t) override {
+    if (!stage_.empty()) std::fprintf(stderr, "%6.1f s %s\n", seconds() - start_, stage_.c_str());
+    stage_ = stage;
+    start_ = seconds();
+  }
+  void update(std::uint64_t) override {}
+  bool cancelled() const override { return false; }
+  void note(std::string_view sentence) override {
+    std::fprintf(stderr, "%.*s\n", int(sentence.size()), sentence.data());
+  }
+
+ private:
+  std::string stage_;
+  double start_ = 0;
+};
+
+struct Settings {
+  FaceRecipe recipe;
+  BakeOptions options;
+  std::size_t measured = 600;
+
+  void set(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) fail(Status::invalid_argument, "\"%s\" is not NUMBER=VALUE", text.c_str());
+    const double value = std::atof(text.c_str() + equals + 1);
+    const std::map<std::string, std::function<void()>> numbers = {
+        {"parameters", [&] { recipe.parameters = static_cast<std::size_t>(value); }},
+        {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
+        {"operations", [&] { recipe.operations = value; }},
+        {"term_bytes", [&] { recipe.term_bytes = value; }},
+        {"terms_as_inputs", [&] { recipe.terms_as_inputs = value != 0; }},
+        {"regions", [&] { recipe.regions.regions = static_cast<std::uint32_t>(value); }},
+        {"overlap", [&] { recipe.regions.overlap = value; }},
+        {"basis", [&] { recipe.basis.max_error = value; }},
+        {"components", [&] { recipe.basis.max_components = static_cast<std::size_t>(value); }},
+        {"curves", [&] { recipe.probe.curve_tolerance = value; }},
+        {"pairs", [&] { recipe.probe.max_pairs = static_cast<std::uint32_t>(value); }},
+        {"triples", [&] { recipe.probe.max_triples = static_cast<std::uint32_t>(value); }},
+        {"epochs", [&] { options.epochs = static_cast<std::uint32_t>(value); }},
+        {"seed", [&] { options.seed = static_cast<std::uint64_t>(value); }},
+        {"measured", [&] { measured = static_cast<std::size_t>(value); }},
+    };
+    const auto found = numbers.find(text.substr(0, equals));
+    if (found == numbers.end()) fail(Status::invalid_argument, "there is no number \"%s\"", text.c_str());
+    found->second();
+  }
+};
+
+// Errors of the face of floats, with and without its networks.
+void print_floats(const char* what, const FaceModel& model, const PoseSet& poses) {
+  const FloatFace face(model);
+  const std::size_t size = model.rest.points.size(), controls = model.schema.control_count();
+  const std::vector<float> asked = poses.controls();
+  std::vector<float> points(size);
+  double squares = 0, most = 0;
+  for (std::size_t pose = 0; pose < poses.size(); ++pose) {
+    poses.read_points(pose, 1, points);
+    const std::vector<double> made = face.evaluate(std::span(asked).subspan(pose * controls, controls));
+    for (std::size_t i = 0; i < size; i += 3) {
+      double sum = 0;
+      for (std::size_t k = i; k < i + 3; ++k) sum += (made[k] - points[k]) * (made[k] - points[k]);
+      squares += sum;
+      most = std::max(most, sum);
+    }
+  }
+  const double diagonal = model.rest.diagonal();
+  std::printf("%-44s mse %.3e  max %.5f\n", what,
+              squares / diagonal / diagonal / static_cast<double>(poses.size() * size / 3), std::sqrt(most) / diagonal);
+  std::fflush(stdout);
+}
+
+int measure(const Settings& settings, const std::vector<std::string>& names) {
+  const std::unique_ptr<Source> source = open_sources(names);
+  Source* const rig = source->live() ? source.get() : nullptr;
+  const PoseSet poses = training_poses(*source, Use::variant);
+  PrintedStages progress;
+  const double start = seconds();
+  const LearntFace face = learn_face(settings.recipe, poses, rig, settings.options, progress);
+  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(),
+              seconds() - start, face.rms);
+  for (const RegionDiary& region : face.diary.regions)
+    std::printf("%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e\n",
+                region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
+                100 * region.energy, region.validation);
+
+  const PoseSet kept =
+      poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).thinned(settings.measured);
+  FaceModel base = face.model;
+  print_floats("floats", face.model, kept);
+  for (Region& region : base.network.regions) {
+    region.layers.back().weights.assign(region.layers.back().weights.size(), 0);
+    region.layers.back().bias.assign(region.layers.back().bias.size(), 0);
+  }
+  print_floats("floats, base alone", base, kept);
+
+  const Localizer localizer(face.model, face.moments, face.model.network.regions.empty() ? 21 : 64, {});
+  double threshold, tolerance, drop;
+  int bits;
+  while (std::cin >> threshold >> tolerance >> drop >> bits) {
+    LocalizedModel local = localizer.localized(threshold);
+    PackOptions packing;
+    packing.first_bits = packing.hidden_bits = packing.output_bits = bits;
+    packing.basis_tolerance = tolerance;
+    packing.drop = drop;
+    packing.coefficient_sizes = std::move(local.coefficient_sizes);
+    const PackedModel packed = pack_model(local.model, packing);
+    const std::vector<std::byte> archive = write_archive(packed, {});
+    const Errors errors = evaluate_archive_on(archive, kept, {}, silent_progress());
+    const TouchedBytes touched = touched_bytes(packed, kept);
+    char what[64];
+    std::snprintf(what, sizeof what, "%.1e %.1e %.1e %2d bits", threshold, tolerance, drop, bits);
+    std::printf("%-44s mse %.3e  max %.5f  touched %.2f MB, p95 %.2f  archive %.2f MB\n", what, errors.mse, errors.max,
+                touched.mean / 1e6, double(touched.p95) / 1e6, double(archive.size()) / 1e6);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.size() < 3 || (words[0] != "hero" && words[0] != "compact"))
+    fail(Status::invalid_argument, "give hero or compact, NUMBER=VALUE..., -- and sources");
+  Settings settings;
+  settings.recipe = words[0] == "hero" ? hero_recipe() : compact_recipe();
+  std::size_t word = 1;
+  for (; word < words.size() && words[word] != "--"; ++word) settings.set(words[word]);
+  return measure(settings, {words.begin() + static_cast<std::ptrdiff_t>(std::min(word + 1, words.size())), words.end()});
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "bench_packing: %s\n", error.what());
+  return 1;
+}
