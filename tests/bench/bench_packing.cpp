@@ -17,8 +17,8 @@
 #include "bake/measure/float_face.h"
 #include "bake/recipes/face_recipe.h"
 #include "bake/recipes/finish_face.h"
-#include "bake/sampling/validation_split.h"
 #include "bake/recipes/recipe.h"
+#include "bake/sampling/validation_split.h"
 #include "base/status.h"
 
 using namespace fb;
@@ -62,7 +62,6 @@ struct Settings {
         {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
         {"operations", [&] { recipe.operations = value; }},
         {"term_bytes", [&] { recipe.term_bytes = value; }},
-        {"terms_as_inputs", [&] { recipe.terms_as_inputs = value != 0; }},
         {"regions", [&] { recipe.regions.regions = static_cast<std::uint32_t>(value); }},
         {"overlap", [&] { recipe.regions.overlap = value; }},
         {"basis", [&] { recipe.basis.max_error = value; }},
@@ -110,8 +109,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   PrintedStages progress;
   const double start = seconds();
   const LearntFace face = learn_face(settings.recipe, poses, rig, settings.options, progress);
-  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(),
-              seconds() - start, face.rms);
+  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms);
   for (const RegionDiary& region : face.diary.regions)
     std::printf("%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e\n",
                 region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
@@ -160,7 +158,8 @@ int main(int argc, char** argv) try {
   settings.recipe = words[0] == "hero" ? hero_recipe() : compact_recipe();
   std::size_t word = 1;
   for (; word < words.size() && words[word] != "--"; ++word) settings.set(words[word]);
-  return measure(settings, {words.begin() + static_cast<std::ptrdiff_t>(std::min(word + 1, words.size())), words.end()});
+  return measure(settings,
+                 {words.begin() + static_cast<std::ptrdiff_t>(std::min(word + 1, words.size())), words.end()});
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_packing: %s\n", error.what());
   return 1;

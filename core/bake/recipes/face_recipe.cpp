@@ -10,6 +10,7 @@
 #include "bake/recipes/finish_face.h"
 #include "bake/recipes/network_plan.h"
 #include "bake/recipes/region_training.h"
+#include "bake/recipes/used_features.h"
 #include "bake/sampling/validation_split.h"
 #include "bake/train/trainer.h"
 #include "base/status.h"
@@ -20,7 +21,9 @@ namespace {
 constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
 constexpr std::size_t typical_poses = 1000;  // that stand for those to come
 constexpr double validation_share = 0.05;
-constexpr std::size_t sized_poses = 2000;    // that the typical size of a coefficient is taken from
+constexpr std::uint32_t batch = 128;
+constexpr float rate = 4e-3f;                // of learning
+constexpr double shrinking = 2;              // over a training, what no pose asks for shrinks by about exp(-shrinking)
 constexpr double operations_per_weight = 6;  // forward, and backward to inputs and to weights: two each
 
 // outputs x outputs: the mean over poses of the product of two coefficients.
@@ -115,6 +118,9 @@ Networks train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs&
                                   fewest_epochs, most_epochs);
 
   const ValidationSplit split = validation_split(poses, validation_share, options.seed);
+  const double steps =
+      static_cast<double>(epochs) * static_cast<double>((poses.size() - split.validation.size()) / batch + 1);
+  const auto weight_decay = static_cast<float>(shrinking / (rate * steps));
   std::vector<TrainingSet> sets;
   std::vector<TrainingPlan> plans;
   std::vector<std::vector<std::uint32_t>> columns;
@@ -126,7 +132,9 @@ Networks train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs&
     plan.widths.assign(recipe.hidden_layers, widths[r]);
     plan.activation = Activation::silu;
     plan.schedule = Schedule::linger;
-    plan.learning_rate = 4e-3f;
+    plan.learning_rate = rate;
+    plan.weight_decay = weight_decay;
+    plan.batch = batch;
     plan.output_scaling = 0.75f;
     plan.epochs = epochs;
     plan.quantized_share = 0.15f;
@@ -174,8 +182,7 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                       Progress& progress) {
   const Parts parts = find_parts(recipe, poses, rig, options, progress);
-  const RegionInputs inputs =
-      region_inputs(parts.probe, poses.source().schema(), parts.regions, recipe.terms_as_inputs, rig != nullptr);
+  const RegionInputs inputs = region_inputs(parts.probe, poses.source().schema(), parts.regions, rig != nullptr);
   LearntFace face;
   face.model.schema = poses.source().schema();
   face.model.rest = poses.source().rest();
@@ -183,6 +190,7 @@ LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* ri
   for (const SparseShape& shape : parts.probe.base.shapes) face.model.network.direct.push_back(shape.feature);
   Networks networks = train(recipe, parts, inputs, poses, options, progress);
   face.model.network.regions = std::move(networks.regions);
+  keep_used_features(face.model.network);
   face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
   for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
   face.rms = networks.rms;

@@ -19,10 +19,9 @@ struct FaceRecipe {
   double term_bytes = 0;
   // Networks: numbers in all of them together, shared out by what each region's residual asks for.
   std::size_t parameters = 0;
-  std::uint32_t hidden_layers = 4;
+  std::uint32_t hidden_layers = 3;
   std::uint32_t widest = 512;
-  bool terms_as_inputs = true;  // the products and minima found by probing are inputs too
-  double operations = 0;        // floating-point operations that training may take, about
+  double operations = 0;  // floating-point operations that training may take, about
   // What localizing, rounding and dropping may lose: a share of the networks' own error (root mean square over poses
   // kept back), but never less than `finest` of the diagonal.
   double precision = 0.1, finest = 1e-6;

@@ -21,7 +21,7 @@ float gate_value(const Gate& gate, const float* values) {
 
 }  // namespace
 
-RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions, bool terms,
+RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated) {
   RegionInputs inputs;
   inputs.features = probe.base.features;
@@ -39,11 +39,11 @@ RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::spa
       mine.insert(identity[control]);
       if (gated) gate.features.push_back(identity[control]);
     }
-    if (terms)
-      for (const Interaction& interaction : probe.interactions)
-        if (std::includes(region.controls.begin(), region.controls.end(), interaction.controls.begin(),
-                          interaction.controls.end()))
-          mine.insert(interaction.features.begin(), interaction.features.end());
+    for (const Interaction& interaction : probe.interactions)
+      if (mine.size() < 2 * region.controls.size() &&
+          std::includes(region.controls.begin(), region.controls.end(), interaction.controls.begin(),
+                        interaction.controls.end()))
+        mine.insert(interaction.features.begin(), interaction.features.end());
     inputs.of_region.emplace_back(mine.begin(), mine.end());
     inputs.gates.push_back(std::move(gate));
   }

@@ -19,9 +19,9 @@ struct RegionInputs {
   std::vector<Gate> gates;                            // one a region
 };
 
-// A region's inputs are its controls and, with `terms`, the probed products and minima of those controls; its gate,
-// with `gated`, watches its controls.
-RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions, bool terms,
+// A region's inputs are its controls and the strongest products and minima probed of them, about as many as it has
+// controls; its gate, with `gated`, watches its controls.
+RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated);
 
 // The values that training needs of every pose.
