@@ -2,7 +2,12 @@
 // the same function in training as in the archive.
 #pragma once
 
+#include <cstdint>
+
 namespace fb {
+
+// silu is x / (1 + exp(-x)).
+enum class Activation : std::uint32_t { linear = 0, relu = 1, tanh = 2, silu = 3 };
 
 // tanh to about 1e-6: a rational function of degree 13 over 6, on [-7.9, 7.9], beyond which it is constant.
 // Coefficients: Eigen 3.4, Eigen/src/Core/MathFunctionsImpl.h (generic_fast_tanh_float).

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "model/activation.h"
+
 namespace fb {
 
 // A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names (see
@@ -28,9 +30,6 @@ struct Feature {
 
   bool of_features() const { return kind == Kind::product || kind == Kind::minimum; }
 };
-
-// silu is x / (1 + exp(-x)); it and tanh are the rational functions of activation.h, on every machine the same.
-enum class Activation : std::uint32_t { linear = 0, relu = 1, tanh = 2, silu = 3 };
 
 // y = activation(W x + b), plus x where `skip`.
 struct DenseLayer {

@@ -39,7 +39,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       watches_(evaluator.nets_.size(), &memory),
       open_(evaluator.nets_.size(), &memory),
       coefficients_(evaluator.coefficient_count(), &memory),
-      layers_(2 * evaluator.widest_layer_, &memory),
+      layers_(evaluator.work_size_, &memory),
       rows_(evaluator.rest_rows_.begin(), evaluator.rest_rows_.end(), &memory),
       moved_(evaluator.chunks_.size(), &memory),
       halves_(evaluator.rest_rows_.size(), &memory),
@@ -89,8 +89,9 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory
     first_coefficient_.push_back(static_cast<std::uint32_t>(coefficient));
     first_input_.push_back(checked_u32(input, "the inputs of all regions"));
     coefficient += net.output_count();
-    input += net.input_count();
+    input += net.input_count() + padding;
     widest_layer_ = std::max(widest_layer_, net.widest());
+    work_size_ = std::max(work_size_, net.work_size());
   }
   first_coefficient_.push_back(static_cast<std::uint32_t>(coefficient));
   first_input_.push_back(checked_u32(input, "the inputs of all regions"));
@@ -100,7 +101,7 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory
     first_summand_.push_back(checked_u32(summand, "the columns of all row groups"));
     const std::size_t count = chunks_.emplace_back(group, memory_).summand_count();
     longest_list_ = std::max(longest_list_, count);
-    summand += count;
+    summand += count + padding;
   }
   first_summand_.push_back(checked_u32(summand, "the columns of all row groups"));
   lay_out_uses(model);
@@ -185,23 +186,30 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
 }
 
 void Evaluator::gather_summands(Workspace& workspace) const {
-  Workspace::Lists& summands = workspace.summands_;
-  std::fill(summands.counts.begin(), summands.counts.end(), 0u);
+  // Counts are ends of lists until all are full.
+  std::uint32_t* ends = workspace.summands_.counts.data();
+  std::copy_n(first_summand_.begin(), chunks_.size(), ends);
+  float* values = workspace.summands_.values.data();
+  std::uint32_t* places = workspace.summands_.places.data();
+  const std::uint32_t* begin = summands_begin_.data();
   for (const std::uint32_t feature : workspace.features_.active()) {
     const float value = workspace.features_[feature];
-    for (std::uint32_t u = summands_begin_[feature]; u < summands_begin_[feature + 1]; ++u) {
-      const SummandUse& use = summands_[u];
-      const std::uint32_t at = first_summand_[use.chunk] + summands.counts[use.chunk]++;
-      summands.values[at] = value * use.scale;
-      summands.places[at] = use.place;
+    const SummandUse* const end = summands_.data() + begin[feature + 1];
+    for (const SummandUse* use = summands_.data() + begin[feature]; use < end; ++use) {
+      const std::uint32_t at = ends[use->chunk]++;
+      values[at] = value * use->scale;
+      places[at] = use->place;
     }
   }
+  for (std::size_t c = 0; c < chunks_.size(); ++c) ends[c] -= first_summand_[c];
 }
 
 void Evaluator::run_chunks(Workspace& workspace, float* rows) const {
   const bool kept = rows == workspace.rows_.data();
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
+    if (c + 1 < chunks_.size())
+      chunks_[c + 1].fetch(workspace.summands_.places.data() + first_summand_[c + 1], workspace.summands_.counts[c + 1]);
     float* values = workspace.summands_.values.data() + first_summand_[c];
     std::uint32_t* places = workspace.summands_.places.data() + first_summand_[c];
     std::size_t count = workspace.summands_.counts[c];

@@ -168,7 +168,7 @@ class Evaluator {
   std::pmr::vector<float> rest_, rest_rows_;          // in the order of vertices, and of rows
   std::pmr::vector<std::uint32_t> order_, place_of_;  // empty: rows are in the order of vertices
   VertexNormals normals_;
-  std::size_t coefficient_count_, widest_layer_ = 0, longest_list_ = 0;
+  std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0, longest_list_ = 0;
 };
 
 }  // namespace fb

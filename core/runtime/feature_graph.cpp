@@ -55,42 +55,52 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
   by_level.move_to(restless_, restless_begin_);
 }
 
-inline void FeatureGraph::combine(const Combined& c, FeatureState& state) const {
-  const float* values = state.values_.data();
-  state.set(c.index, combined_feature(c.kind, values[c.first], values[c.second]));
-}
-
 std::uint64_t FeatureGraph::run(const float* controls, FeatureState& state) const {
-  for (const std::uint32_t feature : state.active()) state.values_[feature] = 0;
-  state.count_ = 0;
+  float* values = state.values_.data();
+  std::uint32_t* active = state.active_.data();
+  for (std::size_t i = 0; i < state.count_; ++i) values[active[i]] = 0;
+
   std::uint64_t clamped = 0;
   std::size_t moved = 0;
+  std::uint32_t* moved_controls = state.moved_controls_.data();
+  float* moved_values = state.moved_values_.data();
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const Range& range = ranges_[i];
     const float low = controls[i] < range.minimum ? range.minimum : controls[i];
     const float within = low > range.maximum ? range.maximum : low;
     clamped += within != controls[i];
-    state.moved_controls_[moved] = static_cast<std::uint32_t>(i);
-    state.moved_values_[moved] = within;
+    moved_controls[moved] = static_cast<std::uint32_t>(i);
+    moved_values[moved] = within;
     moved += within != range.rest;
   }
+
+  // Listed whether 0 or not, and then not counted: that is a coin toss no branch predictor wins.
+  std::size_t count = 0;
+  const auto set = [&](std::uint32_t feature, float value) {
+    values[feature] = value;
+    active[count] = feature;
+    count += value != 0;
+  };
+  const ControlFeature* of_controls = of_controls_.data();
   for (std::size_t m = 0; m < moved; ++m) {
-    const std::uint32_t control = state.moved_controls_[m];
+    const std::uint32_t control = moved_controls[m];
     for (std::uint32_t f = control_begin_[control]; f < control_begin_[control + 1]; ++f)
-      state.set(of_controls_[f].index,
-                control_feature(of_controls_[f].feature, state.moved_values_[m], ranges_[control].rest));
+      set(of_controls[f].index, control_feature(of_controls[f].feature, moved_values[m], ranges_[control].rest));
   }
   // Level after level: what is listed under the features of one level is of the next.
+  const auto combine = [&](const Combined& c) {
+    set(c.index, combined_feature(c.kind, values[c.first], values[c.second]));
+  };
+  const Combined* combined = combined_.data();
+  const std::uint32_t* begin = combined_begin_.data();
   std::size_t done = 0;
   for (std::size_t level = 1; level + 1 < restless_begin_.size(); ++level) {
-    const std::size_t end = state.count_;
-    for (; done < end; ++done) {
-      const std::uint32_t feature = state.active_[done];
-      for (std::uint32_t c = combined_begin_[feature]; c < combined_begin_[feature + 1]; ++c)
-        combine(combined_[c], state);
-    }
-    for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c], state);
+    const std::size_t end = count;
+    for (; done < end; ++done)
+      for (std::uint32_t c = begin[active[done]]; c < begin[active[done] + 1]; ++c) combine(combined[c]);
+    for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c]);
   }
+  state.count_ = count;
   return clamped;
 }
 

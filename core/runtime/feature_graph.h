@@ -22,11 +22,6 @@ class FeatureState {
 
  private:
   friend class FeatureGraph;
-  void set(std::uint32_t feature, float value) {
-    values_[feature] = value;
-    active_[count_] = feature;
-    count_ += value != 0;
-  }
   std::pmr::vector<float> values_;
   std::pmr::vector<std::uint32_t> active_, moved_controls_;
   std::pmr::vector<float> moved_values_;
@@ -57,8 +52,6 @@ class FeatureGraph {
     std::uint32_t index, first, second;
     Feature::Kind kind;
   };
-  // combine(index of `combined`) of all combined features that may have become other than 0.
-  void combine(const Combined& combined, FeatureState& state) const;
 
   std::size_t feature_count_;
   std::pmr::vector<Range> ranges_;

@@ -24,19 +24,20 @@ class PanelMatrix {
   template <class Digit>
   PanelMatrix(std::uint32_t rows, std::size_t columns, Digit&& digit, std::pmr::memory_resource& memory)
       : rows_(rows), columns_(columns), lines_(&memory) {
-    std::size_t lines = 0;
-    for (std::uint32_t first = 0; first < rows; first += panel_rows) lines += lines_of(first);
-    lines_.resize(checked_multiply(lines, columns, "a matrix"));
+    std::size_t stored = 0;
+    for (std::uint32_t first = 0; first < rows; first += panel_rows) stored += stored_rows(first);
+    lines_.resize((checked_multiply(stored, columns, "a matrix") + sizeof(Line) - 1) / sizeof(Line));
     std::int64_t heaviest = 0;
-    Line* line = lines_.data();
     for (std::uint32_t first = 0; first < rows; first += panel_rows) {
       std::int64_t weights[panel_rows] = {};
-      for (std::size_t column = 0; column < columns; ++column, line += lines_of(first))
+      for (std::size_t column = 0; column < columns; ++column) {
+        std::uint8_t* const to = const_cast<std::uint8_t*>(digits(first, column));
         for (std::uint32_t r = 0; r < rows_at(first); ++r) {
           const int d = digit(first + r, column);
-          line[r / 16].digit[r % 16] = static_cast<std::uint8_t>(d + 128);
+          to[r] = static_cast<std::uint8_t>(d + 128);
           weights[r] += std::abs(d);
         }
+      }
       heaviest = std::max(heaviest, *std::max_element(weights, weights + panel_rows));
     }
     if (heaviest > 0) limit_ = static_cast<std::int32_t>(std::min<std::int64_t>(limit_, INT32_MAX / heaviest));
@@ -55,22 +56,26 @@ class PanelMatrix {
   // The sums of that panel.
   void sum(const Kernels& kernels, std::uint32_t first, const ActiveColumns& active,
            std::int32_t (&sums)[panel_rows]) const {
-    kernels.panel_sums(panel(first), std::size_t(16) * lines_of(first), active, sums);
+    kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);
+  }
+
+  void fetch(std::uint32_t first, std::size_t column) const {
+    __builtin_prefetch(digits(first, column));
   }
 
   int digit(std::uint32_t row, std::size_t column) const {
     const std::uint32_t first = row / panel_rows * panel_rows;
-    return panel(first)[16 * lines_of(first) * column + row - first] - 128;
+    return digits(first, column)[row - first] - 128;
   }
 
  private:
-  struct alignas(16) Line {
-    std::uint8_t digit[16];
+  struct alignas(64) Line {
+    std::uint8_t digit[64];
   };
-  std::size_t lines_of(std::uint32_t first) const { return (rows_at(first) + 15) / 16; }
-  // All panels before this one are full.
-  const std::uint8_t* panel(std::uint32_t first) const {
-    return reinterpret_cast<const std::uint8_t*>(lines_.data() + first / 16 * columns_);
+  std::size_t stored_rows(std::uint32_t first) const { return (rows_at(first) + 15) / 16 * 16; }
+  // Of a panel's column. All panels before this one are full.
+  const std::uint8_t* digits(std::uint32_t first, std::size_t column) const {
+    return lines_.data()->digit + first * columns_ + stored_rows(first) * column;
   }
 
   std::uint32_t rows_;

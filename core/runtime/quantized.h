@@ -14,11 +14,11 @@ namespace fb {
 class Quantized {
  public:
   Quantized(std::size_t longest, std::pmr::memory_resource& memory)
-      : wholes_(longest, &memory), places_(longest + 3, &memory), inputs_(longest + 3, &memory) {}
+      : wholes_(longest + padding, &memory), places_(longest + padding, &memory), inputs_(longest + padding, &memory) {}
 
   // FORMAT.md, "Whole numbers", of x[i] at column places[i], or at column i where places is null; columns not named are
-  // 0. `limit` is the largest input.
-  void quantize(const float* x, const std::uint32_t* places, std::size_t count, float limit);
+  // 0. `limit` is the largest input. x has room up to the next multiple of padding, which is filled with zeros.
+  void quantize(const Kernels& kernels, float* x, const std::uint32_t* places, std::size_t count, float limit);
 
   // An input times step() is about the number it stands for; 0 if all numbers are.
   float step() const { return step_; }

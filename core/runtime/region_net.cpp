@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/status.h"
-#include "model/activation.h"
 
 namespace fb {
 namespace {
@@ -16,22 +15,6 @@ PanelMatrix digits_of(const PackedLayer& layer, bool high, std::pmr::memory_reso
     return high ? high_digit(weight) : layer.wide ? low_digit(weight) : weight;
   };
   return PanelMatrix(layer.outputs, layer.inputs, digit, memory);
-}
-
-void activate(Activation activation, float* values, std::size_t count) {
-  switch (activation) {
-    case Activation::linear:
-      return;
-    case Activation::relu:
-      for (std::size_t i = 0; i < count; ++i) values[i] = values[i] > 0 ? values[i] : 0;
-      return;
-    case Activation::tanh:
-      for (std::size_t i = 0; i < count; ++i) values[i] = rational_tanh(values[i]);
-      return;
-    case Activation::silu:
-      for (std::size_t i = 0; i < count; ++i) values[i] = rational_silu(values[i]);
-      return;
-  }
 }
 
 }  // namespace
@@ -51,21 +34,13 @@ RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& mem
 }
 
 void RegionNet::Layer::run(const Kernels& kernels, const Quantized& x, const float* input, float* output) const {
-  const float step = x.step();
   for (std::uint32_t first = 0; first < outputs; first += PanelMatrix::panel_rows) {
-    const std::uint32_t rows = low.rows_at(first);
-    std::int32_t sums[PanelMatrix::panel_rows];
-    float floats[PanelMatrix::panel_rows];
-    low.sum(kernels, first, x.columns(), sums);
-    for (std::uint32_t r = 0; r < rows; ++r) floats[r] = static_cast<float>(sums[r]);
-    if (high) {
-      high->sum(kernels, first, x.columns(), sums);
-      for (std::uint32_t r = 0; r < rows; ++r) floats[r] = 256 * static_cast<float>(sums[r]) + floats[r];
-    }
-    const float *scale = scales.data() + first, *add = bias.data() + first;
-    for (std::uint32_t r = 0; r < rows; ++r) output[first + r] = (scale[r] * step) * floats[r] + add[r];
+    std::int32_t low_sums[PanelMatrix::panel_rows], high_sums[PanelMatrix::panel_rows];
+    low.sum(kernels, first, x.columns(), low_sums);
+    if (high) high->sum(kernels, first, x.columns(), high_sums);
+    kernels.finish_layer(low_sums, high ? high_sums : nullptr, scales.data() + first, x.step(), bias.data() + first,
+                         activation, output + first, low.rows_at(first));
   }
-  activate(activation, output, outputs);
   if (skip)
     for (std::uint32_t o = 0; o < outputs; ++o) output[o] += input[o];
 }
@@ -84,14 +59,14 @@ std::size_t RegionNet::widest() const {
 
 [[gnu::noinline]] void RegionNet::run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized,
                                       float* outputs) const {
-  float *before = work, *after = work + widest();
-  quantized.quantize(input.values, input.places, input.count, layers_.front().limit);
+  float *before = work, *after = work + work_size() / 2;
+  quantized.quantize(kernels, input.values, input.places, input.count, layers_.front().limit);
   if (layers_.front().skip) {
     std::fill_n(before, input_count(), 0.0f);
     for (std::size_t i = 0; i < input.count; ++i) before[input.places[i]] = input.values[i];
   }
   for (const Layer& layer : layers_) {
-    if (&layer != &layers_.front()) quantized.quantize(before, nullptr, layer.inputs, layer.limit);
+    if (&layer != &layers_.front()) quantized.quantize(kernels, before, nullptr, layer.inputs, layer.limit);
     layer.run(kernels, quantized, before, after);
     std::swap(before, after);
   }
@@ -99,7 +74,7 @@ std::size_t RegionNet::widest() const {
 }
 
 void RegionNet::find_rest(const Kernels& kernels, const char* name) {
-  std::vector<float> work(2 * widest()), outputs(output_count());
+  std::vector<float> work(work_size()), outputs(output_count());
   Quantized quantized(widest(), *std::pmr::get_default_resource());
   std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
   run(kernels, {nullptr, nullptr, 0}, work.data(), quantized, outputs.data());

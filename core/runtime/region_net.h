@@ -16,7 +16,7 @@ namespace fb {
 
 // What running a network needs. The input of the first layer is a list of numbers and their places; all others are 0.
 struct NetInput {
-  const float* values;
+  float* values;  // with room up to the next multiple of padding
   const std::uint32_t* places;
   std::size_t count;
 };
@@ -30,7 +30,10 @@ class RegionNet {
   // Of any layer's input or output.
   std::size_t widest() const;
 
-  // FORMAT.md, "Regions", without the gate: output_count() numbers. `work` are 2 x widest() floats.
+  // How many floats run() works in.
+  std::size_t work_size() const { return 2 * (widest() + padding); }
+
+  // FORMAT.md, "Regions", without the gate: output_count() numbers. `work` are work_size() floats.
   void run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized, float* outputs) const;
 
   // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.

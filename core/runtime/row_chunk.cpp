@@ -48,16 +48,20 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
   return {part(0, column_count_), part(column_count_, columns_.size())};
 }
 
-bool RowChunk::run(const Kernels& kernels, const float* summands, const std::uint32_t* places, std::size_t count,
+void RowChunk::fetch(const std::uint32_t* places, std::size_t count) const {
+  for (std::uint32_t first = 0; first < row_count(); first += PanelMatrix::panel_rows)
+    for (std::size_t i = 0; i < count; ++i) digits_.fetch(first, places[i]);
+}
+
+bool RowChunk::run(const Kernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
                    Quantized& quantized, const float* rest, float* rows) const {
-  quantized.quantize(summands, places, count, static_cast<float>(digits_.limit()));
+  quantized.quantize(kernels, summands, places, count, static_cast<float>(digits_.limit()));
   const float step = quantized.step();
   if (step == 0) return false;
   for (std::uint32_t first = 0; first < row_count(); first += PanelMatrix::panel_rows) {
     std::int32_t sums[PanelMatrix::panel_rows];
     digits_.sum(kernels, first, quantized.columns(), sums);
-    const std::uint32_t end = digits_.rows_at(first);
-    for (std::uint32_t r = 0; r < end; ++r) rows[first + r] = rest[first + r] + step * static_cast<float>(sums[r]);
+    kernels.move_rows(sums, step, rest + first, rows + first, digits_.rows_at(first));
   }
   return true;
 }

@@ -38,9 +38,12 @@ class RowChunk {
       summands[s - span.begin] = coefficients[columns_[s]] * scales_[s];
   }
 
+  // Asks the processor for the digits of these summands ahead of time: which are next no prefetcher can guess.
+  void fetch(const std::uint32_t* places, std::size_t count) const;
+
   // Adds what `count` summands move, those at `places`, to the rest positions of the rows, where any of them counts.
-  // Returns whether it did; rows are left alone where not.
-  bool run(const Kernels& kernels, const float* summands, const std::uint32_t* places, std::size_t count,
+  // Returns whether it did; rows are left alone where not. Summands have room up to the next multiple of padding.
+  bool run(const Kernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
            Quantized& quantized, const float* rest, float* rows) const;
 
   // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.

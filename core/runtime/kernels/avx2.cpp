@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 __m256i load(const std::uint8_t* bytes) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
 }
@@ -67,6 +69,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels avx2_kernels = {"avx2", panel_sums};
+const Kernels avx2_kernels = {"avx2", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

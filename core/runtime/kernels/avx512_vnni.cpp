@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 // Up to 64 rows at once; those there are not are neither read nor stored. Four columns become fours of bytes, which one
 // instruction multiplies and adds, with the low digits of the four inputs and again with the high ones. Interleaving
 // happens within quarters of 128 bits, so that sums lie in a wrong order until they are stored.
@@ -46,6 +48,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels avx512_vnni_kernels = {"avx512-vnni", panel_sums};
+const Kernels avx512_vnni_kernels = {"avx512-vnni", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 // 32 bytes, or 16 and zeros.
 template <bool whole>
 __m256i load(const std::uint8_t* bytes) {
@@ -55,6 +57,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels avx_vnni_kernels = {"avx-vnni", panel_sums};
+const Kernels avx_vnni_kernels = {"avx-vnni", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 // 16 rows at a time, a column after the other: digits + 128 fit 16 signed bits.
 void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 16) {
@@ -26,6 +28,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels neon_kernels = {"neon", panel_sums};
+const Kernels neon_kernels = {"neon", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 // 16 rows at a time: four columns become fours of bytes, which one instruction multiplies and adds, with the low digits
 // of the four inputs and again with the high ones. It takes signed bytes, so digits lose their offset first, and
 // `start` with it.
@@ -40,6 +42,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels neon_dot_kernels = {"neon-dot", panel_sums};
+const Kernels neon_dot_kernels = {"neon-dot", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

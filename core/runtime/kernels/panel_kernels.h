@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "model/activation.h"
+
 namespace fb {
 
 // The columns of a panel that are multiplied with something.
@@ -21,9 +23,19 @@ struct ActiveColumns {
 using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active,
                            std::int32_t* sums);
 
+// Lists of floats have room up to the next multiple of this.
+inline constexpr std::size_t padding = 8;
+
 struct Kernels {
   const char* name;
   PanelSums panel_sums;
+  // The loops of vector_passes.h.
+  float (*round_all)(float* x, std::size_t count, float limit, std::int32_t* wholes);
+  // rows = rest + step * sums
+  void (*move_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
+  // y = activation((scales * step) * sums + bias), sums = 256 * high + low, or low where high is null
+  void (*finish_layer)(const std::int32_t* low, const std::int32_t* high, const float* scales, float step,
+                       const float* bias, Activation activation, float* y, std::size_t count);
 };
 
 extern const Kernels scalar_kernels;

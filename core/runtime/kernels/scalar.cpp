@@ -3,6 +3,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; ++r) {
     std::uint32_t sum = active.start;
@@ -14,6 +16,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels scalar_kernels = {"scalar", panel_sums};
+const Kernels scalar_kernels = {"scalar", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 __m128i load(const std::uint8_t* bytes) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
 }
@@ -40,6 +42,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels sse2_kernels = {"sse2", panel_sums};
+const Kernels sse2_kernels = {"sse2", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb

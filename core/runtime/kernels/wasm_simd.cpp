@@ -5,6 +5,8 @@
 namespace fb {
 namespace {
 
+#include "runtime/kernels/vector_passes.h"
+
 // 16 rows at a time: two columns become pairs of 16-bit numbers, which one instruction multiplies and adds.
 void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 16) {
@@ -27,6 +29,6 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const Kernels wasm_simd_kernels = {"wasm-simd", panel_sums};
+const Kernels wasm_simd_kernels = {"wasm-simd", panel_sums, round_all, move_rows, finish_layer};
 
 }  // namespace fb
