@@ -24,7 +24,7 @@ using fb::capi::require;
 struct fb_model {
   fb_model(const fb::Archive& archive, const fb_load_desc& desc)
       : memory(desc.allocator),
-        evaluator(archive.model, memory, desc.max_model_bytes),
+        evaluator(archive.model, memory, desc.max_model_bytes, fb::choose_kernels(desc.instruction_set)),
         rest_pose(evaluator.schema().rest_pose()),
         polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
         polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),
@@ -63,7 +63,8 @@ thread_local char last_error[512];
 }  // namespace
 
 struct fb_scratch {
-  fb_scratch(const fb_model* model, std::uint32_t workers) : owner(model), workspaces(&model->memory) {
+  fb_scratch(const fb_model* model, std::uint32_t workers)
+      : owner(model), workspaces(&model->memory), regions(model->evaluator.region_names().size(), &model->memory) {
     workspaces.reserve(workers);
     for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
   }
@@ -73,6 +74,7 @@ struct fb_scratch {
 
   Reference owner;  // outlives what is made of the model's memory
   std::pmr::vector<fb::Workspace> workspaces;
+  std::pmr::vector<std::uint8_t> regions;  // which run, in a batch that says so
   std::uint64_t clamped = 0;
 };
 
@@ -106,6 +108,44 @@ std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
     fail(Status::invalid_argument, "fb_batch_desc: %u threads, but scratch has %zu workers", desc.threads, workers);
   if (desc.threads > 0) return desc.threads;
   return desc.parallel_for ? workers : std::min(workers, fb::worker_count({}));
+}
+
+fb::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
+  if (!desc.regions) return {};
+  for (std::uint64_t i = 0; i < desc.region_count; ++i)
+    if (desc.regions[i] >= mask.size())
+      fail(Status::invalid_argument, "fb_batch_desc: region %u of %zu", desc.regions[i], mask.size());
+  std::fill(mask.begin(), mask.end(), std::uint8_t(0));
+  for (std::uint64_t i = 0; i < desc.region_count; ++i) mask[desc.regions[i]] = 1;
+  return mask;
+}
+
+fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
+  if (desc.poses > 0) {
+    require(desc.controls, "fb_batch_desc: controls");
+    if (!desc.normals) require(desc.positions, "fb_batch_desc: positions");
+  }
+  if (desc.vertex_order > FB_ORDER_BAKED)
+    fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
+  if (desc.format > FB_FLOAT16) fail(Status::invalid_argument, "fb_batch_desc: format %u", desc.format);
+  fb::Batch batch;
+  batch.poses = desc.poses;
+  batch.controls = {desc.controls, desc.control_floats};
+  batch.control_stride = desc.control_stride;
+  if (desc.positions) batch.positions = {desc.positions, desc.position_floats, desc.pose_stride, desc.vertex_stride};
+  if (desc.normals)
+    batch.normals = {desc.normals, desc.normal_numbers, desc.normal_pose_stride, desc.normal_vertex_stride};
+  batch.order = static_cast<fb::VertexOrder>(desc.vertex_order);
+  batch.format = static_cast<fb::NumberFormat>(desc.format);
+  batch.regions = region_mask(desc, mask);
+  return batch;
+}
+
+const fb::RowChunk& group_at(const fb_model* model, std::uint32_t index) {
+  require(model, "model");
+  const auto& groups = model->evaluator.chunks();
+  if (index >= groups.size()) fail(Status::invalid_argument, "group %u of %zu", index, groups.size());
+  return groups[index];
 }
 
 }  // namespace
@@ -303,6 +343,56 @@ uint64_t fb_runtime_bytes(const fb_model* model) {
   return model ? model->evaluator.bytes() : 0;
 }
 
+const char* fb_instruction_set(const fb_model* model) {
+  return model ? model->evaluator.kernels().name : nullptr;
+}
+
+uint32_t fb_region_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.region_names().size()) : 0;
+}
+
+const char* fb_region_name(const fb_model* model, uint32_t index) {
+  return index < fb_region_count(model) ? model->evaluator.region_names()[index].c_str() : nullptr;
+}
+
+// ---- The basis ----
+
+const uint32_t* fb_vertex_order(const fb_model* model) {
+  return model && !model->evaluator.order().empty() ? model->evaluator.order().data() : nullptr;
+}
+
+void fb_basis_group_fill(fb_basis_group* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+uint32_t fb_basis_group_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->evaluator.chunks().size()) : 0;
+}
+
+fb_status fb_basis_group_at(const fb_model* model, uint32_t index, fb_basis_group* group) {
+  return crossing([&] {
+    require(group, "group");
+    fb::capi::require_size(group->struct_size, "fb_basis_group");
+    const fb::RowChunk& found = group_at(model, index);
+    const fb_basis_group full = {group->struct_size, found.first_row(), found.row_count(),
+                                 static_cast<std::uint32_t>(found.column_count())};
+    std::memcpy(group, &full, std::min<std::size_t>(group->struct_size, sizeof full));
+  });
+}
+
+fb_status fb_basis_group_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values) {
+  return crossing([&] {
+    require(columns, "columns");
+    require(values, "values");
+    const fb::RowChunk& found = group_at(model, index);
+    const fb::FloatState state;
+    for (std::size_t c = 0; c < found.column_count(); ++c) {
+      columns[c] = found.column(c);
+      found.displacements(c, values + c * found.row_count());
+    }
+  });
+}
+
 // ---- Posing ----
 
 fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
@@ -330,6 +420,19 @@ fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* c
   });
 }
 
+fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, const float* controls,
+                                   float* coefficients) {
+  return crossing([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    require(controls, "controls");
+    require(coefficients, "coefficients");
+    scratch->require_model(model);
+    model->evaluator.coefficients(controls, coefficients, scratch->workspaces[0]);
+    scratch->clamped = scratch->workspaces[0].clamped();
+  });
+}
+
 uint64_t fb_clamped_count(const fb_scratch* scratch) {
   return scratch ? scratch->clamped : 0;
 }
@@ -345,17 +448,9 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     require(desc, "desc");
     scratch->require_model(model);
     const fb_batch_desc known = read_struct(*desc, fb_batch_desc_init, "fb_batch_desc");
-    if (known.poses > 0) {
-      require(known.controls, "fb_batch_desc: controls");
-      require(known.positions, "fb_batch_desc: positions");
-    }
     const fb::Parallel parallel = {static_cast<int>(batch_threads(known, scratch->workspaces.size())),
                                    known.parallel_for, known.parallel_user};
-    model->evaluator.evaluate_batch({known.poses,
-                                     {known.controls, known.control_floats},
-                                     known.control_stride,
-                                     {known.positions, known.position_floats, known.pose_stride, known.vertex_stride}},
-                                    scratch->workspaces, parallel);
+    model->evaluator.evaluate_batch(read_batch(known, scratch->regions), scratch->workspaces, parallel);
     scratch->clamped = 0;
     for (const fb::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
   });

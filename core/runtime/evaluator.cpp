@@ -209,7 +209,8 @@ void Evaluator::run_chunks(Workspace& workspace, float* rows) const {
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
     if (c + 1 < chunks_.size())
-      chunks_[c + 1].fetch(workspace.summands_.places.data() + first_summand_[c + 1], workspace.summands_.counts[c + 1]);
+      chunks_[c + 1].fetch(workspace.summands_.places.data() + first_summand_[c + 1],
+                           workspace.summands_.counts[c + 1]);
     float* values = workspace.summands_.values.data() + first_summand_[c];
     std::uint32_t* places = workspace.summands_.places.data() + first_summand_[c];
     std::size_t count = workspace.summands_.counts[c];

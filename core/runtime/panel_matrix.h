@@ -59,9 +59,7 @@ class PanelMatrix {
     kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);
   }
 
-  void fetch(std::uint32_t first, std::size_t column) const {
-    __builtin_prefetch(digits(first, column));
-  }
+  void fetch(std::uint32_t first, std::size_t column) const { __builtin_prefetch(digits(first, column)); }
 
   int digit(std::uint32_t row, std::size_t column) const {
     const std::uint32_t first = row / panel_rows * panel_rows;

@@ -14,13 +14,14 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_allocator, allocate, 8);
   assert_at(fb_allocator, release, 16);
 
-  assert_int_equal(sizeof(fb_load_desc), 64);
+  assert_int_equal(sizeof(fb_load_desc), 72);
   assert_at(fb_load_desc, struct_size, 0);
   assert_at(fb_load_desc, max_file_bytes, 8);
   assert_at(fb_load_desc, max_model_bytes, 16);
   assert_at(fb_load_desc, allocator, 24);
   assert_at(fb_load_desc, log, 48);
   assert_at(fb_load_desc, log_user, 56);
+  assert_at(fb_load_desc, instruction_set, 64);
 
   assert_int_equal(sizeof(fb_control), 40);
   assert_at(fb_control, struct_size, 0);
@@ -31,7 +32,13 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_control, rest, 32);
   assert_at(fb_control, reserved_float, 36);
 
-  assert_int_equal(sizeof(fb_batch_desc), 88);
+  assert_int_equal(sizeof(fb_basis_group), 16);
+  assert_at(fb_basis_group, struct_size, 0);
+  assert_at(fb_basis_group, first_row, 4);
+  assert_at(fb_basis_group, row_count, 8);
+  assert_at(fb_basis_group, column_count, 12);
+
+  assert_int_equal(sizeof(fb_batch_desc), 144);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -44,6 +51,14 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, vertex_stride, 64);
   assert_at(fb_batch_desc, parallel_for, 72);
   assert_at(fb_batch_desc, parallel_user, 80);
+  assert_at(fb_batch_desc, vertex_order, 88);
+  assert_at(fb_batch_desc, format, 92);
+  assert_at(fb_batch_desc, normals, 96);
+  assert_at(fb_batch_desc, normal_numbers, 104);
+  assert_at(fb_batch_desc, normal_pose_stride, 112);
+  assert_at(fb_batch_desc, normal_vertex_stride, 120);
+  assert_at(fb_batch_desc, regions, 128);
+  assert_at(fb_batch_desc, region_count, 136);
 }
 
 static void layout_of_bake_structs(void** state) {
@@ -117,6 +132,11 @@ static void init_functions_set_sizes_and_defaults(void** state) {
   fb_batch_desc_init(&batch);
   assert_int_equal(batch.struct_size, sizeof batch);
   assert_true(batch.poses == 0 && batch.controls == NULL);
+  fb_basis_group group;
+  fb_basis_group_init(&group);
+  assert_int_equal(group.struct_size, sizeof group);
+  assert_true(group.first_row == 0 && group.row_count == 0 && group.column_count == 0);
+  fb_basis_group_init(NULL);
   fb_load_desc_init(NULL);
   fb_control_init(NULL);
   fb_batch_desc_init(NULL);

@@ -8,7 +8,7 @@ import weakref
 
 import numpy
 
-from ._library import BatchDesc, ControlStruct, check, library
+from ._library import BasisGroupStruct, BatchDesc, ControlStruct, check, library
 
 Control = collections.namedtuple("Control", "name group minimum maximum rest")
 Control.__doc__ = "One number an animator moves: its name, its region (may be empty), its range and its value at rest."
@@ -44,6 +44,10 @@ class Face:
         self.up_axis = library.fb_up_axis(handle).decode()
         self.diagonal = library.fb_diagonal(handle)
         self.runtime_bytes = library.fb_runtime_bytes(handle)
+        self.instruction_set = library.fb_instruction_set(handle).decode()
+        self.regions = tuple(
+            library.fb_region_name(handle, index).decode() for index in range(library.fb_region_count(handle))
+        )
         self.controls = tuple(self._control(index) for index in range(self.control_count))
 
     def _control(self, index):
@@ -125,28 +129,77 @@ class Face:
             self._clamped = library.fb_clamped_count(scratch)
         return positions
 
-    def evaluate_batch(self, controls, threads=0, out=None):
-        """(poses, controls) -> (poses, vertices, 3), float32, the same bits as evaluate. threads 0: all cores. `out`, if
-        given, is a contiguous float32 array of that shape."""
+    def evaluate_batch(
+        self, controls, threads=0, out=None, *, normals=None, baked_order=False, regions=None, dtype=numpy.float32
+    ):
+        """(poses, controls) -> (poses, vertices, 3), the same bits as evaluate. threads 0: all cores. dtype is float32 or
+        float16. `out` and `normals`, if given, are contiguous arrays of that shape and dtype; unit normals are written to
+        the second. With baked_order, vertices come in the order that vertex_order tells. `regions`: the names of those
+        whose networks run; the others give what they give at rest."""
         controls = self._floats(controls, 2)
         if threads < 0:
             raise ValueError(f"{threads} threads")
+        dtype = numpy.dtype(dtype)
+        if dtype not in (numpy.float32, numpy.float16):
+            raise ValueError(f"dtype is {dtype}, neither float32 nor float16")
         shape = (len(controls), self.vertex_count, 3)
         if out is None:
-            out = numpy.empty(shape, numpy.float32)
-        elif out.shape != shape or out.dtype != numpy.float32 or not out.flags.c_contiguous or not out.flags.writeable:
-            raise ValueError(f"out must be a writable contiguous float32 array of shape {shape}")
+            out = numpy.empty(shape, dtype)
+        for name, array in (("out", out), ("normals", normals)):
+            if array is not None and (
+                array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous or not array.flags.writeable
+            ):
+                raise ValueError(f"{name} must be a writable contiguous {dtype} array of shape {shape}")
         desc = BatchDesc()
         library.fb_batch_desc_fill(desc, ctypes.sizeof(desc))
         desc.threads = threads
         desc.poses = len(controls)
         desc.controls, desc.control_floats = _pointer(controls), controls.size
-        desc.positions, desc.position_floats = _pointer(out), out.size
+        desc.positions, desc.position_floats = out.ctypes.data, out.size
+        desc.vertex_order, desc.format = int(baked_order), int(dtype == numpy.float16)
+        if normals is not None:
+            desc.normals, desc.normal_numbers = normals.ctypes.data, normals.size
+        if regions is not None:
+            indices = [self.regions.index(name) for name in regions]
+            desc.regions, desc.region_count = (ctypes.c_uint32 * max(len(indices), 1))(*indices), len(indices)
         with self._lock:
             scratch = self._scratch(threads or os.cpu_count() or 1)
             check(library.fb_evaluate_batch(self._handle, scratch, desc))
             self._clamped = library.fb_clamped_count(scratch)
         return out
+
+    def coefficients(self, controls):
+        """(controls,), or a dictionary as for pose() -> (coefficients,), float32: the weights of basis()'s columns."""
+        if isinstance(controls, collections.abc.Mapping):
+            controls = self.pose(controls)
+        controls = self._floats(controls, 1)
+        coefficients = numpy.empty(self.coefficient_count, numpy.float32)
+        with self._lock:
+            scratch = self._scratch(1)
+            check(library.fb_evaluate_coefficients(self._handle, scratch, _pointer(controls), _pointer(coefficients)))
+            self._clamped = library.fb_clamped_count(scratch)
+        return coefficients
+
+    @property
+    def vertex_order(self):
+        """Baked order: which of the source's vertices is the i-th."""
+        order = library.fb_vertex_order(self._handle)
+        if not order:
+            return numpy.arange(self.vertex_count, dtype=numpy.uint32)
+        return self._view(order, self.vertex_count)
+
+    def basis(self):
+        """Yields the basis group by group: (rows, columns, values), a slice of the 3 x vertices coordinates in baked order,
+        the coefficients that move them, and how far one unit of each does, (columns, rows)."""
+        for index in range(library.fb_basis_group_count(self._handle)):
+            group = BasisGroupStruct()
+            library.fb_basis_group_fill(group, ctypes.sizeof(group))
+            check(library.fb_basis_group_at(self._handle, index, group))
+            columns = numpy.empty(group.column_count, numpy.uint32)
+            values = numpy.empty((group.column_count, group.row_count), numpy.float32)
+            pointer = columns.ctypes.data_as(ctypes.POINTER(ctypes.c_uint32))
+            check(library.fb_basis_group_values(self._handle, index, pointer, _pointer(values)))
+            yield slice(group.first_row, group.first_row + group.row_count), columns, values
 
     def _floats(self, controls, dimensions):
         controls = numpy.ascontiguousarray(controls, numpy.float32)

@@ -37,12 +37,29 @@ class BatchDesc(Structure):
         ("controls", POINTER(c_float)),
         ("control_floats", c_uint64),
         ("control_stride", c_uint64),
-        ("positions", POINTER(c_float)),
+        ("positions", c_void_p),
         ("position_floats", c_uint64),
         ("pose_stride", c_uint64),
         ("vertex_stride", c_uint64),
         ("parallel_for", c_void_p),
         ("parallel_user", c_void_p),
+        ("vertex_order", c_uint32),
+        ("format", c_uint32),
+        ("normals", c_void_p),
+        ("normal_numbers", c_uint64),
+        ("normal_pose_stride", c_uint64),
+        ("normal_vertex_stride", c_uint64),
+        ("regions", POINTER(c_uint32)),
+        ("region_count", c_uint64),
+    ]
+
+
+class BasisGroupStruct(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("first_row", c_uint32),
+        ("row_count", c_uint32),
+        ("column_count", c_uint32),
     ]
 
 
@@ -78,6 +95,15 @@ _FUNCTIONS = {
     "fb_clamped_count": (c_uint64, [c_void_p]),
     "fb_batch_desc_fill": (None, [POINTER(BatchDesc), c_uint32]),
     "fb_evaluate_batch": (c_int32, [c_void_p, c_void_p, POINTER(BatchDesc)]),
+    "fb_evaluate_coefficients": (c_int32, [c_void_p, c_void_p, POINTER(c_float), POINTER(c_float)]),
+    "fb_instruction_set": (c_char_p, [c_void_p]),
+    "fb_region_count": (c_uint32, [c_void_p]),
+    "fb_region_name": (c_char_p, [c_void_p, c_uint32]),
+    "fb_vertex_order": (POINTER(c_uint32), [c_void_p]),
+    "fb_basis_group_fill": (None, [POINTER(BasisGroupStruct), c_uint32]),
+    "fb_basis_group_count": (c_uint32, [c_void_p]),
+    "fb_basis_group_at": (c_int32, [c_void_p, c_uint32, POINTER(BasisGroupStruct)]),
+    "fb_basis_group_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
 }
 
 

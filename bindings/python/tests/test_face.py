@@ -57,6 +57,36 @@ class FaceTest(unittest.TestCase):
         pose[face.find("jaw_open")] = 1
         self.assertFalse(numpy.array_equal(face.evaluate(pose), face.rest_positions))
 
+    def test_other_outputs(self):
+        face = self.face
+        poses = random_poses(face, 6)
+        positions = face.evaluate_batch(poses)
+        normals = numpy.empty_like(positions)
+        baked = face.evaluate_batch(poses, normals=normals, baked_order=True)
+        self.assertTrue(numpy.array_equal(baked, positions[:, face.vertex_order]))
+        self.assertTrue(numpy.allclose(numpy.linalg.norm(normals, axis=2), 1, atol=1e-6))
+        halves = face.evaluate_batch(poses, dtype=numpy.float16)
+        self.assertTrue(numpy.array_equal(halves, positions.astype(numpy.float16)))
+        self.assertEqual(face.regions, ("face", "brow"))
+        self.assertTrue(numpy.array_equal(face.evaluate_batch(poses, regions=face.regions), positions))
+        self.assertFalse(numpy.array_equal(face.evaluate_batch(poses, regions=[]), positions))
+        self.assertIn(face.instruction_set, ("scalar", "sse2", "avx2", "avx-vnni", "avx512-vnni", "neon", "neon-dot"))
+        for wrong in ({"dtype": numpy.float64}, {"normals": normals[0]}, {"regions": ["nose"]}):
+            with self.assertRaises(ValueError):
+                face.evaluate_batch(poses, **wrong)
+
+    def test_coefficients_times_basis(self):
+        face = self.face
+        for pose in random_poses(face, 3):
+            weights = face.coefficients(pose)
+            moved = numpy.zeros(3 * face.vertex_count, numpy.float32)
+            for rows, columns, values in face.basis():
+                moved[rows] = weights[columns] @ values
+            positions = face.evaluate(pose)[face.vertex_order]
+            rest = face.rest_positions[face.vertex_order]
+            self.assertTrue(numpy.allclose(rest + moved.reshape(-1, 3), positions, atol=1e-3))
+        self.assertFalse(face.coefficients({}).any())
+
     def test_a_pose_by_names(self):
         face = self.face
         pose = face.rest_controls.copy()

@@ -100,6 +100,9 @@ typedef struct fb_load_desc {
                                functions: malloc. Names, handles and temporaries of loading use malloc. */
   fb_log log;               /* null: silent */
   void* log_user;
+  const char* instruction_set; /* for tests: none beyond this one is used, from "scalar" on; null: what is fastest here.
+                                  The environment variable FB_INSTRUCTION_SET caps it likewise. Results are the same.
+                                  A name this library does not have is refused, and the message lists those it has. */
 } fb_load_desc;
 
 FB_API void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size);
@@ -166,6 +169,40 @@ FB_API uint32_t fb_polygon_corner_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
 /* Bytes the model keeps in memory to evaluate poses, without scratches. */
 FB_API uint64_t fb_runtime_bytes(const fb_model* model);
+/* The instruction set that poses are evaluated with, such as "avx2". Static storage. */
+FB_API const char* fb_instruction_set(const fb_model* model);
+
+/* Regions: the parts of the face that have a network of their own. There may be none; an index beyond them gives null.
+ * What a model moves without networks belongs to none of them. */
+FB_API uint32_t fb_region_count(const fb_model* model);
+FB_API const char* fb_region_name(const fb_model* model, uint32_t index);
+
+/* ---- The basis ----------------------------------------------------------------------------------------------------
+ */
+/* For hosts that let a GPU move the vertices: displacements are the basis times the coefficients of a pose
+ * (fb_evaluate_coefficients). Row 3 i + axis of the basis is coordinate `axis` of vertex i in baked order, an order in
+ * which vertices that use the same coefficients lie together. Rows come in groups, each of which uses some of the
+ * coefficients. Displacements made so differ from fb_evaluate's by rounding, and are 0 at rest. */
+
+/* Baked order: which vertex of the source is the i-th, for i < fb_vertex_count; null if that is the source's order. */
+FB_API const uint32_t* fb_vertex_order(const fb_model* model);
+
+typedef struct fb_basis_group {
+  uint32_t struct_size;
+  uint32_t first_row, row_count; /* groups follow each other without gaps, and cover 3 x fb_vertex_count rows */
+  uint32_t column_count;         /* coefficients it uses */
+} fb_basis_group;
+
+FB_API void fb_basis_group_fill(fb_basis_group* to, uint32_t struct_size);
+static inline void fb_basis_group_init(fb_basis_group* to) {
+  fb_basis_group_fill(to, (uint32_t)sizeof *to);
+}
+FB_API uint32_t fb_basis_group_count(const fb_model* model);
+/* Fills *group, as far as its struct_size goes, for the group at index < fb_basis_group_count. */
+FB_API fb_status fb_basis_group_at(const fb_model* model, uint32_t index, fb_basis_group* group);
+/* Writes what the group at `index` is made of: columns, column_count indices below fb_coefficient_count, ascending; and
+ * values, column after column, row_count floats each: what one unit of that coefficient moves. */
+FB_API fb_status fb_basis_group_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values);
 
 /* ---- Posing ------------------------------------------------------------------------------------------------------ */
 
@@ -182,6 +219,10 @@ FB_API void fb_scratch_destroy(fb_scratch* scratch);
  * exactly the rest mesh. */
 FB_API fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions);
 
+/* The coefficients alone, fb_coefficient_count floats, all 0 at rest; controls as for fb_evaluate. */
+FB_API fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, const float* controls,
+                                          float* coefficients);
+
 /* How many control values the scratch's last successful evaluation clamped, of all poses of a batch. */
 FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
 
@@ -190,6 +231,14 @@ FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
 typedef void (*fb_task)(void* context, uint32_t index, uint32_t worker);
 typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb_task task, void* context);
 
+/* Orders of vertices (see fb_vertex_order). Baked order is quicker to write. */
+#define FB_ORDER_SOURCE 0
+#define FB_ORDER_BAKED 1
+/* Formats of numbers. */
+#define FB_FLOAT32 0
+#define FB_FLOAT16 1 /* IEEE 754 binary16 in uint16_t, rounded to nearest */
+
+/* All numbers are in units of the format: "in numbers" counts floats, or uint16_t with FB_FLOAT16. */
 typedef struct fb_batch_desc {
   uint32_t struct_size;
   uint32_t threads; /* at most the scratch's workers; 0: all of them, or as many as OpenMP would use if fewer */
@@ -197,13 +246,26 @@ typedef struct fb_batch_desc {
   const float* controls;        /* pose p begins at controls + p * control_stride */
   uint64_t control_floats;      /* size of that buffer, in floats */
   uint64_t control_stride;      /* in floats; 0: fb_control_count */
-  float* positions;             /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride */
-  uint64_t position_floats;     /* size of that buffer, in floats */
-  uint64_t pose_stride;         /* in floats; 0: vertex_stride * fb_vertex_count */
-  uint64_t vertex_stride;       /* in floats, >= 3; 0: 3. What lies between vertices is not touched. */
+  void* positions;              /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
+                                   null if normals are wanted */
+  uint64_t position_floats;     /* size of that buffer, in numbers */
+  uint64_t pose_stride;         /* in numbers; 0: vertex_stride * fb_vertex_count */
+  uint64_t vertex_stride;       /* in numbers, >= 3; 0: 3. What lies between vertices is not touched. */
   fb_parallel_for parallel_for; /* null: OpenMP if the library has it, else the calling thread. Left out where one
                                    thread is enough. */
   void* parallel_user;
+  uint32_t vertex_order;       /* FB_ORDER_...; default FB_ORDER_SOURCE */
+  uint32_t format;             /* FB_FLOAT...: of positions and normals; default FB_FLOAT32 */
+  void* normals;               /* unit normals of the posed mesh, laid out like positions; null: not wanted. A vertex'
+                                  normal is the sum of the area vectors of the polygons around it, which are true
+                                  polygons: of a quad half the cross product of its diagonals, flat or not. Null where
+                                  there is no area. The same bits on every machine, like positions. */
+  uint64_t normal_numbers;     /* size of that buffer, in numbers */
+  uint64_t normal_pose_stride; /* as for positions */
+  uint64_t normal_vertex_stride;
+  const uint32_t* regions; /* indices of the regions whose networks run; the others give what they give at rest.
+                              Null: all of them. */
+  uint64_t region_count;   /* of that list; with a list, 0 is none */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
@@ -211,10 +273,12 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
   fb_batch_desc_fill(to, (uint32_t)sizeof *to);
 }
 
-/* Many poses; each gives the same bits as fb_evaluate, whatever the batch, the order or the threads. Buffers that are
- * too small for poses and strides, poses that would overlap, and NaN controls (by pose and control) are refused before
- * anything is written. Controls and positions may not overlap. 0 poses need no buffers. A parallel_for that calls
- * too few or too many tasks, or one it was not given, is refused with FB_ERROR_INVALID_ARGUMENT afterwards. */
+/* Many poses, or one with more to choose; each gives the same bits as fb_evaluate, whatever the batch, its order, the
+ * strides or the threads. One pose runs on the calling thread. Outputs of some megabytes without gaps are written past
+ * the caches. Buffers that are too small for poses and strides, poses that would overlap, NaN controls (by pose and
+ * control), and regions, orders and formats there are not, are refused before anything is written. Buffers may not
+ * overlap each other. 0 poses need no buffers. A parallel_for that calls too few or too many tasks, or one it was not
+ * given, is refused with FB_ERROR_INVALID_ARGUMENT afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
 
 #ifdef __cplusplus

@@ -30,7 +30,8 @@ float round_all(float* __restrict x, std::size_t count, float limit, std::int32_
   return m / limit;
 }
 
-void move_rows(const std::int32_t* __restrict sums, float step, const float* __restrict rest, float* __restrict rows, std::size_t count) {
+void move_rows(const std::int32_t* __restrict sums, float step, const float* __restrict rest, float* __restrict rows,
+               std::size_t count) {
   for (std::size_t r = 0; r < count; ++r) rows[r] = rest[r] + step * static_cast<float>(sums[r]);
 }
 

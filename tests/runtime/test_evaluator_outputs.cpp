@@ -1,0 +1,189 @@
+// What an evaluator gives besides positions in the source's order: normals, halves, parts, large batches.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "runtime/evaluator.h"
+#include "test_models.h"
+
+using namespace fb;
+
+namespace {
+
+struct Posed {
+  std::vector<float> positions, normals;
+};
+
+std::vector<Workspace> workspaces(const Evaluator& evaluator, int count) {
+  std::vector<Workspace> made;
+  for (int w = 0; w < count; ++w) made.emplace_back(evaluator);
+  return made;
+}
+
+Posed evaluate(const Evaluator& evaluator, const std::vector<float>& controls, std::vector<Workspace>& workspaces,
+               int threads = 1) {
+  const std::size_t poses = controls.size() / evaluator.control_count(), floats = poses * 3 * evaluator.vertex_count();
+  Posed posed{std::vector<float>(floats), std::vector<float>(floats)};
+  Batch batch{.poses = poses, .controls = controls, .positions = {}};
+  batch.positions = {posed.positions.data(), floats};
+  batch.normals = {posed.normals.data(), floats};
+  evaluator.evaluate_batch(batch, workspaces, {threads});
+  return posed;
+}
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+// The sums of the polygons' area vectors, by the closed loops of their corners, made one long.
+std::vector<double> polygon_normals(const Mesh& mesh, const std::vector<float>& points) {
+  std::vector<double> sums(points.size());
+  const std::uint32_t* corners = mesh.polygon_corners.data();
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    double area[3] = {};
+    for (std::uint32_t k = 0; k < size; ++k)
+      for (int a = 0; a < 3; ++a) {
+        const float *u = points.data() + 3 * corners[k], *v = points.data() + 3 * corners[(k + 1) % size];
+        area[a] += double(u[(a + 1) % 3]) * v[(a + 2) % 3] - double(u[(a + 2) % 3]) * v[(a + 1) % 3];
+      }
+    for (std::uint32_t k = 0; k < size; ++k)
+      for (int a = 0; a < 3; ++a) sums[3 * corners[k] + a] += area[a];
+    corners += size;
+  }
+  for (std::size_t v = 0; v < sums.size(); v += 3) {
+    const double length = std::sqrt(sums[v] * sums[v] + sums[v + 1] * sums[v + 1] + sums[v + 2] * sums[v + 2]);
+    for (int a = 0; a < 3; ++a) sums[v + a] = length > 0 ? sums[v + a] / length : 0;
+  }
+  return sums;
+}
+
+// A control at rest leaves most of this face where it is: every control moves a band of rows of its own.
+PackedModel banded_model() {
+  PackedModel model = tiny_packed_model();
+  Random random(5);
+  model.schema.controls.clear();
+  model.features.clear();
+  model.regions.clear();
+  model.direct.clear();
+  model.groups.clear();
+  model.order.clear();
+  model.rest = grid_mesh(40, 30);
+  const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
+  for (std::uint32_t first = 0; first < rows; first += 100) {
+    const auto c = static_cast<std::uint32_t>(model.direct.size());
+    model.schema.controls.push_back({"band" + std::to_string(c), 0, 1, 0, ""});
+    model.features.push_back({Feature::Kind::identity, c});
+    model.direct.push_back(c);
+    model.groups.push_back(random_group(random, first, std::min(100u, rows - first), {c}, 2));
+  }
+  model.columns = static_cast<std::uint32_t>(model.direct.size());
+  return model;
+}
+
+std::vector<float> sparse_pose(const PackedModel& model, Random& random, float share) {
+  std::vector<float> pose = model.schema.rest_pose();
+  const std::vector<float> other = random_pose(model.schema, random);
+  for (std::size_t c = 0; c < pose.size(); ++c)
+    if (random.uniform() < share) pose[c] = other[c];
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("normals are those of the posed mesh, whatever was posed before") {
+  for (const PackedModel& model : {tiny_packed_model(), banded_model()}) {
+    const Evaluator evaluator(model);
+    std::vector<Workspace> kept = workspaces(evaluator, 1);
+    Random random(2);
+    for (const float share : {1.0f, 0.1f, 0.0f, 0.05f, 0.05f, 0.5f}) {
+      const std::vector<float> pose = sparse_pose(model, random, share);
+      const Posed posed = evaluate(evaluator, pose, kept);
+      std::vector<Workspace> fresh = workspaces(evaluator, 1);
+      CHECK(same_bits(posed.normals, evaluate(evaluator, pose, fresh).normals));
+      const std::vector<double> expected = polygon_normals(model.rest, posed.positions);
+      double worst = 0;
+      for (std::size_t i = 0; i < expected.size(); ++i)
+        worst = std::max(worst, std::fabs(expected[i] - double(posed.normals[i])));
+      CHECK(worst < 1e-5);
+    }
+  }
+}
+
+TEST_CASE("a mesh without polygons has null normals") {
+  PackedModel model = tiny_packed_model();
+  model.rest.polygon_sizes.clear();
+  model.rest.polygon_corners.clear();
+  const Evaluator evaluator(model);
+  std::vector<Workspace> kept = workspaces(evaluator, 1);
+  Random random(2);
+  const Posed posed = evaluate(evaluator, random_pose(model.schema, random), kept);
+  CHECK(std::all_of(posed.normals.begin(), posed.normals.end(), [](float n) { return n == 0; }));
+}
+
+TEST_CASE("what moved in one pose is back at rest in the next") {
+  const PackedModel model = banded_model();
+  const Evaluator evaluator(model);
+  Workspace workspace(evaluator);
+  Random random(3);
+  std::vector<float> positions(model.rest.points.size() / 3 * 4);
+  for (int n = 0; n < 6; ++n) {
+    const std::vector<float> pose = sparse_pose(model, random, n % 2 ? 0.0f : 0.5f);
+    evaluator.evaluate(pose.data(), positions.data(), workspace, 4);
+    Workspace fresh(evaluator);
+    std::vector<float> expected(positions.size());
+    evaluator.evaluate(pose.data(), expected.data(), fresh, 4);
+    CHECK(same_bits(positions, expected));
+  }
+}
+
+TEST_CASE("batches so large that they are written past the caches hold the same bits, at any address") {
+  for (const PackedModel& model : {banded_model(), tiny_packed_model()}) {
+    const Evaluator evaluator(model);
+    const std::size_t poses = (std::size_t(5) << 20) / (3 * sizeof(float) * evaluator.vertex_count());
+    Random random(8);
+    std::vector<float> controls;
+    for (std::size_t p = 0; p < poses; ++p) {
+      const std::vector<float> pose = sparse_pose(model, random, 0.3f);
+      controls.insert(controls.end(), pose.begin(), pose.end());
+    }
+    std::vector<Workspace> some = workspaces(evaluator, 2);
+    const std::size_t floats = poses * 3 * evaluator.vertex_count();
+    for (const VertexOrder order : {VertexOrder::source, VertexOrder::baked})
+      for (const std::size_t offset : {0u, 1u, 3u}) {
+        std::vector<float> positions(floats + offset + 1, 77.0f), expected = positions;
+        Batch batch{.poses = poses, .controls = controls, .positions = {}};
+        batch.positions = {positions.data() + offset, floats};
+        batch.order = order;
+        evaluator.evaluate_batch(batch, some, {2});
+        for (std::size_t p = 0; p < poses; ++p) {
+          batch.poses = 1;
+          batch.controls = std::span(controls).subspan(p * evaluator.control_count(), evaluator.control_count());
+          batch.positions = {expected.data() + offset + p * 3 * evaluator.vertex_count(), 3 * evaluator.vertex_count()};
+          evaluator.evaluate_batch(batch, some, {1});
+        }
+        CHECK(same_bits(positions, expected));
+      }
+  }
+}
+
+TEST_CASE("every instruction set gives the same bits") {
+  for (const PackedModel& model : {tiny_packed_model(), banded_model()}) {
+    Random random(9);
+    std::vector<float> controls;
+    for (int p = 0; p < 8; ++p) {
+      const std::vector<float> pose = sparse_pose(model, random, 0.2f * float(p));
+      controls.insert(controls.end(), pose.begin(), pose.end());
+    }
+    Posed expected;
+    for (const Kernels* kernels : runnable_kernels()) {
+      const Evaluator evaluator(model, *std::pmr::get_default_resource(), UINT64_MAX, *kernels);
+      std::vector<Workspace> some = workspaces(evaluator, 1);
+      const Posed posed = evaluate(evaluator, controls, some);
+      if (kernels == &scalar_kernels) expected = posed;
+      CHECK_MESSAGE(same_bits(posed.positions, expected.positions), kernels->name);
+      CHECK_MESSAGE(same_bits(posed.normals, expected.normals), kernels->name);
+    }
+  }
+}
