@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
   fb::add_compare(tool);
   fb::add_inspect(tool);
   fb::add_verify(tool);
+  fb::add_pack(tool);
   fb::add_pose(tool);
   // Last, for verbs inherit it; only the tool itself has it.
   tool.footer(

@@ -14,6 +14,7 @@ void add_eval(CLI::App& tool);
 void add_compare(CLI::App& tool);
 void add_inspect(CLI::App& tool);
 void add_verify(CLI::App& tool);
+void add_pack(CLI::App& tool);
 void add_pose(CLI::App& tool);
 
 }  // namespace fb

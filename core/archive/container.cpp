@@ -1,9 +1,10 @@
 #include "archive/container.h"
 
-#include <zstd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 #include "base/hash.h"
 
@@ -64,6 +65,25 @@ StoredSection read_row(ByteReader& table, std::span<const std::byte> file, std::
   return section;
 }
 
+std::vector<std::byte> inflated(const StoredSection& section) {
+  const std::string place = section.where();
+  if (section.info.raw_bytes > UINT32_MAX || section.info.stored_bytes > UINT32_MAX)
+    fail(Status::limit, "%s is packed and larger than 4 GiB", place.c_str());
+  std::vector<std::byte> raw(section.info.raw_bytes);
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(section.stored.data()));
+  stream.avail_in = static_cast<uInt>(section.stored.size());
+  Bytef nothing = 0;
+  stream.next_out = raw.empty() ? &nothing : reinterpret_cast<Bytef*>(raw.data());
+  stream.avail_out = static_cast<uInt>(raw.size());
+  const int end = inflate(&stream, Z_FINISH);
+  const bool whole = end == Z_STREAM_END && stream.avail_in == 0 && stream.avail_out == 0;
+  inflateEnd(&stream);
+  if (!whole) fail(Status::corrupt, "%s does not unpack to the %llu bytes it declares", place.c_str(), (ull)raw.size());
+  return raw;
+}
+
 }  // namespace
 
 std::string StoredSection::where() const {
@@ -72,28 +92,17 @@ std::string StoredSection::where() const {
 
 std::vector<std::byte> StoredSection::unpack(Budget& budget) const {
   const std::string place = where();
-  if (codec != Codec::none && codec != Codec::zstd)
+  if (codec != Codec::none && codec != Codec::deflate)
     fail(Status::unsupported, "%s is packed with unknown codec %u", place.c_str(), static_cast<unsigned>(codec));
   budget.take(info.raw_bytes, 1, place.c_str());
-  if (codec == Codec::none) {
-    if (info.raw_bytes != info.stored_bytes)
-      fail(Status::corrupt, "%s is not packed, yet declares %llu bytes stored as %llu", place.c_str(),
-           (ull)info.raw_bytes, (ull)info.stored_bytes);
-    return {stored.begin(), stored.end()};
-  }
-  if (ZSTD_getFrameContentSize(stored.data(), stored.size()) != info.raw_bytes)
-    fail(Status::corrupt, "%s does not unpack to the %llu bytes it declares", place.c_str(), (ull)info.raw_bytes);
-  if (ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size())
-    fail(Status::corrupt, "%s is not one whole zstd frame", place.c_str());
-  std::vector<std::byte> raw(info.raw_bytes);
-  const std::size_t got = ZSTD_decompress(raw.data(), raw.size(), stored.data(), stored.size());
-  if (ZSTD_isError(got)) fail(Status::corrupt, "%s cannot be unpacked: %s", place.c_str(), ZSTD_getErrorName(got));
-  if (got != raw.size())
-    fail(Status::corrupt, "%s unpacks to %zu bytes and declares %zu", place.c_str(), got, raw.size());
-  return raw;
+  if (codec == Codec::deflate) return inflated(*this);
+  if (info.raw_bytes != info.stored_bytes)
+    fail(Status::corrupt, "%s is not packed, yet declares %llu bytes stored as %llu", place.c_str(),
+         (ull)info.raw_bytes, (ull)info.stored_bytes);
+  return {stored.begin(), stored.end()};
 }
 
-std::vector<StoredSection> read_container(std::span<const std::byte> bytes) {
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version) {
   check_beginning(bytes);
   Budget budget(UINT64_MAX);
   ByteReader header(bytes.first(header_bytes), "the header", budget);
@@ -102,9 +111,10 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes) {
   const auto minor = header.number<std::uint16_t>("the version");
   const auto count = header.number<std::uint32_t>("the number of sections");
   const auto size = header.number<std::uint64_t>("the size");
-  if (major != archive_major || minor != archive_minor)
-    fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u alone", major, minor,
-         archive_major, archive_minor);
+  if (major != version.major || minor != version.minor)
+    fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u%s", major, minor,
+         version.major, version.minor,
+         major == 0 && minor == 2 ? ", and \"facebaker pack\" makes one of the other" : " alone");
   if (count > max_sections)
     fail(Status::corrupt, "the header (byte 12) announces %u sections; at most %u are allowed", count, max_sections);
 

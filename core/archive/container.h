@@ -24,8 +24,13 @@ struct StoredSection {
   std::vector<std::byte> unpack(Budget& budget) const;
 };
 
-// All sections, in file order, with every checksum verified and every byte of the file accounted for.
-std::vector<StoredSection> read_container(std::span<const std::byte> bytes);
+struct FormatVersion {
+  std::uint16_t major = archive_major, minor = archive_minor;
+};
+
+// All sections, in file order, with every checksum verified and every byte of the file accounted for. Other versions
+// than `version` are refused.
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version = {});
 
 const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name);
 

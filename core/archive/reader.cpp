@@ -17,8 +17,9 @@ auto open(const std::vector<StoredSection>& sections, const char* name, Budget& 
 }
 
 bool known(std::string_view name) {
-  for (const char* k : {section::definition, section::polygons, section::geometry, section::network, section::basis,
-                        section::provenance, section::proof})
+  for (const char* k :
+       {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
+        section::basis_values, section::provenance, section::licence, section::certificate, section::proof})
     if (name == k) return true;
   return false;
 }
@@ -39,7 +40,7 @@ std::uint32_t archive_format_version() {
   return archive_major * 1000u + archive_minor;
 }
 
-Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits) {
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Layers layers) {
   const std::vector<StoredSection> sections = read_container(bytes);
   Archive archive;
   archive.format_version = archive_format_version();
@@ -53,27 +54,33 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits)
 
   Budget budget(limits.max_model_bytes);
   PackedModel& model = archive.model;
-  Definition definition = open(sections, section::definition, budget, read_definition);
+  const auto part = [&](const char* name, auto&& read) { return open(sections, name, budget, read); };
+  Definition definition = part(section::definition, read_definition);
   model.schema = std::move(definition.schema);
-  open(sections, section::polygons, budget,
-       [&](ByteReader& in) { read_polygons(in, definition.vertices, model.rest); });
-  std::uint64_t triangles = 0;
-  for (const std::uint32_t size : model.rest.polygon_sizes) triangles += size > 2 ? size - 2 : 0;
-  model.rest.points = open(sections, section::geometry, budget,
-                           [&](ByteReader& in) { return read_geometry(in, definition.vertices, triangles); });
-  open(sections, section::network, budget, [&](ByteReader& in) { read_network(in, model); });
-  open(sections, section::basis, budget, [&](ByteReader& in) { read_basis(in, definition.vertices, model); });
-  if (const StoredSection* provenance = find_section(sections, section::provenance)) {
-    const std::vector<std::byte> raw = provenance->unpack(budget);
-    model.provenance.assign(reinterpret_cast<const char*>(raw.data()), raw.size());
-    if (model.provenance.find('\0') != std::string::npos)
-      fail(Status::corrupt, "%s holds a zero byte", provenance->where().c_str());
+  const std::uint32_t vertices = archive.vertices = definition.vertices;
+  const bool mesh = has(layers, Layers::mesh), behaviour = has(layers, Layers::behaviour);
+  if (mesh || behaviour) part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, model.rest); });
+  if (mesh) {
+    std::uint64_t triangles = 0;
+    for (const std::uint32_t size : model.rest.polygon_sizes) triangles += size > 2 ? size - 2 : 0;
+    model.rest.points = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices, triangles); });
   }
-  check_whole(model);
-  if (find_section(sections, section::proof))
-    archive.proof = open(sections, section::proof, budget, [&](ByteReader& in) {
-      return read_proof(in, model.schema.control_count(), definition.vertices);
-    });
+  if (behaviour) {
+    part(section::network, [&](ByteReader& in) { read_network(in, model); });
+    part(section::weights, [&](ByteReader& in) { read_weights(in, model); });
+    part(section::basis, [&](ByteReader& in) { read_basis(in, vertices, model); });
+    part(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, model); });
+  }
+  const auto text = [&](const char* name) {
+    return has(layers, Layers::text) && find_section(sections, name) ? part(name, read_text) : std::string();
+  };
+  model.provenance = text(section::provenance);
+  archive.text.licence = text(section::licence);
+  archive.text.certificate = text(section::certificate);
+  if (mesh && behaviour) check_whole(model);
+  if (has(layers, Layers::proof) && find_section(sections, section::proof))
+    archive.proof =
+        part(section::proof, [&](ByteReader& in) { return read_proof(in, model.schema.control_count(), vertices); });
   return archive;
 }
 

@@ -35,8 +35,6 @@ PackedLayer read_layer(ByteReader& in) {
   layer.wide = flags & layer_is_wide;
   layer.bias = in.numbers<float>(layer.outputs, "biases");
   layer.scales = in.numbers<float>(layer.outputs, "weight scales");
-  layer.weights =
-      in.whole_numbers(checked_multiply(layer.inputs, layer.outputs, in.where().c_str()), layer.wide, "weights");
   return layer;
 }
 
@@ -87,7 +85,7 @@ void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   in.end();
 }
 
-void read_network(ByteReader& in, PackedModel& model) {
+void read_network(ByteReader& in, PackedModel& model, LayerTail tail) {
   const std::uint32_t features = in.count(9, "features");
   in.budget().take(features, sizeof(Feature), "features");
   model.features.reserve(features);
@@ -104,76 +102,35 @@ void read_network(ByteReader& in, PackedModel& model) {
     const std::uint32_t layers = in.count(18, "layers");
     in.budget().take(layers, sizeof(PackedLayer), "layers");
     region.layers.reserve(layers);
-    for (std::uint32_t l = 0; l < layers; ++l) region.layers.push_back(read_layer(in));
-  }
-  in.end();
-}
-
-void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
-  model.columns = in.number<std::uint32_t>("the number of columns");
-  const auto ordered = in.number<std::uint32_t>("the order flag");
-  if (ordered > 1) in.damaged("the order flag is neither 0 nor 1");
-  if (ordered) {
-    model.order = in.planes32(vertices, "the order");
-    std::uint32_t vertex = 0;
-    for (std::uint32_t& step : model.order) step = vertex += from_zigzag(step);
-  }
-  const std::uint32_t groups = in.count(8, "row groups");
-  const std::vector<std::uint32_t> row_counts = in.numbers<std::uint32_t>(groups, "row counts");
-  const std::vector<std::uint32_t> column_counts = in.numbers<std::uint32_t>(groups, "column counts");
-  std::uint64_t row = 0, columns = 0;
-  for (const std::uint32_t count : row_counts) row += count;
-  for (const std::uint32_t count : column_counts) columns += count;
-  if (row != 3 * std::uint64_t(vertices)) in.damaged("row groups do not add up to the number of rows");
-  const std::vector<std::uint32_t> steps = in.planes32(columns, "column steps");
-  const std::vector<std::uint8_t> wide = in.numbers<std::uint8_t>(columns, "width flags");
-  const std::vector<float> scales = in.numbers<float>(columns, "scales");
-  in.budget().take(groups, sizeof(PackedRowGroup), "row groups");
-  in.budget().take(columns, sizeof(PackedColumn), "columns");
-  model.groups.resize(groups);
-  std::uint32_t first_row = 0;
-  std::size_t at = 0;
-  std::uint64_t narrow_values = 0, wide_values = 0;
-  for (std::size_t g = 0; g < groups; ++g) {
-    PackedRowGroup& group = model.groups[g];
-    group.first_row = first_row;
-    first_row += group.row_count = row_counts[g];
-    group.columns.resize(column_counts[g]);
-    std::uint32_t number = 0;
-    for (PackedColumn& column : group.columns) {
-      if (wide[at] > 1) in.damaged("a width flag is neither 0 nor 1");
-      column = {number += steps[at], wide[at] == 1, scales[at]};
-      (column.wide ? wide_values : narrow_values) += group.row_count;
-      ++at;
+    for (std::uint32_t l = 0; l < layers; ++l) {
+      region.layers.push_back(read_layer(in));
+      if (tail) tail(in, region.layers.back());
     }
   }
-  const std::vector<std::int16_t> narrow_ones = in.whole_numbers(narrow_values, false, "narrow values");
-  const std::vector<std::int16_t> wide_ones = in.whole_numbers(wide_values, true, "wide values");
   in.end();
-  in.budget().take(narrow_values + wide_values, sizeof(std::int16_t), in.where().c_str());
-  auto next_narrow = narrow_ones.begin(), next_wide = wide_ones.begin();
-  for (PackedRowGroup& group : model.groups) {
-    group.values.reserve(group.columns.size() * group.row_count);
-    for (const PackedColumn& column : group.columns) {
-      auto& next = column.wide ? next_wide : next_narrow;
-      group.values.insert(group.values.end(), next, next + group.row_count);
-      next += group.row_count;
-    }
-  }
 }
 
 Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices) {
   Proof proof;
   const auto poses = in.number<std::uint32_t>("the number of poses");
+  proof.controls = in.numbers<float>(checked_multiply(poses, controls, "proof controls"), "proof controls");
+  proof.hashes = in.numbers<std::uint64_t>(poses, "proof hashes");
   proof.vertices = in.numbers<std::uint32_t>(in.count(4, "proof vertices"), "proof vertices");
   for (const std::uint32_t vertex : proof.vertices)
     if (vertex >= vertices) in.damaged("the proof names a vertex that does not exist");
-  proof.controls = in.numbers<float>(checked_multiply(poses, controls, "proof controls"), "proof controls");
   proof.positions =
       in.numbers<float>(checked_multiply(poses, checked_multiply(proof.vertices.size(), 3, "proof"), "proof positions"),
                         "proof positions");
   in.end();
   return proof;
+}
+
+std::string read_text(ByteReader& in) {
+  const auto bytes = in.take(in.left(), "text");
+  in.budget().take(bytes.size(), 1, "text");
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.find('\0') != std::string::npos) in.damaged("a text holds a zero byte");
+  return text;
 }
 
 }  // namespace fb

@@ -35,7 +35,6 @@ void write_layer(ByteWriter& out, const PackedLayer& layer) {
   out.number(static_cast<std::uint8_t>((layer.skip ? layer_skips : 0) | (layer.wide ? layer_is_wide : 0)));
   out.numbers(layer.bias);
   out.numbers(layer.scales);
-  out.whole_numbers(layer.weights, layer.wide);
 }
 
 }  // namespace
@@ -97,60 +96,29 @@ ByteWriter write_network(const PackedModel& model) {
   return out;
 }
 
-ByteWriter write_basis(const PackedModel& model) {
-  ByteWriter out;
-  out.number(model.columns);
-  out.number(std::uint32_t(!model.order.empty()));
-  std::vector<std::uint32_t> steps;
-  std::uint32_t before = 0;
-  for (const std::uint32_t vertex : model.order) {
-    steps.push_back(to_zigzag(vertex - before));
-    before = vertex;
-  }
-  out.planes(steps);
-  steps.clear();
-  write_count(out, model.groups.size(), "row groups");
-  for (const PackedRowGroup& group : model.groups) out.number(group.row_count);
-  for (const PackedRowGroup& group : model.groups) write_count(out, group.columns.size(), "columns");
-  std::vector<std::uint8_t> wide;
-  std::vector<float> scales;
-  std::vector<std::int16_t> narrow_values, wide_values;
-  for (const PackedRowGroup& group : model.groups) {
-    before = 0;
-    auto first = group.values.begin();
-    for (const PackedColumn& column : group.columns) {
-      steps.push_back(column.column - before);
-      before = column.column;
-      wide.push_back(column.wide);
-      scales.push_back(column.scale);
-      auto& values = column.wide ? wide_values : narrow_values;
-      values.insert(values.end(), first, first + group.row_count);
-      first += group.row_count;
-    }
-  }
-  out.planes(steps);
-  out.numbers(wide);
-  out.numbers(scales);
-  out.whole_numbers(narrow_values, false);
-  out.whole_numbers(wide_values, true);
-  return out;
-}
-
 ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
-  const std::size_t controls = model.schema.control_count();
-  const std::size_t poses = proof.controls.size() / controls;
+  const std::size_t controls = model.schema.control_count(), poses = proof.hashes.size();
   if (proof.controls.size() != poses * controls || proof.positions.size() != poses * proof.vertices.size() * 3)
-    fail(Status::bad_data, "the proof has %zu control values and %zu coordinates for %zu controls and %zu vertices",
-         proof.controls.size(), proof.positions.size(), controls, proof.vertices.size());
+    fail(Status::bad_data,
+         "the proof has %zu hashes, %zu control values and %zu coordinates for %zu controls and %zu "
+         "vertices",
+         poses, proof.controls.size(), proof.positions.size(), controls, proof.vertices.size());
   for (const std::uint32_t vertex : proof.vertices)
     if (vertex >= model.rest.vertex_count())
       fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.vertex_count());
   ByteWriter out;
   write_count(out, poses, "proof poses");
-  write_count(out, proof.vertices.size(), "proof vertices");
-  out.numbers(proof.vertices);
   out.numbers(proof.controls);
+  out.numbers(proof.hashes);
+  write_list(out, proof.vertices, "proof vertices");
   out.numbers(proof.positions);
+  return out;
+}
+
+ByteWriter write_text(const std::string& text, const char* what) {
+  if (text.find('\0') != std::string::npos) fail(Status::bad_data, "%s holds a zero byte", what);
+  ByteWriter out;
+  out.raw(std::as_bytes(std::span(text)));
   return out;
 }
 

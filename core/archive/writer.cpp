@@ -1,6 +1,6 @@
 #include "archive/writer.h"
 
-#include <zstd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -19,16 +19,21 @@ struct Packed {
   std::vector<std::byte> stored;
 };
 
-// zstd where it saves more than a few bytes. Level 19 takes seconds on megabytes of weights and gains next to nothing
-// there.
+// Deflated where that saves more than a few bytes.
 Packed pack(const char* name, bool required, std::vector<std::byte> raw) {
-  std::vector<std::byte> zipped(ZSTD_compressBound(raw.size()));
-  const int level = raw.size() < (1u << 20) ? 19 : 12;
-  const std::size_t size = ZSTD_compress(zipped.data(), zipped.size(), raw.data(), raw.size(), level);
-  if (ZSTD_isError(size)) fail(Status::internal, "section \"%s\": %s", name, ZSTD_getErrorName(size));
+  uLongf size = compressBound(raw.size());
+  std::vector<std::byte> zipped(size);
+  if (compress2(reinterpret_cast<Bytef*>(zipped.data()), &size, reinterpret_cast<const Bytef*>(raw.data()), raw.size(),
+                Z_BEST_COMPRESSION) != Z_OK)
+    fail(Status::internal, "section \"%s\" cannot be deflated", name);
   if (size + 64 > raw.size()) return {name, required, Codec::none, raw.size(), std::move(raw)};
   zipped.resize(size);
-  return {name, required, Codec::zstd, raw.size(), std::move(zipped)};
+  return {name, required, Codec::deflate, raw.size(), std::move(zipped)};
+}
+
+// What is entropy-coded already.
+Packed as_it_is(const char* name, std::vector<std::byte> raw) {
+  return {name, true, Codec::none, raw.size(), std::move(raw)};
 }
 
 std::vector<std::byte> assemble(const std::vector<Packed>& sections) {
@@ -64,20 +69,23 @@ std::vector<std::byte> assemble(const std::vector<Packed>& sections) {
 
 }  // namespace
 
-std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proof) {
+std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proof, const ArchiveText& text) {
   check(model);
-  if (model.provenance.find('\0') != std::string::npos) fail(Status::bad_data, "the provenance holds a zero byte");
   std::vector<Packed> sections;
   sections.push_back(pack(section::definition, true, write_definition(model).bytes));
   sections.push_back(pack(section::polygons, true, write_polygons(model.rest).bytes));
   sections.push_back(pack(section::geometry, true, write_geometry(model.rest).bytes));
   sections.push_back(pack(section::network, true, write_network(model).bytes));
+  sections.push_back(as_it_is(section::weights, write_weights(model).bytes));
   sections.push_back(pack(section::basis, true, write_basis(model).bytes));
-  if (!model.provenance.empty()) {
-    const auto text = std::as_bytes(std::span(model.provenance));
-    sections.push_back(pack(section::provenance, false, {text.begin(), text.end()}));
-  }
-  if (!proof.controls.empty()) sections.push_back(pack(section::proof, false, write_proof(proof, model).bytes));
+  sections.push_back(as_it_is(section::basis_values, write_basis_values(model).bytes));
+  const auto add_text = [&](const char* name, const std::string& words) {
+    if (!words.empty()) sections.push_back(pack(name, false, write_text(words, name).bytes));
+  };
+  add_text(section::provenance, model.provenance);
+  add_text(section::licence, text.licence);
+  add_text(section::certificate, text.certificate);
+  if (!proof.hashes.empty()) sections.push_back(pack(section::proof, false, write_proof(proof, model).bytes));
   return assemble(sections);
 }
 

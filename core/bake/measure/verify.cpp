@@ -6,6 +6,7 @@
 
 #include "archive/reader.h"
 #include "bake/measure/float_face.h"
+#include "base/hash.h"
 #include "base/random.h"
 #include "base/status.h"
 #include "runtime/evaluator.h"
@@ -13,19 +14,30 @@
 namespace fb {
 namespace {
 
-constexpr std::size_t dense_poses = 8, proof_vertices = 256;
+constexpr std::size_t dense_poses = 8, shown_vertices = 16;
+constexpr std::uint32_t notches = 64;  // of a control's range that proof poses fall on: they pack better
 
-// Positions of the given vertices in every pose.
-std::vector<float> positions_of(const PackedModel& model, std::span<const float> controls,
-                                const std::vector<std::uint32_t>& vertices) {
+// Calls with(pose, positions of all vertices) for every pose.
+template <class With>
+void pose_by_pose(const PackedModel& model, std::span<const float> controls, With&& with) {
   const Evaluator face(model);
   Workspace workspace(face);
-  std::vector<float> all(model.rest.points.size()), picked;
-  for (std::size_t at = 0; at < controls.size(); at += face.control_count()) {
-    face.evaluate(controls.data() + at, all.data(), workspace);
-    for (const std::uint32_t v : vertices) picked.insert(picked.end(), all.begin() + 3 * v, all.begin() + 3 * v + 3);
+  std::vector<float> positions(model.rest.points.size());
+  for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
+    face.evaluate(controls.data() + pose * face.control_count(), positions.data(), workspace);
+    with(pose, std::span<const float>(positions));
   }
-  return picked;
+}
+
+// Of little-endian bytes, whatever the machine.
+std::uint64_t hash_of(std::span<const float> positions) {
+  std::vector<std::uint32_t> words;
+  for (const float p : positions) {
+    const auto w = std::bit_cast<std::uint32_t>(p);
+    words.push_back(
+        std::endian::native == std::endian::little ? w : w >> 24 | (w >> 8 & 0xff00) | (w << 8 & 0xff0000) | w << 24);
+  }
+  return hash64_of<std::uint32_t>(words);
 }
 
 }  // namespace
@@ -40,29 +52,41 @@ Proof make_proof(const PackedModel& model, std::uint64_t seed) {
     Random random(seed, pose);
     for (const Control& control : controls) {
       const bool on = random.uniform() < 0.3f;
-      const float value = random.uniform(control.minimum, control.maximum);
-      proof.controls.push_back(on ? value : control.rest);
+      const float share = float(random.below(notches + 1)) / float(notches);
+      proof.controls.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
     }
   }
-  const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, proof_vertices);
+  const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
-  proof.positions = positions_of(model, proof.controls, proof.vertices);
+  pose_by_pose(model, proof.controls, [&](std::size_t, std::span<const float> positions) {
+    proof.hashes.push_back(hash_of(positions));
+    for (const std::uint32_t v : proof.vertices)
+      proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
+  });
   return proof;
 }
 
 VerifyReport verify_archive(std::span<const std::byte> archive) {
   const Archive read = read_archive(archive);
   const Proof& proof = read.proof;
-  const VerifyReport report{archive.size(), proof.controls.size() / read.model.schema.control_count(),
-                            proof.vertices.size()};
-  const std::vector<float> now = positions_of(read.model, proof.controls, proof.vertices);
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    if (std::bit_cast<std::uint32_t>(now[i]) == std::bit_cast<std::uint32_t>(proof.positions[i])) continue;
-    const std::size_t vertex = i / 3;
-    fail(Status::corrupt,
-         "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
-         vertex / report.vertices, proof.vertices[vertex % report.vertices], "xyz"[i % 3], now[i], proof.positions[i]);
-  }
+  const VerifyReport report{archive.size(), proof.hashes.size(), read.model.rest.vertex_count()};
+  pose_by_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
+    const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
+    for (const std::uint32_t vertex : proof.vertices)
+      for (std::size_t axis = 0; axis < 3; ++axis, ++kept) {
+        const float now = positions[3 * std::size_t(vertex) + axis];
+        if (std::bit_cast<std::uint32_t>(now) != std::bit_cast<std::uint32_t>(*kept))
+          fail(Status::corrupt,
+               "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
+               pose, vertex, "xyz"[axis], now, *kept);
+      }
+    const std::uint64_t hash = hash_of(positions);
+    if (hash != proof.hashes[pose])
+      fail(Status::corrupt,
+           "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and had "
+           "%016llx",
+           pose, static_cast<unsigned long long>(hash), static_cast<unsigned long long>(proof.hashes[pose]));
+  });
   return report;
 }
 

@@ -17,11 +17,11 @@ struct VerifyReport {
   std::size_t poses = 0, vertices = 0;  // compared
 };
 
-// What the model gives for a few poses (rest, both ends of all controls, seeded dense ones) at evenly spaced vertices.
+// What the model gives for a few poses: rest, both ends of all controls, seeded dense ones.
 Proof make_proof(const PackedModel& model, std::uint64_t seed);
 
 // Reads an archive whole, evaluates the poses of its proof and compares every bit. Fails with the reader's error if it
-// is damaged, with corrupt at the first coordinate that differs.
+// is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
 VerifyReport verify_archive(std::span<const std::byte> archive);
 
 // Largest distance of any vertex between a face and what was packed of it, over these poses (poses x controls) and over

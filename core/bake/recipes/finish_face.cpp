@@ -16,7 +16,7 @@ namespace {
 
 constexpr double validation_share = 0.05;
 constexpr std::size_t measured_poses = 500;
-constexpr std::uint64_t room = 1024;  // for the provenance, which is written last
+constexpr std::uint64_t room = 4096;  // for provenance and certificate, which are written last
 
 PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
   const ValidationSplit split = validation_split(poses, validation_share, seed);

@@ -1,0 +1,137 @@
+#include <bit>
+#include <cstdlib>
+
+#include "archive/basis_coding.h"
+#include "archive/layout.h"
+#include "archive/section_reader.h"
+#include "archive/symbol_reader.h"
+
+namespace fb {
+namespace {
+
+// Damage, where the order would not name each vertex once.
+void read_order(ByteReader& in, std::uint32_t vertices, std::vector<std::uint32_t>& order) {
+  order = in.planes32(vertices, "the order");
+  std::vector<bool> named(vertices);
+  std::uint32_t vertex = 0;
+  for (std::uint32_t& step : order) {
+    step = vertex += from_zigzag(step);
+    if (vertex >= vertices || named[vertex]) in.damaged("the order does not name every vertex once");
+    named[vertex] = true;
+  }
+}
+
+void read_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+  const std::vector<std::uint32_t> rows = in.planes32(in.count(4, "row groups"), "row counts");
+  in.budget().take(rows.size(), sizeof(PackedRowGroup), "row groups");
+  model.groups.resize(rows.size());
+  std::uint64_t row = 0;
+  for (std::size_t g = 0; g < rows.size(); ++g) {
+    model.groups[g].first_row = static_cast<std::uint32_t>(row);
+    model.groups[g].row_count = rows[g];
+    row += rows[g];
+    if (row > 3 * std::uint64_t(vertices)) break;
+  }
+  if (row != 3 * std::uint64_t(vertices)) in.damaged("row groups do not add up to the number of rows");
+}
+
+// Sets `beyond` on numbers that no writer gives; the rest of the column is then not read.
+inline void read_column(SymbolCursor& in, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
+                        std::int16_t* values, bool& beyond) {
+  state.begin_group();
+  for (const BasisPiece& piece : pieces) {
+    const std::uint32_t bits = in.symbol(class_lane, state.class_context(piece));
+    if (bits > most_class) {
+      beyond = true;
+      return;
+    }
+    std::uint32_t magnitude = 0;
+    const auto keep = [&](std::uint32_t i, int number) {
+      magnitude = std::max(magnitude, static_cast<std::uint32_t>(std::abs(number)));
+      state.set(piece.vertex, piece.axis + i, number);
+      values[piece.row + i] = static_cast<std::int16_t>(number);
+    };
+    if (bits == 0) {
+      for (std::uint32_t i = 0; i < piece.count; ++i) keep(i, state.foretold(piece, piece.axis + i, largest));
+    } else {
+      const int reach = (1 << bits) - 1;
+      const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
+      bool reached = false;
+      const auto read_row = [&](std::uint32_t i) {
+        std::uint32_t code = in.symbol(i, ColumnState::residual_context(bits, i + 1 == piece.count, reached)) << finer;
+        if (finer > 0) code |= in.bits(i, finer);
+        const int residual = static_cast<int>(code) - reach;
+        reached = reached || std::abs(residual) > reach / 2;
+        const int number = state.foretold(piece, piece.axis + i, largest) + residual;
+        beyond = beyond || std::abs(number) > largest;
+        keep(i, beyond ? 0 : number);
+      };
+      read_row(0);  // one after the other, so that lanes are constants
+      if (piece.count > 1) read_row(1);
+      if (piece.count > 2) read_row(2);
+    }
+    state.done(piece.vertex, bits, magnitude);
+  }
+}
+
+}  // namespace
+
+void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+  const std::uint32_t columns = in.count(4, "columns");
+  const auto ordered = in.number<std::uint32_t>("the order flag");
+  if (ordered > 1) in.damaged("the order flag is neither 0 nor 1");
+  if (ordered) read_order(in, vertices, model.order);
+  read_rows(in, vertices, model);
+  const std::vector<std::uint32_t> counts = in.planes32(columns, "places of columns");
+  std::uint64_t places = 0;
+  for (const std::uint32_t count : counts) places += count;
+  const std::vector<std::uint32_t> steps = in.planes32(places, "group steps");
+  const std::vector<std::uint8_t> flags = in.numbers<std::uint8_t>(places, "flags");
+  const std::uint32_t stated = in.count(4, "scales");
+  const std::vector<float> scales = in.numbers<float>(stated, "scales");
+  in.end();
+
+  in.budget().take(places, sizeof(PackedColumn), "columns");
+  model.columns = columns;
+  std::size_t at = 0, next_scale = 0;
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    std::uint64_t group = 0;
+    for (std::uint32_t i = 0; i < counts[c]; ++i, ++at) {
+      if (i > 0 && steps[at] == 0) in.damaged("a column lies twice in one row group");
+      group += steps[at];
+      if (group >= model.groups.size()) in.damaged("a column lies in a row group that does not exist");
+      if (flags[at] & ~(place_is_wide | place_has_scale))
+        fail(Status::unsupported, "%s has a column of unknown flags 0x%x", in.where().c_str(), flags[at]);
+      if (flags[at] & place_has_scale) ++next_scale;
+      if (next_scale == 0 || next_scale > scales.size()) in.damaged("a column has no scale");
+      model.groups[group].columns.push_back({c, (flags[at] & place_is_wide) != 0, scales[next_scale - 1]});
+    }
+  }
+  if (next_scale != scales.size()) in.damaged("there are more scales than columns use");
+}
+
+void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+  for (PackedRowGroup& group : model.groups) {
+    const std::size_t count = checked_multiply(group.columns.size(), group.row_count, in.where().c_str());
+    in.budget().take(count, sizeof(std::int16_t), "basis values");
+    group.values.resize(count);
+  }
+  in.budget().take(vertices, 160, "predictions");  // about: pieces, neighbours, one column
+  const SymbolReader symbols(in, basis_contexts);
+  SymbolCursor at = symbols.begin();
+  const auto pieces = basis_pieces(model.rest, vertices, model.order, model.groups);
+  ColumnState state(vertices);
+  bool beyond = false;
+  for (const std::vector<ColumnPlace>& places : column_places(model)) {
+    for (const ColumnPlace& place : places) {
+      PackedRowGroup& group = model.groups[place.group];
+      read_column(at, state, pieces[place.group], group.columns[place.index].wide ? largest_wide : largest_narrow,
+                  group.values.data() + std::size_t(place.index) * group.row_count, beyond);
+      if (beyond) in.damaged("the basis holds a value beyond its range");
+    }
+    for (const ColumnPlace& place : places) state.forget(pieces[place.group]);
+  }
+  symbols.end(at);
+}
+
+}  // namespace fb

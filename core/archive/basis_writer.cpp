@@ -1,0 +1,104 @@
+#include <bit>
+#include <cstdlib>
+
+#include "archive/basis_coding.h"
+#include "archive/layout.h"
+#include "archive/section_writer.h"
+#include "archive/symbol_writer.h"
+#include "base/checked.h"
+
+namespace fb {
+namespace {
+
+void write_column(SymbolWriter& out, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
+                  const std::int16_t* values) {
+  state.begin_group();
+  for (const BasisPiece& piece : pieces) {
+    int residuals[3] = {};
+    std::uint32_t most = 0, magnitude = 0;
+    for (std::uint32_t i = 0; i < piece.count; ++i) {
+      const int number = values[piece.row + i];
+      residuals[i] = number - state.foretold(piece, piece.axis + i, largest);
+      most = std::max(most, static_cast<std::uint32_t>(std::abs(residuals[i])));
+      magnitude = std::max(magnitude, static_cast<std::uint32_t>(std::abs(number)));
+    }
+    const auto bits = static_cast<std::uint32_t>(std::bit_width(most));
+    out.symbol(class_lane, state.class_context(piece), bits);
+    const int reach = (1 << bits) - 1;
+    const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
+    bool reached = false;
+    for (std::uint32_t i = 0; i < piece.count; ++i) {
+      if (bits > 0) {
+        const auto code = static_cast<std::uint32_t>(residuals[i] + reach);
+        out.symbol(i, ColumnState::residual_context(bits, i + 1 == piece.count, reached), code >> finer);
+        if (finer > 0) out.bits(i, finer, code & ((1u << finer) - 1));
+        reached = reached || std::abs(residuals[i]) > reach / 2;
+      }
+      state.set(piece.vertex, piece.axis + i, values[piece.row + i]);
+    }
+    state.done(piece.vertex, bits, magnitude);
+  }
+}
+
+}  // namespace
+
+ByteWriter write_basis(const PackedModel& model) {
+  ByteWriter out;
+  out.number(model.columns);
+  out.number(std::uint32_t(!model.order.empty()));
+  std::vector<std::uint32_t> numbers;
+  std::uint32_t before = 0;
+  for (const std::uint32_t vertex : model.order) {
+    numbers.push_back(to_zigzag(vertex - before));
+    before = vertex;
+  }
+  out.planes(numbers);
+  numbers.clear();
+  out.number(checked_u32(model.groups.size(), "row groups"));
+  for (const PackedRowGroup& group : model.groups) numbers.push_back(group.row_count);
+  out.planes(numbers);
+  numbers.clear();
+
+  std::vector<std::uint32_t> steps;
+  std::vector<std::uint8_t> flags;
+  std::vector<float> scales;
+  for (const std::vector<ColumnPlace>& places : column_places(model)) {
+    numbers.push_back(checked_u32(places.size(), "places"));
+    before = 0;
+    for (const auto& [g, index] : places) {
+      const PackedColumn& column = model.groups[g].columns[index];
+      steps.push_back(g - before);
+      before = g;
+      const bool stated =
+          scales.empty() || std::bit_cast<std::uint32_t>(scales.back()) != std::bit_cast<std::uint32_t>(column.scale);
+      flags.push_back(static_cast<std::uint8_t>((column.wide ? place_is_wide : 0) | (stated ? place_has_scale : 0)));
+      if (stated) scales.push_back(column.scale);
+    }
+  }
+  out.planes(numbers);
+  out.planes(steps);
+  out.numbers(flags);
+  out.number(checked_u32(scales.size(), "scales"));
+  out.numbers(scales);
+  return out;
+}
+
+ByteWriter write_basis_values(const PackedModel& model) {
+  const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
+  const auto pieces = basis_pieces(model.rest, vertices, model.order, model.groups);
+  SymbolWriter symbols(basis_contexts);
+  ColumnState state(vertices);
+  for (const std::vector<ColumnPlace>& places : column_places(model)) {
+    for (const auto& [g, index] : places) {
+      const PackedRowGroup& group = model.groups[g];
+      write_column(symbols, state, pieces[g], group.columns[index].wide ? largest_wide : largest_narrow,
+                   group.values.data() + std::size_t(index) * group.row_count);
+    }
+    for (const ColumnPlace& place : places) state.forget(pieces[place.group]);
+  }
+  ByteWriter out;
+  symbols.write(out);
+  return out;
+}
+
+}  // namespace fb

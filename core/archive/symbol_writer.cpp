@@ -1,0 +1,85 @@
+#include "archive/symbol_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "archive/symbol_reader.h"
+
+namespace fb {
+namespace {
+
+using Counts = std::array<std::uint32_t, 256>;
+
+// Frequencies that sum to symbol_slots, at least 1 for whatever occurs; all 0 if nothing does.
+Counts frequencies(const Counts& counts) {
+  const std::uint64_t total = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
+  Counts out{};
+  if (total == 0) return out;
+  std::uint32_t sum = 0;
+  for (std::size_t s = 0; s < out.size(); ++s) {
+    if (counts[s] > 0)
+      out[s] = std::max<std::uint32_t>(
+          1, static_cast<std::uint32_t>((counts[s] * std::uint64_t(symbol_slots) + total / 2) / total));
+    sum += out[s];
+  }
+  // What rounding gave or took is taken from or given to the most frequent.
+  for (; sum > symbol_slots; --sum) --*std::max_element(out.begin(), out.end());
+  *std::max_element(out.begin(), out.end()) += symbol_slots - sum;
+  return out;
+}
+
+void write_table(const Counts& frequency, ByteWriter& out) {
+  std::uint32_t first = 0, end = 256;
+  while (first < end && frequency[first] == 0) ++first;
+  while (end > first && frequency[end - 1] == 0) --end;
+  out.number(static_cast<std::uint16_t>(end - first));
+  if (first == end) return;
+  out.number(static_cast<std::uint8_t>(first));
+  for (std::uint32_t s = first; s < end; ++s) {
+    if (frequency[s] < 0x80) {
+      out.number(static_cast<std::uint8_t>(frequency[s]));
+    } else {
+      out.number(static_cast<std::uint8_t>(0x80 | frequency[s] % 0x80));
+      out.number(static_cast<std::uint8_t>(frequency[s] / 0x80));
+    }
+  }
+}
+
+}  // namespace
+
+void SymbolWriter::write(ByteWriter& out) const {
+  std::vector<Counts> frequency(contexts_), first(contexts_);
+  for (const Step& step : steps_)
+    if (step.plain_bits == 0) ++frequency[step.context][step.value];
+  for (std::size_t c = 0; c < contexts_; ++c) {
+    frequency[c] = frequencies(frequency[c]);
+    std::exclusive_scan(frequency[c].begin(), frequency[c].end(), first[c].begin(), 0u);
+    write_table(frequency[c], out);
+  }
+  // Backwards, as the numeral system is a stack: what is put in last comes out first.
+  std::array<std::uint32_t, symbol_lanes> states;
+  states.fill(least_state);
+  std::vector<std::uint16_t> words;
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    const auto [context, lane, plain_bits, value] = steps_[i];
+    std::uint32_t& state = states[lane];
+    const auto make_room = [&](std::uint64_t beyond) {
+      if (state < beyond) return;
+      words.push_back(static_cast<std::uint16_t>(state));
+      state >>= 16;
+    };
+    if (plain_bits > 0) {
+      make_room(std::uint64_t(1) << (32 - plain_bits));
+      state = state << plain_bits | value;
+    } else {
+      const std::uint32_t share = frequency[context][value];
+      make_room(std::uint64_t(share) << (32 - symbol_bits));
+      state = (state / share << symbol_bits) + state % share + first[context][value];
+    }
+  }
+  for (const std::uint32_t state : states) out.number(state);
+  for (std::size_t i = words.size(); i-- > 0;) out.number(words[i]);
+}
+
+}  // namespace fb

@@ -1,0 +1,39 @@
+// Entropy coding, the counterpart of symbol_reader.h. Symbols are collected first and coded by how often they came.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "archive/byte_writer.h"
+
+namespace fb {
+
+class SymbolWriter {
+ public:
+  explicit SymbolWriter(std::size_t contexts) : contexts_(contexts) {}
+
+  // A number below 256 in a context; see SymbolCursor for lanes.
+  void symbol(std::size_t lane, std::size_t context, std::uint32_t value) {
+    steps_.push_back(
+        {static_cast<std::uint16_t>(context), static_cast<std::uint8_t>(lane), 0, static_cast<std::uint16_t>(value)});
+  }
+  // A number of `count` bits, at most 12.
+  void bits(std::size_t lane, std::uint32_t count, std::uint32_t value) {
+    steps_.push_back(
+        {0, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(count), static_cast<std::uint16_t>(value)});
+  }
+  // Appends tables and coded symbols.
+  void write(ByteWriter& out) const;
+
+ private:
+  struct Step {
+    std::uint16_t context;
+    std::uint8_t lane, plain_bits;  // 0: coded in the context
+    std::uint16_t value;
+  };
+  std::size_t contexts_;
+  std::vector<Step> steps_;
+};
+
+}  // namespace fb
