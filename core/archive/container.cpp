@@ -111,10 +111,10 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes, Form
   const auto minor = header.number<std::uint16_t>("the version");
   const auto count = header.number<std::uint32_t>("the number of sections");
   const auto size = header.number<std::uint64_t>("the size");
-  if (major != version.major || minor != version.minor)
+  if (major != version.major || (major == 0 && minor != version.minor))
     fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u%s", major, minor,
          version.major, version.minor,
-         major == 0 && minor == 2 ? ", and \"facebaker pack\" makes one of the other" : " alone");
+         major == 0 && minor == 2 ? ", and \"facebaker pack\" makes one of the other" : "");
   if (count > max_sections)
     fail(Status::corrupt, "the header (byte 12) announces %u sections; at most %u are allowed", count, max_sections);
 

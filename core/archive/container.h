@@ -28,8 +28,8 @@ struct FormatVersion {
   std::uint16_t major = archive_major, minor = archive_minor;
 };
 
-// All sections, in file order, with every checksum verified and every byte of the file accounted for. Other versions
-// than `version` are refused.
+// All sections, in file order, with every checksum verified and every byte of the file accounted for. Other major
+// versions than that of `version` are refused; of major 0, other minor ones too.
 std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version = {});
 
 const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name);

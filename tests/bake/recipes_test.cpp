@@ -146,8 +146,9 @@ TEST_CASE("a proof holds the rest pose, the ends of all ranges and dense poses")
   REQUIRE(proof.controls.size() > 4 * 4);
   CHECK(std::vector<float>(proof.controls.begin(), proof.controls.begin() + 12) ==
         std::vector<float>{0, 1, -2, 0, 1, 3, 0, 1, -1, 0, -4, -1});
-  CHECK(proof.vertices.size() == 64);
-  CHECK(proof.positions.size() == proof.controls.size() / 4 * 64 * 3);
+  CHECK(proof.hashes.size() == proof.controls.size() / 4);
+  CHECK(proof.vertices.size() == 16);
+  CHECK(proof.positions.size() == proof.hashes.size() * 16 * 3);
 }
 
 TEST_CASE("a variant never reads a shot, and nothing reads validation or test clips") {
@@ -240,6 +241,11 @@ TEST_CASE("an archive whose proof does not hold is refused") {
   kept = std::nextafter(kept, 1e9f);
   CHECK_THROWS_WITH(verify_archive(write_archive(archive.model, archive.proof)),
                     doctest::Contains("does not pose as it did"));
+  kept = std::nextafter(kept, -1e9f);
+  verify_archive(write_archive(archive.model, archive.proof));
+  ++archive.proof.hashes[2];
+  CHECK_THROWS_WITH(verify_archive(write_archive(archive.model, archive.proof)),
+                    doctest::Contains("the positions of pose 2 of its proof have the hash"));
 }
 
 TEST_CASE("a rig whose name is no UTF-8 is baked all the same") {
