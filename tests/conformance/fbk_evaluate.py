@@ -1,0 +1,153 @@
+"""What FORMAT.md says under "Whole numbers" and "What a reader computes", for fbk_read.py.
+
+`face` is what fbk_read.py has read: its features, direct, regions, places, groups, order, rest and controls.
+"""
+import numpy as np
+
+F = np.float32
+LIMIT = 32512
+TANH_MOST = F(7.90531110763549805)
+TANH_P = [F(x) for x in (-2.76076847742355e-16, 2.00018790482477e-13, -8.60467152213735e-11, 5.12229709037114e-08,
+                         1.48572235717979e-05, 6.37261928875436e-04, 4.89352455891786e-03)]
+TANH_Q = [F(x) for x in (1.19825839466702e-06, 1.18534705686654e-04, 2.26843463243900e-03, 4.89352518554385e-03)]
+
+
+def digits(w):
+    low = (w + 128 & 255) - 128
+    return (w - low) // 256, low
+
+
+def limit_of(matrix):
+    """Of sums over the last axis of these digits."""
+    largest = int(np.abs(matrix).sum(-1).max(initial=0)) if matrix.size else 0
+    return min(LIMIT, (2**31 - 1) // largest) if largest else LIMIT
+
+
+def quantise(x, limit):
+    size = np.abs(x)
+    size[~(size <= F(2.0**100))] = F(2.0**100)
+    m = size.max(initial=F(0))
+    if m < F(2.0**-100):
+        return np.zeros(len(x), np.int64), F(0)
+    q = np.rint(x * (F(limit) / m))
+    q[np.isnan(q)] = 0
+    return np.clip(q, -limit, limit).astype(np.int64), m / F(limit)
+
+
+def horner(coefficients, s):
+    value = np.full_like(s, coefficients[0])
+    for c in coefficients[1:]:
+        value = value * s + c
+    return value
+
+
+def tanh(y):
+    y = np.where(y > -TANH_MOST, y, -TANH_MOST)
+    y = np.where(y < TANH_MOST, y, TANH_MOST)
+    s = y * y
+    return y * horner(TANH_P, s) / horner(TANH_Q, s)
+
+
+def activate(kind, y):
+    if kind == 1:
+        return np.where(y > 0, y, F(0))
+    if kind == 2:
+        return tanh(y)
+    if kind == 3:
+        return y * (F(0.5) + F(0.5) * tanh(F(0.5) * y))
+    return y
+
+
+def prepare(face):
+    for region in face.regions:
+        for layer in region["layers"]:
+            sums = np.stack(digits(layer["weights"])) if layer["wide"] else layer["weights"]
+            layer["limit"] = limit_of(sums)
+        region["rest"] = run_layers(region, np.zeros(len(region["features"]), F))
+        if not np.isfinite(region["rest"]).all():
+            raise ValueError("network: not finite at rest")
+    order = np.array(face.order)
+    for group in face.groups:
+        rows, numbers = np.arange(group["first"], group["first"] + group["rows"]), []
+        for place in group["columns"]:
+            if place["wide"]:
+                numbers += digits(place["values"])
+            else:
+                numbers.append(place["values"])
+        group["matrix"] = np.stack(numbers, 1) if numbers else np.zeros((group["rows"], 0), np.int64)
+        group["limit"] = limit_of(group["matrix"])
+        group["coordinates"] = 3 * order[rows // 3] + rows % 3
+
+
+def feature_values(face, controls):
+    rest = [control[4] for control in face.controls]
+    values = []
+    for kind, *f in face.features:
+        if kind == 3:
+            a, b = values[f[0]], values[f[1]]
+            values.append(F(0) if a == 0 or b == 0 else a * b)
+        elif kind == 4:
+            a, b = values[f[0]], values[f[1]]
+            values.append(a if a < b else b)
+        else:
+            control, scale, threshold, fall = f
+            u = F(0) if controls[control] == rest[control] else (controls[control] - rest[control]) * scale
+            t = u - threshold
+            if kind == 2:
+                falling = F(1) + (F(1) - t) * fall
+                t = t if t < falling else falling
+            values.append(u if kind == 0 else t if t > 0 else F(0))
+    return np.array(values, F)
+
+
+def run_layers(region, x):
+    for layer in region["layers"]:
+        q, step = quantise(x, layer["limit"])
+        if layer["wide"]:
+            high, low = (d @ q for d in digits(layer["weights"]))
+            sums = F(256) * high.astype(F) + low.astype(F)
+        else:
+            sums = (layer["weights"] @ q).astype(F)
+        y = activate(layer["activation"], layer["scales"] * step * sums + layer["bias"])
+        x = y + x if layer["skip"] else y
+    return x
+
+
+def coefficients_of(face, features):
+    parts = [features[face.direct]]
+    for region in face.regions:
+        x = features[region["features"]]
+        gate = F(1)
+        if region["gate"]:
+            total = largest = F(0)
+            for f in region["gate"]:
+                size = np.abs(features[f])
+                total = total + size
+                largest = size if size > largest else largest
+            gate = region["slope"] * (total - largest)
+            gate = gate if gate > 0 else F(0)
+            gate = gate if gate < 1 else F(1)
+        if not x.any() or gate == 0:
+            parts.append(np.zeros(len(region["rest"]), F))
+            continue
+        y = run_layers(region, x) - region["rest"]
+        parts.append(y * gate if region["gate"] else y)
+    return np.concatenate(parts).astype(F)
+
+
+def evaluate(face, controls):
+    if np.isnan(controls).any():
+        raise ValueError("a control is not a number")
+    controls = [min(max(c, control[2]), control[3]) for c, control in zip(controls, face.controls)]
+    coefficients = coefficients_of(face, feature_values(face, controls))
+    positions = face.rest.copy()
+    for group in face.groups:
+        summands = []
+        for place in group["columns"]:
+            low = coefficients[place["column"]] * place["scale"]
+            summands += [F(256) * low, low] if place["wide"] else [low]
+        q, step = quantise(np.array(summands, F), group["limit"])
+        if step != 0:
+            at = group["coordinates"]
+            positions[at] = face.rest[at] + step * (group["matrix"] @ q).astype(F)
+    return positions

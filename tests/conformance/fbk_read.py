@@ -1,0 +1,559 @@
+#!/usr/bin/env python3
+"""An independent reader of .fbk archives, written from core/archive/FORMAT.md alone.
+
+    fbk_read.py FILE...
+
+reads every file, evaluates the poses of its proof and compares them with what was archived, bit for bit. Exit code 0
+if all agree, 1 at the first difference or damage, 2 on wrong use. With --positions it prints the positions of the
+proof's poses as hexadecimal bits instead of comparing them, for other programs to compare.
+
+Needs Python 3.8, NumPy, and for the rest mesh a Draco decoder: the module DracoPy, or a program named by the variable
+FB_DRACO_POINTS that reads Draco data from its standard input and writes, little-endian: u32 points, f32 x, y, z of
+each, and, if the data has an attribute of indices, u32 of each. It is slow and meant to be read.
+"""
+import heapq
+import os
+import struct
+import subprocess
+import sys
+import zlib
+
+import numpy as np
+
+import fbk_evaluate
+
+F = np.float32
+
+
+class Damaged(Exception):
+    pass
+
+
+def require(condition, message):
+    if not condition:
+        raise Damaged(message)
+
+
+# ---- Conventions
+
+
+def xxh64(data):
+    p = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
+    mask = (1 << 64) - 1
+
+    def turn(x, bits):
+        return ((x << bits) | (x >> (64 - bits))) & mask
+
+    def mixed(state, lane):
+        return turn((state + lane * p[1]) & mask, 31) * p[0] & mask
+
+    at, size = 0, len(data)
+    if size >= 32:
+        a, b, c, d = (p[0] + p[1]) & mask, p[1], 0, -p[0] & mask
+        whole = size // 32 * 32
+        for i, j, k, l in struct.iter_unpack("<QQQQ", data[:whole]):
+            a, b, c, d = mixed(a, i), mixed(b, j), mixed(c, k), mixed(d, l)
+        at = whole
+        h = (turn(a, 1) + turn(b, 7) + turn(c, 12) + turn(d, 18)) & mask
+        for state in (a, b, c, d):
+            h = ((h ^ mixed(0, state)) * p[0] + p[3]) & mask
+    else:
+        h = p[4]
+    h = (h + size) & mask
+    for at in range(at, size - 7, 8):
+        h = (turn(h ^ mixed(0, struct.unpack_from("<Q", data, at)[0]), 27) * p[0] + p[3]) & mask
+    at = size // 8 * 8
+    if size - at >= 4:
+        h = (turn(h ^ (struct.unpack_from("<I", data, at)[0] * p[0] & mask), 23) * p[1] + p[2]) & mask
+        at += 4
+    for byte in data[at:]:
+        h = turn(h ^ (byte * p[4] & mask), 11) * p[0] & mask
+    h = (h ^ h >> 33) * p[1] & mask
+    h = (h ^ h >> 29) * p[2] & mask
+    return h ^ h >> 32
+
+
+class Contents:
+    """The unpacked bytes of one section, read from front to back."""
+
+    def __init__(self, name, data):
+        self.name, self.data, self.at = name, data, 0
+
+    def take(self, count):
+        require(0 <= count <= len(self.data) - self.at, f"{self.name}: too short")
+        self.at += count
+        return self.data[self.at - count : self.at]
+
+    def number(self, kind):
+        return struct.unpack("<" + kind, self.take(struct.calcsize("<" + kind)))[0]
+
+    def u32(self):
+        return self.number("I")
+
+    def array(self, kind, count):
+        kind = np.dtype(kind).newbyteorder("<")
+        return np.frombuffer(self.take(count * kind.itemsize), kind).astype(kind.newbyteorder("="))
+
+    def planes(self, count):
+        planes = np.frombuffer(self.take(4 * count), np.uint8).reshape(4, count).astype(np.uint32)
+        return planes[0] | planes[1] << 8 | planes[2] << 16 | planes[3] << 24
+
+    def steps(self, count):
+        steps = self.planes(count).astype(np.int64)
+        return np.cumsum(steps >> 1 ^ -(steps & 1)) & 0xFFFFFFFF
+
+    def string(self):
+        length = self.u32()
+        require(length <= 65535, f"{self.name}: a string is too long")
+        text = self.take(length)
+        require(b"\0" not in text, f"{self.name}: a string holds a zero byte")
+        return text.decode("utf-8", "replace")
+
+    def end(self):
+        require(self.at == len(self.data), f"{self.name}: should end earlier")
+
+
+# ---- File
+
+
+def read_sections(data):
+    require(data[:8] == bytes.fromhex("8946424b0d0a1a0a"), "not an .fbk archive")
+    require(len(data) >= 24, "truncated within the header")
+    major, _, count, size = struct.unpack_from("<HHIQ", data, 8)
+    require(major == 1, f"unsupported: major version {major}")
+    require(count <= 64, "too many sections")
+    table = 24 + 56 * count
+    require(len(data) >= table + 16, "truncated within the section table")
+    require(struct.unpack_from("<Q", data, table)[0] == xxh64(data[:table]), "header and section table are damaged")
+    require(len(data) == size, "truncated, or followed by other bytes")
+    sections, end = {}, table + 8
+    for row in range(count):
+        name, flags, codec, offset, stored, raw, checksum = struct.unpack_from("<16sIIQQQQ", data, 24 + 56 * row)
+        text = name.rstrip(b"\0")
+        require(text and all(0x21 <= c <= 0x7E for c in text), "a section's name is not printable")
+        text = text.decode()
+        require(text not in sections, f"{text}: twice")
+        require(flags in (0, 1), f"{text}: unsupported flags")
+        require(offset == end and stored <= size - 8 - offset, f"{text}: not where it should be")
+        end = offset + stored
+        sections[text] = (flags, codec, raw, data[offset:end])
+        require(xxh64(data[offset:end]) == checksum, f"{text}: damaged")
+    require(end == size - 8, "the last section ends elsewhere")
+    require(struct.unpack_from("<Q", data, end)[0] == xxh64(data[:end]), "damaged")
+    return sections
+
+
+def unpack(sections, name):
+    require(name in sections, f"no section {name}")
+    _, codec, raw, stored = sections[name]
+    require(codec in (0, 2), f"{name}: unsupported codec {codec}")
+    if codec == 2:
+        stream = zlib.decompressobj()
+        stored = stream.decompress(stored, raw + 1)
+        require(stream.eof and not stream.unused_data, f"{name}: not one whole zlib stream")
+    require(len(stored) == raw, f"{name}: unpacks to another size")
+    return Contents(name, stored)
+
+
+REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
+OPTIONAL = ("provenance", "licence", "certificate", "proof")
+
+
+# ---- Coded symbols
+
+
+class Symbols:
+    def __init__(self, contents, contexts):
+        self.contents, self.tables = contents, []
+        for _ in range(contexts):
+            count = contents.number("H")
+            frequencies, first = [1024], 0
+            if count > 0:
+                first = contents.number("B")
+                require(first + count <= 256, f"{contents.name}: a symbol is too large")
+                frequencies = [self.frequency() for _ in range(count)]
+                require(sum(frequencies) == 1024, f"{contents.name}: frequencies do not sum to 1024")
+            table, start = [], 0
+            for symbol, frequency in enumerate(frequencies, first):
+                table += [(symbol, frequency, start)] * frequency
+                start += frequency
+            self.tables.append(table)
+        self.states = [contents.u32() for _ in range(4)]
+        require(min(self.states) >= 65536, f"{contents.name}: a state is too small")
+        rest = len(contents.data) - contents.at
+        require(rest % 2 == 0, f"{contents.name}: half a word is left")
+        self.words = iter(contents.array("u2", rest // 2).tolist())
+
+    def frequency(self):
+        low = self.contents.number("B")
+        return low if low < 128 else low - 128 + 128 * self.contents.number("B")
+
+    def refill(self, lane, x):
+        if x < 65536:
+            word = next(self.words, None)
+            require(word is not None, f"{self.contents.name}: too few words")
+            x = 65536 * x + word
+        self.states[lane] = x
+
+    def symbol(self, context, lane):
+        x = self.states[lane]
+        r = x & 1023
+        symbol, frequency, start = self.tables[context][r]
+        self.refill(lane, frequency * (x >> 10) + r - start)
+        return symbol
+
+    def bits(self, count, lane):
+        x = self.states[lane]
+        self.refill(lane, x >> count)
+        return x & (1 << count) - 1
+
+    def end(self):
+        require(next(self.words, None) is None, f"{self.contents.name}: words are left")
+        require(self.states == [65536] * 4, f"{self.contents.name}: does not end as it should")
+
+
+# ---- Sections
+
+
+def read_definition(c, face):
+    face.name, face.units, face.up = c.string(), c.string(), c.string()
+    face.vertices = c.u32()
+    require(1 <= face.vertices <= 268435456, "definition: number of vertices")
+    count = c.u32()
+    require(count >= 1, "definition: no controls")
+    face.controls = []
+    for _ in range(count):
+        name, group = c.string(), c.string()
+        low, high, rest = c.array("f4", 3)
+        require(np.isfinite([low, high, rest]).all() and low < high and low <= rest <= high, f"control {name}: range")
+        face.controls.append((name, group, low, high, rest))
+    names = [control[0] for control in face.controls]
+    require(all(names) and len(set(names)) == len(names), "definition: control names")
+    c.end()
+
+
+def read_polygons(c, face):
+    count, corners = c.u32(), c.u32()
+    sizes = c.planes(count).tolist()
+    require(sum(sizes) == corners and all(size >= 3 for size in sizes), "polygons: sizes")
+    steps = c.planes(corners).tolist()
+    c.end()
+    flat, face.polygons, before = [], [], 0
+    for size in sizes:
+        begin = len(flat)
+        for k in range(size):
+            base = flat[begin - before + k] if k < before else flat[-1] if flat else 0
+            step = steps[len(flat)]
+            flat.append(base + (step >> 1 ^ -(step & 1)) & 0xFFFFFFFF)
+            require(flat[-1] < face.vertices, "polygons: no such vertex")
+        face.polygons.append(flat[begin:])
+        before = size
+
+
+def draco_points(data):
+    """Points (n x 3, f32) and indices (n, or None) of Draco data, by a stock decoder."""
+    program = os.environ.get("FB_DRACO_POINTS")
+    if program:
+        done = subprocess.run([program], input=data, capture_output=True)
+        require(done.returncode == 0, "geometry: the Draco data cannot be decoded")
+        count = struct.unpack_from("<I", done.stdout)[0]
+        points = np.frombuffer(done.stdout, "<f4", 3 * count, 4).reshape(count, 3)
+        rest = len(done.stdout) - 4 - 12 * count
+        return points, np.frombuffer(done.stdout, "<u4", count, 4 + 12 * count) if rest else None
+    import DracoPy
+
+    mesh = DracoPy.decode(data)
+    other = [a for a in getattr(mesh, "attributes", []) if np.asarray(a["data"]).dtype.kind in "ui"]
+    return np.asarray(mesh.points, F), np.asarray(other[0]["data"]).ravel() if other else None
+
+
+def read_geometry(c, face):
+    order = c.u32()
+    require(order in (0, 1), f"geometry: unsupported order {order}")
+    points, index = draco_points(c.take(len(c.data) - 4))
+    require(len(points) == face.vertices and np.isfinite(points).all(), "geometry: points")
+    if order == 1:
+        require(index is not None and sorted(index.tolist()) == list(range(face.vertices)), "geometry: indices")
+        rest = np.empty_like(points)
+        rest[index] = points
+        points = rest
+    require((points.max(0) > points.min(0)).any(), "geometry: the bounding box is a point")
+    face.rest = points.astype(F).ravel()
+
+
+def read_network(c, face):
+    def indices(below):
+        numbers = c.array("u4", c.u32()).tolist()
+        require(all(n < below for n in numbers), "network: an index is too large")
+        return numbers
+
+    face.features = []
+    for f in range(c.u32()):
+        kind = c.number("B")
+        require(kind <= 4, f"network: unsupported feature kind {kind}")
+        if kind >= 3:
+            first, second = c.u32(), c.u32()
+            require(max(first, second) < f, "network: a feature is made of later ones")
+            face.features.append((kind, first, second))
+            continue
+        control = c.u32()
+        scale, threshold, fall = c.array("f4", 1)[0], F(0), F(0)
+        if kind >= 1:
+            threshold = c.array("f4", 1)[0]
+        if kind == 2:
+            fall = c.array("f4", 1)[0]
+        require(control < len(face.controls), "network: no such control")
+        require(np.isfinite([scale, threshold, fall]).all() and threshold >= 0 and fall >= 0, "network: a feature")
+        face.features.append((kind, control, scale, threshold, fall))
+    count = len(face.features)
+    face.direct = indices(count)
+    face.regions = []
+    for _ in range(c.u32()):
+        region = {"name": c.string(), "features": indices(count), "gate": indices(count)}
+        region["slope"] = c.array("f4", 1)[0]
+        require(np.isfinite(region["slope"]) and region["slope"] > 0, "network: a gate's slope")
+        looked = [face.features[f] for f in region["gate"]]
+        require(all(f[0] == 0 for f in looked), "network: a gate looks at what is no identity")
+        require(all(a[1] < b[1] for a, b in zip(looked, looked[1:])), "network: a gate's controls do not ascend")
+        region["layers"], width = [], len(region["features"])
+        for _ in range(c.u32()):
+            inputs, outputs, activation, flags = c.u32(), c.u32(), c.number("B"), c.number("B")
+            require(activation <= 3 and flags <= 3, "network: unsupported layer")
+            require(inputs == width <= 16777215 and outputs >= 1, "network: widths")
+            require(not flags & 1 or inputs == outputs, "network: skip")
+            bias, scales = c.array("f4", outputs), c.array("f4", outputs)
+            require(np.isfinite(bias).all() and np.isfinite(scales).all(), "network: numbers that are not finite")
+            region["layers"].append(
+                {"shape": (outputs, inputs), "activation": activation, "skip": flags & 1, "wide": flags >> 1,
+                 "bias": bias, "scales": scales})
+            width = outputs
+        require(region["layers"], "network: a region without layers")
+        face.regions.append(region)
+    face.coefficients = len(face.direct) + sum(r["layers"][-1]["shape"][0] for r in face.regions)
+    c.end()
+
+
+def read_weights(c, face):
+    symbols = Symbols(c, 9)
+    for region in face.regions:
+        last = len(region["layers"]) - 1
+        for number, layer in enumerate(region["layers"]):
+            t = 2 if number == last else 0 if number == 0 else 1
+            weights = []
+            for i in range(layer["shape"][0] * layer["shape"][1]):
+                if layer["wide"]:
+                    high = symbols.symbol(t + 3, i % 4) - 127
+                    weights.append(256 * high + symbols.symbol(t + 6, i % 4) - 128)
+                else:
+                    weights.append(symbols.symbol(t, i % 4) - 127)
+            most = 32512 if layer["wide"] else 127
+            require(all(-most <= w <= most for w in weights), "weights: beyond their range")
+            layer["weights"] = np.array(weights, np.int64).reshape(layer["shape"])
+    symbols.end()
+
+
+def read_basis(c, face):
+    columns, ordered = c.u32(), c.u32()
+    require(columns == face.coefficients, "basis: columns")
+    require(ordered <= 1, "basis: order flag")
+    face.order = list(range(face.vertices))
+    if ordered:
+        face.order = c.steps(face.vertices).tolist()
+        require(sorted(face.order) == list(range(face.vertices)), "basis: the order does not name every vertex once")
+    rows = c.planes(c.u32()).tolist()
+    require(all(rows) and sum(rows) == 3 * face.vertices, "basis: rows")
+    face.groups, first = [], 0
+    for count in rows:
+        face.groups.append({"first": first, "rows": count, "columns": []})
+        first += count
+    places = c.planes(columns).tolist()
+    steps = c.planes(sum(places)).tolist()
+    flags = c.take(sum(places))
+    scales = iter(c.array("f4", c.u32()))
+    c.end()
+    face.places, at, scale = [], 0, None
+    for column in range(columns):
+        group = 0
+        for i in range(places[column]):
+            require(i == 0 or steps[at] > 0, "basis: a column lies twice in a group")
+            group += steps[at]
+            require(group < len(face.groups) and flags[at] <= 3, "basis: a place")
+            if flags[at] & 2:
+                scale = next(scales, None)
+            require(scale is not None, "basis: a place has no scale")
+            wide = bool(flags[at] & 1)
+            with np.errstate(over="ignore"):
+                require(np.isfinite(scale * F(256) if wide else scale), "basis: a scale that is not finite")
+            place = {"column": column, "wide": wide, "scale": scale, "group": group}
+            face.groups[group]["columns"].append(place)
+            face.places.append(place)
+            at += 1
+    require(next(scales, None) is None, "basis: scales are left")
+    for group in face.groups:
+        require(sum(2 if p["wide"] else 1 for p in group["columns"]) <= 16777215, "basis: too many summands")
+
+
+def find_neighbours(face):
+    near = [[] for _ in range(face.vertices)]
+    for polygon in face.polygons:
+        for v, w in zip(polygon, polygon[1:] + polygon[:1]):
+            if v != w and w not in near[v] and len(near[v]) < 16 and len(near[w]) < 16:
+                near[v].append(w)
+                near[w].append(v)
+    return near
+
+
+def find_pieces(face, near):
+    """For every group its pieces in coding order: vertex, first row in the group, axes, left, right, across, k1, k2."""
+    coded = [0] * face.vertices  # the turn of a vertex's last piece
+    turn = 0
+    for group in face.groups:
+        begin, end = group["first"], group["first"] + group["rows"]
+        waiting = {}
+        for i in range(begin // 3, (end + 2) // 3):
+            low, high = max(begin, 3 * i), min(end, 3 * i + 3)
+            waiting[face.order[i]] = (low - begin, range(low - 3 * i, high - 3 * i))
+        count = {v: sum(coded[w] > 0 for w in near[v]) for v in waiting}
+        heap = [(-count[v], waiting[v][0], v) for v in waiting]
+        heapq.heapify(heap)
+        group["pieces"] = []
+        while waiting:
+            _, row, v = heapq.heappop(heap)
+            if v not in waiting:
+                continue
+            axes = waiting.pop(v)[1]
+            known = sorted((w for w in near[v] if coded[w]), key=lambda w: -coded[w])
+            k1 = known[0] if known else None
+            k2 = known[1] if len(known) > 1 else k1
+            left, right, across = k1, k2, None
+            for i, j in ((i, j) for i in range(len(known)) for j in range(i + 1, len(known))):
+                over = [w for w in near[known[i]]
+                        if coded[w] and w != v and w in near[known[j]] and w not in near[v]]
+                if over:
+                    left, right, across = known[i], known[j], max(over, key=lambda w: coded[w])
+                    break
+            group["pieces"].append((v, row, axes, left, right, across, k1, k2))
+            new = coded[v] == 0
+            turn += 1
+            coded[v] = turn
+            for w in near[v] if new else []:
+                if w in waiting:
+                    count[w] += 1
+                    heapq.heappush(heap, (-count[w], waiting[w][0], w))
+
+
+def read_basis_values(c, face):
+    symbols = Symbols(c, 88)
+    find_pieces(face, find_neighbours(face))
+    column = None
+    for place in face.places:
+        if place["column"] != column:
+            column, numbers, classes, magnitudes = place["column"], {}, {}, {}
+        m = 32512 if place["wide"] else 127
+        group = face.groups[place["group"]]
+        values = [0] * group["rows"]
+        before = 0
+        nothing = [0, 0, 0]
+        for v, row, axes, left, right, across, k1, k2 in group["pieces"]:
+            if k1 is None:
+                context = 42 + min(before, 9)
+            else:
+                s = classes.get(k1, 0) + classes.get(k2, 0)
+                g = max(magnitudes.get(k1, 0), magnitudes.get(k2, 0))
+                if s == 0:
+                    context = 0 if g == 0 else 1
+                else:
+                    context = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
+            b = symbols.symbol(context, 3)
+            require(b <= 16, "basis-values: a class is too large")
+            mine = numbers.setdefault(v, [0, 0, 0])
+            a, z, o = numbers.get(left, nothing), numbers.get(right, nothing), numbers.get(across, nothing)
+            reached, most, f = False, 0, max(b - 6, 0)
+            for i, axis in enumerate(axes):
+                p = a[axis] + z[axis] - o[axis] if across is not None else a[axis] + z[axis] + 1 >> 1
+                number = min(max(p, -m), m)
+                if b > 0:
+                    context = 52 + 4 * (min(b, 9) - 1) + 2 * (i == len(axes) - 1) + reached
+                    code = symbols.symbol(context, i) << f
+                    if f > 0:
+                        code += symbols.bits(f, i)
+                    residual = code - ((1 << b) - 1)
+                    reached = reached or abs(residual) >= 1 << b - 1
+                    number += residual
+                require(-m <= number <= m, "basis-values: beyond their range")
+                mine[axis] = values[row + i] = number
+                most = max(most, abs(number))
+            classes[v], magnitudes[v], before = b, most.bit_length(), b
+        place["values"] = np.array(values, np.int64)
+    symbols.end()
+
+
+def read_text(c):
+    require(b"\0" not in c.data, f"{c.name}: holds a zero byte")
+    return c.data.decode("utf-8", "replace")
+
+
+def read_proof(c, face):
+    poses, controls = c.u32(), len(face.controls)
+    face.proof_controls = c.array("f4", poses * controls).reshape(poses, controls)
+    face.proof_hashes = c.array("u8", poses).tolist()
+    face.proof_vertices = c.array("u4", c.u32())
+    require((face.proof_vertices < face.vertices).all(), "proof: no such vertex")
+    count = len(face.proof_vertices)
+    face.proof_positions = c.array("f4", poses * count * 3).reshape(poses, count, 3)
+    c.end()
+
+
+class Face:
+    def __init__(self, path):
+        with open(path, "rb") as file:
+            sections = read_sections(file.read())
+        for name, (flags, *_) in sections.items():
+            require(name in REQUIRED + OPTIONAL or not flags & 1, f"{name}: required and unknown")
+        read_definition(unpack(sections, "definition"), self)
+        read_polygons(unpack(sections, "polygons"), self)
+        read_geometry(unpack(sections, "geometry"), self)
+        read_network(unpack(sections, "network"), self)
+        read_weights(unpack(sections, "weights"), self)
+        read_basis(unpack(sections, "basis"), self)
+        read_basis_values(unpack(sections, "basis-values"), self)
+        self.text = {n: read_text(unpack(sections, n)) for n in OPTIONAL[:3] if n in sections}
+        self.proof_controls = np.zeros((0, len(self.controls)), F)
+        if "proof" in sections:
+            read_proof(unpack(sections, "proof"), self)
+        fbk_evaluate.prepare(self)
+
+    def verify(self):
+        for pose, controls in enumerate(self.proof_controls):
+            positions = fbk_evaluate.evaluate(self, controls)
+            here = positions.reshape(-1, 3)[self.proof_vertices]
+            for v, now, then in zip(self.proof_vertices, here, self.proof_positions[pose]):
+                require(now.tobytes() == then.tobytes(), f"pose {pose}, vertex {v}: {now}, archived {then}")
+            found = xxh64(positions.astype("<f4").tobytes())
+            require(found == self.proof_hashes[pose], f"pose {pose}: hash {found:016x}, not {self.proof_hashes[pose]:016x}")
+        return len(self.proof_controls)
+
+
+def main(arguments):
+    show = "--positions" in arguments
+    paths = [a for a in arguments if a != "--positions"]
+    if not paths:
+        print(__doc__, file=sys.stderr)
+        return 2
+    for path in paths:
+        try:
+            with np.errstate(all="ignore"):
+                face = Face(path)
+                if show:
+                    for controls in face.proof_controls:
+                        print(fbk_evaluate.evaluate(face, controls).astype(">f4").tobytes().hex())
+                else:
+                    print(f"{path}: {face.verify()} poses evaluate as archived")
+        except (Damaged, ValueError) as damage:
+            print(f"{path}: {damage}", file=sys.stderr)
+            return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

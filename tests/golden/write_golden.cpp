@@ -1,0 +1,248 @@
+// Writes the golden archives of this format version: write_golden FOLDER fills FOLDER/accepted with valid files, most
+// of a make our writer never gives, and FOLDER/rejected with files whose names begin with the status they are refused
+// with. Those kept beside this program were written by it once and stay as they are.
+#include <zlib.h>
+
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include "archive/archive_editor.h"
+#include "archive/writer.h"
+#include "bake/measure/verify.h"
+#include "base/file.h"
+#include "test_models.h"
+
+namespace fb {
+namespace {
+
+using Edit = std::function<void(ArchiveEditor&)>;
+
+Bytes text(const std::string& s) {
+  const auto bytes = std::as_bytes(std::span(s));
+  return {bytes.begin(), bytes.end()};
+}
+
+Bytes proven(const PackedModel& model) {
+  return write_archive(model, make_proof(model, 1), {"Made for tests; no rights reserved.", "{\"dependency\": null}"});
+}
+
+Bytes edited(const Edit& edit) {
+  ArchiveEditor archive(proven(tiny_packed_model()));
+  edit(archive);
+  return archive.bytes();
+}
+
+Bytes changed(const char* section, const std::function<void(Bytes&)>& change) {
+  return edited([&](ArchiveEditor& archive) {
+    Bytes contents = archive[section].stored;
+    change(contents);
+    archive[section].set(contents);
+  });
+}
+
+void deflate_section(ArchiveEditor::Section& section) {
+  Bytes packed(compressBound(section.stored.size()));
+  uLongf size = packed.size();
+  compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(section.stored.data()),
+            section.stored.size(), 1);
+  packed.resize(size);
+  section.codec = 2;
+  section.stored = packed;
+}
+
+// The least there can be: two vertices and one control that moves nothing.
+PackedModel smallest() {
+  PackedModel model;
+  model.schema.controls = {{"c", 0, 1, 0, ""}};
+  model.rest.points = {0, 0, 0, 1, 0, 0};
+  model.groups = {{0, 6, {}, {}}};
+  return model;
+}
+
+// Groups of so many rows, cut within vertices, some of them without columns; every number of a column random.
+PackedModel cut_model(std::uint32_t rows_of_group, bool polygons) {
+  PackedModel model = tiny_packed_model();
+  if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
+  Random random(rows_of_group);
+  model.groups.clear();
+  for (std::uint32_t row = 0; row < 90; row += rows_of_group) {
+    std::vector<std::uint32_t> columns;
+    for (std::uint32_t c = 0; c < 5; ++c)
+      if (random.uniform() < 0.6f) columns.push_back(c);
+    model.groups.push_back(random_group(random, row, std::min(rows_of_group, 90 - row), columns, 0.25f));
+  }
+  return model;
+}
+
+// A polygon of many corners, a vertex with more neighbours than are looked at, edges of three polygons, a lone vertex.
+PackedModel odd_mesh() {
+  PackedModel model = smallest();
+  Random random(3);
+  model.rest = {random_values(random, 3 * 300, 5), {}, {}};
+  Mesh& mesh = model.rest;
+  const auto add = [&](std::vector<std::uint32_t> corners) {
+    mesh.polygon_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+    mesh.polygon_corners.insert(mesh.polygon_corners.end(), corners.begin(), corners.end());
+  };
+  std::vector<std::uint32_t> ring;
+  for (std::uint32_t v = 50; v < 250; ++v) ring.push_back(v);
+  add(ring);
+  for (std::uint32_t v = 51; v + 1 < 90; ++v) add({0, v, v + 1});
+  add({1, 2, 3});
+  add({2, 1, 4});
+  add({1, 2, 5});
+  add({6, 6, 7});
+  add({8, 9, 10, 11, 8, 12});
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct = {0};
+  model.columns = 1;
+  model.groups = {random_group(random, 0, 900, {0}, 1)};
+  for (std::size_t i = 0; i < 900; ++i) model.groups[0].values[i] = static_cast<std::int16_t>(i % 100) - 50;
+  return model;
+}
+
+// Sums that overflow in every pose but the rest pose.
+PackedModel overflowing() {
+  PackedModel model = tiny_packed_model();
+  for (PackedLayer& layer : model.regions[0].layers)
+    for (float& scale : layer.scales) scale *= 1e30f;
+  for (PackedLayer& layer : model.regions[0].layers)
+    for (float& bias : layer.bias) bias = 0;
+  return model;
+}
+
+PackedModel long_names() {
+  PackedModel model = tiny_packed_model();
+  model.schema.name = std::string(65535, 'n');
+  model.schema.units = "";
+  model.schema.controls[0].name = "\xc3\xa9" + std::string(65533, 'c');
+  model.schema.controls[1].group = std::string(65535, 'g');
+  return model;
+}
+
+Bytes many_sections() {
+  return edited([](ArchiveEditor& archive) {
+    for (int i = 0; archive.sections.size() < max_sections; ++i) archive[format("!%d~", i)].set({});
+  });
+}
+
+void write_accepted(const std::filesystem::path& folder) {
+  const auto write = [&](const char* name, const Bytes& bytes) { write_file(folder / name, bytes); };
+  write("tiny.fbk", proven(tiny_packed_model()));
+  write("manifold.fbk", proven(odd_mesh()));
+  write("smallest.fbk", proven(smallest()));
+  write("rows-1.fbk", proven(cut_model(1, true)));
+  write("rows-5.fbk", proven(cut_model(5, true)));
+  write("rows-5-points.fbk", proven(cut_model(5, false)));
+  write("overflow.fbk", proven(overflowing()));
+  write("long-names.fbk", proven(long_names()));
+  write("unproven.fbk", write_archive(tiny_packed_model(2), {}));
+  write("sections-64.fbk", many_sections());
+  write("newer-minor.fbk", edited([](ArchiveEditor& archive) { archive.minor = 9; }));
+  write("stored.fbk", edited([](ArchiveEditor&) {}));
+  write("marks-missing.fbk", edited([](ArchiveEditor& archive) {
+          for (auto& section : archive.sections) section.flags = 0;
+        }));
+  write("order-reversed.fbk",
+        edited([](ArchiveEditor& archive) { std::reverse(archive.sections.begin(), archive.sections.end()); }));
+  write("deflated.fbk", edited([](ArchiveEditor& archive) {
+          for (auto& section : archive.sections) deflate_section(section);
+        }));
+  write("unknown-optional.fbk", edited([](ArchiveEditor& archive) {
+          archive["hair"].set(text("something newer"));
+          archive["hair"].codec = 77;
+          std::rotate(archive.sections.begin(), archive.sections.end() - 1, archive.sections.end());
+          archive["0123456789abcdef"].set({});
+        }));
+}
+
+void write_rejected(const std::filesystem::path& folder) {
+  const auto write = [&](const char* name, const Bytes& bytes) { write_file(folder / name, bytes); };
+  const auto lie = [&](const char* name, const char* section, std::size_t at, auto value) {
+    write(name, changed(section, [&](Bytes& b) { patch(b, at, value); }));
+  };
+  const Bytes whole = proven(tiny_packed_model());
+  Bytes other = whole;
+  write("not_an_archive-empty.fbk", {});
+  write("not_an_archive-text.fbk", text("#!/bin/sh\necho an archive\n"));
+  other.erase(other.begin() + 4);
+  write("corrupt-line-ends.fbk", other);
+  write("corrupt-cut-in-header.fbk", Bytes(whole.begin(), whole.begin() + 20));
+  write("corrupt-cut-in-table.fbk", Bytes(whole.begin(), whole.begin() + 200));
+  write("corrupt-cut-at-end.fbk", Bytes(whole.begin(), whole.end() - 1));
+  (other = whole).push_back(std::byte(0));
+  write("corrupt-byte-more.fbk", other);
+  (other = whole)[whole.size() / 2] ^= std::byte(4);
+  write("corrupt-bit.fbk", other);
+  (other = whole).back() ^= std::byte(0x80);
+  write("corrupt-checksum.fbk", other);
+  patch(other = whole, table_at(1, 24), std::uint64_t(0));
+  write("corrupt-overlap.fbk", sealed(other));
+  write("unsupported-major.fbk", edited([](ArchiveEditor& archive) { archive.major = 2; }));
+  write("unsupported-required.fbk", edited([](ArchiveEditor& archive) {
+          archive["hair"].set(text("something newer"));
+          archive["hair"].flags = section_required;
+        }));
+  write("unsupported-flags.fbk", edited([](ArchiveEditor& archive) { archive["proof"].flags = 2; }));
+  write("unsupported-codec.fbk", edited([](ArchiveEditor& archive) { archive["network"].codec = 1; }));
+  write("corrupt-twice.fbk", edited([](ArchiveEditor& archive) { archive.sections.push_back(archive.sections[0]); }));
+  write("corrupt-missing.fbk",
+        edited([](ArchiveEditor& archive) { archive.sections.erase(archive.sections.begin()); }));
+  write("corrupt-stream-more.fbk", edited([](ArchiveEditor& archive) {
+          deflate_section(archive["basis"]);
+          archive["basis"].stored.push_back(std::byte(0));
+        }));
+  write("corrupt-stream-size.fbk", edited([](ArchiveEditor& archive) {
+          deflate_section(archive["basis"]);
+          ++archive["basis"].raw_bytes;
+        }));
+  for (const char* name :
+       {"definition", "polygons", "geometry", "network", "weights", "basis", "basis-values", "proof"}) {
+    const std::string file = format("corrupt-%s-more.fbk", name);
+    write(file.c_str(), changed(name, [](Bytes& b) { b.resize(b.size() + 2); }));
+  }
+  write("corrupt-zero-byte.fbk", changed("licence", [](Bytes& b) { b[3] = std::byte(0); }));
+  lie("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
+  lie("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
+  lie("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
+  lie("unsupported-point-order.fbk", "geometry", 0, std::uint32_t(2));
+  lie("corrupt-draco.fbk", "geometry", 4, std::uint8_t(0));
+  lie("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
+  lie("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));
+  lie("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
+  lie("corrupt-feature-loop.fbk", "network", 84, std::uint32_t(7));
+  lie("corrupt-gate-slope.fbk", "network", 157, 0.0f);
+  lie("unsupported-activation.fbk", "network", 173, std::uint8_t(9));
+  lie("unsupported-layer-flags.fbk", "network", 174, std::uint8_t(4));
+  lie("corrupt-columns.fbk", "basis", 0, std::uint32_t(3));
+  lie("corrupt-order.fbk", "basis", 8, std::uint8_t(0));
+  lie("corrupt-rows.fbk", "basis", 132, std::uint8_t(64));
+  lie("corrupt-place-group.fbk", "basis", 160, std::uint8_t(9));
+  lie("corrupt-place-twice.fbk", "basis", 161, std::uint8_t(0));
+  lie("unsupported-place-flags.fbk", "basis", 192, std::uint8_t(4));
+  lie("corrupt-place-scale.fbk", "basis", 192, std::uint8_t(1));
+  lie("corrupt-scale.fbk", "basis", 204, std::uint32_t(0x7f800000));
+  lie("corrupt-frequencies.fbk", "weights", 3, std::uint16_t(0x7fff));
+  lie("corrupt-proof-vertex.fbk", "proof", 4 + 11 * 5 * 4 + 11 * 8 + 4, std::uint32_t(30));
+  write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
+  // Whole and sound, but it does not pose as it says.
+  lie("unproven-hash.fbk", "proof", 4 + 11 * 5 * 4 + 3 * 8, std::uint64_t(1));
+  lie("unproven-position.fbk", "proof", 4 + 11 * 5 * 4 + 11 * 8 + 4 + 16 * 4 + 40, 1e9f);
+}
+
+}  // namespace
+}  // namespace fb
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: write_golden FOLDER\n", stderr);
+    return 2;
+  }
+  const std::filesystem::path folder = arguments[1];
+  fb::make_folder(folder / "accepted");
+  fb::make_folder(folder / "rejected");
+  fb::write_accepted(folder / "accepted");
+  fb::write_rejected(folder / "rejected");
+}
