@@ -10,8 +10,14 @@
 namespace fb {
 namespace {
 
+// Looks at all of them, which is quicker than to stop at the first: side by side.
 bool all_within(const std::int16_t* values, std::size_t count, int largest) {
-  return std::all_of(values, values + count, [=](int v) { return v >= -largest && v <= largest; });
+  std::int16_t least = 0, most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    least = std::min(least, values[i]);
+    most = std::max(most, values[i]);
+  }
+  return least >= -largest && most <= largest;
 }
 
 void check_values(const PackedLayer& layer, const char* where) {

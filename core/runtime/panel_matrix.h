@@ -20,27 +20,26 @@ class PanelMatrix {
  public:
   static constexpr std::uint32_t panel_rows = 64;
 
-  // digit(row, column) gives the numbers.
-  template <class Digit>
-  PanelMatrix(std::uint32_t rows, std::size_t columns, Digit&& digit, std::pmr::memory_resource& memory)
+  // write_column(column, digits) writes the digits of a column, one a row.
+  template <class WriteColumn>
+  PanelMatrix(std::uint32_t rows, std::size_t columns, WriteColumn&& write_column, std::pmr::memory_resource& memory)
       : rows_(rows), columns_(columns), lines_(&memory) {
     std::size_t stored = 0;
     for (std::uint32_t first = 0; first < rows; first += panel_rows) stored += stored_rows(first);
     lines_.resize((checked_multiply(stored, columns, "a matrix") + sizeof(Line) - 1) / sizeof(Line));
-    std::int64_t heaviest = 0;
-    for (std::uint32_t first = 0; first < rows; first += panel_rows) {
-      std::int64_t weights[panel_rows] = {};
-      for (std::size_t column = 0; column < columns; ++column) {
-        std::uint8_t* const to = const_cast<std::uint8_t*>(digits(first, column));
-        for (std::uint32_t r = 0; r < rows_at(first); ++r) {
-          const int d = digit(first + r, column);
-          to[r] = static_cast<std::uint8_t>(d + 128);
-          weights[r] += std::abs(d);
-        }
+    std::vector<std::int16_t> column(rows);
+    std::vector<std::uint32_t> weights(rows);  // at most most_summands times 128
+    for (std::size_t c = 0; c < columns; ++c) {
+      write_column(c, column.data());
+      for (std::uint32_t r = 0; r < rows; ++r) weights[r] += static_cast<std::uint32_t>(std::abs(int(column[r])));
+      for (std::uint32_t first = 0; first < rows; first += panel_rows) {
+        std::uint8_t* const to = const_cast<std::uint8_t*>(digits(first, c));
+        const std::uint32_t count = rows_at(first);
+        for (std::uint32_t r = 0; r < count; ++r) to[r] = static_cast<std::uint8_t>(column[first + r] + 128);
       }
-      heaviest = std::max(heaviest, *std::max_element(weights, weights + panel_rows));
     }
-    if (heaviest > 0) limit_ = static_cast<std::int32_t>(std::min<std::int64_t>(limit_, INT32_MAX / heaviest));
+    const std::uint32_t heaviest = rows == 0 ? 0 : *std::max_element(weights.begin(), weights.end());
+    if (heaviest > 0) limit_ = static_cast<std::int32_t>(std::min<std::uint32_t>(limit_, INT32_MAX / heaviest));
   }
 
   std::uint32_t rows() const { return rows_; }

@@ -10,11 +10,12 @@ namespace fb {
 namespace {
 
 PanelMatrix digits_of(const PackedLayer& layer, bool high, std::pmr::memory_resource& memory) {
-  const auto digit = [&](std::size_t row, std::size_t column) {
-    const int weight = layer.weights[row * layer.inputs + column];
-    return high ? high_digit(weight) : layer.wide ? low_digit(weight) : weight;
+  const auto write_column = [&](std::size_t input, std::int16_t* digits) {
+    const std::int16_t* weight = layer.weights.data() + input;
+    for (std::uint32_t o = 0; o < layer.outputs; ++o, weight += layer.inputs)
+      digits[o] = static_cast<std::int16_t>(high ? high_digit(*weight) : layer.wide ? low_digit(*weight) : *weight);
   };
-  return PanelMatrix(layer.outputs, layer.inputs, digit, memory);
+  return PanelMatrix(layer.outputs, layer.inputs, write_column, memory);
 }
 
 }  // namespace

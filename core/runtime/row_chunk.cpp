@@ -10,12 +10,16 @@ PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& me
   std::vector<std::uint32_t> wide;
   for (std::uint32_t c = 0; c < count; ++c)
     if (group.columns[c].wide) wide.push_back(c);
-  const auto digit = [&](std::size_t row, std::size_t summand) {
+  const auto write_column = [&](std::size_t summand, std::int16_t* digits) {
     const std::size_t c = summand < count ? summand : wide[summand - count];
-    const int value = group.values[c * group.row_count + row];
-    return summand >= count ? high_digit(value) : group.columns[c].wide ? low_digit(value) : value;
+    const std::int16_t* values = group.values.data() + c * group.row_count;
+    if (!group.columns[c].wide)
+      std::copy_n(values, group.row_count, digits);
+    else
+      for (std::uint32_t r = 0; r < group.row_count; ++r)
+        digits[r] = static_cast<std::int16_t>(summand < count ? low_digit(values[r]) : high_digit(values[r]));
   };
-  return PanelMatrix(group.row_count, count + wide.size(), digit, memory);
+  return PanelMatrix(group.row_count, count + wide.size(), write_column, memory);
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <cfloat>
 #include <cmath>
 #include <cstring>
-#include <set>
 
+#include "base/checked.h"
 #include "runtime/float_state.h"
 #include "runtime/grouped.h"
 
@@ -20,9 +20,16 @@ Vector load(const float* from) {
   return v;
 }
 
+void store(float* to, Vector v) {
+  std::memcpy(to, &v, sizeof v);
+}
+
 Vector turned(Vector v) {
   return __builtin_shufflevector(v, v, 1, 2, 0, 3);
 }
+
+// Of polygons beyond this, which only strange meshes have, it is not looked up which chunks they reach.
+constexpr std::uint32_t most_influences = 64;
 
 // The cross product's z, x and y; what is in the fourth place means nothing.
 Vector turned_cross(Vector a, Vector b) {
@@ -32,7 +39,7 @@ Vector turned_cross(Vector a, Vector b) {
 }  // namespace
 
 VertexNormals::State::State(const VertexNormals& normals, std::pmr::memory_resource& memory)
-    : areas_(4 * normals.pieces_.size(), &memory),
+    : areas_(4 * normals.polygons_.size(), &memory),
       normals_(normals.at_rest_.begin(), normals.at_rest_.end(), &memory),
       moved_(normals.chunk_count(), &memory),
       needed_(normals.chunk_count(), &memory) {
@@ -41,8 +48,10 @@ VertexNormals::State::State(const VertexNormals& normals, std::pmr::memory_resou
 
 VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> place_of,
                              std::span<const std::uint32_t> chunk_rows, std::pmr::memory_resource& memory)
-    : pieces_(&memory),
-      piece_begin_(&memory),
+    : polygons_(&memory),
+      polygon_begin_(&memory),
+      larger_(&memory),
+      larger_begin_(&memory),
       around_(&memory),
       around_begin_(&memory),
       vertex_begin_(&memory),
@@ -50,77 +59,101 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
       source_begin_(&memory),
       influences_(&memory),
       influence_begin_(&memory),
+      unpredictable_(chunk_rows.size() - 1, &memory),
       at_rest_(mesh.points.size(), &memory) {
-  const std::size_t chunks = chunk_rows.size() - 1;
+  const std::size_t chunks = chunk_rows.size() - 1, vertices = mesh.vertex_count();
   for (const std::uint32_t row : chunk_rows) vertex_begin_.push_back((row + 2) / 3);
-  const auto chunk_of = [&](std::uint32_t row) {
-    return static_cast<std::uint32_t>(std::upper_bound(chunk_rows.begin(), chunk_rows.end(), row) - chunk_rows.begin() -
-                                      1);
+  // Of each vertex, in baked order, the chunk of its first row and that of its last: it may lie in two.
+  std::vector<std::uint32_t> owner(vertices), last(vertices);
+  for (std::uint32_t v = 0, chunk = 0; v < vertices; ++v) {
+    while (3 * v >= chunk_rows[chunk + 1]) ++chunk;
+    owner[v] = last[v] = chunk;
+    while (3 * v + 2 >= chunk_rows[last[v] + 1]) ++last[v];
+  }
+
+  std::vector<std::uint32_t> corners = mesh.polygon_corners;
+  if (!place_of.empty())
+    for (std::uint32_t& corner : corners) corner = place_of[corner];
+  struct Polygon {
+    std::uint32_t first_corner, size;
   };
-  // A vertex' first and last row may be in two chunks.
-  const auto owner = [&](std::uint32_t place) { return chunk_of(3 * place); };
-
-  Grouped<Piece> by_chunk(chunks);
-  Grouped<std::uint32_t> polygons_by_chunk(chunks);
-  std::vector<std::vector<std::uint32_t>> corners;  // of each polygon, as places
-  const std::uint32_t* corner = mesh.polygon_corners.data();
+  Grouped<Polygon> by_chunk(chunks);
+  std::uint32_t first_corner = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) {
-    std::vector<std::uint32_t>& places = corners.emplace_back();
-    for (std::uint32_t k = 0; k < size; ++k, ++corner) places.push_back(place_of.empty() ? *corner : place_of[*corner]);
-    const std::uint32_t chunk = owner(places[0]);
-    polygons_by_chunk.add(chunk, static_cast<std::uint32_t>(corners.size() - 1));
-    for (std::uint32_t k = 1; k + 1 < size; k += 2)
-      by_chunk.add(chunk, {{places[0], places[k], places[k + 1], k + 2 < size ? places[k + 2] : places[0]}});
+    by_chunk.add(owner[corners[first_corner]], {first_corner, size});
+    first_corner += size;
   }
-  by_chunk.move_to(pieces_, piece_begin_);
+  std::pmr::vector<Polygon> polygons;
+  std::pmr::vector<std::uint32_t> polygon_begin;
+  by_chunk.move_to(polygons, polygon_begin);
 
-  // Pieces were laid out polygon after polygon within each chunk.
-  std::pmr::vector<std::uint32_t> polygons, polygon_begin;
-  polygons_by_chunk.move_to(polygons, polygon_begin);
-  const std::size_t vertices = mesh.vertex_count();
   Grouped<std::uint32_t> by_vertex(vertices);
-  std::vector<std::set<std::uint32_t>> sources(chunks), influences(chunks);
+  std::vector<std::vector<std::uint32_t>> sources(chunks), influences(chunks);
+  const auto note = [](std::vector<std::uint32_t>& list, std::uint32_t chunk) {
+    if (list.empty() || list.back() != chunk) list.push_back(chunk);
+  };
   for (std::uint32_t v = 0; v < vertices; ++v)
-    for (const std::uint32_t row : {3 * v, 3 * v + 2}) influences[owner(v)].insert(chunk_of(row));
-  std::uint32_t piece = 0;
-  for (const std::uint32_t polygon : polygons) {
-    const std::vector<std::uint32_t>& places = corners[polygon];
-    const auto count = static_cast<std::uint32_t>((places.size() - 1) / 2);
-    std::vector<std::uint32_t> once = places;
-    std::sort(once.begin(), once.end());
-    once.erase(std::unique(once.begin(), once.end()), once.end());
-    for (const std::uint32_t v : once) {
-      for (std::uint32_t p = piece; p < piece + count; ++p) by_vertex.add(v, p);
-      sources[owner(v)].insert(owner(places[0]));
-      for (const std::uint32_t other : once)
-        for (const std::uint32_t row : {3 * other, 3 * other + 2}) influences[owner(v)].insert(chunk_of(row));
+    for (const std::uint32_t chunk : {owner[v], last[v]}) note(influences[owner[v]], chunk);
+  std::vector<std::uint32_t> seen(vertices, UINT32_MAX);  // the last polygon of a vertex: it counts once there
+  polygons_.reserve(polygons.size());
+  for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
+    polygon_begin_.push_back(static_cast<std::uint32_t>(polygons_.size()));
+    larger_begin_.push_back(static_cast<std::uint32_t>(larger_.size()));
+    for (std::uint32_t p = polygon_begin[chunk]; p < polygon_begin[chunk + 1]; ++p) {
+      const std::uint32_t size = polygons[p].size, *corner = corners.data() + polygons[p].first_corner;
+      const auto quad = [&](std::uint32_t k) {
+        return Quad{{corner[0], corner[k], corner[k + 1], k + 2 < size ? corner[k + 2] : corner[0]}};
+      };
+      polygons_.push_back(quad(1));
+      for (std::uint32_t k = 3; k + 1 < size; k += 2) larger_.push_back({p, quad(k)});
+      for (std::uint32_t k = 0; k < size; ++k) {
+        const std::uint32_t v = corner[k];
+        if (seen[v] == p) continue;
+        seen[v] = p;
+        by_vertex.add(v, p);
+        note(sources[owner[v]], chunk);
+        if (size > most_influences)
+          unpredictable_[owner[v]] = 1;
+        else
+          for (std::uint32_t other = 0; other < size; ++other)
+            for (const std::uint32_t c : {owner[corner[other]], last[corner[other]]}) note(influences[owner[v]], c);
+      }
     }
-    piece += count;
   }
+  polygon_begin_.push_back(static_cast<std::uint32_t>(polygons_.size()));
+  larger_begin_.push_back(checked_u32(larger_.size(), "the corners of large polygons"));
   by_vertex.move_to(around_, around_begin_);
-  Grouped<std::uint32_t> by_source(chunks), by_influence(chunks);
-  for (std::size_t c = 0; c < chunks; ++c) {
-    for (const std::uint32_t s : sources[c]) by_source.add(c, s);
-    for (const std::uint32_t i : influences[c]) by_influence.add(c, i);
-  }
-  by_source.move_to(sources_, source_begin_);
-  by_influence.move_to(influences_, influence_begin_);
+  const auto flatten = [&](std::vector<std::vector<std::uint32_t>>& lists, std::pmr::vector<std::uint32_t>& items,
+                           std::pmr::vector<std::uint32_t>& begin) {
+    for (std::vector<std::uint32_t>& list : lists) {
+      begin.push_back(static_cast<std::uint32_t>(items.size()));
+      std::sort(list.begin(), list.end());
+      items.insert(items.end(), list.begin(), std::unique(list.begin(), list.end()));
+    }
+    begin.push_back(checked_u32(items.size(), "the neighbours of all row groups"));
+  };
+  flatten(sources, sources_, source_begin_);
+  flatten(influences, influences_, influence_begin_);
 
   std::vector<float> rows(mesh.points.size() + 1);
   for (std::size_t v = 0; v < vertices; ++v)
     std::copy_n(mesh.points.begin() + 3 * v, 3, rows.begin() + 3 * (place_of.empty() ? v : place_of[v]));
-  std::vector<float> areas(4 * pieces_.size());
+  std::vector<float> areas(4 * polygons_.size());
   const FloatState state;
   for (std::size_t c = 0; c < chunks; ++c) compute_areas(c, rows.data(), areas.data());
   for (std::size_t c = 0; c < chunks; ++c) compute_normals(c, areas.data(), at_rest_.data());
 }
 
 [[gnu::noinline]] void VertexNormals::compute_areas(std::size_t chunk, const float* rows, float* areas) const {
-  for (std::uint32_t p = piece_begin_[chunk]; p < piece_begin_[chunk + 1]; ++p) {
-    const std::uint32_t* corner = pieces_[p].corner;
-    const auto at = [&](int k) { return load(rows + 3 * std::size_t(corner[k])); };
-    const Vector area = turned_cross(at(2) - at(0), at(3) - at(1));
-    std::memcpy(areas + 4 * std::size_t(p), &area, sizeof area);
+  const auto area_of = [&](const Quad& quad) {
+    const auto at = [&](int k) { return load(rows + 3 * std::size_t(quad.corner[k])); };
+    return turned_cross(at(2) - at(0), at(3) - at(1));
+  };
+  for (std::uint32_t p = polygon_begin_[chunk]; p < polygon_begin_[chunk + 1]; ++p)
+    store(areas + 4 * std::size_t(p), area_of(polygons_[p]));
+  for (std::uint32_t l = larger_begin_[chunk]; l < larger_begin_[chunk + 1]; ++l) {
+    float* area = areas + 4 * std::size_t(larger_[l].polygon);
+    store(area, load(area) + area_of(larger_[l].quad));
   }
 }
 
@@ -150,7 +183,8 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
 
 void VertexNormals::run(const float* rows, std::span<const std::uint8_t> moved, State& state) const {
   const auto marked = [&](std::size_t chunk) {
-    return std::any_of(influences_.begin() + influence_begin_[chunk], influences_.begin() + influence_begin_[chunk + 1],
+    return unpredictable_[chunk] ||
+           std::any_of(influences_.begin() + influence_begin_[chunk], influences_.begin() + influence_begin_[chunk + 1],
                        [&](std::uint32_t c) { return moved[c] != 0; });
   };
   std::fill(state.needed_.begin(), state.needed_.end(), std::uint8_t(0));

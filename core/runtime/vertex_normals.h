@@ -26,7 +26,7 @@ class VertexNormals {
 
    private:
     friend class VertexNormals;
-    std::pmr::vector<float> areas_, normals_;  // 4 floats a piece; 3 a vertex and 1
+    std::pmr::vector<float> areas_, normals_;  // 4 floats a polygon; 3 a vertex and 1
     std::pmr::vector<std::uint8_t> moved_, needed_;
   };
 
@@ -40,20 +40,28 @@ class VertexNormals {
 
  private:
   // Four corners, of which the last may repeat the first.
-  struct Piece {
+  struct Quad {
     std::uint32_t corner[4];
+  };
+  struct Larger {
+    std::uint32_t polygon;
+    Quad quad;
   };
   void compute_areas(std::size_t chunk, const float* rows, float* areas) const;
   void compute_normals(std::size_t chunk, const float* areas, float* normals) const;
   std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
 
-  std::pmr::vector<Piece> pieces_;               // chunk after chunk: that of the polygon's first corner
-  std::pmr::vector<std::uint32_t> piece_begin_;  // in pieces_, by chunk
-  std::pmr::vector<std::uint32_t> around_;       // the pieces whose polygon has a vertex, vertex after vertex
+  std::pmr::vector<Quad> polygons_;  // chunk after chunk: that of a polygon's first corner; its first four corners
+  std::pmr::vector<std::uint32_t> polygon_begin_;  // in polygons_, by chunk
+  std::pmr::vector<Larger> larger_;                // the other quads of larger polygons' fans
+  std::pmr::vector<std::uint32_t> larger_begin_;
+  std::pmr::vector<std::uint32_t> around_;  // the polygons that have a vertex, vertex after vertex
   std::pmr::vector<std::uint32_t> around_begin_;
   std::pmr::vector<std::uint32_t> vertex_begin_;  // vertices, in baked order, by the chunk their first row is in
-  // The chunks whose pieces a chunk's normals are made of, and those whose rows these pieces are made of.
+  // The chunks whose polygons a chunk's normals are made of, and those whose rows these polygons are made of; which
+  // chunks have polygons too large for that.
   std::pmr::vector<std::uint32_t> sources_, source_begin_, influences_, influence_begin_;
+  std::pmr::vector<std::uint8_t> unpredictable_;
   std::pmr::vector<float> at_rest_;
 };
 

@@ -56,7 +56,10 @@ TEST_CASE("kernels give exact sums, for panels of all sizes and inputs of all ki
       digits[0] = -128;
       digits[digits.size() - 1] = 127;
       const PanelMatrix matrix(
-          rows, columns, [&](std::size_t r, std::size_t c) { return digits[r * columns + c]; },
+          rows, columns,
+          [&](std::size_t c, std::int16_t* column) {
+            for (std::uint32_t r = 0; r < rows; ++r) column[r] = static_cast<std::int16_t>(digits[r * columns + c]);
+          },
           *std::pmr::get_default_resource());
       for (int kind = 0; kind < 4; ++kind)
         for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u}) {
