@@ -49,7 +49,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
 }
 
 Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes,
-                     const Kernels& kernels)
+                     const PoseKernels& kernels)
     : schema_(checked(model).schema),
       kernels_(kernels),
       memory_(memory, max_bytes),

@@ -92,12 +92,12 @@ class Evaluator {
   // any more. Fails with limit if the blocks take more than max_bytes, with not_finite if the network overflows at
   // rest.
   explicit Evaluator(const PackedModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
-                     std::uint64_t max_bytes = UINT64_MAX, const Kernels& kernels = choose_kernels());
+                     std::uint64_t max_bytes = UINT64_MAX, const PoseKernels& kernels = choose_kernels());
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
 
   const RigSchema& schema() const { return schema_; }
-  const Kernels& kernels() const { return kernels_; }
+  const PoseKernels& kernels() const { return kernels_; }
   std::size_t control_count() const { return graph_.control_count(); }
   std::size_t coefficient_count() const { return coefficient_count_; }
   std::size_t vertex_count() const { return rest_.size() / 3; }
@@ -148,7 +148,7 @@ class Evaluator {
   void refuse_nan(const float* controls) const;
 
   RigSchema schema_;
-  const Kernels& kernels_;
+  const PoseKernels& kernels_;
   MeteredMemory memory_;
   FeatureGraph graph_;
   std::vector<std::string> region_names_;

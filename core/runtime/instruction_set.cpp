@@ -19,13 +19,13 @@ namespace fb {
 namespace {
 
 // From the slowest to the fastest.
-constexpr const Kernels* built[] = {&scalar_kernels,
+constexpr const PoseKernels* built[] = {&scalar_kernels,
 #if defined(__x86_64__)
-                                    &sse2_kernels, &avx2_kernels, &avx_vnni_kernels, &avx512_vnni_kernels
+                                        &sse2_kernels, &avx2_kernels, &avx_vnni_kernels, &avx512_vnni_kernels
 #elif defined(__aarch64__)
-                                    &neon_kernels, &neon_dot_kernels
+                                        &neon_kernels, &neon_dot_kernels
 #elif defined(__wasm_simd128__)
-                                    &wasm_simd_kernels
+                                        &wasm_simd_kernels
 #endif
 };
 
@@ -36,7 +36,7 @@ bool has_avx_vnni() {
   return __get_cpuid_count(7, 1, &a, &b, &c, &d) && (a & (1u << 4));
 }
 
-bool runs(const Kernels* kernels) {
+bool runs(const PoseKernels* kernels) {
   if (kernels == &avx2_kernels) return __builtin_cpu_supports("avx2");
   if (kernels == &avx_vnni_kernels) return __builtin_cpu_supports("avx2") && has_avx_vnni();
   if (kernels == &avx512_vnni_kernels)
@@ -45,7 +45,7 @@ bool runs(const Kernels* kernels) {
   return true;
 }
 #elif defined(__aarch64__)
-bool runs(const Kernels* kernels) {
+bool runs(const PoseKernels* kernels) {
   if (kernels != &neon_dot_kernels) return true;
 #if defined(__linux__)
   return getauxval(AT_HWCAP) & HWCAP_ASIMDDP;
@@ -56,7 +56,7 @@ bool runs(const Kernels* kernels) {
 #endif
 }
 #else
-bool runs(const Kernels*) {
+bool runs(const PoseKernels*) {
   return true;
 }
 #endif
@@ -64,25 +64,25 @@ bool runs(const Kernels*) {
 // How many of `built` a cap leaves.
 std::size_t left_by(const char* cap, const char* whose) {
   if (!cap || !*cap) return std::size(built);
-  const auto named = [&](const Kernels* kernels) { return std::strcmp(kernels->name, cap) == 0; };
+  const auto named = [&](const PoseKernels* kernels) { return std::strcmp(kernels->name, cap) == 0; };
   const auto found = std::find_if(std::begin(built), std::end(built), named);
   if (found != std::end(built)) return found - std::begin(built) + 1;
   std::string names;
-  for (const Kernels* kernels : built) names += (names.empty() ? "" : ", ") + std::string(kernels->name);
+  for (const PoseKernels* kernels : built) names += (names.empty() ? "" : ", ") + std::string(kernels->name);
   fail(Status::invalid_argument, "%s: \"%s\" is none of %s", whose, cap, names.c_str());
 }
 
 }  // namespace
 
-const Kernels& choose_kernels(const char* cap) {
+const PoseKernels& choose_kernels(const char* cap) {
   std::size_t count = std::min(left_by(cap, "instruction set"),
                                left_by(std::getenv(instruction_set_variable), instruction_set_variable));
   while (!runs(built[count - 1])) --count;
   return *built[count - 1];
 }
 
-std::vector<const Kernels*> runnable_kernels() {
-  std::vector<const Kernels*> found;
+std::vector<const PoseKernels*> runnable_kernels() {
+  std::vector<const PoseKernels*> found;
   std::copy_if(std::begin(built), std::end(built), std::back_inserter(found), runs);
   return found;
 }

@@ -7,14 +7,14 @@
 
 namespace fb {
 
-// The environment variable that caps them, for tests: the name of a Kernels, or empty.
+// The environment variable that caps them, for tests: the name of a PoseKernels, or empty.
 inline constexpr const char* instruction_set_variable = "FB_INSTRUCTION_SET";
 
 // Those of this build that this processor can run, from the slowest to the fastest; the first is scalar_kernels.
-std::vector<const Kernels*> runnable_kernels();
+std::vector<const PoseKernels*> runnable_kernels();
 
 // The fastest that are not beyond `cap`, nor beyond what the environment says. A cap is the name of kernels this build
 // has, runnable or not; null or "": no cap. Fails with invalid_argument, listing the names, on any other.
-const Kernels& choose_kernels(const char* cap = nullptr);
+const PoseKernels& choose_kernels(const char* cap = nullptr);
 
 }  // namespace fb

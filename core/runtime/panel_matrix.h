@@ -53,7 +53,7 @@ class PanelMatrix {
   std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows, rows_ - first); }
 
   // The sums of that panel.
-  void sum(const Kernels& kernels, std::uint32_t first, const ActiveColumns& active,
+  void sum(const PoseKernels& kernels, std::uint32_t first, const ActiveColumns& active,
            std::int32_t (&sums)[panel_rows]) const {
     kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);
   }

@@ -2,7 +2,7 @@
 
 namespace fb {
 
-void Quantized::quantize(const Kernels& kernels, float* x, const std::uint32_t* places, std::size_t count,
+void Quantized::quantize(const PoseKernels& kernels, float* x, const std::uint32_t* places, std::size_t count,
                          float limit) {
   std::int32_t* wholes = wholes_.data();
   columns_ = {};

@@ -18,7 +18,7 @@ class Quantized {
 
   // FORMAT.md, "Whole numbers", of x[i] at column places[i], or at column i where places is null; columns not named are
   // 0. `limit` is the largest input. x has room up to the next multiple of padding, which is filled with zeros.
-  void quantize(const Kernels& kernels, float* x, const std::uint32_t* places, std::size_t count, float limit);
+  void quantize(const PoseKernels& kernels, float* x, const std::uint32_t* places, std::size_t count, float limit);
 
   // An input times step() is about the number it stands for; 0 if all numbers are.
   float step() const { return step_; }

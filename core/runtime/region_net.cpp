@@ -34,7 +34,7 @@ RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& mem
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 
-void RegionNet::Layer::run(const Kernels& kernels, const Quantized& x, const float* input, float* output) const {
+void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, const float* input, float* output) const {
   for (std::uint32_t first = 0; first < outputs; first += PanelMatrix::panel_rows) {
     std::int32_t low_sums[PanelMatrix::panel_rows], high_sums[PanelMatrix::panel_rows];
     low.sum(kernels, first, x.columns(), low_sums);
@@ -58,8 +58,8 @@ std::size_t RegionNet::widest() const {
   return widest;
 }
 
-[[gnu::noinline]] void RegionNet::run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized,
-                                      float* outputs) const {
+[[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const NetInput& input, float* work,
+                                      Quantized& quantized, float* outputs) const {
   float *before = work, *after = work + work_size() / 2;
   quantized.quantize(kernels, input.values, input.places, input.count, layers_.front().limit);
   if (layers_.front().skip) {
@@ -74,7 +74,7 @@ std::size_t RegionNet::widest() const {
   for (std::size_t o = 0; o < output_count(); ++o) outputs[o] = before[o] - at_rest_[o];
 }
 
-void RegionNet::find_rest(const Kernels& kernels, const char* name) {
+void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
   std::vector<float> work(work_size()), outputs(output_count());
   Quantized quantized(widest(), *std::pmr::get_default_resource());
   std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);

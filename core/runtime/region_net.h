@@ -34,16 +34,16 @@ class RegionNet {
   std::size_t work_size() const { return 2 * (widest() + padding); }
 
   // FORMAT.md, "Regions", without the gate: output_count() numbers. `work` are work_size() floats.
-  void run(const Kernels& kernels, const NetInput& input, float* work, Quantized& quantized, float* outputs) const;
+  void run(const PoseKernels& kernels, const NetInput& input, float* work, Quantized& quantized, float* outputs) const;
 
   // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.
-  void find_rest(const Kernels& kernels, const char* name);
+  void find_rest(const PoseKernels& kernels, const char* name);
 
  private:
   struct Layer {
     Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
     // Of quantised numbers; `input` are those numbers, for layers that skip.
-    void run(const Kernels& kernels, const Quantized& x, const float* input, float* output) const;
+    void run(const PoseKernels& kernels, const Quantized& x, const float* input, float* output) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;

@@ -57,7 +57,7 @@ void RowChunk::fetch(const std::uint32_t* places, std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i) digits_.fetch(first, places[i]);
 }
 
-bool RowChunk::run(const Kernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
+bool RowChunk::run(const PoseKernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
                    Quantized& quantized, const float* rest, float* rows) const {
   quantized.quantize(kernels, summands, places, count, static_cast<float>(digits_.limit()));
   const float step = quantized.step();

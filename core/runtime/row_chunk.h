@@ -43,7 +43,7 @@ class RowChunk {
 
   // Adds what `count` summands move, those at `places`, to the rest positions of the rows, where any of them counts.
   // Returns whether it did; rows are left alone where not. Summands have room up to the next multiple of padding.
-  bool run(const Kernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
+  bool run(const PoseKernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
            Quantized& quantized, const float* rest, float* rows) const;
 
   // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.

@@ -177,7 +177,7 @@ TEST_CASE("every instruction set gives the same bits") {
       controls.insert(controls.end(), pose.begin(), pose.end());
     }
     Posed expected;
-    for (const Kernels* kernels : runnable_kernels()) {
+    for (const PoseKernels* kernels : runnable_kernels()) {
       const Evaluator evaluator(model, *std::pmr::get_default_resource(), UINT64_MAX, *kernels);
       std::vector<Workspace> some = workspaces(evaluator, 1);
       const Posed posed = evaluate(evaluator, controls, some);

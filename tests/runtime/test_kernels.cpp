@@ -72,7 +72,7 @@ TEST_CASE("kernels give exact sums, for panels of all sizes and inputs of all ki
                 sum += std::int64_t(inputs.numbers[k]) * digits[(first + r) * columns + inputs.places[k]];
               expected[r] = static_cast<std::int32_t>(sum);
             }
-            for (const Kernels* kernels : runnable_kernels()) {
+            for (const PoseKernels* kernels : runnable_kernels()) {
               std::int32_t sums[PanelMatrix::panel_rows];
               matrix.sum(*kernels, first, inputs.columns(), sums);
               const bool same = std::memcmp(sums, expected.data(), matrix.rows_at(first) * sizeof(int)) == 0;
@@ -88,7 +88,7 @@ TEST_CASE("an instruction set is chosen by name or by what the processor has") {
   REQUIRE(!runnable.empty());
   CHECK(runnable.front() == &scalar_kernels);
   CHECK(&choose_kernels("scalar") == &scalar_kernels);
-  for (const Kernels* kernels : runnable) {
+  for (const PoseKernels* kernels : runnable) {
     const std::string name = choose_kernels(kernels->name).name;
     // The environment may cap a test run too.
     if (!std::getenv(instruction_set_variable)) CHECK(name == kernels->name);

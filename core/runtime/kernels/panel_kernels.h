@@ -26,7 +26,7 @@ using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const A
 // Lists of floats have room up to the next multiple of this.
 inline constexpr std::size_t padding = 8;
 
-struct Kernels {
+struct PoseKernels {
   const char* name;
   PanelSums panel_sums;
   // The loops of vector_passes.h.
@@ -38,13 +38,13 @@ struct Kernels {
                        const float* bias, Activation activation, float* y, std::size_t count);
 };
 
-extern const Kernels scalar_kernels;
+extern const PoseKernels scalar_kernels;
 #if defined(__x86_64__)
-extern const Kernels sse2_kernels, avx2_kernels, avx_vnni_kernels, avx512_vnni_kernels;
+extern const PoseKernels sse2_kernels, avx2_kernels, avx_vnni_kernels, avx512_vnni_kernels;
 #elif defined(__aarch64__)
-extern const Kernels neon_kernels, neon_dot_kernels;
+extern const PoseKernels neon_kernels, neon_dot_kernels;
 #elif defined(__wasm_simd128__)
-extern const Kernels wasm_simd_kernels;
+extern const PoseKernels wasm_simd_kernels;
 #endif
 
 }  // namespace fb
