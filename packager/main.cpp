@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
   fb::add_verify(tool);
   fb::add_pack(tool);
   fb::add_pose(tool);
+  fb::add_bench(tool);
   // Last, for verbs inherit it; only the tool itself has it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"

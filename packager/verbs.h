@@ -16,5 +16,6 @@ void add_inspect(CLI::App& tool);
 void add_verify(CLI::App& tool);
 void add_pack(CLI::App& tool);
 void add_pose(CLI::App& tool);
+void add_bench(CLI::App& tool);
 
 }  // namespace fb

@@ -10,7 +10,7 @@
 
 namespace {
 
-const std::vector<std::string> verbs = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose"};
+const std::vector<std::string> verbs = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose", "bench"};
 
 }  // namespace
 

@@ -1,0 +1,22 @@
+// Layers of float networks as Eigen computes them: what the runtime is compared with.
+#pragma once
+
+#include <cstddef>
+
+namespace fb {
+
+struct AffineKernels {
+  const char* name;  // of the instruction set Eigen was compiled for
+  // y = weights x + bias for `poses` columns; weights are outputs x inputs, column after column. bias may be null.
+  void (*multiply)(std::size_t outputs, std::size_t inputs, std::size_t poses, const float* weights, const float* bias,
+                   const float* x, float* y);
+  // y = max(y, 0), plus x where it is not null.
+  void (*rectify)(std::size_t count, const float* x, float* y);
+  // y = y / (1 + exp(-y)), plus x where it is not null.
+  void (*silu)(std::size_t count, const float* x, float* y);
+};
+
+// Compiled for the widest vectors this processor has.
+const AffineKernels& affine_kernels();
+
+}  // namespace fb
