@@ -1,0 +1,120 @@
+// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals and coefficients, which must be the same on every
+// machine, with every compiler and at every level of optimisation. Fails if this machine's instruction sets, batches,
+// orders, strides, threads or modes of rounding disagree among themselves, or with HASH.
+#include <cfenv>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "model_dump.h"
+#include "runtime/evaluator.h"
+
+namespace {
+
+using namespace fb;
+
+struct Hash {  // FNV-1a
+  std::uint64_t value = 0xcbf29ce484222325;
+  void add(const std::vector<float>& numbers) {
+    for (const float number : numbers) {
+      std::uint32_t bits;
+      std::memcpy(&bits, &number, sizeof bits);
+      for (int byte = 0; byte < 4; ++byte) value = (value ^ (bits >> 8 * byte & 255)) * 0x100000001b3;
+    }
+  }
+};
+
+std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& controls) {
+  std::vector<Workspace> one;
+  one.emplace_back(face);
+  std::vector<float> positions(3 * face.vertex_count()), normals = positions, weights(face.coefficient_count());
+  Hash hash;
+  for (std::size_t at = 0; at < controls.size(); at += face.control_count()) {
+    Batch batch;
+    batch.poses = 1;
+    batch.controls = {controls.data() + at, face.control_count()};
+    batch.positions = {positions.data(), positions.size()};
+    batch.normals = {normals.data(), normals.size()};
+    face.evaluate_batch(batch, one, {1});
+    face.coefficients(controls.data() + at, weights.data(), one[0]);
+    hash.add(positions);
+    hash.add(normals);
+    hash.add(weights);
+  }
+  return hash.value;
+}
+
+// The same from a batch, backwards in memory or not, with gaps between vertices.
+std::uint64_t in_a_batch(const Evaluator& face, const std::vector<float>& controls, int threads) {
+  const std::size_t poses = controls.size() / face.control_count(), stride = 3 + std::size_t(threads % 3);
+  std::vector<Workspace> some;
+  for (int t = 0; t < threads; ++t) some.emplace_back(face);
+  std::vector<float> positions(poses * stride * face.vertex_count()), normals = positions;
+  Batch batch;
+  batch.poses = poses;
+  batch.controls = controls;
+  batch.positions = {positions.data(), positions.size(), 0, stride};
+  batch.normals = {normals.data(), normals.size(), 0, stride};
+  face.evaluate_batch(batch, some, {threads});
+  std::vector<float> weights(face.coefficient_count()), position, normal;
+  Hash hash;
+  for (std::size_t pose = 0; pose < poses; ++pose) {
+    position.clear(), normal.clear();
+    for (std::size_t v = 0; v < face.vertex_count(); ++v)
+      for (std::size_t a = 0; a < 3; ++a) {
+        position.push_back(positions[(pose * face.vertex_count() + v) * stride + a]);
+        normal.push_back(normals[(pose * face.vertex_count() + v) * stride + a]);
+      }
+    face.coefficients(controls.data() + pose * face.control_count(), weights.data(), some[0]);
+    hash.add(position);
+    hash.add(normal);
+    hash.add(weights);
+  }
+  return hash.value;
+}
+
+bool run(const std::string& argument) {
+  const std::size_t equals = argument.find('=');
+  const std::string file = argument.substr(0, equals);
+  const char* const path = file.c_str();
+  PackedModel model;
+  std::vector<float> controls;
+  Dump(path, true).all(model, controls);
+  std::uint64_t expected = 0;
+  bool same = true;
+  const auto compare = [&](std::uint64_t found, const char* kernels, const char* how) {
+    if (found == expected) return;
+    std::printf("%s: %s, %s gives %016llx\n", path, kernels, how, static_cast<unsigned long long>(found));
+    same = false;
+  };
+  for (const PoseKernels* kernels : runnable_kernels()) {
+    const Evaluator face(model, *std::pmr::get_default_resource(), UINT64_MAX, *kernels);
+    if (kernels == &scalar_kernels) expected = pose_by_pose(face, controls);
+    compare(pose_by_pose(face, controls), kernels->name, "pose by pose");
+    for (int threads = 1; threads <= 8; ++threads)
+      compare(in_a_batch(face, controls, threads), kernels->name, "a batch");
+#ifdef FE_UPWARD
+    std::fesetround(FE_UPWARD);
+    const std::uint64_t rounded_up = pose_by_pose(face, controls);
+    std::fesetround(FE_TONEAREST);
+    compare(rounded_up, kernels->name, "a host that rounds up");
+#endif
+    std::fprintf(stderr, "%s ", kernels->name);
+  }
+  std::printf("%016llx\n", static_cast<unsigned long long>(expected));
+  if (equals == std::string::npos) return same;
+  return same && std::strtoull(argument.c_str() + equals + 1, nullptr, 16) == expected;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  bool same = argc > 1;
+  try {
+    for (int i = 1; i < argc; ++i) same = run(argv[i]) && same;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "hash_poses: %s\n", error.what());
+    return 1;
+  }
+  return same ? 0 : 1;
+}

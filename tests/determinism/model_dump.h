@@ -1,0 +1,82 @@
+// A packed model and poses as plain bytes of this machine, so that what evaluates them needs no library of an
+// archive's.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "base/status.h"
+#include "model/packed_model.h"
+
+namespace fb {
+
+// Writes or reads, so that both have one list of fields.
+class Dump {
+ public:
+  Dump(const char* path, bool reads) : file_(std::fopen(path, reads ? "rb" : "wb")), reads_(reads) {
+    if (!file_) fail(Status::io, "%s: cannot be opened", path);
+  }
+  ~Dump() { std::fclose(file_); }
+  Dump(const Dump&) = delete;
+  Dump& operator=(const Dump&) = delete;
+
+  void all(PackedModel& m, std::vector<float>& controls) {
+    list(m.schema.controls, [this](Control& c) { each(c.name, c.minimum, c.maximum, c.rest, c.group); });
+    each(m.rest.points, m.rest.polygon_sizes, m.rest.polygon_corners);
+    list(m.features, [this](Feature& f) { each(f.kind, f.control, f.scale, f.threshold, f.fall, f.first, f.second); });
+    item(m.direct);
+    list(m.regions, [this](PackedRegion& r) {
+      each(r.name, r.features, r.gate.features, r.gate.slope);
+      list(r.layers, [this](PackedLayer& l) {
+        each(l.inputs, l.outputs, l.activation, l.skip, l.wide, l.weights, l.scales, l.bias);
+      });
+    });
+    each(m.columns, m.order);
+    list(m.groups, [this](PackedRowGroup& g) {
+      each(g.first_row, g.row_count, g.values);
+      list(g.columns, [this](PackedColumn& c) { each(c.column, c.wide, c.scale); });
+    });
+    item(controls);
+  }
+
+ private:
+  void bytes(void* at, std::size_t count) {
+    const std::size_t done = reads_ ? std::fread(at, 1, count, file_) : std::fwrite(at, 1, count, file_);
+    if (done != count) fail(Status::io, "a dump broke off");
+  }
+  template <class List>
+  void size(List& list) {
+    std::uint64_t count = list.size();
+    bytes(&count, sizeof count);
+    if (reads_) list.resize(static_cast<std::size_t>(count));
+  }
+  template <class Item>
+  requires std::is_trivially_copyable_v<Item>
+  void item(Item& value) { bytes(&value, sizeof value); }
+  void item(std::string& text) {
+    size(text);
+    bytes(text.data(), text.size());
+  }
+  template <class Item>
+  void item(std::vector<Item>& values) {
+    size(values);
+    bytes(values.data(), values.size() * sizeof(Item));
+  }
+  template <class... Items>
+  void each(Items&... items) {
+    (item(items), ...);
+  }
+  template <class Item, class Each>
+  void list(std::vector<Item>& items, Each&& each_item) {
+    size(items);
+    for (Item& i : items) each_item(i);
+  }
+
+  std::FILE* file_;
+  bool reads_;
+};
+
+}  // namespace fb
