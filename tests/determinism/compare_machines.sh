@@ -61,8 +61,9 @@ for level in 0 2 3; do
 done
 ! has clang clang++ || with clang "" hash_poses cmake -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS=-O2
 ! has aarch64 aarch64-linux-gnu-g++ qemu-aarch64-static ||
-  with aarch64 "qemu-aarch64-static -cpu max" hash_poses cmake -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
-    -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ -DCMAKE_CXX_FLAGS=-O2 -DCMAKE_EXE_LINKER_FLAGS=-static
+  with aarch64 "qemu-aarch64-static -cpu max -L /usr/aarch64-linux-gnu" hash_poses cmake -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
+    -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ -DCMAKE_CXX_FLAGS=-O2
 ! has wasm emcmake node ||
-  with wasm node hash_poses.js emcmake cmake -DCMAKE_CXX_FLAGS="-O2 -msimd128"
+  # Node has a fetch, which older Emscriptens take for a browser's.
+  with wasm "node --no-experimental-fetch" hash_poses.js emcmake cmake -DCMAKE_CXX_FLAGS="-O2 -msimd128"
 echo "all the same"
