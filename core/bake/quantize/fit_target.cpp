@@ -100,8 +100,8 @@ class Candidates {
 PackOptions Precision::pack() const {
   PackOptions options;
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
-  options.basis_tolerance = scale / 2;
-  options.drop = scale / 4;
+  options.basis_tolerance = 2 * scale;
+  options.drop = 0.65 * scale;
   options.step = scale;
   return options;
 }
