@@ -5,11 +5,11 @@ namespace fb {
 
 FaceRecipe hero_recipe() {
   FaceRecipe recipe;
-  recipe.basis.max_error = 3e-4;
+  recipe.basis.max_error = 8e-4;
   recipe.term_bytes = 1'200'000;
-  recipe.parameters = 1'600'000;
-  recipe.operations = 2.5e13;
-  recipe.precision = 0.015;
+  recipe.parameters = 1'000'000;
+  recipe.operations = 3e13;
+  recipe.precision = 0.03;
   recipe.touched_bytes = 4e6;
   return recipe;
 }
@@ -20,8 +20,8 @@ FaceRecipe compact_recipe() {
   recipe.basis.max_error = 1e-3;
   recipe.basis.max_components = 96;
   recipe.term_bytes = 150'000;
-  recipe.parameters = 350'000;
-  recipe.operations = 1e13;
+  recipe.parameters = 500'000;
+  recipe.operations = 1.5e13;
   recipe.precision = 0.05;
   recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.3e6;
