@@ -91,7 +91,7 @@ fb_status fb_sample(const fb_sample_desc* desc) {
 void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
   const fb::BakeOptions options;
   fb_bake_desc defaults = {};
-  defaults.recipe = "paper";
+  defaults.recipe = "hero";
   defaults.use = "backlot";
   defaults.poses = options.poses;
   defaults.seed = options.seed;

@@ -21,7 +21,7 @@ namespace fb {
 namespace {
 
 struct CompareVerb {
-  std::vector<std::string> sources, methods = {"linear", "paper"};
+  std::vector<std::string> sources, methods = {"linear", "paper-tuned", "hero"};
   std::string work;
   FigureOutputs outputs;
   BakeOptions options;

@@ -69,6 +69,26 @@ TEST_CASE("single controls are held by the base alone, and a control moves no ve
       if (!model.features[f].of_features()) CHECK(model.features[f].control != 3);
 }
 
+TEST_CASE("within a rig budget, poses are chosen by disagreement; a rig too dear to probe is learnt from them alone") {
+  for (const std::uint64_t budget : {200u, 900u}) {
+    const WorkFolder folder;
+    MemorySource rig = saturating_rig();
+    BakeOptions options = quick(folder, "hero");
+    options.rig_budget = budget;
+    options.epochs = 50;
+    const Baked baked = bake(rig, options, silent_progress());
+    CHECK(baked.rig_calls <= budget);
+    CHECK(baked.rig_calls > budget / 2);
+    CHECK((baked.diary.rig_calls > 0) == (budget == 900));
+    const auto recorded = open_source((options.work / "poses").string());
+    std::size_t chosen = 0;
+    for (const Clip& clip : recorded->clips()) chosen += clip.name.starts_with("chosen_") ? clip.frames : 0;
+    CHECK(chosen > budget / 8);
+    // 200 poses teach no more than blendshapes say, but do no great harm either.
+    CHECK(unseen_mse(baked.archive, rig) < (budget == 900 ? 0.1 : 4) * mse_of("linear", saturating_rig()));
+  }
+}
+
 TEST_CASE("a rig of plain morph targets needs no network") {
   for (const char* recipe : {"compact", "hero"}) {
     const WorkFolder folder;

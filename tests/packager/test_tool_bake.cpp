@@ -28,7 +28,7 @@ void sample_toy(const std::string& dataset) {
 }
 
 std::vector<std::string> quick_bake(const std::string& source, const std::string& out) {
-  return {"bake", source, "--out", out, "--epochs", "1"};
+  return {"bake", source, "--out", out, "--recipe", "paper", "--epochs", "1"};
 }
 
 // Changes one number of a NumPy file.
@@ -381,7 +381,8 @@ TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same comma
     const std::string dataset = folder / "data", archive = folder / "face.fbk", work = folder / "work";
     sample_toy(dataset);
     const auto bake = [&](const std::string& epochs, const ToolSetting& setting) {
-      return run_tool({"bake", dataset, "--out", archive, "--epochs", epochs, "--work", work}, setting);
+      return run_tool({"bake", dataset, "--out", archive, "--recipe", "paper", "--epochs", epochs, "--work", work},
+                      setting);
     };
     const ToolRun stopped = bake("1000000", {.interrupt_when_exists = work, .signal = signal});
     CAPTURE(stopped.err);

@@ -119,7 +119,7 @@ typedef struct fb_bake_desc {
   uint32_t source_count;
   uint32_t reserved;
   const char* archive;  /* the .fbk to write; "<archive>.work" beside it keeps what is done until it is whole */
-  const char* recipe;   /* "paper" (default) or "linear" */
+  const char* recipe;   /* "hero" (default), "compact", or one of those to compare with: "paper", "linear", ... */
   const char* use;      /* "variant" (no shots in training) or "backlot" (default) */
   uint64_t poses;       /* sampled when the source is a rig; default 20,000 */
   uint64_t seed;        /* default 1 */

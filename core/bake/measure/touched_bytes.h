@@ -37,7 +37,7 @@ class ByteCount {
 
 struct TouchedBytes {
   double mean = 0;
-  std::uint64_t p90 = 0, p95 = 0, max = 0;  // of poses
+  std::uint64_t p95 = 0, max = 0;   // of poses
   std::uint64_t runtime_bytes = 0;  // ByteCount::stored
   std::size_t poses = 0;            // looked at
 };

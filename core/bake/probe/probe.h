@@ -45,6 +45,11 @@ struct Probe {
   double curve_error = 0;             // largest distance from the rig between knots, over D, on poses not used
 };
 
+// Whether so many rig calls (0: any number) say more than the same poses recorded would: at least 20 a control.
+inline bool pays_to_probe(const RigSchema& schema, std::uint64_t rig_budget) {
+  return rig_budget == 0 || rig_budget >= 20 * std::uint64_t(schema.control_count());
+}
+
 // Asks a live rig. Same rig, same options, same result for any number of threads.
 Probe probe_rig(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress);
 

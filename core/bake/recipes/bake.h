@@ -22,7 +22,7 @@ Use use_from(std::string_view name);  // fails, listing the words there are
 const char* name_of(Use use);
 
 struct BakeOptions {
-  std::string recipe = "paper";  // see recipe_names()
+  std::string recipe = "hero";  // see recipe_names()
   Use use = Use::backlot;
   std::uint64_t seed = 1;
   std::uint64_t poses = 20000;  // sampled when the source is a live rig

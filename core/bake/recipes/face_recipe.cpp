@@ -181,6 +181,7 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 
 LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                       Progress& progress) {
+  if (rig && !pays_to_probe(rig->schema(), options.rig_budget)) rig = nullptr;
   const Parts parts = find_parts(recipe, poses, rig, options, progress);
   const RegionInputs inputs = region_inputs(parts.probe, poses.source().schema(), parts.regions, rig != nullptr);
   LearntFace face;

@@ -39,6 +39,7 @@ struct LearntFace {
   BakeDiary diary;
 };
 
+// Without a rig, or with too small a budget to probe it, everything is learnt from the poses.
 LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                       Progress& progress);
 

@@ -52,7 +52,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
     if (touched_bytes <= 0) return made(1);
     const PoseSet typical = measured(without_shots(poses), options.seed);
     const auto fits = [&](const Learnt& learnt) {
-      return fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical).p90 <= touched_bytes;
+      return fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical).p95 <= touched_bytes;
     };
     // Doubled until it fits, then halved towards the finest that does.
     Learnt best = made(1);

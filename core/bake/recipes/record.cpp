@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
-#include "bake/sampling/sampling.h"
+#include "bake/recipes/committee.h"
+#include "bake/probe/probe.h"
+#include "bake/sampling/choose_poses.h"
 
 namespace fb {
 
@@ -13,11 +15,16 @@ std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recordin
   sampling.seed = options.seed;
   sampling.mix = options.mix;
   sampling.held_out = what == Recording::with_test;
-  sampling.rig_budget = options.rig_budget - (recipes_ask ? options.rig_budget / 3 : 0);
+  const std::uint64_t third = options.rig_budget / 3;
+  sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_probe(rig.schema(), third) ? third : 0);
   // A variant learns from no shot; where poses are dear none is asked for.
   if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
   const std::filesystem::path folder = options.work / "poses";
-  sample(rig, sampling, folder, options.parallel, progress);
+  if (options.rig_budget > 0 && recipes_ask)
+    sample_by_disagreement(rig, sampling, {}, two_networks(options.seed, options.parallel, progress), folder,
+                           options.parallel, progress);
+  else
+    sample(rig, sampling, folder, options.parallel, progress);
   return open_source(folder.string());
 }
 

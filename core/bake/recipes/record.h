@@ -13,7 +13,9 @@ enum class Recording {
 };
 
 // Samples a live rig into a dataset in the work folder, or finds it there, and opens it. `recipes_ask`: a third of the
-// rig budget, if there is one, is kept for recipes that ask the rig themselves.
+// rig budget, if there is one, is kept for recipes that ask the rig themselves (none if that is too little, see
+// pays_to_probe), and half of the poses are chosen by disagreement: where poses are dear, those that teach most are
+// asked for.
 std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
                                Progress& progress);
 
