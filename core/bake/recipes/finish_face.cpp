@@ -47,6 +47,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
       learnt.packing.coefficient_sizes = std::move(local.coefficient_sizes);
       learnt.packing.basis_tolerance *= coarser;
       learnt.packing.drop *= coarser;
+      learnt.packing.step *= coarser;
       return learnt;
     };
     if (touched_bytes <= 0) return made(1);
