@@ -40,8 +40,8 @@ class Candidates {
   using Bytes = std::function<std::uint64_t(const PackedModel&)>;
 
   Candidates(const FaceModel& model, std::span<const std::vector<float>> covariance, const Error& error,
-             const Bytes& bytes, const Parallel& parallel, Progress& progress)
-      : localizer_(model, covariance, LocalizeOptions{}.chunk_vertices, parallel),
+             const Bytes& bytes, const Parallel& parallel, Progress& progress, std::span<const float> direct_sizes)
+      : localizer_(model, covariance, LocalizeOptions{}.chunk_vertices, parallel, direct_sizes),
         measure_error_(&error),
         measure_bytes_(&bytes),
         progress_(&progress) {}
@@ -101,8 +101,8 @@ PackOptions Precision::pack() const {
   PackOptions options;
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = 2 * scale;
-  options.drop = 0.65 * scale;
-  options.step = scale;
+  options.drop = scale;
+  options.step = scale / 2;
   return options;
 }
 
@@ -141,10 +141,10 @@ FitChoice choose_precision(const FitTarget& target, const std::function<std::uin
 Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
-                  Progress& progress) {
+                  Progress& progress, std::span<const float> direct_sizes) {
   constexpr std::uint64_t most_measured = 24;  // both measures along both ladders
   progress.begin("fitting bytes and error", most_measured);
-  Candidates candidates(model, covariance, error, bytes, parallel, progress);
+  Candidates candidates(model, covariance, error, bytes, parallel, progress, direct_sizes);
   const FitChoice choice = choose_precision(
       target, [&](const Precision& precision) { return candidates.bytes(precision); },
       [&](const Precision& precision) { return candidates.error(precision); });

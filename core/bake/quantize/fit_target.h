@@ -47,12 +47,13 @@ struct Fitted {
   FitChoice choice;
 };
 
-// Localizes a model and packs it as precisely as the target asks. `covariance`: see localize_basis. `error` measures a
+// Localizes a model and packs it as precisely as the target asks. `covariance` and `direct_sizes`: see
+// Localizer. `error` measures a
 // candidate on validation poses, `bytes` gives its archive's size. Notes what was reached, and what was asked for in
 // vain.
 Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
-                  Progress& progress);
+                  Progress& progress, std::span<const float> direct_sizes = {});
 
 }  // namespace fb

@@ -50,8 +50,8 @@ PackedRegion pack_region(const Region& region, const PackOptions& options) {
   return packed;
 }
 
-// What a column's values may be rounded by, how small they may be before they are dropped, and the step they need not
-// be finer than, in units of values.
+// What a column's values may be rounded by, how small their root mean square may be before the column is dropped, and
+// the step they need not be finer than, in units of values.
 struct Allowance {
   double rounding, drop, step;
 };
@@ -62,10 +62,11 @@ PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& a
     const Allowance& allowed = allowances[group.columns[c]];
     const auto first = group.values.begin() + c * group.row_count;
     std::vector<float> values(first, first + group.row_count);
-    for (float& value : values)
-      if (std::fabs(value) < allowed.drop) value = 0;
     const float most = magnitude(values.data(), values.size());
+    double squares = 0;
+    for (const float value : values) squares += double(value) * value;
     if (most < least || most < allowed.step / 2) continue;
+    if (squares < allowed.drop * allowed.drop * static_cast<double>(values.size())) continue;
     const bool wide = most / largest_narrow / 2 > allowed.rounding;
     const float scale = append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow,
                                        static_cast<float>(allowed.step), packed.values);

@@ -14,8 +14,9 @@ struct PackOptions {
   // What rounding the values of one basis column may move a coordinate when the coefficient has its typical size, over
   // the diagonal: columns that could move one further are wide.
   double basis_tolerance = 1e-5;
-  std::vector<float> coefficient_sizes;  // root mean square of each coefficient over poses; empty: 1
-  double drop = 0;  // over D: basis values a typical coefficient moves less are 0, columns of a group all 0 leave it
+  std::vector<float> coefficient_sizes;  // typical size of each coefficient, see LocalizedModel; empty: 1
+  // Over D: columns that move the coordinates of a group less (root mean square) at the typical size leave it.
+  double drop = 0;
   // Over D: basis values are rounded to no less than this when the coefficient has its typical size. One step wherever
   // a column lies is what archives pack best; 0: as fine as 8 or 16 bits allow.
   double step = 0;

@@ -8,6 +8,7 @@
 #include "bake/measure/evaluate.h"
 #include "bake/measure/touched_bytes.h"
 #include "bake/measure/verify.h"
+#include "bake/probe/curve_base.h"
 #include "bake/quantize/fit_target.h"
 #include "bake/sampling/validation_split.h"
 
@@ -15,7 +16,7 @@ namespace fb {
 namespace {
 
 constexpr double validation_share = 0.05;
-constexpr std::size_t measured_poses = 500;
+constexpr std::size_t measured_poses = 500, sized_poses = 2000;
 constexpr std::uint64_t room = 4096;  // for provenance and certificate, which are written last
 
 PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
@@ -24,6 +25,26 @@ PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
 }
 
 constexpr double coarsest = 64;  // times what was asked for
+
+// Root mean square of each direct coefficient over those poses where it is not 0: what a column is worth for each time
+// that it is read. 1 where none of the poses tells.
+std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
+  const std::vector<Feature>& features = model.network.features;
+  const std::vector<float> rest = model.schema.rest_pose(), controls = poses.controls();
+  std::vector<float> values(features.size()), sizes;
+  std::vector<double> squares(features.size());
+  std::vector<std::size_t> active(features.size());
+  for (std::size_t pose = 0; pose < poses.size(); ++pose) {
+    evaluate_features(features, std::span(controls).subspan(pose * rest.size(), rest.size()), rest, values);
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      squares[f] += double(values[f]) * values[f];
+      active[f] += values[f] != 0;
+    }
+  }
+  for (const std::uint32_t f : model.network.direct)
+    sizes.push_back(active[f] > 0 ? static_cast<float>(std::sqrt(squares[f] / static_cast<double>(active[f]))) : 1);
+  return sizes;
+}
 
 }  // namespace
 
@@ -39,8 +60,9 @@ bool asks_target(const BakeOptions& options) {
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
                    const BakeOptions& options, Progress& progress, double touched_bytes) {
+  const std::vector<float> sizes = direct_sizes(model, without_shots(poses).thinned(sized_poses));
   if (!asks_target(options)) {
-    const Localizer localizer(model, covariance, localize.chunk_vertices, options.parallel);
+    const Localizer localizer(model, covariance, localize.chunk_vertices, options.parallel, sizes);
     const auto made = [&](double coarser) {
       LocalizedModel local = localizer.localized(coarser * localize.threshold);
       Learnt learnt{std::move(local.model), packing};
@@ -79,8 +101,8 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
   const auto error = [&](const PackedModel& packed) {
     return evaluate_archive_on(write_archive(packed, {}), validation, options.parallel, silent_progress()).max;
   };
-  Fitted fitted =
-      fit_target(model, covariance, {options.max_bytes, options.max_error}, error, bytes, options.parallel, progress);
+  Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error}, error, bytes, options.parallel,
+                             progress, sizes);
   return {std::move(fitted.model), std::move(fitted.packing)};
 }
 

@@ -203,18 +203,22 @@ void append(RowGroup& group, std::uint32_t column, const Matrix& values, Eigen::
 
 struct Localizer::Parts {
   FaceModel model;
+  std::vector<float> direct_sizes;
   std::vector<RegionColumns> regions;
   std::vector<Chunk> chunks;
 };
 
 Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                     std::uint32_t chunk_vertices, const Parallel& parallel) {
+                     std::uint32_t chunk_vertices, const Parallel& parallel, std::span<const float> direct_sizes) {
   check(model);
   const Network& network = model.network;
   if (covariance.size() != network.regions.size())
     fail(Status::invalid_argument, "%zu covariances for %zu regions", covariance.size(), network.regions.size());
   const auto direct = std::uint32_t(network.direct.size());
-  auto parts = std::make_unique<Parts>(Parts{model, {}, {}});
+  auto parts = std::make_unique<Parts>(Parts{model, {direct_sizes.begin(), direct_sizes.end()}, {}, {}});
+  if (direct_sizes.empty()) parts->direct_sizes.assign(direct, 1.0f);
+  if (parts->direct_sizes.size() != direct)
+    fail(Status::invalid_argument, "%zu sizes for %u direct coefficients", direct_sizes.size(), direct);
   std::uint32_t next = direct;
   for (std::size_t r = 0; r < covariance.size(); next += parts->regions[r].count, ++r)
     parts->regions.push_back(region_columns(network.regions[r], next, covariance[r]));
@@ -235,10 +239,10 @@ Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>>
 Localizer::~Localizer() = default;
 
 LocalizedModel Localizer::localized(double threshold_over_diagonal) const {
-  const auto& [model, regions, chunks] = *parts_;
+  const auto& [model, direct_sizes, regions, chunks] = *parts_;
   const double threshold = threshold_over_diagonal * model.rest.diagonal();
   const auto direct = std::uint32_t(model.network.direct.size());
-  LocalizedModel result{model, std::vector<float>(direct, 1.0f)};
+  LocalizedModel result{model, direct_sizes};
   Basis& basis = result.model.basis;
   basis = {model.basis.rows, direct, {}, {}};
   for (const Chunk& chunk : chunks) {

@@ -17,7 +17,7 @@ struct LocalizeOptions {
 
 struct LocalizedModel {
   FaceModel model;
-  // Root mean square of each coefficient over the poses of the covariance; 1 for direct ones, which it does not tell.
+  // Typical size of each coefficient: its root mean square over the poses of the covariance; for direct ones as given.
   std::vector<float> coefficient_sizes;
 };
 
@@ -30,9 +30,10 @@ struct LocalizedModel {
 class Localizer {
  public:
   // Finds all directions. `covariance`: one matrix a region, outputs x outputs: the mean over poses of the products of
-  // its coefficients. The same for any thread count; fails with invalid_argument on a covariance of another size.
+  // its coefficients. `direct_sizes`: typical sizes of the direct coefficients; empty: 1. The same for any thread
+  // count; fails with invalid_argument on a covariance of another size.
   Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance, std::uint32_t chunk_vertices,
-            const Parallel& parallel);
+            const Parallel& parallel, std::span<const float> direct_sizes = {});
   ~Localizer();
 
   // Keeps those above a threshold: see LocalizeOptions. The result has the model's features, regions and hidden layers,
