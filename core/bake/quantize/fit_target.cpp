@@ -102,7 +102,7 @@ PackOptions Precision::pack() const {
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = 2 * scale;
   options.drop = scale;
-  options.step = scale / 2;
+  options.step = 2 * scale;
   return options;
 }
 
