@@ -9,7 +9,7 @@ FaceRecipe hero_recipe() {
   recipe.term_bytes = 1'200'000;
   recipe.parameters = 1'000'000;
   recipe.operations = 3e13;
-  recipe.precision = 0.03;
+  recipe.precision = 0.02;
   recipe.touched_bytes = 4e6;
   return recipe;
 }
@@ -23,7 +23,7 @@ FaceRecipe compact_recipe() {
   recipe.parameters = 500'000;
   recipe.operations = 1.5e13;
   recipe.precision = 0.05;
-  recipe.finest = 7e-6;
+  recipe.finest = 6e-6;
   recipe.touched_bytes = 1.3e6;
   return recipe;
 }
