@@ -240,10 +240,11 @@ void Evaluator::run_chunks(Workspace& workspace, float* rows) const {
   if (in_place) return run_chunks(workspace, static_cast<float*>(positions.first));
   run_chunks(workspace, workspace.rows_.data());
   if (positions.first)
-    write_vertices(workspace.rows_.data(), vertex_count(), place_of_, workspace.halves_.data(), positions);
+    write_vertices(kernels_, workspace.rows_.data(), vertex_count(), place_of_, workspace.halves_.data(), positions);
   if (!output.normals.first) return;
-  normals_.run(workspace.rows_.data(), workspace.moved_, workspace.normals_);
-  write_vertices(workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(), output.normals);
+  normals_.run(kernels_, workspace.rows_.data(), workspace.moved_, workspace.normals_);
+  write_vertices(kernels_, workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(),
+                 output.normals);
 }
 
 [[gnu::noinline]] void Evaluator::run_coefficients(const float* controls, RegionMask regions, float* coefficients,

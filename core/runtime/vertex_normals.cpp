@@ -1,8 +1,6 @@
 #include "runtime/vertex_normals.h"
 
 #include <algorithm>
-#include <cfloat>
-#include <cmath>
 #include <cstring>
 
 #include "base/checked.h"
@@ -141,7 +139,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   std::vector<float> areas(4 * polygons_.size());
   const FloatState state;
   for (std::size_t c = 0; c < chunks; ++c) compute_areas(c, rows.data(), areas.data());
-  for (std::size_t c = 0; c < chunks; ++c) compute_normals(c, areas.data(), at_rest_.data());
+  for (std::size_t c = 0; c < chunks; ++c) compute_normals(scalar_kernels, c, areas.data(), at_rest_.data());
 }
 
 [[gnu::noinline]] void VertexNormals::compute_areas(std::size_t chunk, const float* rows, float* areas) const {
@@ -157,8 +155,9 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   }
 }
 
-[[gnu::noinline]] void VertexNormals::compute_normals(std::size_t chunk, const float* areas, float* normals) const {
-  constexpr std::uint32_t most = 16;
+[[gnu::noinline]] void VertexNormals::compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas,
+                                                      float* normals) const {
+  constexpr std::uint32_t most = 64;
   const std::uint32_t end = vertex_begin_[chunk + 1];
   for (std::uint32_t first = vertex_begin_[chunk]; first < end; first += most) {
     const std::uint32_t count = std::min(most, end - first);
@@ -170,18 +169,14 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
       z[i] = sum[0], x[i] = sum[1], y[i] = sum[2];
     }
     for (std::uint32_t i = count; i < most; ++i) x[i] = y[i] = z[i] = 0;
-    for (std::uint32_t i = 0; i < most; ++i) {
-      const float square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
-      const bool sound = square > 0 && square <= FLT_MAX;
-      const float scale = 1 / std::sqrt(square);
-      x[i] = sound ? x[i] * scale : 0, y[i] = sound ? y[i] * scale : 0, z[i] = sound ? z[i] * scale : 0;
-    }
+    kernels.normalise(x, y, z, most);
     float* to = normals + 3 * std::size_t(first);
     for (std::uint32_t i = 0; i < count; ++i, to += 3) to[0] = x[i], to[1] = y[i], to[2] = z[i];
   }
 }
 
-void VertexNormals::run(const float* rows, std::span<const std::uint8_t> moved, State& state) const {
+void VertexNormals::run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved,
+                        State& state) const {
   const auto marked = [&](std::size_t chunk) {
     return unpredictable_[chunk] ||
            std::any_of(influences_.begin() + influence_begin_[chunk], influences_.begin() + influence_begin_[chunk + 1],
@@ -202,7 +197,7 @@ void VertexNormals::run(const float* rows, std::span<const std::uint8_t> moved, 
   for (std::size_t c = 0; c < chunk_count(); ++c)
     if (state.needed_[c]) compute_areas(c, rows, state.areas_.data());
   for (std::size_t c = 0; c < chunk_count(); ++c)
-    if (state.moved_[c]) compute_normals(c, state.areas_.data(), state.normals_.data());
+    if (state.moved_[c]) compute_normals(kernels, c, state.areas_.data(), state.normals_.data());
 }
 
 }  // namespace fb

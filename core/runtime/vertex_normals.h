@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/mesh.h"
+#include "runtime/kernels/panel_kernels.h"
 
 namespace fb {
 
@@ -36,7 +37,7 @@ class VertexNormals {
                 std::pmr::memory_resource& memory);
 
   // rows: positions in baked order, readable one float beyond. moved: whether a chunk's rows are not those at rest.
-  void run(const float* rows, std::span<const std::uint8_t> moved, State& state) const;
+  void run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved, State& state) const;
 
  private:
   // Four corners, of which the last may repeat the first.
@@ -48,7 +49,7 @@ class VertexNormals {
     Quad quad;
   };
   void compute_areas(std::size_t chunk, const float* rows, float* areas) const;
-  void compute_normals(std::size_t chunk, const float* areas, float* normals) const;
+  void compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas, float* normals) const;
   std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
 
   std::pmr::vector<Quad> polygons_;  // chunk after chunk: that of a polygon's first corner; its first four corners

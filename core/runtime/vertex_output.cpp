@@ -1,6 +1,5 @@
 #include "runtime/vertex_output.h"
 
-#include <bit>
 #include <cstring>
 
 #if defined(__SSE2__)
@@ -9,17 +8,6 @@
 
 namespace fb {
 namespace {
-
-// To the nearest of 16 bits, ties to the even one, without branches. Below 2^-14, adding 0.5 leaves a half's last bit
-// the last of the sum; above, the exponent is moved and the bits that fall off decide.
-std::uint16_t to_half(float number) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(number), size = bits & 0x7fffffff;
-  const std::uint32_t small = std::bit_cast<std::uint32_t>(std::bit_cast<float>(size) + 0.5f) - 0x3f000000;
-  const std::uint32_t ordinary = (size - 0x38000000 + 0xfff + (size >> 13 & 1)) >> 13;
-  const std::uint32_t beyond = size > 0x7f800000 ? 0x7e00 : 0x7c00;
-  const std::uint32_t half = size < 0x38800000 ? small : size < 0x47800000 ? ordinary : beyond;
-  return static_cast<std::uint16_t>(half | (bits >> 16 & 0x8000));
-}
 
 // Without gaps, a number more than the three is copied, because that is one instruction; the next vertex sets it right.
 template <class Number, class Place>
@@ -68,8 +56,8 @@ void write(const Number* rows, std::size_t vertices, const VertexOutput& output,
 
 }  // namespace
 
-void write_vertices(const float* rows, std::size_t vertices, std::span<const std::uint32_t> place_of,
-                    std::uint16_t* halves, const VertexOutput& output) {
+void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
+                    std::span<const std::uint32_t> place_of, std::uint16_t* halves, const VertexOutput& output) {
   const auto in_order = [&](const auto* numbers) {
     if (place_of.empty() || output.order == VertexOrder::baked)
       write(numbers, vertices, output, [](std::size_t v) { return v; });
@@ -77,7 +65,7 @@ void write_vertices(const float* rows, std::size_t vertices, std::span<const std
       write(numbers, vertices, output, [&](std::size_t v) { return std::size_t(place_of[v]); });
   };
   if (output.format == NumberFormat::float32) return in_order(rows);
-  for (std::size_t i = 0; i < 3 * vertices; ++i) halves[i] = to_half(rows[i]);
+  kernels.to_halves(rows, halves, 3 * vertices);
   in_order(static_cast<const std::uint16_t*>(halves));
 }
 

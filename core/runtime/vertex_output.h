@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <span>
 
+#include "runtime/kernels/panel_kernels.h"
+
 namespace fb {
 
 enum class VertexOrder : std::uint32_t { source = 0, baked = 1 };
@@ -22,7 +24,7 @@ struct VertexOutput {
 
 // Writes `vertices` vertices that lie in baked order in `rows`, which has a float more than theirs. place_of[v]: the
 // place of the source's vertex v in that order; empty if both are the same. `halves`: as many as `rows` has floats.
-void write_vertices(const float* rows, std::size_t vertices, std::span<const std::uint32_t> place_of,
-                    std::uint16_t* halves, const VertexOutput& output);
+void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
+                    std::span<const std::uint32_t> place_of, std::uint16_t* halves, const VertexOutput& output);
 
 }  // namespace fb

@@ -48,6 +48,7 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const PoseKernels avx512_vnni_kernels = {"avx512-vnni", panel_sums, round_all, move_rows, finish_layer};
+const PoseKernels avx512_vnni_kernels = {"avx512-vnni", panel_sums, round_all, move_rows,
+                                         finish_layer,  to_halves,  normalise};
 
 }  // namespace fb

@@ -36,6 +36,8 @@ struct PoseKernels {
   // y = activation((scales * step) * sums + bias), sums = 256 * high + low, or low where high is null
   void (*finish_layer)(const std::int32_t* low, const std::int32_t* high, const float* scales, float step,
                        const float* bias, Activation activation, float* y, std::size_t count);
+  void (*to_halves)(const float* numbers, std::uint16_t* halves, std::size_t count);
+  void (*normalise)(float* x, float* y, float* z, std::size_t count);
 };
 
 extern const PoseKernels scalar_kernels;

@@ -60,3 +60,34 @@ void finish_layer(const std::int32_t* low, const std::int32_t* high, const float
     for (std::size_t r = 0; r < count; ++r) y[r] = (scales[r] * step) * static_cast<float>(low[r]) + bias[r];
   activate(activation, y, count);
 }
+
+// To the nearest of 16 bits, ties to the even one. Below 2^-14, adding 0.5 leaves a half's last bit the last of the
+// sum; above, the exponent is moved and the bits that fall off decide.
+void to_halves(const float* __restrict numbers, std::uint16_t* __restrict halves, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    std::int32_t bits, small;
+    __builtin_memcpy(&bits, numbers + i, sizeof bits);
+    const std::int32_t size = bits & 0x7fffffff;
+    float shifted;
+    __builtin_memcpy(&shifted, &size, sizeof size);
+    shifted += 0.5f;
+    __builtin_memcpy(&small, &shifted, sizeof small);
+    const std::int32_t ordinary = (size - 0x38000000 + 0xfff + (size >> 13 & 1)) >> 13;
+    const std::int32_t beyond = size > 0x7f800000 ? 0x7e00 : 0x7c00;
+    const std::int32_t large = size < 0x47800000 ? ordinary : beyond;
+    const std::int32_t half = size < 0x38800000 ? small - 0x3f000000 : large;
+    halves[i] = static_cast<std::uint16_t>(half | (bits >> 16 & 0x8000));
+  }
+}
+
+// Makes vectors one long; null where they have no finite length.
+void normalise(float* __restrict x, float* __restrict y, float* __restrict z, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+    const bool sound = square > 0 && square <= 0x1.fffffep127f;
+    const float scale = 1 / __builtin_sqrtf(square);
+    x[i] = sound ? x[i] * scale : 0;
+    y[i] = sound ? y[i] * scale : 0;
+    z[i] = sound ? z[i] * scale : 0;
+  }
+}
