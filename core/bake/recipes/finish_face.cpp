@@ -10,6 +10,7 @@
 #include "bake/measure/verify.h"
 #include "bake/probe/curve_base.h"
 #include "bake/quantize/fit_target.h"
+#include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
 
 namespace fb {
@@ -46,6 +47,16 @@ std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
   return sizes;
 }
 
+// Bytes that a frame of the clip reads on average.
+double mean_touched(const PackedModel& packed, const Clip& clip) {
+  const ByteCount count(packed);
+  const std::size_t width = packed.schema.control_count();
+  double sum = 0;
+  for (std::size_t frame = 0; frame < clip.frames; ++frame)
+    sum += static_cast<double>(count.touched(std::span(clip.controls).subspan(frame * width, width)));
+  return sum / static_cast<double>(clip.frames);
+}
+
 }  // namespace
 
 PoseSet without_shots(const PoseSet& poses) {
@@ -73,9 +84,9 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
       return learnt;
     };
     if (touched_bytes <= 0) return made(1);
-    const PoseSet typical = measured(without_shots(poses), options.seed);
+    const Clip shots = make_held_out(model.schema, options.seed + 1).back();
     const auto fits = [&](const Learnt& learnt) {
-      return fb::touched_bytes(pack_model(learnt.model, learnt.packing), typical).p95 <= touched_bytes;
+      return mean_touched(pack_model(learnt.model, learnt.packing), shots) <= touched_bytes;
     };
     // Doubled until it fits, then halved towards the finest that does.
     Learnt best = made(1);

@@ -18,8 +18,8 @@ PoseSet without_shots(const PoseSet& poses);
 
 // Localizes a model (see localize_basis) as precisely as the options ask by max_bytes and max_error, measured as packed
 // on some poses kept back by validation_split (on all kinds, if that keeps none). If they ask nothing, as `localize`
-// and `packing` say, made coarser together until 95 % of those poses, shots apart, read no more than `touched_bytes`
-// (0: any number).
+// and `packing` say, made coarser together until frames of synthetic shots (see make_held_out; not those of tests) read
+// no more than `touched_bytes` on average (0: any number).
 Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                    const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
                    const BakeOptions& options, Progress& progress, double touched_bytes = 0);
