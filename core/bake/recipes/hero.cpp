@@ -6,9 +6,9 @@ namespace fb {
 FaceRecipe hero_recipe() {
   FaceRecipe recipe;
   recipe.basis.max_error = 8e-4;
-  recipe.term_bytes = 1'200'000;
-  recipe.parameters = 1'000'000;
-  recipe.operations = 3e13;
+  recipe.term_bytes = 1'000'000;
+  recipe.parameters = 1'400'000;
+  recipe.operations = 3.5e13;
   recipe.precision = 0.02;
   recipe.touched_bytes = 4e6;
   return recipe;
@@ -24,7 +24,7 @@ FaceRecipe compact_recipe() {
   recipe.operations = 1.5e13;
   recipe.precision = 0.05;
   recipe.finest = 6e-6;
-  recipe.touched_bytes = 1.3e6;
+  recipe.touched_bytes = 1.25e6;
   return recipe;
 }
 
