@@ -18,7 +18,7 @@ namespace {
 
 struct BakeVerb {
   std::vector<std::string> sources;
-  std::string out, use = "backlot", work, report;
+  std::string out, use = "backlot", work, report, licence;
   BakeOptions options;
   bool json = false;
 
@@ -74,6 +74,7 @@ void BakeVerb::write_page(const Baked& baked, Source& source, Progress& progress
 void BakeVerb::run() {
   options.use = use_from(use);
   options.work = work;
+  options.licence = licence_text(licence);
   const auto source = open_sources(sources);
   if (!report.empty()) claim_report_folder(report);  // better to learn now that it cannot be
   Baked baked;
@@ -118,6 +119,9 @@ void add_bake(CLI::App& tool) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
+  add_licence(*app, verb->licence);
+  app->add_option("--created", verb->options.created, "A date to put into the archive; without it there is none")
+      ->type_name("DATE");
   app->add_option("--work", verb->work,
                   "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                   "removed once the archive is whole")

@@ -2,7 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/status.h"
 #include "json_text.h"
+#include "table.h"
 
 namespace fb {
 namespace {
@@ -31,11 +33,39 @@ Json network_graph(const PackedModel& model) {
           {"regions", std::move(regions)}};
 }
 
-// An object of bounded depth whatever the archive holds: files come from anyone, and printing JSON recurses.
-Json provenance_of(const Archive& archive) {
+// An object of bounded depth whatever the archive holds, else null: files come from anyone, and printing JSON recurses.
+Json object_in(const std::string& text) {
   const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(archive.model.provenance, shallow, false);
-  return json.is_object() ? json : Json::object();
+  Json json = Json::parse(text, shallow, false);
+  return json.is_object() ? json : Json();
+}
+
+Json provenance_of(const Archive& archive) {
+  const Json json = object_in(archive.model.provenance);
+  return json.is_null() ? Json::object() : json;
+}
+
+// A line of the table of errors, where `json` has the figures of one.
+void add_errors(Table& table, const std::string& what, const Json& json) {
+  if (!json.is_object()) return;
+  std::vector<std::string> row = {what};
+  const auto frames = json.find("frames");
+  row.push_back(frames != json.end() && frames->is_number_unsigned() ? std::to_string(frames->get<std::uint64_t>())
+                                                                     : "");
+  for (const char* key : {"mse", "rms", "mean", "p99", "max", "mfm"}) {
+    const auto figure = json.find(key);
+    row.push_back(figure != json.end() && figure->is_number() ? format("%.3g", figure->get<double>()) : "");
+  }
+  table.add(std::move(row));
+}
+
+// Lines named after `key` of each object of a list.
+void add_list(Table& table, const char* what, const Json& json, const char* list, const char* key) {
+  const auto found = json.find(list);
+  if (found == json.end() || !found->is_array()) return;
+  for (const Json& one : *found)
+    if (one.is_object() && one.contains(key) && one[key].is_string())
+      add_errors(table, what + one[key].get<std::string>(), one);
 }
 
 }  // namespace
@@ -66,10 +96,12 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
       {"recipe", recipe.empty() ? Json() : Json(recipe)},
       {"bytes", std::move(bytes)},
       {"runtime_bytes", runtime_bytes},
-      {"certificate", Json()},
+      {"certificate", object_in(archive.text.certificate)},
       {"network", network_graph(model)},
       {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
       {"control_list", std::move(controls)},
+      {"licence", archive.text.licence},
+      {"proof", {{"poses", archive.proof.hashes.size()}, {"vertices", archive.proof.vertices.size()}}},
       {"notes", archive.notes},
       {"provenance", provenance_of(archive)}};
   return json_text(json);
@@ -87,6 +119,37 @@ std::string name_of(Activation activation) {
       return "silu";
   }
   return "";
+}
+
+std::string certificate_text(const Archive& archive) {
+  const Json json = object_in(archive.text.certificate);
+  if (json.is_null()) return "";
+  Table table({"errors over the diagonal", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
+  add_errors(table, "trained on", json.value("dependency", Json()));
+  const Json unseen = json.value("independent", Json());
+  add_errors(table, "unseen", unseen);
+  if (unseen.is_object()) {
+    add_list(table, "  kind ", unseen, "kinds", "kind");
+    add_list(table, "  clip ", unseen, "clips", "name");
+    add_list(table, "  region ", unseen, "regions", "name");
+  }
+  for (const char* key : {"quantisation", "repacked"}) add_errors(table, key, json.value(key, Json()));
+  std::string text = table.text();
+  const Json normals = unseen.is_object() ? unseen.value("normals", Json()) : Json();
+  if (normals.is_object() && normals.contains("rms_degrees") && normals["rms_degrees"].is_number())
+    text += format("normals, unseen: %.3g degrees (root mean square)\n", normals["rms_degrees"].get<double>());
+  return text;
+}
+
+std::string provenance_text(const Archive& archive) {
+  const Json provenance = provenance_of(archive);
+  std::string text;
+  for (const auto& [key, value] : provenance.items())
+    text += format(
+        "%s: %s\n", key.c_str(),
+        (value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace))
+            .c_str());
+  return text;
 }
 
 std::string recipe_of(const Archive& archive) {

@@ -12,6 +12,10 @@ namespace fb {
 std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes);
 
+// The certificate as tables, the provenance line by line; "" where there is none.
+std::string certificate_text(const Archive& archive);
+std::string provenance_text(const Archive& archive);
+
 // What the archive says about how it was made: the provenance's "recipe", "" if it has none.
 std::string recipe_of(const Archive& archive);
 

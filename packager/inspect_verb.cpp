@@ -56,11 +56,18 @@ std::string inspect_text(const std::string& path, const Archive& archive, std::u
   add("format version", format("%u.%u", archive.format_version / 1000, archive.format_version % 1000));
   add("bytes", std::to_string(total_bytes));
   for (const SectionInfo& section : archive.sections)
-    table.add({"  " + section.name, std::to_string(section.stored_bytes)});
+    table.add({"  " + section.name, section.raw_bytes == section.stored_bytes
+                                        ? std::to_string(section.stored_bytes)
+                                        : format("%llu of %llu", static_cast<unsigned long long>(section.stored_bytes),
+                                                 static_cast<unsigned long long>(section.raw_bytes))});
   add("bytes in memory", std::to_string(runtime_bytes));
   std::string text = path + "\n" + table.text();
   for (const PackedRegion& region : model.regions)
     text += format("network \"%s\": %s\n", region.name.c_str(), widths(region).c_str());
+  text += certificate_text(archive) + provenance_text(archive);
+  if (!archive.proof.hashes.empty())
+    text += format("proof: %zu poses (facebaker verify)\n", archive.proof.hashes.size());
+  if (!archive.text.licence.empty()) text += "licence:\n" + archive.text.licence + "\n";
   for (const std::string& note : archive.notes) text += "note: " + note + "\n";
   return text;
 }

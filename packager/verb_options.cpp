@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/file.h"
+
 namespace fb {
 
 std::string whole_number(const std::string& word) {
@@ -59,6 +61,17 @@ void add_sources(CLI::App& verb, std::vector<std::string>& sources) {
 
 void add_archive(CLI::App& verb, std::string& archive) {
   verb.add_option("FACE", archive, "The archive (.fbk)")->required();
+}
+
+void add_licence(CLI::App& verb, std::string& file) {
+  verb.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
+      ->type_name("FILE");
+}
+
+std::string licence_text(const std::string& file) {
+  if (file.empty()) return {};
+  const auto bytes = read_file(file, 1u << 20);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 void add_learning_curve(CLI::App& verb, bool& learning_curve) {

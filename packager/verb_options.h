@@ -24,6 +24,9 @@ void add_poses(CLI::App& verb, std::uint64_t& poses, std::uint64_t& rig_budget);
 void add_mix(CLI::App& verb, std::string& mix);
 void add_sources(CLI::App& verb, std::vector<std::string>& sources);
 void add_archive(CLI::App& verb, std::string& archive);
+// --licence: a text file that goes into the archive.
+void add_licence(CLI::App& verb, std::string& file);
+std::string licence_text(const std::string& file);  // "" of no file
 void add_learning_curve(CLI::App& verb, bool& learning_curve);
 void add_json_flag(CLI::App& verb, bool& json);
 // `also` continues the sentence of the help: what is written besides.

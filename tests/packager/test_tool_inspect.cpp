@@ -59,6 +59,55 @@ TEST_CASE("inspect for people names the face, and lists controls when asked") {
   CHECK(full.out.find("nose_wrinkle") != std::string::npos);
 }
 
+TEST_CASE("inspect shows certificate and licence, and survives nonsense in their place") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  const char* certificate = R"({"dependency":{"frames":7,"mse":1e-8,"max":0.25},"independent":{"frames":5,"mse":2e-8,
+    "kinds":[{"kind":"shot","mse":3e-8}],"clips":[{"name":"story","mse":4e-8}],"normals":{"rms_degrees":1.5}}})";
+  fb::write_file(archive, fb::write_archive(fb::tiny_packed_model(), {}, {"All rights reserved.", certificate}));
+  const ToolRun run = run_tool({"inspect", archive});
+  for (const char* part :
+       {"trained on", "1e-08", "kind shot", "clip story", "1.5 degrees", "All rights reserved.", "recipe: tiny"})
+    CHECK_MESSAGE(run.out.find(part) != std::string::npos, part);
+  const Json json = Json::parse(run_tool({"inspect", archive, "--json"}).out);
+  CHECK(json.at("certificate").at("dependency").at("max") == 0.25);
+  CHECK(json.at("licence") == "All rights reserved.");
+  for (const char* nonsense :
+       {"[1]", "{\"dependency\":3}", "{\"independent\":{\"clips\":{},\"kinds\":[3],\"normals\":[]}}", "\xff"}) {
+    fb::write_file(archive, fb::write_archive(fb::tiny_packed_model(), {}, {"", nonsense}));
+    CHECK(run_tool({"inspect", archive}).exit_code == 0);
+    CHECK(run_tool({"inspect", archive, "--json"}).exit_code == 0);
+  }
+}
+
+TEST_CASE("pack migrates archives of version 0.2, keeps what poses do, and rounds where asked") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "old.fbk", fresh = folder / "fresh.fbk", again = folder / "again.fbk";
+  std::filesystem::copy_file(FB_GOLDEN "/0.2/tri.fbk", archive);
+  CHECK(run_tool({"inspect", archive}).exit_code == 1);
+  const ToolRun run = run_tool({"pack", archive, "--out", fresh});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out.find("format version 0.2") != std::string::npos);
+  CHECK(run_tool({"verify", fresh}).out.find("11 poses of 3 vertices") != std::string::npos);
+  CHECK(run_tool({"pack", fresh, "--out", again}).exit_code == 0);
+  CHECK(fb::read_file(fresh) == fb::read_file(again));
+
+  write_tiny_archive(archive);
+  CHECK(run_tool({"pack", archive, "--out", fresh}).exit_code == 0);
+  const auto bytes = std::filesystem::file_size(fresh);
+  const std::string fewer = std::to_string(bytes - 300);
+  CHECK(run_tool({"pack", fresh, "--out", again, "--max-bytes", fewer}).exit_code == 0);
+  CHECK(std::filesystem::file_size(again) <= bytes - 300);
+  CHECK(run_tool({"verify", again}).exit_code == 0);
+  const Json json = Json::parse(run_tool({"inspect", again, "--json"}).out);
+  CHECK(json.at("certificate").at("repacked").at("max") > 1e-6);
+  CHECK(run_tool({"pack", fresh, "--out", again, "--max-error", "0.02"}).exit_code == 0);
+  CHECK(std::filesystem::file_size(again) < bytes);
+  const ToolRun vain = run_tool({"pack", fresh, "--out", again, "--max-bytes", "10"});
+  CHECK(vain.exit_code == 0);
+  CHECK(vain.out.find("cannot be had") != std::string::npos);
+}
+
 TEST_CASE("tables stay straight whatever letters names are written in") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";

@@ -99,7 +99,10 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
     basis.emplace(model.rest, model.schema, face_parts(model, all.thinned(poses_to_part_by).controls()));
   const QualityBasis* by = basis ? &*basis : nullptr;
 
-  EvalReport report{source.schema().units, source.rest().diagonal(), {}, {}, {}, {}};
+  EvalReport report;
+  report.units = source.schema().units;
+  report.diagonal = source.rest().diagonal();
+  std::vector<std::pair<ClipKind, ErrorSums>> kinds;
   Sums total{{}, by ? std::optional<QualitySums>(*by) : std::nullopt};
   std::uint64_t done = 0;
   progress.begin("measuring", all.size());
@@ -110,7 +113,11 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
     report.clips.push_back({clip.name, clip.kind, clip.split, sums.errors.figures(report.diagonal),
                             sums.quality ? sums.quality->frames() : std::vector<FrameErrors>()});
     total.append(sums);
+    auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == clip.kind; });
+    if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {clip.kind, {}});
+    kind->second.append(sums.errors);
   }
+  for (const auto& [kind, sums] : kinds) report.kinds.push_back({kind, sums.figures(report.diagonal)});
   report.total = total.errors.figures(report.diagonal);
   if (total.quality) report.quality = total.quality->figures();
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });

@@ -25,13 +25,20 @@ struct ClipErrors {
   std::vector<FrameErrors> frames;  // with Detail::quality
 };
 
+// Over all clips of a kind.
+struct KindErrors {
+  ClipKind kind;
+  Errors errors;
+};
+
 struct EvalReport {
   std::string units;
   double diagonal = 0;
   std::vector<ClipErrors> clips;
-  Errors total;                    // over the frames of all clips
-  TouchedBytes touched;            // by poses of those clips that are shots, or of all if none is
-  std::optional<Quality> quality;  // of the same, with Detail::quality
+  std::vector<KindErrors> kinds = {};  // of those clips, in the order of their first ones
+  Errors total;                        // over the frames of all clips
+  TouchedBytes touched;                // by poses of those clips that are shots, or of all if none is
+  std::optional<Quality> quality;      // of the same, with Detail::quality
 };
 
 // Quality takes normals and differences along edges in every frame besides.

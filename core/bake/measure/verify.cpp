@@ -90,6 +90,19 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
   return report;
 }
 
+double worst_difference(const PackedModel& one, const PackedModel& other, std::span<const float> controls) {
+  std::vector<float> kept;
+  pose_by_pose(one, controls,
+               [&](std::size_t, std::span<const float> p) { kept.insert(kept.end(), p.begin(), p.end()); });
+  double worst = 0;
+  const float* a = kept.data();
+  pose_by_pose(other, controls, [&](std::size_t, std::span<const float> p) {
+    for (std::size_t i = 0; i < p.size(); i += 3, a += 3)
+      worst = std::max(worst, std::hypot(double(p[i]) - a[0], double(p[i + 1]) - a[1], double(p[i + 2]) - a[2]));
+  });
+  return worst / one.rest.diagonal();
+}
+
 double worst_difference(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                         const Parallel& parallel) {
   const FloatFace exact(model);

@@ -29,4 +29,7 @@ VerifyReport verify_archive(std::span<const std::byte> archive);
 double worst_difference(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                         const Parallel& parallel);
 
+// The same of two packed faces with the same controls and vertices. Keeps all positions of one of them meanwhile.
+double worst_difference(const PackedModel& one, const PackedModel& other, std::span<const float> controls);
+
 }  // namespace fb

@@ -1,11 +1,16 @@
 #include "bake/recipes/bake.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "archive/reader.h"
 #include "archive/writer.h"
+#include "bake/measure/certificate.h"
+#include "bake/measure/evaluate.h"
 #include "bake/measure/verify.h"
 #include "bake/recipes/finish_face.h"
 #include "bake/recipes/pose_worth.h"
@@ -105,21 +110,51 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
   PackedModel packed = pack_model(model, packing);
   progress.step(1);
   baked.quantisation = worst_difference(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
-  packed.provenance = nlohmann::ordered_json{{"creator", "FaceBaker " FB_VERSION},
-                                             {"recipe", options.recipe},
-                                             {"use", name_of(options.use)},
-                                             {"seed", options.seed},
-                                             {"source", data.schema().name},
-                                             {"training_poses", baked.poses},
-                                             {"coefficients", baked.coefficients},
-                                             {"parameters", baked.parameters},
-                                             {"quantisation_over_diagonal", baked.quantisation}}
-                          .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  baked.archive = write_archive(packed, make_proof(packed, options.seed));
+  const std::uint64_t hash = training_hash(poses);
+  nlohmann::ordered_json provenance = {{"creator", "FaceBaker " FB_VERSION},
+                                       {"recipe", options.recipe},
+                                       {"use", name_of(options.use)},
+                                       {"seed", options.seed},
+                                       {"source", data.schema().name},
+                                       {"training_poses", baked.poses},
+                                       {"training_hash", format("%016llx", static_cast<unsigned long long>(hash))},
+                                       {"epochs", options.epochs},
+                                       {"max_bytes", options.max_bytes},
+                                       {"max_error", options.max_error},
+                                       {"coefficients", baked.coefficients},
+                                       {"parameters", baked.parameters},
+                                       {"quantisation_over_diagonal", baked.quantisation}};
+  if (!options.created.empty()) provenance["created"] = options.created;
+  packed.provenance = provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  baked.archive = write_archive(packed, make_proof(packed, options.seed), {options.licence, {}});
   verify_archive(baked.archive);
   progress.step(2);
   return baked;
 }
+
+namespace {
+
+// Measures the packed face and writes its archive anew, with what was found. `source` is what `data` was recorded from.
+void certify(Baked& baked, Source& data, RigMeter& source, const BakeOptions& options, Progress& progress) {
+  constexpr std::size_t most_poses = 4000;
+  const Errors dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).thinned(most_poses),
+                                                options.parallel, progress);
+  const PoseSet unseen = held_back_poses(source);
+  const bool spared = source.live() && options.rig_budget > 0 && source.calls() + unseen.size() > options.rig_budget;
+  std::optional<EvalReport> independent;
+  Split split = Split::test;
+  if (unseen.size() > 0 && !spared) {
+    const auto& clips = source.clips();
+    if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
+      split = Split::validation;
+    independent = evaluate_archive(baked.archive, source, split, options.parallel, progress, Detail::quality);
+  }
+  Archive archive = read_archive(baked.archive);
+  archive.text.certificate = certificate(dependency, independent, split, baked.quantisation);
+  baked.archive = write_archive(archive.model, archive.proof, archive.text);
+}
+
+}  // namespace
 
 Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   recipe_for(options);
@@ -134,6 +169,7 @@ Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   baked.diary.coverage = coverage_of(poses, asked, options.parallel);
   if (options.learning_curve)
     baked.diary.learning = learn_by_parts(poses, asked, baked.archive, rig, options, progress);
+  certify(baked, data, meter, options, progress);
   baked.rig_calls = meter.calls();
   return baked;
 }

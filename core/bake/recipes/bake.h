@@ -34,6 +34,8 @@ struct BakeOptions {
   // Targets of recipes that choose how precisely to keep what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
   double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
+  // Texts that go into the archive as they are; empty: none. `created` is a date in the provenance.
+  std::string licence, created;
   // Bakes again on parts of the poses to see what more of them would bring (BakeDiary::learning), which takes about as
   // long as the bake itself.
   bool learning_curve = false;
@@ -57,7 +59,8 @@ struct Baked {
   BakeDiary diary;
 };
 
-// Samples (a live rig), trains, packs and verifies. Uses only clips of the split train.
+// Samples (a live rig), trains, packs and verifies. Uses only clips of the split train; those of the split test, or of
+// validation where there is none of them, are measured on for the certificate, where the rig's budget allows it.
 Baked bake(Source& source, const BakeOptions& options, Progress& progress);
 
 // bake, then writes the archive, which appears complete or not at all; that it can be written is tried first. Without a

@@ -1,0 +1,85 @@
+#include "bake/measure/certificate.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "base/hash.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Six digits say more than any figure deserves.
+double rounded(double value) {
+  return std::strtod(format("%.6g", value).c_str(), nullptr);
+}
+
+void add(Json& json, const Errors& errors) {
+  json["frames"] = errors.frames;
+  json["mse"] = rounded(errors.mse);
+  json["rms"] = rounded(errors.rms);
+  json["mean"] = rounded(errors.mean);
+  json["p99"] = rounded(errors.p99);
+  json["max"] = rounded(errors.max);
+  json["mfm"] = rounded(errors.mfm);
+}
+
+Json on_unseen(const EvalReport& report, Split split) {
+  Json json = {{"split", name_of(split)}};
+  add(json, report.total);
+  for (const ClipErrors& clip : report.clips) {
+    Json figures = {{"name", clip.name}, {"kind", name_of(clip.kind)}};
+    add(figures, clip.errors);
+    json["clips"].push_back(std::move(figures));
+  }
+  for (const KindErrors& kind : report.kinds) {
+    Json figures = {{"kind", name_of(kind.kind)}};
+    add(figures, kind.errors);
+    json["kinds"].push_back(std::move(figures));
+  }
+  if (!report.quality) return json;
+  for (const PartErrors& part : report.quality->regions)
+    json["regions"].push_back(
+        {{"name", part.name}, {"vertices", part.count}, {"mse", rounded(part.mse)}, {"max", rounded(part.max)}});
+  json["normals"] = {{"rms_degrees", rounded(report.quality->normal_rms)},
+                     {"p99_degrees", rounded(report.quality->normal_p99)}};
+  return json;
+}
+
+std::uint64_t hash_little(std::span<const float> values, std::uint64_t seed) {
+  if constexpr (std::endian::native == std::endian::little) return hash64_of<float>(values, seed);
+  std::vector<std::byte> bytes;
+  for (const float value : values)
+    for (int b = 0; b < 4; ++b) bytes.push_back(static_cast<std::byte>(std::bit_cast<std::uint32_t>(value) >> 8 * b));
+  return hash64(bytes, seed);
+}
+
+}  // namespace
+
+std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
+                        double quantisation) {
+  Json json;
+  add(json["dependency"], dependency);
+  json["independent"] = independent ? on_unseen(*independent, split) : Json();
+  json["quantisation"] = {{"max", rounded(quantisation)}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::uint64_t training_hash(const PoseSet& poses) {
+  constexpr std::size_t at_once = 64;
+  const std::size_t width = poses.source().rest().points.size();
+  std::vector<float> points(at_once * width);
+  std::uint64_t hash = 0;
+  for (std::size_t first = 0; first < poses.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, poses.size() - first);
+    poses.read_points(first, count, std::span(points).first(count * width));
+    for (std::size_t i = 0; i < count; ++i) hash = hash_little(std::span(points).subspan(i * width, width), hash);
+  }
+  return hash_little(poses.controls(), hash);
+}
+
+}  // namespace fb
