@@ -71,6 +71,10 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
     }
     kill(child, setting.signal);
   }
+  if (setting.kill_after_ms >= 0) {
+    usleep(static_cast<useconds_t>(setting.kill_after_ms) * 1000);
+    kill(child, SIGKILL);  // the child is still ours: nobody has waited for it
+  }
   int status = 0;
   waitpid(child, &status, 0);
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};

@@ -28,6 +28,7 @@ struct ToolSetting {
   std::string environment = {};            // one variable more, "NAME=VALUE"
   std::string interrupt_when_exists = {};  // Ctrl-C once this path is there
   int signal = SIGINT;                     // in place of Ctrl-C
+  int kill_after_ms = -1;                  // SIGKILL after so many milliseconds; negative: never
 };
 
 // Runs a program with these arguments and waits for it.
