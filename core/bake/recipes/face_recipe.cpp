@@ -150,8 +150,7 @@ Networks train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs&
   for (std::size_t r = 0; r < count; ++r) {
     const FaceRegion& region = parts.regions[r];
     networks.regions.push_back({region.name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
-    double loss = trained[r].loss;
-    if (!split.validation.empty() && !trained[r].epochs.empty()) loss = trained[r].epochs.back().validation;
+    const double loss = split.validation.empty() ? trained[r].loss : trained[r].validation;
     squares += loss * demands[r].energy;
     networks.diary.push_back({region.name, region.vertices.size(), inputs.of_region[r].size(), demands[r].outputs,
                               network_parameters(demands[r], recipe.hidden_layers, widths[r]), region.energy, loss,

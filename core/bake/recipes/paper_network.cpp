@@ -43,7 +43,7 @@ RegionDiary diary_of(const std::string& name, std::size_t vertices, const Traini
   diary.epochs = trained.epochs;
   diary.restarts = trained.restarts;
   for (const float target : set.targets) diary.energy += double(target) * target;
-  if (!set.validation.empty() && !trained.epochs.empty()) diary.validation = trained.epochs.back().validation;
+  diary.validation = trained.validation;
   return diary;
 }
 

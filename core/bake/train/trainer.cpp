@@ -278,7 +278,8 @@ class Training {
   TrainedLayers result() {
     std::vector<float> parameters = best_.empty() ? adam_.parameters : best_;
     scale_last_layer(parameters, false);
-    return {layers_of(shape_, parameters), loss_, epochs_, restarts_};
+    return {layers_of(shape_, parameters), loss_, std::isfinite(best_validation_) ? best_validation_ : 0, epochs_,
+            restarts_};
   }
 
   const TrainingSet& set_;

@@ -64,7 +64,8 @@ struct EpochLoss {
 
 struct TrainedLayers {
   std::vector<DenseLayer> layers;
-  double loss = 0;  // mean over the last epoch of squared coefficient error over squared coefficients
+  double loss = 0;        // mean over the last epoch of squared coefficient error over squared coefficients
+  double validation = 0;  // the same of these layers over validation poses; 0 without any
   std::vector<EpochLoss> epochs = {};  // since this call began
   std::uint32_t restarts = 0;          // after the loss stopped being a number; each at half the rate
 };
