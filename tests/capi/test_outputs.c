@@ -1,47 +1,11 @@
 /* What a batch can be asked for besides positions in the source's order, and the basis. */
-#include "capi_test.h"
+#define POSES 7
+#define WORKERS 2
+#include "batch_fixture.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define CONTROLS 5
-#define VERTICES 30
-#define FLOATS 90
-#define POSES 7
-
-static fb_model* model;
-static fb_scratch* scratch;
-static float controls[POSES * CONTROLS];
-static float expected[POSES * FLOATS]; /* pose by pose through fb_evaluate */
-
-static int open_model(void** state) {
-  (void)state;
-  model = load_tiny();
-  if (fb_scratch_create(model, 2, &scratch) != FB_OK) return -1;
-  for (int i = 0; i < POSES * CONTROLS; ++i) controls[i] = (float)(i * 37 % 101) / 80 - 0.125f;
-  for (int p = 0; p < POSES; ++p)
-    if (fb_evaluate(model, scratch, controls + p * CONTROLS, expected + p * FLOATS) != FB_OK) return -1;
-  return 0;
-}
-
-static int close_model(void** state) {
-  (void)state;
-  fb_scratch_destroy(scratch);
-  fb_release(model);
-  return 0;
-}
-
-static fb_batch_desc describe(void* positions, uint64_t numbers) {
-  fb_batch_desc desc;
-  fb_batch_desc_init(&desc);
-  desc.poses = POSES;
-  desc.controls = controls;
-  desc.control_floats = POSES * CONTROLS;
-  desc.positions = positions;
-  desc.position_floats = numbers;
-  return desc;
-}
 
 static void baked_order_is_the_sources_order_permuted(void** state) {
   (void)state;
