@@ -14,4 +14,7 @@ std::uint64_t hash64_of(std::span<const T> values, std::uint64_t seed = 0) {
   return hash64(std::as_bytes(values), seed);
 }
 
+// Of floats as little-endian bytes, whatever the machine.
+std::uint64_t hash64_little(std::span<const float> values, std::uint64_t seed = 0);
+
 }  // namespace fb

@@ -1,7 +1,6 @@
 #include "bake/measure/certificate.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -50,14 +49,6 @@ Json on_unseen(const EvalReport& report, Split split) {
   return json;
 }
 
-std::uint64_t hash_little(std::span<const float> values, std::uint64_t seed) {
-  if constexpr (std::endian::native == std::endian::little) return hash64_of<float>(values, seed);
-  std::vector<std::byte> bytes;
-  for (const float value : values)
-    for (int b = 0; b < 4; ++b) bytes.push_back(static_cast<std::byte>(std::bit_cast<std::uint32_t>(value) >> 8 * b));
-  return hash64(bytes, seed);
-}
-
 }  // namespace
 
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
@@ -77,9 +68,9 @@ std::uint64_t training_hash(const PoseSet& poses) {
   for (std::size_t first = 0; first < poses.size(); first += at_once) {
     const std::size_t count = std::min(at_once, poses.size() - first);
     poses.read_points(first, count, std::span(points).first(count * width));
-    for (std::size_t i = 0; i < count; ++i) hash = hash_little(std::span(points).subspan(i * width, width), hash);
+    for (std::size_t i = 0; i < count; ++i) hash = hash64_little(std::span(points).subspan(i * width, width), hash);
   }
-  return hash_little(poses.controls(), hash);
+  return hash64_little(poses.controls(), hash);
 }
 
 }  // namespace fb

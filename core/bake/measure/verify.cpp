@@ -1,7 +1,6 @@
 #include "bake/measure/verify.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "archive/reader.h"
@@ -29,17 +28,6 @@ void pose_by_pose(const PackedModel& model, std::span<const float> controls, Wit
   }
 }
 
-// Of little-endian bytes, whatever the machine.
-std::uint64_t hash_of(std::span<const float> positions) {
-  std::vector<std::uint32_t> words;
-  for (const float p : positions) {
-    const auto w = std::bit_cast<std::uint32_t>(p);
-    words.push_back(
-        std::endian::native == std::endian::little ? w : w >> 24 | (w >> 8 & 0xff00) | (w << 8 & 0xff0000) | w << 24);
-  }
-  return hash64_of<std::uint32_t>(words);
-}
-
 }  // namespace
 
 Proof make_proof(const PackedModel& model, std::uint64_t seed) {
@@ -59,7 +47,7 @@ Proof make_proof(const PackedModel& model, std::uint64_t seed) {
   const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
   pose_by_pose(model, proof.controls, [&](std::size_t, std::span<const float> positions) {
-    proof.hashes.push_back(hash_of(positions));
+    proof.hashes.push_back(hash64_little(positions));
     for (const std::uint32_t v : proof.vertices)
       proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
   });
@@ -80,7 +68,7 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
                "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
                pose, vertex, "xyz"[axis], now, *kept);
       }
-    const std::uint64_t hash = hash_of(positions);
+    const std::uint64_t hash = hash64_little(positions);
     if (hash != proof.hashes[pose])
       fail(Status::corrupt,
            "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and had "
