@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "bake/probe/probe.h"
+#include "bake/recipes/paper_network.h"
 #include "bake/recipes/recipe.h"
 #include "bake/regions/local_basis.h"
 #include "bake/regions/residual.h"
@@ -16,16 +17,6 @@ namespace {
 
 constexpr std::uint32_t width = 128, steps = 4000;
 constexpr std::size_t most_components = 64;
-
-// poses x controls in units of each control's reach, 0 at rest: what a network is given.
-std::vector<float> inputs_of(const RigSchema& schema, std::span<const float> controls) {
-  std::vector<float> inputs(controls.begin(), controls.end());
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const Control& control = schema.controls[i % schema.control_count()];
-    inputs[i] = (inputs[i] - control.rest) / control.reach();
-  }
-  return inputs;
-}
 
 TrainingSet set_of(std::size_t poses, std::size_t controls, std::size_t outputs, std::span<const float> inputs,
                    std::span<const float> targets) {
@@ -60,7 +51,7 @@ Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& p
     if (outputs == 0 || nothing)
       return [](std::span<const float>, std::size_t count) { return std::vector<float>(count); };
 
-    const std::vector<float> inputs = inputs_of(schema, poses.controls());
+    const std::vector<float> inputs = identity_values(poses.controls(), schema);
     std::array<std::vector<DenseLayer>, 2> networks;
     for (std::size_t n = 0; n < networks.size(); ++n) {
       TrainingPlan plan;
@@ -79,7 +70,7 @@ Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& p
     const double size = static_cast<double>(recorded.rest().vertex_count());
     const double unit = 1 / (recorded.rest().diagonal() * recorded.rest().diagonal() * size);
     return [=](std::span<const float> controls, std::size_t count) {
-      const std::vector<float> asked = inputs_of(schema, controls);
+      const std::vector<float> asked = identity_values({controls.begin(), controls.end()}, schema);
       const std::vector<float> unknown(count * outputs);
       const TrainingSet set = set_of(count, schema.control_count(), outputs, asked, unknown);
       const std::vector<float> one = run_layers(networks[0], set, parallel),
