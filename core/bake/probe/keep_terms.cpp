@@ -4,29 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "bake/probe/feature_use.h"
+
 namespace fb {
 namespace {
-
-// How much and how often a feature is on.
-struct Use {
-  double square = 0, active = 0;
-};
-
-std::vector<Use> uses_of(const std::vector<Feature>& features, const RigSchema& schema,
-                         std::span<const float> controls) {
-  const std::vector<float> rest = schema.rest_pose();
-  const std::size_t poses = controls.size() / rest.size();
-  std::vector<Use> uses(features.size());
-  std::vector<float> values(features.size());
-  for (std::size_t pose = 0; pose < poses; ++pose) {
-    evaluate_features(features, controls.subspan(pose * rest.size(), rest.size()), rest, values);
-    for (std::size_t f = 0; f < values.size(); ++f) {
-      uses[f].square += double(values[f]) * values[f] / static_cast<double>(poses);
-      uses[f].active += (values[f] != 0) / static_cast<double>(poses);
-    }
-  }
-  return uses;
-}
 
 double squares(const float* offset) {
   return double(offset[0]) * offset[0] + double(offset[1]) * offset[1] + double(offset[2]) * offset[2];
@@ -37,7 +18,7 @@ double squares(const float* offset) {
 std::size_t keep_terms(Probe& probe, const RigSchema& schema, std::span<const float> controls, double diagonal,
                        double bytes) {
   CurveBase& base = probe.base;
-  const std::vector<Use> uses = uses_of(base.features, schema, controls);
+  const std::vector<FeatureUse> uses = feature_uses(base.features, schema, controls);
   std::vector<std::size_t> shape_of(base.features.size(), base.shapes.size());
   for (std::size_t s = 0; s < base.shapes.size(); ++s) shape_of[base.shapes[s].feature] = s;
 

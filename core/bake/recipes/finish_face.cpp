@@ -8,7 +8,7 @@
 #include "bake/measure/evaluate.h"
 #include "bake/measure/touched_bytes.h"
 #include "bake/measure/verify.h"
-#include "bake/probe/curve_base.h"
+#include "bake/probe/feature_use.h"
 #include "bake/quantize/fit_target.h"
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
@@ -30,20 +30,10 @@ constexpr double coarsest = 64;  // times what was asked for
 // Root mean square of each direct coefficient over those poses where it is not 0: what a column is worth for each time
 // that it is read. 1 where none of the poses tells.
 std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
-  const std::vector<Feature>& features = model.network.features;
-  const std::vector<float> rest = model.schema.rest_pose(), controls = poses.controls();
-  std::vector<float> values(features.size()), sizes;
-  std::vector<double> squares(features.size());
-  std::vector<std::size_t> active(features.size());
-  for (std::size_t pose = 0; pose < poses.size(); ++pose) {
-    evaluate_features(features, std::span(controls).subspan(pose * rest.size(), rest.size()), rest, values);
-    for (std::size_t f = 0; f < values.size(); ++f) {
-      squares[f] += double(values[f]) * values[f];
-      active[f] += values[f] != 0;
-    }
-  }
+  const std::vector<FeatureUse> uses = feature_uses(model.network.features, model.schema, poses.controls());
+  std::vector<float> sizes;
   for (const std::uint32_t f : model.network.direct)
-    sizes.push_back(active[f] > 0 ? static_cast<float>(std::sqrt(squares[f] / static_cast<double>(active[f]))) : 1);
+    sizes.push_back(uses[f].active > 0 ? static_cast<float>(std::sqrt(uses[f].square / uses[f].active)) : 1);
   return sizes;
 }
 
