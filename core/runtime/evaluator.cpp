@@ -6,6 +6,7 @@
 
 #include "base/checked.h"
 #include "base/status.h"
+#include "model/feature_values.h"
 #include "runtime/float_state.h"
 #include "runtime/grouped.h"
 
@@ -38,14 +39,16 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       summands_(evaluator.first_summand_.back(), evaluator.chunks_.size(), memory),
       watches_(evaluator.nets_.size(), &memory),
       open_(evaluator.nets_.size(), &memory),
-      coefficients_(evaluator.coefficient_count(), &memory),
-      layers_(evaluator.work_size_, &memory),
-      rows_(evaluator.rest_rows_.begin(), evaluator.rest_rows_.end(), &memory),
-      moved_(evaluator.chunks_.size(), &memory),
+      coefficients_(evaluator.coefficient_count() * block_poses, &memory),
+      layers_(evaluator.work_size_ * block_poses, &memory),
+      rows_((evaluator.rest_rows_.size() + 1) * block_poses, &memory),  // whole vectors are read
+      moved_(evaluator.chunks_.size() * block_poses, &memory),
       halves_(evaluator.rest_rows_.size(), &memory),
-      quantized_(evaluator.longest_list_, memory),
+      quantized_(evaluator.longest_list_, block_poses, memory),
       normals_(evaluator.normals_, memory) {
-  rows_.push_back(0);  // whole vectors are read
+  for (std::size_t p = 0; p < block_poses; ++p)
+    std::copy(evaluator.rest_rows_.begin(), evaluator.rest_rows_.end(),
+              rows_.begin() + p * (evaluator.rest_rows_.size() + 1));
 }
 
 Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes,
@@ -150,108 +153,158 @@ void Evaluator::refuse_nan(const float* controls) const {
     fail(Status::not_finite, "control \"%s\" is not a number", schema_.controls[control].name.c_str());
 }
 
-void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
+template <std::size_t poses>
+void Evaluator::gather_inputs(Workspace& workspace) const {
   Workspace::Lists& inputs = workspace.inputs_;
   std::fill(inputs.counts.begin(), inputs.counts.end(), 0u);
-  std::fill(workspace.watches_.begin(), workspace.watches_.end(), Workspace::Watch{0, 0});
+  std::fill(workspace.watches_.begin(), workspace.watches_.end(), Workspace::Watch{});
   for (const std::uint32_t feature : workspace.features_.active()) {
-    const float value = workspace.features_[feature];
+    const float* value = workspace.features_[feature];
     for (std::uint32_t u = inputs_begin_[feature]; u < inputs_begin_[feature + 1]; ++u) {
       const auto [region, place] = inputs_[u];
       const std::uint32_t at = first_input_[region] + inputs.counts[region]++;
-      inputs.values[at] = value;
       inputs.places[at] = place;
+      Workspace::Watch& watch = workspace.watches_[region];
+      for (std::size_t p = 0; p < poses; ++p) {
+        inputs.values[p * inputs.stride + at] = value[p];
+        watch.moved[p] |= value[p] != 0;
+      }
     }
     for (std::uint32_t u = gates_begin_[feature]; u < gates_begin_[feature + 1]; ++u) {
       Workspace::Watch& watch = workspace.watches_[gates_[u]];
-      const float size = std::fabs(value);
-      watch.sum += size;
-      watch.most = size > watch.most ? size : watch.most;
+      for (std::size_t p = 0; p < poses; ++p) {
+        const float size = std::fabs(value[p]);
+        watch.sum[p] += size;
+        watch.most[p] = size > watch.most[p] ? size : watch.most[p];
+      }
     }
-  }
-  for (std::size_t r = 0; r < nets_.size(); ++r) {
-    float opening = inputs.counts[r] > 0 && (regions.empty() || regions[r] != 0) ? 1 : 0;
-    if (slopes_[r] != 0 && opening != 0) {
-      const float open = slopes_[r] * (workspace.watches_[r].sum - workspace.watches_[r].most);
-      opening = open > 0 ? (open < 1 ? open : 1) : 0;
-    }
-    workspace.open_[r] = opening != 0;
-    if (opening == 0) continue;
-    float* coefficients = workspace.coefficients_.data() + first_coefficient_[r];
-    nets_[r].run(kernels_,
-                 {inputs.values.data() + first_input_[r], inputs.places.data() + first_input_[r], inputs.counts[r]},
-                 workspace.layers_.data(), workspace.quantized_, coefficients);
-    for (std::size_t i = 0; i < nets_[r].output_count(); ++i) coefficients[i] *= opening;
   }
 }
 
+template <std::size_t poses>
+void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
+  gather_inputs<poses>(workspace);
+  for (std::size_t r = 0; r < nets_.size(); ++r) {
+    const Workspace::Watch& watch = workspace.watches_[r];
+    float opening[poses];
+    bool open = false;
+    for (std::size_t p = 0; p < poses; ++p) {
+      opening[p] = watch.moved[p] && (regions.empty() || regions[r] != 0) ? 1 : 0;
+      if (slopes_[r] != 0 && opening[p] != 0) {
+        const float gate = slopes_[r] * (watch.sum[p] - watch.most[p]);
+        opening[p] = gate > 0 ? (gate < 1 ? gate : 1) : 0;
+      }
+      open |= opening[p] != 0;
+    }
+    workspace.open_[r] = open;
+    if (!open) continue;
+    float* coefficients = workspace.coefficients_.data() + first_coefficient_[r];
+    nets_[r].run(kernels_, workspace.inputs_.list(first_input_[r], workspace.inputs_.counts[r]), poses,
+                 workspace.layers_.data(), workspace.quantized_, coefficients, coefficient_count_);
+    for (std::size_t p = 0; p < poses; ++p, coefficients += coefficient_count_)
+      for (std::size_t i = 0; i < nets_[r].output_count(); ++i)
+        coefficients[i] = zero_unless(opening[p] != 0, coefficients[i] * opening[p]);
+  }
+}
+
+template <std::size_t poses>
 void Evaluator::gather_summands(Workspace& workspace) const {
   // Counts are ends of lists until all are full.
   std::uint32_t* ends = workspace.summands_.counts.data();
   std::copy_n(first_summand_.begin(), chunks_.size(), ends);
   float* values = workspace.summands_.values.data();
+  const std::size_t stride = workspace.summands_.stride;
   std::uint32_t* places = workspace.summands_.places.data();
   const std::uint32_t* begin = summands_begin_.data();
   for (const std::uint32_t feature : workspace.features_.active()) {
-    const float value = workspace.features_[feature];
+    float value[poses];
+    std::copy_n(workspace.features_[feature], poses, value);
     const SummandUse* const end = summands_.data() + begin[feature + 1];
     for (const SummandUse* use = summands_.data() + begin[feature]; use < end; ++use) {
       const std::uint32_t at = ends[use->chunk]++;
-      values[at] = value * use->scale;
       places[at] = use->place;
+      for (std::size_t p = 0; p < poses; ++p) values[p * stride + at] = value[p] * use->scale;
     }
   }
   for (std::size_t c = 0; c < chunks_.size(); ++c) ends[c] -= first_summand_[c];
 }
 
-void Evaluator::run_chunks(Workspace& workspace, float* rows) const {
-  const bool kept = rows == workspace.rows_.data();
+void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& workspace) const {
+  const bool kept = rows[0] == workspace.rows_.data();
+  Workspace::Lists& lists = workspace.summands_;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
-    if (c + 1 < chunks_.size())
-      chunks_[c + 1].fetch(workspace.summands_.places.data() + first_summand_[c + 1],
-                           workspace.summands_.counts[c + 1]);
-    float* values = workspace.summands_.values.data() + first_summand_[c];
-    std::uint32_t* places = workspace.summands_.places.data() + first_summand_[c];
-    std::size_t count = workspace.summands_.counts[c];
+    if (c + 1 < chunks_.size()) chunks_[c + 1].fetch(lists.places.data() + first_summand_[c + 1], lists.counts[c + 1]);
+    PoseNumbers list = lists.list(first_summand_[c], lists.counts[c]);
+    std::uint32_t* places = lists.places.data() + first_summand_[c];
     for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
       const auto [region, begin, end] = chunk_regions_[u];
       if (!workspace.open_[region]) continue;
-      chunk.weigh({begin, end}, workspace.coefficients_.data(), values + count);
-      for (std::uint32_t s = begin; s < end; ++s) places[count++] = s;
+      for (std::size_t p = 0; p < poses; ++p)
+        chunk.weigh({begin, end}, workspace.coefficients_.data() + p * coefficient_count_,
+                    list.values + p * list.stride + list.count);
+      for (std::uint32_t s = begin; s < end; ++s) places[list.count++] = s;
     }
     const float* rest = rest_rows_.data() + chunk.first_row();
-    const bool moved =
-        count > 0 && chunk.run(kernels_, values, places, count, workspace.quantized_, rest, rows + chunk.first_row());
-    if (!moved && !(kept && !workspace.moved_[c])) std::copy_n(rest, chunk.row_count(), rows + chunk.first_row());
-    if (kept) workspace.moved_[c] = moved;
+    float* to[block_poses];
+    bool moved[block_poses] = {};
+    for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();
+    if (list.count > 0) chunk.run(kernels_, list, poses, workspace.quantized_, rest, to, moved);
+    for (std::size_t p = 0; p < poses; ++p) {
+      std::uint8_t& was_moved = workspace.moved_[p * chunks_.size() + c];
+      if (!moved[p] && !(kept && !was_moved)) std::copy_n(rest, chunk.row_count(), to[p]);
+      if (kept) was_moved = moved[p];
+    }
+  }
+}
+
+template <std::size_t poses>
+void Evaluator::run_features_on(const PoseOutput* outputs, RegionMask regions, Workspace& workspace) const {
+  run_regions<poses>(regions, workspace);
+  gather_summands<poses>(workspace);
+  const VertexOutput& first = outputs[0].positions;  // the others are alike
+  const bool in_place = first.first && first.vertex_stride == 3 && !first.streamed &&
+                        first.format == NumberFormat::float32 && !outputs[0].normals.first &&
+                        (place_of_.empty() || first.order == VertexOrder::baked);
+  float* rows[poses];
+  for (std::size_t p = 0; p < poses; ++p)
+    rows[p] = in_place ? static_cast<float*>(outputs[p].positions.first)
+                       : workspace.rows_.data() + p * (rest_rows_.size() + 1);
+  run_chunks(poses, rows, workspace);
+  for (std::size_t p = 0; p < poses && !in_place; ++p) {
+    if (outputs[p].positions.first)
+      write_vertices(kernels_, rows[p], vertex_count(), place_of_, workspace.halves_.data(), outputs[p].positions);
+    if (!outputs[p].normals.first) continue;
+    normals_.run(kernels_, rows[p], {workspace.moved_.data() + p * chunks_.size(), chunks_.size()}, workspace.normals_);
+    write_vertices(kernels_, workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(),
+                   outputs[p].normals);
   }
 }
 
 [[gnu::noinline]] void Evaluator::run_pose(const float* controls, const PoseOutput& output, RegionMask regions,
                                            Workspace& workspace) const {
-  workspace.clamped_ += graph_.run(controls, workspace.features_);
-  run_regions(regions, workspace);
-  gather_summands(workspace);
-  const VertexOutput& positions = output.positions;
-  const bool in_place = positions.first && positions.vertex_stride == 3 && !positions.streamed &&
-                        positions.format == NumberFormat::float32 && !output.normals.first &&
-                        (place_of_.empty() || positions.order == VertexOrder::baked);
-  if (in_place) return run_chunks(workspace, static_cast<float*>(positions.first));
-  run_chunks(workspace, workspace.rows_.data());
-  if (positions.first)
-    write_vertices(kernels_, workspace.rows_.data(), vertex_count(), place_of_, workspace.halves_.data(), positions);
-  if (!output.normals.first) return;
-  normals_.run(kernels_, workspace.rows_.data(), workspace.moved_, workspace.normals_);
-  write_vertices(kernels_, workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(),
-                 output.normals);
+  workspace.clamped_ += graph_.run(controls, 0, 1, workspace.features_);
+  run_features_on<1>(&output, regions, workspace);
+}
+
+[[gnu::noinline]] void Evaluator::run_block(const float* controls, std::size_t stride,
+                                            const PoseOutput (&outputs)[block_poses], RegionMask regions,
+                                            Workspace& workspace) const {
+  const std::uint64_t clamped = graph_.run(controls, stride, block_poses, workspace.features_);
+  // Together, poses take all features that any of them needs, each at about a third of the time.
+  if (workspace.features_.active().size() * block_poses > 3 * workspace.features_.moved_values()) {
+    for (std::size_t p = 0; p < block_poses; ++p) run_pose(controls + p * stride, outputs[p], regions, workspace);
+    return;
+  }
+  workspace.clamped_ += clamped;
+  run_features_on<block_poses>(outputs, regions, workspace);
 }
 
 [[gnu::noinline]] void Evaluator::run_coefficients(const float* controls, RegionMask regions, float* coefficients,
                                                    Workspace& workspace) const {
-  workspace.clamped_ += graph_.run(controls, workspace.features_);
-  run_regions(regions, workspace);
-  for (std::size_t d = 0; d < direct_.size(); ++d) coefficients[d] = workspace.features_[direct_[d]];
+  workspace.clamped_ += graph_.run(controls, 0, 1, workspace.features_);
+  run_regions<1>(regions, workspace);
+  for (std::size_t d = 0; d < direct_.size(); ++d) coefficients[d] = *workspace.features_[direct_[d]];
   for (std::size_t r = 0; r < nets_.size(); ++r)
     for (std::uint32_t c = first_coefficient_[r]; c < first_coefficient_[r + 1]; ++c)
       coefficients[c] = workspace.open_[r] ? workspace.coefficients_[c] : 0;

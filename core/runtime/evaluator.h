@@ -24,7 +24,8 @@ namespace fb {
 
 class Evaluator;
 
-// Working memory of one worker, from `memory`. Fits the evaluator it was made for, which it does not refer to.
+// Working memory of one worker, from `memory`: for a block of block_poses poses at once. Fits the evaluator it was made
+// for, which it does not refer to.
 class Workspace {
  public:
   explicit Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
@@ -34,22 +35,28 @@ class Workspace {
 
  private:
   friend class Evaluator;
-  // Numbers and the places they belong to, for each of several lists.
+  // Numbers of each pose and the places they belong to, for each of several lists.
   struct Lists {
     Lists(std::size_t total, std::size_t lists, std::pmr::memory_resource& memory)
-        : values(total, &memory), places(total, &memory), counts(lists, &memory) {}
+        : stride(total), values(total * block_poses, &memory), places(total, &memory), counts(lists, &memory) {}
+    PoseNumbers list(std::size_t first, std::size_t count) {
+      return {values.data() + first, stride, count, places.data() + first};
+    }
+    std::size_t stride;
     std::pmr::vector<float> values;
     std::pmr::vector<std::uint32_t> places, counts;
   };
-  struct Watch {  // what a gate looks at
-    float sum, most;
+  struct Watch {  // what a gate looks at, in each pose
+    float sum[block_poses], most[block_poses];
+    bool moved[block_poses];  // whether any input of the region is not 0
   };
   FeatureState features_;
   Lists inputs_, summands_;  // of regions, of chunks
   std::pmr::vector<Watch> watches_;
-  std::pmr::vector<std::uint8_t> open_;  // by region: whether it gives anything but 0
+  std::pmr::vector<std::uint8_t> open_;  // by region: whether it gives anything but 0 in any pose
+  // Pose after pose. Rows are those at rest but for chunks that moved_ says are not.
   std::pmr::vector<float> coefficients_, layers_, rows_;
-  std::pmr::vector<std::uint8_t> moved_;  // by chunk: whether rows_ are not those at rest
+  std::pmr::vector<std::uint8_t> moved_;
   std::pmr::vector<std::uint16_t> halves_;
   Quantized quantized_;
   VertexNormals::State normals_;
@@ -135,11 +142,19 @@ class Evaluator {
   };
 
   void lay_out_uses(const PackedModel& model);
-  // The arithmetic, under a FloatState the caller holds.
+  // The arithmetic, under a FloatState the caller holds, of one pose or of block_poses of them at once.
+  template <std::size_t poses>
+  void gather_inputs(Workspace& workspace) const;
+  template <std::size_t poses>
   void run_regions(RegionMask regions, Workspace& workspace) const;
+  template <std::size_t poses>
   void gather_summands(Workspace& workspace) const;
-  void run_chunks(Workspace& workspace, float* rows) const;
+  void run_chunks(std::size_t poses, float* const* rows, Workspace& workspace) const;
+  template <std::size_t poses>
+  void run_features_on(const PoseOutput* outputs, RegionMask regions, Workspace& workspace) const;
   void run_pose(const float* controls, const PoseOutput& output, RegionMask regions, Workspace& workspace) const;
+  void run_block(const float* controls, std::size_t stride, const PoseOutput (&outputs)[block_poses],
+                 RegionMask regions, Workspace& workspace) const;
   void run_coefficients(const float* controls, RegionMask regions, float* coefficients, Workspace& workspace) const;
 
   void check_batch(const Batch& batch) const;

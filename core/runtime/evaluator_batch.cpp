@@ -80,17 +80,31 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   Parallel within = parallel;
   within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
   for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
-  parallel_for(within, batch.poses, [&](std::size_t pose, std::size_t worker) {
-    if (pose >= batch.poses || worker >= workspaces.size())
-      fail(Status::invalid_argument, "the host's parallel_for gave pose %zu of %zu to worker %zu of %zu", pose,
-           batch.poses, worker, workspaces.size());
+  const std::size_t vertices = vertex_count(), workers = worker_count(within);
+  const auto output_at = [&](std::size_t pose) {
+    return PoseOutput{output_of(batch, batch.positions, pose, vertices),
+                      output_of(batch, batch.normals, pose, vertices)};
+  };
+  // Whole blocks first, if there are enough for all workers; then the poses that are left.
+  const std::size_t blocks = batch.poses / block_poses >= workers ? batch.poses / block_poses : 0;
+  const std::size_t tasks = blocks + batch.poses - blocks * block_poses;
+  parallel_for(within, tasks, [&](std::size_t task, std::size_t worker) {
+    if (task >= tasks || worker >= workspaces.size())
+      fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu", task, tasks,
+           worker, workspaces.size());
     const FloatState state;
     Workspace& workspace = workspaces[worker];
-    run_pose(batch.controls.data() + pose * control_stride,
-             {output_of(batch, batch.positions, pose, vertex_count()),
-              output_of(batch, batch.normals, pose, vertex_count())},
-             batch.regions, workspace);
-    ++workspace.poses_;
+    const std::size_t pose = task < blocks ? task * block_poses : task + blocks * (block_poses - 1);
+    const float* controls = batch.controls.data() + pose * control_stride;
+    if (task >= blocks) {
+      run_pose(controls, output_at(pose), batch.regions, workspace);
+      ++workspace.poses_;
+      return;
+    }
+    PoseOutput outputs[block_poses];
+    for (std::size_t p = 0; p < block_poses; ++p) outputs[p] = output_at(pose + p);
+    run_block(controls, control_stride, outputs, batch.regions, workspace);
+    workspace.poses_ += block_poses;
   });
   std::size_t done = 0;
   for (const Workspace& workspace : workspaces) done += workspace.poses_;

@@ -9,10 +9,10 @@
 namespace fb {
 
 FeatureState::FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory)
-    : values_(graph.feature_count(), &memory),
+    : values_(graph.feature_count() * block_poses, &memory),
       active_(graph.feature_count() + 1, &memory),
       moved_controls_(graph.control_count() + 1, &memory),
-      moved_values_(graph.control_count() + 1, &memory) {}
+      moved_values_((graph.control_count() + 1) * block_poses, &memory) {}
 
 FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory)
     : feature_count_(model.features.size()),
@@ -55,10 +55,10 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
   by_level.move_to(restless_, restless_begin_);
 }
 
-std::uint64_t FeatureGraph::run(const float* controls, FeatureState& state) const {
+template <std::size_t poses>
+std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride, FeatureState& state) const {
   float* values = state.values_.data();
   std::uint32_t* active = state.active_.data();
-  for (std::size_t i = 0; i < state.count_; ++i) values[active[i]] = 0;
 
   std::uint64_t clamped = 0;
   std::size_t moved = 0;
@@ -66,30 +66,48 @@ std::uint64_t FeatureGraph::run(const float* controls, FeatureState& state) cons
   float* moved_values = state.moved_values_.data();
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const Range& range = ranges_[i];
-    const float low = controls[i] < range.minimum ? range.minimum : controls[i];
-    const float within = low > range.maximum ? range.maximum : low;
-    clamped += within != controls[i];
     moved_controls[moved] = static_cast<std::uint32_t>(i);
-    moved_values[moved] = within;
-    moved += within != range.rest;
+    bool any = false;
+    for (std::size_t p = 0; p < poses; ++p) {
+      const float control = controls[p * stride + i];
+      const float low = control < range.minimum ? range.minimum : control;
+      const float within = low > range.maximum ? range.maximum : low;
+      clamped += within != control;
+      moved_values[moved * poses + p] = within;
+      any |= within != range.rest;
+    }
+    moved += any;
   }
 
   // Listed whether 0 or not, and then not counted: that is a coin toss no branch predictor wins.
   std::size_t count = 0;
-  const auto set = [&](std::uint32_t feature, float value) {
-    values[feature] = value;
+  std::uint32_t moved_count = 0;
+  const auto set = [&](std::uint32_t feature, auto&& value) {
+    float* to = values + feature * poses;
     active[count] = feature;
-    count += value != 0;
+    std::uint32_t many = 0;
+    for (std::size_t p = 0; p < poses; ++p) {
+      const float v = value(p);
+      to[p] = v;
+      many += v != 0;
+    }
+    moved_count += many;
+    count += many != 0;
   };
   const ControlFeature* of_controls = of_controls_.data();
   for (std::size_t m = 0; m < moved; ++m) {
     const std::uint32_t control = moved_controls[m];
+    const float rest = ranges_[control].rest;
     for (std::uint32_t f = control_begin_[control]; f < control_begin_[control + 1]; ++f)
-      set(of_controls[f].index, control_feature(of_controls[f].feature, moved_values[m], ranges_[control].rest));
+      set(of_controls[f].index, [&, feature = of_controls[f].feature](std::size_t p) {
+        return control_feature(feature, moved_values[m * poses + p], rest);
+      });
   }
   // Level after level: what is listed under the features of one level is of the next.
   const auto combine = [&](const Combined& c) {
-    set(c.index, combined_feature(c.kind, values[c.first], values[c.second]));
+    set(c.index, [&, first = values + c.first * poses, second = values + c.second * poses](std::size_t p) {
+      return combined_feature(c.kind, first[p], second[p]);
+    });
   };
   const Combined* combined = combined_.data();
   const std::uint32_t* begin = combined_begin_.data();
@@ -101,7 +119,16 @@ std::uint64_t FeatureGraph::run(const float* controls, FeatureState& state) cons
     for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c]);
   }
   state.count_ = count;
+  state.moved_count_ = moved_count;
   return clamped;
+}
+
+std::uint64_t FeatureGraph::run(const float* controls, std::size_t stride, std::size_t poses,
+                                FeatureState& state) const {
+  for (std::size_t i = 0; i < state.count_; ++i)
+    std::fill_n(state.values_.data() + std::size_t(state.active_[i]) * state.poses_, state.poses_, 0.0f);
+  state.poses_ = poses;
+  return poses == 1 ? run_poses<1>(controls, stride, state) : run_poses<block_poses>(controls, stride, state);
 }
 
 }  // namespace fb

@@ -8,24 +8,29 @@
 #include <vector>
 
 #include "model/packed_model.h"
+#include "runtime/kernels/panel_kernels.h"
 
 namespace fb {
 
 class FeatureGraph;
 
-// The features of one pose. Values of those not listed are 0.
+// The features of one pose, or of the poses of a block. Values of those not listed are 0.
 class FeatureState {
  public:
   FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory);
+  // Those that are not 0 in every pose.
   std::span<const std::uint32_t> active() const { return {active_.data(), count_}; }
-  float operator[](std::size_t feature) const { return values_[feature]; }
+  // A feature's values, pose after pose.
+  const float* operator[](std::size_t feature) const { return values_.data() + feature * poses_; }
+  // How many values are not 0, of all poses.
+  std::size_t moved_values() const { return moved_count_; }
 
  private:
   friend class FeatureGraph;
   std::pmr::vector<float> values_;
   std::pmr::vector<std::uint32_t> active_, moved_controls_;
   std::pmr::vector<float> moved_values_;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, moved_count_ = 0, poses_ = 1;
 };
 
 // The features of a model, arranged so that controls at rest, and what is made of them, are not looked at.
@@ -37,10 +42,13 @@ class FeatureGraph {
   std::size_t feature_count() const { return feature_count_; }
 
   // FORMAT.md, "Clamp" and "Features": leaves in `state` the features that are not 0, those of controls first and in
-  // the order of controls. Returns how many controls were beyond their range.
-  std::uint64_t run(const float* controls, FeatureState& state) const;
+  // the order of controls. Pose p's controls are at controls + p * stride; `poses` is 1 or block_poses. Returns how
+  // many controls were beyond their range.
+  std::uint64_t run(const float* controls, std::size_t stride, std::size_t poses, FeatureState& state) const;
 
  private:
+  template <std::size_t poses>
+  std::uint64_t run_poses(const float* controls, std::size_t stride, FeatureState& state) const;
   struct Range {
     float minimum, maximum, rest;
   };

@@ -14,12 +14,10 @@
 
 namespace fb {
 
-// A matrix of digits, -128 to 127, in panels of at most 64 rows. A panel's digits lie column after column, rows side by
-// side, so that a loop over rows is a loop over lanes and a column whose input is 0 is never read.
+// A matrix of digits, -128 to 127, in panels of at most panel_rows rows. A panel's digits lie column after column, rows
+// side by side, so that a loop over rows is a loop over lanes and a column whose input is 0 is never read.
 class PanelMatrix {
  public:
-  static constexpr std::uint32_t panel_rows = 64;
-
   // write_column(column, digits) writes the digits of a column, one a row.
   template <class WriteColumn>
   PanelMatrix(std::uint32_t rows, std::size_t columns, WriteColumn&& write_column, std::pmr::memory_resource& memory)
@@ -50,18 +48,17 @@ class PanelMatrix {
   std::int32_t limit() const { return limit_; }
 
   // How many rows the panel has that begins at row `first`, a multiple of panel_rows.
-  std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows, rows_ - first); }
+  std::uint32_t rows_at(std::uint32_t first) const { return std::min(std::uint32_t(panel_rows), rows_ - first); }
 
-  // The sums of that panel.
-  void sum(const PoseKernels& kernels, std::uint32_t first, const ActiveColumns& active,
-           std::int32_t (&sums)[panel_rows]) const {
+  // The sums of that panel: panel_rows numbers a pose.
+  void sum(const PoseKernels& kernels, std::uint32_t first, const ActiveColumns& active, std::int32_t* sums) const {
     kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);
   }
 
   void fetch(std::uint32_t first, std::size_t column) const { __builtin_prefetch(digits(first, column)); }
 
   int digit(std::uint32_t row, std::size_t column) const {
-    const std::uint32_t first = row / panel_rows * panel_rows;
+    const auto first = static_cast<std::uint32_t>(row / panel_rows * panel_rows);
     return digits(first, column)[row - first] - 128;
   }
 

@@ -10,26 +10,38 @@
 
 namespace fb {
 
-// Up to `longest` numbers, ready to be multiplied with the columns of a matrix.
+// Numbers of one pose, or of each of a block. Pose p's lie at values + p * stride, with room up to the next multiple of
+// padding.
+struct PoseNumbers {
+  float* values;
+  std::size_t stride, count;
+  const std::uint32_t* places;  // the column number i belongs to; null: column i
+};
+
+// Up to `longest` numbers of each of up to `poses` poses, ready to be multiplied with the columns of a matrix.
 class Quantized {
  public:
-  Quantized(std::size_t longest, std::pmr::memory_resource& memory)
-      : wholes_(longest + padding, &memory), places_(longest + padding, &memory), inputs_(longest + padding, &memory) {}
+  Quantized(std::size_t longest, std::size_t poses, std::pmr::memory_resource& memory);
 
-  // FORMAT.md, "Whole numbers", of x[i] at column places[i], or at column i where places is null; columns not named are
-  // 0. `limit` is the largest input. x has room up to the next multiple of padding, which is filled with zeros.
-  void quantize(const PoseKernels& kernels, float* x, const std::uint32_t* places, std::size_t count, float limit);
+  // FORMAT.md, "Whole numbers", of x, whose room is filled with zeros; columns not named are 0. `limit` is the largest
+  // input. `poses`: 1 or block_poses. Returns whether any input is not 0.
+  bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses);
 
-  // An input times step() is about the number it stands for; 0 if all numbers are.
-  float step() const { return step_; }
-  const ActiveColumns& columns() const { return columns_; }
+  // An input times step() is about the number it stands for; 0 if all numbers of the pose are.
+  float step(std::size_t pose) const { return steps_[pose]; }
+  ActiveColumns columns() const { return {listed_, inputs_.data(), count_, poses_, starts_}; }
 
  private:
+  void list_one(const PoseNumbers& x);
+  void list_all(const PoseNumbers& x);
+
   std::pmr::vector<std::int32_t> wholes_;
-  std::pmr::vector<std::uint32_t> places_;
+  std::pmr::vector<std::uint32_t> places_, in_order_;  // in_order_: 0, 1, 2, ...
   std::pmr::vector<std::int16_t> inputs_;
-  ActiveColumns columns_ = {};
-  float step_ = 0;
+  const std::uint32_t* listed_ = nullptr;
+  std::size_t count_ = 0, poses_ = 1;
+  std::uint32_t starts_[block_poses] = {};
+  float steps_[block_poses] = {};
 };
 
 }  // namespace fb

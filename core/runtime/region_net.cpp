@@ -34,16 +34,20 @@ RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& mem
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 
-void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, const float* input, float* output) const {
-  for (std::uint32_t first = 0; first < outputs; first += PanelMatrix::panel_rows) {
-    std::int32_t low_sums[PanelMatrix::panel_rows], high_sums[PanelMatrix::panel_rows];
+void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride,
+                           const float* input, float* output) const {
+  for (std::uint32_t first = 0; first < outputs; first += panel_rows) {
+    std::int32_t low_sums[block_poses * panel_rows], high_sums[block_poses * panel_rows];
     low.sum(kernels, first, x.columns(), low_sums);
     if (high) high->sum(kernels, first, x.columns(), high_sums);
-    kernels.finish_layer(low_sums, high ? high_sums : nullptr, scales.data() + first, x.step(), bias.data() + first,
-                         activation, output + first, low.rows_at(first));
+    for (std::size_t pose = 0; pose < poses; ++pose)
+      kernels.finish_layer(low_sums + panel_rows * pose, high ? high_sums + panel_rows * pose : nullptr,
+                           scales.data() + first, x.step(pose), bias.data() + first, activation,
+                           output + pose * stride + first, low.rows_at(first));
   }
-  if (skip)
-    for (std::uint32_t o = 0; o < outputs; ++o) output[o] += input[o];
+  if (!skip) return;
+  for (std::size_t pose = 0; pose < poses; ++pose)
+    for (std::uint32_t o = 0; o < outputs; ++o) output[pose * stride + o] += input[pose * stride + o];
 }
 
 RegionNet::RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory)
@@ -58,27 +62,34 @@ std::size_t RegionNet::widest() const {
   return widest;
 }
 
-[[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const NetInput& input, float* work,
-                                      Quantized& quantized, float* outputs) const {
-  float *before = work, *after = work + work_size() / 2;
-  quantized.quantize(kernels, input.values, input.places, input.count, layers_.front().limit);
-  if (layers_.front().skip) {
-    std::fill_n(before, input_count(), 0.0f);
-    for (std::size_t i = 0; i < input.count; ++i) before[input.places[i]] = input.values[i];
-  }
+[[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses,
+                                      float* work, Quantized& quantized, float* outputs,
+                                      std::size_t output_stride) const {
+  const std::size_t stride = work_size();
+  float *before = work, *after = work + stride / 2;
+  quantized.quantize(kernels, input, layers_.front().limit, poses);
+  if (layers_.front().skip)
+    for (std::size_t pose = 0; pose < poses; ++pose) {
+      std::fill_n(before + pose * stride, input_count(), 0.0f);
+      for (std::size_t i = 0; i < input.count; ++i)
+        before[pose * stride + input.places[i]] = input.values[pose * input.stride + i];
+    }
   for (const Layer& layer : layers_) {
-    if (&layer != &layers_.front()) quantized.quantize(kernels, before, nullptr, layer.inputs, layer.limit);
-    layer.run(kernels, quantized, before, after);
+    if (&layer != &layers_.front())
+      quantized.quantize(kernels, {before, stride, layer.inputs, nullptr}, layer.limit, poses);
+    layer.run(kernels, quantized, poses, stride, before, after);
     std::swap(before, after);
   }
-  for (std::size_t o = 0; o < output_count(); ++o) outputs[o] = before[o] - at_rest_[o];
+  for (std::size_t pose = 0; pose < poses; ++pose)
+    for (std::size_t o = 0; o < output_count(); ++o)
+      outputs[pose * output_stride + o] = before[pose * stride + o] - at_rest_[o];
 }
 
 void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
   std::vector<float> work(work_size()), outputs(output_count());
-  Quantized quantized(widest(), *std::pmr::get_default_resource());
+  Quantized quantized(widest(), 1, *std::pmr::get_default_resource());
   std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
-  run(kernels, {nullptr, nullptr, 0}, work.data(), quantized, outputs.data());
+  run(kernels, {nullptr, 0, 0, nullptr}, 1, work.data(), quantized, outputs.data(), 0);
   std::copy(outputs.begin(), outputs.end(), at_rest_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);

@@ -14,13 +14,6 @@
 
 namespace fb {
 
-// What running a network needs. The input of the first layer is a list of numbers and their places; all others are 0.
-struct NetInput {
-  float* values;  // with room up to the next multiple of padding
-  const std::uint32_t* places;
-  std::size_t count;
-};
-
 class RegionNet {
  public:
   RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory);
@@ -30,11 +23,14 @@ class RegionNet {
   // Of any layer's input or output.
   std::size_t widest() const;
 
-  // How many floats run() works in.
+  // How many floats run() works in for each pose.
   std::size_t work_size() const { return 2 * (widest() + padding); }
 
-  // FORMAT.md, "Regions", without the gate: output_count() numbers. `work` are work_size() floats.
-  void run(const PoseKernels& kernels, const NetInput& input, float* work, Quantized& quantized, float* outputs) const;
+  // FORMAT.md, "Regions", without the gate: output_count() numbers for each pose, those of pose p at outputs + p *
+  // output_stride. The input of the first layer is a list of numbers and their places; all others are 0. `work` are
+  // poses * work_size() floats.
+  void run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses, float* work, Quantized& quantized,
+           float* outputs, std::size_t output_stride) const;
 
   // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.
   void find_rest(const PoseKernels& kernels, const char* name);
@@ -42,8 +38,9 @@ class RegionNet {
  private:
   struct Layer {
     Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
-    // Of quantised numbers; `input` are those numbers, for layers that skip.
-    void run(const PoseKernels& kernels, const Quantized& x, const float* input, float* output) const;
+    // Of quantised numbers; `input` are those numbers, for layers that skip. Poses lie `stride` apart.
+    void run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride, const float* input,
+             float* output) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;

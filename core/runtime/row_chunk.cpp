@@ -53,21 +53,22 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
 }
 
 void RowChunk::fetch(const std::uint32_t* places, std::size_t count) const {
-  for (std::uint32_t first = 0; first < row_count(); first += PanelMatrix::panel_rows)
+  for (std::uint32_t first = 0; first < row_count(); first += panel_rows)
     for (std::size_t i = 0; i < count; ++i) digits_.fetch(first, places[i]);
 }
 
-bool RowChunk::run(const PoseKernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
-                   Quantized& quantized, const float* rest, float* rows) const {
-  quantized.quantize(kernels, summands, places, count, static_cast<float>(digits_.limit()));
-  const float step = quantized.step();
-  if (step == 0) return false;
-  for (std::uint32_t first = 0; first < row_count(); first += PanelMatrix::panel_rows) {
-    std::int32_t sums[PanelMatrix::panel_rows];
+void RowChunk::run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
+                   const float* rest, float* const* rows, bool* moved) const {
+  if (!quantized.quantize(kernels, summands, static_cast<float>(digits_.limit()), poses)) return;
+  for (std::uint32_t first = 0; first < row_count(); first += panel_rows) {
+    std::int32_t sums[block_poses * panel_rows];
     digits_.sum(kernels, first, quantized.columns(), sums);
-    kernels.move_rows(sums, step, rest + first, rows + first, digits_.rows_at(first));
+    for (std::size_t pose = 0; pose < poses; ++pose)
+      if (quantized.step(pose) != 0)
+        kernels.move_rows(sums + panel_rows * pose, quantized.step(pose), rest + first, rows[pose] + first,
+                          digits_.rows_at(first));
   }
-  return true;
+  for (std::size_t pose = 0; pose < poses; ++pose) moved[pose] = quantized.step(pose) != 0;
 }
 
 void RowChunk::displacements(std::size_t place, float* moved) const {

@@ -41,10 +41,10 @@ class RowChunk {
   // Asks the processor for the digits of these summands ahead of time: which are next no prefetcher can guess.
   void fetch(const std::uint32_t* places, std::size_t count) const;
 
-  // Adds what `count` summands move, those at `places`, to the rest positions of the rows, where any of them counts.
-  // Returns whether it did; rows are left alone where not. Summands have room up to the next multiple of padding.
-  bool run(const PoseKernels& kernels, float* summands, const std::uint32_t* places, std::size_t count,
-           Quantized& quantized, const float* rest, float* rows) const;
+  // rows[pose] = rest + what the pose's summands, those at their places, move; and moved[pose] = true where any of them
+  // counts. Rows are left alone where not.
+  void run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
+           const float* rest, float* const* rows, bool* moved) const;
 
   // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.
   void displacements(std::size_t place, float* moved) const;

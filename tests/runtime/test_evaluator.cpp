@@ -222,13 +222,19 @@ TEST_CASE("values outside their range are clamped and counted; NaN is refused by
 TEST_CASE("a batch gives the bits of single poses, whatever the strides, the layout and the threads") {
   const PackedModel model = wide_model();
   const Evaluator evaluator(model);
-  const std::size_t poses = 13, controls = evaluator.control_count(), vertices = evaluator.vertex_count();
+  // Blocks of poses alike, of poses that move little in common, and poses left over; some of them at rest.
+  const std::size_t poses = 3 * block_poses + 5;
+  const std::size_t controls = evaluator.control_count(), vertices = evaluator.vertex_count();
   Random random(5);
   const std::size_t control_stride = controls + 3;
   std::vector<float> input(poses * control_stride, NAN);  // what lies between poses is not read
   std::vector<std::vector<float>> single;
   for (std::size_t p = 0; p < poses; ++p) {
-    const std::vector<float> pose = random_pose(model.schema, random);
+    std::vector<float> pose = random_pose(model.schema, random);
+    const std::size_t block = p / block_poses;
+    for (std::size_t c = 0; c < controls; ++c)
+      if (p % 5 == 4 || (block == 1 && c % 4 != 0) || (block == 2 && c % block_poses != p % block_poses))
+        pose[c] = model.schema.controls[c].rest;
     std::copy(pose.begin(), pose.end(), input.begin() + p * control_stride);
     single.push_back(evaluate(evaluator, pose));
   }

@@ -18,29 +18,33 @@ using namespace fb;
 namespace {
 
 struct Inputs {
-  std::vector<std::uint32_t> places;
-  std::vector<std::int16_t> numbers;
-  ActiveColumns columns() const {
-    std::uint32_t sum = 0;
-    for (const std::int16_t number : numbers) sum += static_cast<std::uint32_t>(number);
-    return {places.data(), numbers.data(), numbers.size(), 0 - 128 * sum};
+  std::size_t poses;
+  std::vector<std::uint32_t> places = {};
+  std::vector<std::int16_t> numbers = {};
+  std::vector<std::uint32_t> starts = {};
+  ActiveColumns columns() const { return {places.data(), numbers.data(), places.size(), poses, starts.data()}; }
+  std::int16_t at(std::size_t column, std::size_t pose) const {
+    return numbers[(column / 4 * poses + pose) * 4 + column % 4];
   }
 };
 
 // `count` of the columns, filled up to fours; kind 0: the largest inputs, 1: the smallest, 2: about 0, else any.
-Inputs some_inputs(Random& random, std::size_t count, std::uint32_t columns, int kind) {
-  Inputs inputs;
-  for (std::size_t i = 0; i < count; ++i) {
-    inputs.places.push_back(random.below(columns));
-    const int any = int(random.below(2 * largest_wide + 1)) - largest_wide;
-    inputs.numbers.push_back(static_cast<std::int16_t>(kind == 0   ? largest_wide
-                                                       : kind == 1 ? -largest_wide
-                                                       : kind == 2 ? int(random.below(513)) - 256
-                                                                   : any));
-  }
-  while (inputs.numbers.size() % 4 != 0) {
-    inputs.places.push_back(0);
-    inputs.numbers.push_back(0);
+Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, int kind) {
+  Inputs inputs{poses};
+  for (std::size_t i = 0; i < (count + 3) / 4 * 4; ++i) inputs.places.push_back(i < count ? random.below(columns) : 0);
+  inputs.numbers.resize(inputs.places.size() * poses);
+  for (std::size_t pose = 0; pose < poses; ++pose) {
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const int any = int(random.below(2 * largest_wide + 1)) - largest_wide;
+      const int number = kind == 0   ? largest_wide
+                         : kind == 1 ? -largest_wide
+                         : kind == 2 ? int(random.below(513)) - 256
+                                     : any;
+      inputs.numbers[(i / 4 * poses + pose) * 4 + i % 4] = static_cast<std::int16_t>(number);
+      sum += static_cast<std::uint32_t>(number);
+    }
+    inputs.starts.push_back(0 - 128 * sum);
   }
   return inputs;
 }
@@ -62,24 +66,31 @@ TEST_CASE("kernels give exact sums, for panels of all sizes and inputs of all ki
           },
           *std::pmr::get_default_resource());
       for (int kind = 0; kind < 4; ++kind)
-        for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u}) {
-          const Inputs inputs = some_inputs(random, count, columns, kind);
-          for (std::uint32_t first = 0; first < rows; first += PanelMatrix::panel_rows) {
-            std::array<std::int32_t, PanelMatrix::panel_rows> expected;
-            for (std::uint32_t r = 0; r < matrix.rows_at(first); ++r) {
-              std::int64_t sum = 0;
-              for (std::size_t k = 0; k < inputs.numbers.size(); ++k)
-                sum += std::int64_t(inputs.numbers[k]) * digits[(first + r) * columns + inputs.places[k]];
-              expected[r] = static_cast<std::int32_t>(sum);
-            }
-            for (const PoseKernels* kernels : runnable_kernels()) {
-              std::int32_t sums[PanelMatrix::panel_rows];
-              matrix.sum(*kernels, first, inputs.columns(), sums);
-              const bool same = std::memcmp(sums, expected.data(), matrix.rows_at(first) * sizeof(int)) == 0;
-              CHECK_MESSAGE(same, kernels->name << ": " << rows << " x " << columns << ", kind " << kind);
+        for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u})
+          for (const std::size_t poses : {std::size_t{1}, block_poses}) {
+            const Inputs inputs = some_inputs(random, poses, count, columns, kind);
+            for (std::uint32_t first = 0; first < rows; first += panel_rows) {
+              const std::uint32_t there = matrix.rows_at(first);
+              std::vector<std::int32_t> expected(poses * panel_rows);
+              for (std::size_t pose = 0; pose < poses; ++pose)
+                for (std::uint32_t r = 0; r < there; ++r) {
+                  std::int64_t sum = 0;
+                  for (std::size_t k = 0; k < inputs.places.size(); ++k)
+                    sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * columns + inputs.places[k]];
+                  expected[panel_rows * pose + r] = static_cast<std::int32_t>(sum);
+                }
+              for (const PoseKernels* kernels : runnable_kernels()) {
+                std::int32_t sums[block_poses * panel_rows];
+                matrix.sum(*kernels, first, inputs.columns(), sums);
+                bool same = true;
+                for (std::size_t pose = 0; pose < poses; ++pose)
+                  same = same && std::memcmp(sums + panel_rows * pose, expected.data() + panel_rows * pose,
+                                             there * sizeof(int)) == 0;
+                CHECK_MESSAGE(same, kernels->name << ": " << rows << " x " << columns << ", kind " << kind << ", "
+                                                  << poses << " poses");
+              }
             }
           }
-        }
     }
 }
 

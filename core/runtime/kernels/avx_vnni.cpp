@@ -7,22 +7,21 @@ namespace {
 
 #include "runtime/kernels/vector_passes.h"
 
-// 32 bytes, or 16 and zeros.
-template <bool whole>
-__m256i load(const std::uint8_t* bytes) {
-  if constexpr (whole) return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
-  return _mm256_zextsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes)));
+__m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
+  return _mm256_dpwssd_avx_epi32(sum, weights, input);
 }
 
-// 32 rows, or 16: four columns become fours of bytes, which one instruction multiplies and adds, with the low digits of
-// the four inputs and again with the high ones. Interleaving happens within halves of 128 bits, so that sums lie in a
-// wrong order until they are stored.
+#include "runtime/kernels/avx2_pairs.h"
+
+// 32 rows, or 16, of one pose: four columns become fours of bytes, which one instruction multiplies and adds, with the
+// low digits of the four inputs and again with the high ones. Interleaving happens within halves of 128 bits, so that
+// sums lie in a wrong order until they are stored.
 template <bool whole>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+void add_up_fours(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
   const __m128i low_bytes = _mm_setr_epi8(0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6);
   const __m128i high_bytes = _mm_setr_epi8(1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7);
   __m256i low_sum[4], high_sum[4];
-  for (__m256i& s : low_sum) s = _mm256_set1_epi32(static_cast<int>(active.start));
+  for (__m256i& s : low_sum) s = _mm256_set1_epi32(static_cast<int>(*active.start));
   for (__m256i& s : high_sum) s = _mm256_setzero_si256();
   for (std::size_t k = 0; k < active.count; k += 4) {
     const std::uint32_t* place = active.places + k;
@@ -50,9 +49,10 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
 }
 
 void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+  if (active.poses == block_poses) return block_sums(digits, rows, active, sums);
   std::size_t r = 0;
-  for (; r + 32 <= rows; r += 32) add_up<true>(digits + r, rows, active, sums + r);
-  if (r < rows) add_up<false>(digits + r, rows, active, sums + r);
+  for (; r + 32 <= rows; r += 32) add_up_fours<true>(digits + r, rows, active, sums + r);
+  if (r < rows) add_up_fours<false>(digits + r, rows, active, sums + r);
 }
 
 }  // namespace

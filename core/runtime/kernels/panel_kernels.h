@@ -9,17 +9,25 @@
 
 namespace fb {
 
+// How many poses go through the runtime together where there are many: digits are read and unpacked once for all.
+inline constexpr std::size_t block_poses = 8;
+
+// Rows of a panel at most.
+inline constexpr std::size_t panel_rows = 64;
+
 // The columns of a panel that are multiplied with something.
 struct ActiveColumns {
   const std::uint32_t* places;  // which column each is
-  const std::int16_t* inputs;   // what it is multiplied with, -32512..32512
-  std::size_t count;            // a multiple of 4: filled up with inputs of 0 at places there are
-  std::uint32_t start;          // -128 x the sum of inputs, modulo 2^32
+  // What it is multiplied with, -32512..32512: four columns after four, and of each four pose after pose.
+  const std::int16_t* inputs;
+  std::size_t count;           // a multiple of 4: filled up with inputs of 0 at places there are
+  std::size_t poses;           // 1 or block_poses
+  const std::uint32_t* start;  // of each pose: -128 x the sum of its inputs, modulo 2^32
 };
 
-// sums[r] = sum over the active columns of input x digit r of the column, for r < rows: 16, 32, 48 or 64. Columns lie
-// one after the other in `digits`, `rows` bytes each, each holding a digit + 128, of which `start` is the undoing. The
-// caller sees to it that no sum leaves 32 bits; on the way sums may, modulo 2^32.
+// sums[panel_rows * p + r] = sum over the active columns of pose p's input x digit r of the column, for r < rows: 16,
+// 32, 48 or 64. Columns lie one after the other in `digits`, `rows` bytes each, each holding a digit + 128, of which
+// `start` is the undoing. The caller sees to it that no sum leaves 32 bits; on the way sums may, modulo 2^32.
 using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active,
                            std::int32_t* sums);
 

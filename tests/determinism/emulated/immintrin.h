@@ -18,3 +18,7 @@ inline __m512i _mm512_maskz_loadu_epi8(__mmask64 mask, const void* from) {
 inline __m256i _mm256_dpbusd_avx_epi32(__m256i sum, __m256i bytes, __m256i signed_bytes) {
   return simde_mm256_dpbusd_epi32(sum, bytes, signed_bytes);
 }
+
+inline __m256i _mm256_dpwssd_avx_epi32(__m256i sum, __m256i a, __m256i b) {
+  return simde_mm256_dpwssd_epi32(sum, a, b);
+}
