@@ -37,7 +37,7 @@ Vector turned_cross(Vector a, Vector b) {
 }  // namespace
 
 VertexNormals::State::State(const VertexNormals& normals, std::pmr::memory_resource& memory)
-    : areas_(4 * normals.polygons_.size(), &memory),
+    : areas_(4 * (normals.polygons_.size() + 1), &memory),
       normals_(normals.at_rest_.begin(), normals.at_rest_.end(), &memory),
       moved_(normals.chunk_count(), &memory),
       needed_(normals.chunk_count(), &memory) {
@@ -51,7 +51,8 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
       larger_(&memory),
       larger_begin_(&memory),
       around_(&memory),
-      around_begin_(&memory),
+      beyond_(&memory),
+      beyond_begin_(&memory),
       vertex_begin_(&memory),
       sources_(&memory),
       source_begin_(&memory),
@@ -120,7 +121,20 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   }
   polygon_begin_.push_back(static_cast<std::uint32_t>(polygons_.size()));
   larger_begin_.push_back(checked_u32(larger_.size(), "the corners of large polygons"));
-  by_vertex.move_to(around_, around_begin_);
+  std::pmr::vector<std::uint32_t> around, around_begin;
+  by_vertex.move_to(around, around_begin);
+  around_.reserve(vertices);
+  for (std::uint32_t v = 0, chunk = 0; v < vertices; ++v) {
+    for (; v >= vertex_begin_[chunk]; ++chunk) beyond_begin_.push_back(static_cast<std::uint32_t>(beyond_.size()));
+    Around& first = around_.emplace_back();
+    std::fill_n(first.polygon, 4, static_cast<std::uint32_t>(polygons_.size()));
+    for (std::uint32_t a = around_begin[v], k = 0; a < around_begin[v + 1]; ++a, ++k)
+      if (k < 4)
+        first.polygon[k] = around[a];
+      else
+        beyond_.push_back({v, around[a]});
+  }
+  beyond_begin_.resize(chunks + 1, checked_u32(beyond_.size(), "the polygons around vertices"));
   const auto flatten = [&](std::vector<std::vector<std::uint32_t>>& lists, std::pmr::vector<std::uint32_t>& items,
                            std::pmr::vector<std::uint32_t>& begin) {
     for (std::vector<std::uint32_t>& list : lists) {
@@ -136,7 +150,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   std::vector<float> rows(mesh.points.size() + 1);
   for (std::size_t v = 0; v < vertices; ++v)
     std::copy_n(mesh.points.begin() + 3 * v, 3, rows.begin() + 3 * (place_of.empty() ? v : place_of[v]));
-  std::vector<float> areas(4 * polygons_.size());
+  std::vector<float> areas(4 * (polygons_.size() + 1));
   const FloatState state;
   for (std::size_t c = 0; c < chunks; ++c) compute_areas(c, rows.data(), areas.data());
   for (std::size_t c = 0; c < chunks; ++c) compute_normals(scalar_kernels, c, areas.data(), at_rest_.data());
@@ -155,20 +169,34 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   }
 }
 
+// Without a branch on how many polygons a vertex has: most have four, and which do not cannot be foretold.
 [[gnu::noinline]] void VertexNormals::compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas,
                                                       float* normals) const {
   constexpr std::uint32_t most = 64;
   const std::uint32_t end = vertex_begin_[chunk + 1];
+  const Beyond* beyond = beyond_.data() + beyond_begin_[chunk];
+  const Beyond* const beyond_end = beyond_.data() + beyond_begin_[chunk + 1];
   for (std::uint32_t first = vertex_begin_[chunk]; first < end; first += most) {
     const std::uint32_t count = std::min(most, end - first);
-    float x[most], y[most], z[most];
+    Vector sums[most];
     for (std::uint32_t i = 0; i < count; ++i) {
-      Vector sum = {};
-      for (std::uint32_t a = around_begin_[first + i]; a < around_begin_[first + i + 1]; ++a)
-        sum += load(areas + 4 * std::size_t(around_[a]));
-      z[i] = sum[0], x[i] = sum[1], y[i] = sum[2];
+      const std::uint32_t* polygon = around_[first + i].polygon;
+      const auto area = [&](int k) { return load(areas + 4 * std::size_t(polygon[k])); };
+      sums[i] = ((area(0) + area(1)) + area(2)) + area(3);
     }
-    for (std::uint32_t i = count; i < most; ++i) x[i] = y[i] = z[i] = 0;
+    for (; beyond < beyond_end && beyond->vertex < first + count; ++beyond)
+      sums[beyond->vertex - first] += load(areas + 4 * std::size_t(beyond->polygon));
+    for (std::uint32_t i = count; i < most; ++i) sums[i] = Vector{};
+    float x[most], y[most], z[most];
+    for (std::uint32_t i = 0; i < most; i += 4) {
+      const Vector zx01 = __builtin_shufflevector(sums[i], sums[i + 1], 0, 4, 1, 5);
+      const Vector zx23 = __builtin_shufflevector(sums[i + 2], sums[i + 3], 0, 4, 1, 5);
+      const Vector y01 = __builtin_shufflevector(sums[i], sums[i + 1], 2, 6, 2, 6);
+      const Vector y23 = __builtin_shufflevector(sums[i + 2], sums[i + 3], 2, 6, 2, 6);
+      store(z + i, __builtin_shufflevector(zx01, zx23, 0, 1, 4, 5));
+      store(x + i, __builtin_shufflevector(zx01, zx23, 2, 3, 6, 7));
+      store(y + i, __builtin_shufflevector(y01, y23, 0, 1, 4, 5));
+    }
     kernels.normalise(x, y, z, most);
     float* to = normals + 3 * std::size_t(first);
     for (std::uint32_t i = 0; i < count; ++i, to += 3) to[0] = x[i], to[1] = y[i], to[2] = z[i];

@@ -27,7 +27,7 @@ class VertexNormals {
 
    private:
     friend class VertexNormals;
-    std::pmr::vector<float> areas_, normals_;  // 4 floats a polygon; 3 a vertex and 1
+    std::pmr::vector<float> areas_, normals_;  // 4 floats a polygon, then 4 zeros; 3 a vertex and 1
     std::pmr::vector<std::uint8_t> moved_, needed_;
   };
 
@@ -48,6 +48,13 @@ class VertexNormals {
     std::uint32_t polygon;
     Quad quad;
   };
+  // The first polygons that have a vertex; where they are fewer, the number of polygons, whose area is null.
+  struct Around {
+    std::uint32_t polygon[4];
+  };
+  struct Beyond {
+    std::uint32_t vertex, polygon;
+  };
   void compute_areas(std::size_t chunk, const float* rows, float* areas) const;
   void compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas, float* normals) const;
   std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
@@ -56,8 +63,9 @@ class VertexNormals {
   std::pmr::vector<std::uint32_t> polygon_begin_;  // in polygons_, by chunk
   std::pmr::vector<Larger> larger_;                // the other quads of larger polygons' fans
   std::pmr::vector<std::uint32_t> larger_begin_;
-  std::pmr::vector<std::uint32_t> around_;  // the polygons that have a vertex, vertex after vertex
-  std::pmr::vector<std::uint32_t> around_begin_;
+  std::pmr::vector<Around> around_;               // of vertices
+  std::pmr::vector<Beyond> beyond_;               // the other polygons that have a vertex, vertex after vertex
+  std::pmr::vector<std::uint32_t> beyond_begin_;  // in beyond_, by chunk
   std::pmr::vector<std::uint32_t> vertex_begin_;  // vertices, in baked order, by the chunk their first row is in
   // The chunks whose polygons a chunk's normals are made of, and those whose rows these polygons are made of; which
   // chunks have polygons too large for that.

@@ -82,6 +82,16 @@ PackedModel banded_model() {
   return model;
 }
 
+// Six polygons around a vertex instead of four.
+PackedModel triangulated(PackedModel model) {
+  const Mesh quads = model.rest;
+  model.rest.polygon_sizes.assign(2 * quads.polygon_sizes.size(), 3);
+  model.rest.polygon_corners.clear();
+  for (std::size_t q = 0; q < quads.polygon_corners.size(); q += 4)
+    for (const std::size_t k : {0, 1, 2, 0, 2, 3}) model.rest.polygon_corners.push_back(quads.polygon_corners[q + k]);
+  return model;
+}
+
 std::vector<float> sparse_pose(const PackedModel& model, Random& random, float share) {
   std::vector<float> pose = model.schema.rest_pose();
   const std::vector<float> other = random_pose(model.schema, random);
@@ -93,7 +103,7 @@ std::vector<float> sparse_pose(const PackedModel& model, Random& random, float s
 }  // namespace
 
 TEST_CASE("normals are those of the posed mesh, whatever was posed before") {
-  for (const PackedModel& model : {tiny_packed_model(), banded_model()}) {
+  for (const PackedModel& model : {tiny_packed_model(), banded_model(), triangulated(banded_model())}) {
     const Evaluator evaluator(model);
     std::vector<Workspace> kept = workspaces(evaluator, 1);
     Random random(2);
