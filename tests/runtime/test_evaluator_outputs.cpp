@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include "runtime/evaluator.h"
 #include "test_models.h"
@@ -23,13 +25,13 @@ std::vector<Workspace> workspaces(const Evaluator& evaluator, int count) {
 }
 
 Posed evaluate(const Evaluator& evaluator, const std::vector<float>& controls, std::vector<Workspace>& workspaces,
-               int threads = 1) {
+               const Parallel& parallel = {1}) {
   const std::size_t poses = controls.size() / evaluator.control_count(), floats = poses * 3 * evaluator.vertex_count();
   Posed posed{std::vector<float>(floats), std::vector<float>(floats)};
   Batch batch{.poses = poses, .controls = controls, .positions = {}};
   batch.positions = {posed.positions.data(), floats};
   batch.normals = {posed.normals.data(), floats};
-  evaluator.evaluate_batch(batch, workspaces, {threads});
+  evaluator.evaluate_batch(batch, workspaces, parallel);
   return posed;
 }
 
@@ -175,6 +177,33 @@ TEST_CASE("batches so large that they are written past the caches hold the same 
         }
         CHECK(same_bits(positions, expected));
       }
+  }
+}
+
+TEST_CASE("threads of the host's own pose a batch to the same bits") {
+  const PackedModel model = banded_model();
+  const Evaluator evaluator(model);
+  Random random(12);
+  std::vector<float> controls;
+  for (int p = 0; p < 50; ++p) {
+    const std::vector<float> pose = sparse_pose(model, random, 0.5f);
+    controls.insert(controls.end(), pose.begin(), pose.end());
+  }
+  std::vector<Workspace> one = workspaces(evaluator, 1), some = workspaces(evaluator, 4);
+  const Posed expected = evaluate(evaluator, controls, one);
+  const auto host = [](void*, std::uint32_t count, std::uint32_t workers, HostTask task, void* context) {
+    std::atomic<std::uint32_t> next = 0;
+    std::vector<std::thread> crew;
+    for (std::uint32_t worker = 0; worker < workers; ++worker)
+      crew.emplace_back([&, worker] {
+        for (std::uint32_t i; (i = next++) < count;) task(context, i, worker);
+      });
+    for (std::thread& thread : crew) thread.join();
+  };
+  for (int n = 0; n < 5; ++n) {
+    const Posed posed = evaluate(evaluator, controls, some, {4, host, nullptr});
+    CHECK(same_bits(posed.positions, expected.positions));
+    CHECK(same_bits(posed.normals, expected.normals));
   }
 }
 
