@@ -111,9 +111,10 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   const LearntFace face = learn_face(settings.recipe, poses, rig, settings.options, progress);
   std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms);
   for (const RegionDiary& region : face.diary.regions)
-    std::printf("%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e\n",
+    std::printf("%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained %.2e)\n",
                 region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
-                100 * region.energy, region.validation);
+                100 * region.energy, region.validation,
+                region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
   const PoseSet kept =
       poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).thinned(settings.measured);
