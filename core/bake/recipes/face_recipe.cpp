@@ -22,7 +22,7 @@ constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
 constexpr std::size_t typical_poses = 1000;  // that stand for those to come
 constexpr double validation_share = 0.05;
 constexpr std::uint32_t batch = 128;
-constexpr float rate = 4e-3f;                // of learning
+constexpr float rate = 4e-3f, rate_width = 128;  // of learning
 constexpr double shrinking = 2;              // over a training, what no pose asks for shrinks by about exp(-shrinking)
 constexpr double operations_per_weight = 6;  // forward, and backward to inputs and to weights: two each
 
@@ -133,13 +133,14 @@ Networks train(const FaceRecipe& recipe, const Parts& parts, const RegionInputs&
     plan.activation = Activation::silu;
     plan.schedule = Schedule::linger;
     plan.learning_rate = rate;
+    plan.rate_width = rate_width;
     plan.weight_decay = weight_decay;
     plan.batch = batch;
     plan.output_scaling = 0.75f;
     plan.epochs = epochs;
     plan.quantized_share = 0.15f;
     plan.seed = options.seed + r;
-    plan.checkpoint = options.work / format("region-%zu.checkpoint", r);
+    if (!options.work.empty()) plan.checkpoint = options.work / format("region-%zu.checkpoint", r);
     plans.push_back(plan);
   }
   const std::vector<TrainedLayers> trained = train_regions(sets, plans, options.parallel, progress);

@@ -18,25 +18,33 @@ double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t step
 
 Adam::Adam(std::vector<float> start) : parameters(std::move(start)), mean(parameters.size()), square(mean) {}
 
-void Adam::step(const NetShape& shape, std::uint64_t step, double rate, double decay,
-                const std::vector<const float*>& gradients, const Parallel& parallel) {
+std::vector<float> layer_rates(const NetShape& shape, float rate_width) {
+  std::vector<float> rates(shape.layers.size(), 1.0f);
+  if (rate_width <= 0) return rates;
+  constexpr float last = 6;
+  const float slower = rate_width / static_cast<float>(shape.layers.back().inputs);
+  for (std::size_t l = 1; l < rates.size(); ++l) rates[l] = l + 1 < rates.size() ? slower : last * slower;
+  return rates;
+}
+
+void Adam::step(const NetShape& shape, std::uint64_t step, double rate, std::span<const float> layer_rates,
+                double decay, const std::vector<const float*>& gradients, const Parallel& parallel) {
   constexpr float beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-8f;
   const float correction1 = 1 - std::pow(beta1, static_cast<float>(step + 1));
   const float correction2 = 1 - std::pow(beta2, static_cast<float>(step + 1));
-  AdamStep adam{static_cast<float>(rate) / correction1, 1 / std::sqrt(correction2), beta1, beta2, epsilon, 1};
-  constexpr std::size_t slice = 1 << 15;
-  const std::size_t weight_slices = (shape.weights + slice - 1) / slice;
-  const auto run = [&](std::size_t s, std::size_t) {
-    // The last slice holds the biases, which do not decay.
-    const bool biases = s == weight_slices;
-    const std::size_t first = biases ? shape.weights : s * slice;
-    const std::size_t last = biases ? shape.parameters : std::min(first + slice, shape.weights);
-    AdamStep own = adam;
-    if (!biases) own.decay = static_cast<float>(1 - rate * decay);
-    kernels().adam(own, first, last - first, gradients.data(), gradients.size(), parameters.data(), mean.data(),
+  const AdamStep adam{static_cast<float>(rate) / correction1, 1 / std::sqrt(correction2), beta1, beta2, epsilon, 1};
+  const auto run = [&](AdamStep own, float layer_rate, std::size_t first, std::size_t count) {
+    own.rate *= layer_rate;
+    kernels().adam(own, first, count, gradients.data(), gradients.size(), parameters.data(), mean.data(),
                    square.data());
   };
-  parallel_for(parallel, weight_slices + 1, run);
+  AdamStep decaying = adam;
+  decaying.decay = static_cast<float>(1 - rate * decay);
+  parallel_for(parallel, shape.layers.size(), [&](std::size_t l, std::size_t) {
+    const LayerShape& layer = shape.layers[l];
+    run(decaying, layer_rates[l], layer.weights, layer.inputs * layer.outputs);
+    run(adam, 1, layer.bias, layer.outputs);
+  });
 }
 
 std::vector<float> initial_parameters(const NetShape& shape, std::uint64_t seed) {
@@ -45,7 +53,7 @@ std::vector<float> initial_parameters(const NetShape& shape, std::uint64_t seed)
     const LayerShape& layer = shape.layers[l];
     Random random(seed, l);
     const float gain = layer.activation == Activation::tanh ? 1.0f : 2.0f;
-    const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? 0.1f : 1.0f);
+    const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? 0.3f : 1.0f);
     for (std::size_t i = 0; i < layer.inputs * layer.outputs; ++i)
       parameters[layer.weights + i] = deviation * random.normal();
   }

@@ -13,13 +13,17 @@ namespace fb {
 // What the learning rate is multiplied with at `step` of `steps`.
 double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t steps);
 
+// What the rate is multiplied with for each layer's weights, see TrainingPlan::rate_width.
+std::vector<float> layer_rates(const NetShape& shape, float rate_width);
+
 // Adam with decoupled weight decay (biases keep theirs): parameters and both moments.
 struct Adam {
   std::vector<float> parameters, mean, square;
 
   explicit Adam(std::vector<float> start);
   // Step number `step`, from 0; gradients of the pieces of a batch, each as long as parameters, are added in order.
-  void step(const NetShape& shape, std::uint64_t step, double rate, double decay,
+  // Weights shrink by rate * decay, whatever their layer's rate.
+  void step(const NetShape& shape, std::uint64_t step, double rate, std::span<const float> layer_rates, double decay,
             const std::vector<const float*>& gradients, const Parallel& parallel);
 };
 

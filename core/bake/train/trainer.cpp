@@ -93,6 +93,7 @@ std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
                                         static_cast<std::uint64_t>(plan.schedule),
                                         static_cast<std::uint64_t>(plan.weight_bits),
                                         millionths(plan.learning_rate),
+                                        millionths(plan.rate_width),
                                         millionths(plan.weight_decay),
                                         millionths(plan.output_scaling),
                                         millionths(plan.quantized_share)};
@@ -115,6 +116,7 @@ class Training {
         steps_per_epoch_(poses_.size() / batch_),
         steps_(steps_per_epoch_ * plan.epochs),
         key_(plan.checkpoint.empty() ? 0 : key_of(set, plan)),
+        layer_rates_(layer_rates(shape_, plan.rate_width)),
         adam_({}),
         passes_((batch_ + DensePass::most_poses - 1) / DensePass::most_poses, DensePass(shape_)) {
     std::vector<double> squares;
@@ -206,7 +208,7 @@ class Training {
     for (const DensePass& pass : passes_) gradients.push_back(pass.gradient().data());
     const double rate =
         std::ldexp(plan_.learning_rate, -static_cast<int>(restarts_)) * schedule_factor(plan_.schedule, step_, steps_);
-    adam_.step(shape_, step_, rate, plan_.weight_decay, gradients, plan_.parallel);
+    adam_.step(shape_, step_, rate, layer_rates_, plan_.weight_decay, gradients, plan_.parallel);
     ++step_;
     return in_epoch + 1 < steps_per_epoch_ || end_epoch(epoch);
   }
@@ -291,6 +293,7 @@ class Training {
   OutputUnits units_;
   double all_squares_ = 0, validation_squares_ = 0;
 
+  const std::vector<float> layer_rates_;
   Adam adam_;
   std::uint64_t step_ = 0;
   std::uint32_t restarts_ = 0;
