@@ -3,11 +3,16 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <set>
+#include <thread>
 
+#include "base/file.h"
 #include "base/status.h"
 #include "memory_source.h"
+#include "temporary_folder.h"
 
 using namespace fb;
 
@@ -166,6 +171,55 @@ TEST_CASE("probing is the same for any number of threads") {
     CHECK(one.base.shapes[s].vertices == two.base.shapes[s].vertices);
     CHECK(one.base.shapes[s].offsets == two.base.shapes[s].offsets);
   }
+}
+
+TEST_CASE("a probing of a slow rig that was interrupted asks nothing twice") {
+  struct SlowRig final : MemorySource {
+    SlowRig() : MemorySource(make_rig()) {}
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(count));
+      MemorySource::evaluate(poses, count, points);
+      asked += count;
+    }
+    std::atomic<std::size_t> asked = 0;
+  };
+  struct Impatient final : Progress {
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t) override {}
+    bool cancelled() const override { return rig->asked > 200; }
+    void note(std::string_view) override {}
+    const SlowRig* rig;
+  };
+  const test::Folder folder;
+  ProbeOptions options;
+  options.answers = folder / "answers";
+  const Probe whole = probe_with({});
+  const auto probe_again = [&] {
+    SlowRig rig;
+    const Probe probe = probe_rig(rig, options, {}, silent_progress());
+    CHECK(probe.rig_calls == whole.rig_calls);
+    CHECK(probe.residual_motion == whole.residual_motion);
+    REQUIRE(probe.base.shapes.size() == whole.base.shapes.size());
+    CHECK(probe.base.shapes.back().offsets == whole.base.shapes.back().offsets);
+    return rig.asked.load();
+  };
+
+  SlowRig rig;
+  Impatient progress;
+  progress.rig = &rig;
+  CHECK_THROWS_AS(probe_rig(rig, options, {}, progress), Error);
+  const std::size_t done = rig.asked;
+  REQUIRE(done > 200);
+  REQUIRE(done < whole.rig_calls);
+  CHECK(probe_again() == whole.rig_calls - done);
+  CHECK(probe_again() == 0);
+  std::vector<std::byte> answers = read_file(options.answers);
+  answers[answers.size() / 2] ^= std::byte{1};
+  write_file(options.answers, answers);
+  const std::size_t asked = probe_again();
+  CHECK(asked > 0);
+  CHECK(asked < whole.rig_calls);
+  CHECK(probe_again() == 0);
 }
 
 TEST_CASE("a budget is kept to, and what it cut is told") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct ProbeOptions {
   std::uint32_t max_triples = 400;  // and a quarter as many fours
   std::uint64_t rig_budget = 0;     // rig calls at most; 0: as many as it takes
   std::uint64_t seed = 1;
+  // File for a slow rig's answers, from which a probing that was interrupted goes on; empty: none.
+  std::filesystem::path answers = {};
 };
 
 // Controls that do together what they do not do one by one.

@@ -12,7 +12,7 @@ Probe probe_rig(Source& source, const ProbeOptions& options, const Parallel& par
   if (!source.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: probe_poses is for it", source.schema().name.c_str());
   Probe probe;
-  RigAsker rig(source, options.rig_budget, parallel, progress);
+  RigAsker rig(source, options, parallel, progress);
   const std::vector<ControlCurve> curves = probe_curves(rig, options, probe.motion);
   std::vector<const CurveBase*> parts;
   for (const ControlCurve& curve : curves) {

@@ -1,6 +1,7 @@
 #include "bake/probe/rig_asker.h"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 
 #include "bake/rig/evaluate_parallel.h"
@@ -9,7 +10,8 @@
 namespace fb {
 namespace {
 
-constexpr std::size_t block_poses = 128;  // 9 MB of 6,000 vertices
+constexpr std::size_t block_poses = 128;                 // 9 MB of 6,000 vertices
+constexpr std::chrono::microseconds worth_keeping{500};  // a pose; a quicker rig is sooner asked again than read
 
 std::string describe(const RigSchema& schema, std::span<const float> rest, std::span<const float> pose) {
   std::string text;
@@ -22,17 +24,35 @@ std::string describe(const RigSchema& schema, std::span<const float> rest, std::
 
 }  // namespace
 
-RigAsker::RigAsker(Source& rig, std::uint64_t budget, const Parallel& parallel, Progress& progress)
+RigAsker::RigAsker(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress)
     : rig_(&rig),
-      budget_(budget),
+      budget_(options.rig_budget),
       parallel_(parallel),
       progress_(&progress),
       rest_(rig.schema().rest_pose()),
-      diagonal_(rig.rest().diagonal()) {}
+      diagonal_(rig.rest().diagonal()) {
+  if (!options.answers.empty()) log_.emplace(options.answers);
+}
 
 void RigAsker::begin(std::string_view stage, std::size_t count) {
   progress_->begin(stage, count);
   done_ = 0;
+}
+
+void RigAsker::answer(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  if (log_ && log_->find(controls, points)) return;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    evaluate_parallel(*rig_, controls, count, points, parallel_);
+  } catch (const PoseError& error) {
+    const std::span<const float> pose = controls.subspan(error.pose() * rest_.size(), rest_.size());
+    fail(error.status(), "control %s: %s", describe(schema(), rest_, pose).c_str(), error.reason().c_str());
+  }
+  if (!log_) return;
+  if (std::chrono::steady_clock::now() - start < static_cast<std::int64_t>(count) * worth_keeping)
+    log_.reset();
+  else
+    log_->keep(points);
 }
 
 void RigAsker::ask(std::size_t count, const Fill& fill, const Visit& visit) {
@@ -48,12 +68,7 @@ void RigAsker::ask(std::size_t count, const Fill& fill, const Visit& visit) {
     points.resize(poses * size);
     const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
     for (std::size_t i = 0; i < poses; ++i) fill(first + i, pose(i));
-    try {
-      evaluate_parallel(*rig_, controls, poses, points, parallel_);
-    } catch (const PoseError& error) {
-      fail(error.status(), "control %s: %s", describe(schema(), rest_, pose(error.pose())).c_str(),
-           error.reason().c_str());
-    }
+    answer(controls, poses, points);
     calls_ += poses;
     parallel_for(parallel_, poses, [&](std::size_t i, std::size_t) {
       const std::span<float> displacement = std::span(points).subspan(i * size, size);

@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "bake/probe/answer_log.h"
+#include "bake/probe/probe.h"
 #include "bake/rig/source.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -18,8 +21,8 @@ class RigAsker {
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;  // controls are the rest pose before
   using Visit = std::function<void(std::size_t pose, std::span<const float> controls, std::span<float> displacement)>;
 
-  // `budget`: poses that may be asked for; 0: any number.
-  RigAsker(Source& rig, std::uint64_t budget, const Parallel& parallel, Progress& progress);
+  // Within options.rig_budget; answers of a slow rig are kept in options.answers.
+  RigAsker(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress);
 
   // A stage of `count` poses begins, which are then asked for in one or more calls.
   void begin(std::string_view stage, std::size_t count);
@@ -37,7 +40,11 @@ class RigAsker {
   std::uint64_t left() const { return budget_ ? budget_ - calls_ : UINT64_MAX; }
 
  private:
+  // Points of `count` poses, from the log or the rig.
+  void answer(std::span<const float> controls, std::size_t count, std::span<float> points);
+
   Source* rig_;
+  std::optional<AnswerLog> log_;
   std::uint64_t budget_, calls_ = 0, done_ = 0;  // done_: of the stage
   Parallel parallel_;
   Progress* progress_;

@@ -70,6 +70,7 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
   ProbeOptions probing = recipe.probe;
   probing.seed = options.seed;
   probing.rig_budget = options.rig_budget;
+  if (!options.work.empty()) probing.answers = options.work / "probe.answers";
   parts.probe = rig ? probe_rig(*rig, probing, options.parallel, progress)
                     : probe_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
