@@ -143,8 +143,8 @@ void add_smoothness(Html& page, const ReportView& view) {
   page.paragraph(
       "Normals: degrees between the area-weighted vertex normals of the rig and of the method. Jitter: root mean "
       "square of the second difference in time of the error, over consecutive frames of shots. Jump: root mean "
-      "square difference of the error between the ends of an edge, where two regions of the method meet and "
-      "elsewhere; a seam shows as a ratio well above 1.");
+      "square difference of the error between the ends of an edge, where two regions of the method meet and inside "
+      "the two that meet there; a seam shows as a ratio well above 1.");
   Rows rows = {{"method", "normals rms", "normals p99", "jitter / D", "jump at borders", "jump inside", "ratio",
                 "border edges"}};
   for (const MethodReport& m : view.methods()) {

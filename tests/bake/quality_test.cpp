@@ -99,6 +99,30 @@ TEST_CASE("a step of the error where parts meet is a jump at the border and none
   CHECK(quality.vertex_rms.at(side - 1) == doctest::Approx(0.25 / basis.diagonal));
 }
 
+TEST_CASE("a border is compared with the insides of the parts that meet there") {
+  const MemorySource source = grid();
+  // Three stripes; only the first two meet where the error jumps, the third is without one.
+  FaceParts parts{{"left", "middle", "right"}, {}};
+  for (std::size_t v = 0; v < source.rest().vertex_count(); ++v)
+    parts.labels.push_back(static_cast<std::uint32_t>(v % side / 2));
+  REQUIRE(side >= 6);
+  for (std::uint32_t& label : parts.labels) label = std::min(label, 2u);
+  const QualityBasis basis(source.rest(), source.schema(), parts);
+  QualitySums sums(basis);
+  const Points& truth = source.rest().points;
+  Points off = truth;
+  const float steps[] = {0, 0.1f, 0.2f, 0.3f};  // the same from column to column up to the middle of it
+  for (std::size_t v = 0; v < off.size() / 3; ++v) off[3 * v] += steps[std::min<std::size_t>(v % side, 3)];
+  sums.add_frame(at_rest, off, truth, false);
+  const Quality quality = sums.figures();
+  // Half of the border edges join left and middle, with a jump of .1, half middle and right, with none.
+  CHECK(quality.border_jump == doctest::Approx(0.1 / std::sqrt(2.0) / basis.diagonal).epsilon(1e-4));
+  // Of a stripe's edges, side go across, with a jump of .1, and 2 (side - 1) along it, without; those of the right one
+  // have none. Left and right stand for a quarter each, middle for half.
+  const double stripe = 0.01 * side / (side + 2.0 * (side - 1));
+  CHECK(quality.inside_jump == doctest::Approx(std::sqrt(0.75 * stripe) / basis.diagonal).epsilon(1e-4));
+}
+
 TEST_CASE("a face of one part has no border") {
   const MemorySource source = grid();
   const QualityBasis basis(source.rest(), source.schema(),

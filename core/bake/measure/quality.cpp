@@ -39,9 +39,18 @@ QualityBasis::QualityBasis(const Mesh& rest, const RigSchema& rig, FaceParts of_
     for (const SurfaceGraph::Edge& edge : graph.edges(v)) {
       if (edge.vertex < v) continue;
       const std::uint32_t a = parts.labels[v], b = parts.labels[edge.vertex];
-      const bool border = a != b && a < parts.names.size() && b < parts.names.size();
-      (border ? borders : insides).push_back({v, edge.vertex});
+      if (a >= parts.names.size() || b >= parts.names.size()) continue;
+      (a != b ? borders : insides).push_back({v, edge.vertex});
     }
+  std::vector<double> inside(parts.names.size()), beside(parts.names.size());
+  for (const auto& [a, b] : insides) ++inside[parts.labels[a]];
+  for (const auto& [a, b] : borders) {
+    beside[parts.labels[a]] += 0.5;
+    beside[parts.labels[b]] += 0.5;
+  }
+  const double all = static_cast<double>(borders.empty() ? insides.size() : borders.size());
+  for (std::size_t p = 0; p < inside.size(); ++p)
+    inside_weights.push_back(inside[p] == 0 ? 0 : (borders.empty() ? 1 : beside[p] / inside[p]) / all);
 }
 
 void QualitySums::lead_in(std::span<const float> predicted, std::span<const float> truth) {
@@ -85,13 +94,12 @@ void QualitySums::add_controls(std::span<const float> controls, const FrameError
 }
 
 void QualitySums::add_jumps(const std::vector<float>& error) {
-  const auto jumps = [&](const std::vector<std::array<std::uint32_t, 2>>& edges) {
-    double squares = 0;
-    for (const auto& [a, b] : edges) squares += square(vector_at(error.data(), a) - vector_at(error.data(), b));
-    return squares;
+  const auto jump = [&](const auto& edge) {
+    return square(vector_at(error.data(), edge[0]) - vector_at(error.data(), edge[1]));
   };
-  border_squares_ += jumps(basis_->borders);
-  inside_squares_ += jumps(basis_->insides);
+  for (const auto& edge : basis_->borders) border_squares_ += jump(edge);
+  for (const auto& edge : basis_->insides)
+    inside_squares_ += basis_->inside_weights[basis_->parts.labels[edge[0]]] * jump(edge);
 }
 
 void QualitySums::add_normals(std::span<const float> predicted, std::span<const float> truth) {
@@ -153,7 +161,7 @@ Quality QualitySums::figures() const {
   quality.jitter = root_mean(jitter_squares_, jitter_frames_ * vertex_squares_.size());
   quality.jitter_frames = jitter_frames_;
   quality.border_jump = root_mean(border_squares_, basis_->borders.size() * frames_.size());
-  quality.inside_jump = root_mean(inside_squares_, basis_->insides.size() * frames_.size());
+  quality.inside_jump = root_mean(inside_squares_, frames_.size());
   quality.border_edges = basis_->borders.size();
   quality.parts = basis_->parts;
   for (std::size_t c = 0; c < controls_.size(); ++c)

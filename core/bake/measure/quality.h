@@ -34,8 +34,9 @@ struct Quality {
   // Root mean square of |e(t-1) - 2 e(t) + e(t+1)| over consecutive frames of shots; no shot of 3 frames: no frames.
   double jitter = 0;
   std::size_t jitter_frames = 0;
-  // Root mean square of |e(i) - e(j)| over edges i-j of polygons, between parts and elsewhere. No part meets another:
-  // no border edges.
+  // Root mean square of |e(i) - e(j)| over edges i-j of polygons: between parts, and inside, where every border edge
+  // stands for the edges inside the two parts that it joins: a seam is what stands out from what is around it. No part
+  // meets another: no border edges, and inside are all edges inside parts.
   double border_jump = 0, inside_jump = 0;
   std::size_t border_edges = 0;
   std::vector<PartErrors> regions;   // the face's parts; those without vertices are left out
@@ -52,7 +53,8 @@ struct QualityBasis {
   double diagonal;
   FaceParts parts;
   std::vector<std::uint32_t> triangles;
-  std::vector<std::array<std::uint32_t, 2>> borders, insides;  // edges
+  std::vector<std::array<std::uint32_t, 2>> borders, insides;  // edges between parts, and inside one
+  std::vector<double> inside_weights;  // one a part: of its inside edges' squared jump, each; see Quality::inside_jump
 };
 
 // Sums over frames, joined with `append` in order as ErrorSums are. The basis must outlive it.
