@@ -15,12 +15,12 @@ std::vector<std::uint32_t> network_widths(std::span<const NetworkDemand> demands
   constexpr std::uint32_t step = 16, narrowest = 32;
   std::vector<std::uint32_t> widths(demands.size());
   double most = 0;
-  for (const NetworkDemand& demand : demands) most = std::max(most, demand.energy);
+  for (const NetworkDemand& demand : demands) most = std::max(most, demand.error);
   // The widest network that fits; the others follow in proportion.
   for (std::uint32_t lead = std::max(widest / step, narrowest / step) * step;; lead -= step) {
     std::size_t total = 0;
     for (std::size_t r = 0; r < demands.size(); ++r) {
-      const double share = most > 0 ? std::pow(demands[r].energy / most, 0.25) : 1;
+      const double share = most > 0 ? std::pow(demands[r].error / most, 1.0 / 3) : 1;
       const auto steps = static_cast<std::uint32_t>(std::lround(lead * share / step));
       widths[r] = std::clamp(steps * step, narrowest, std::max(lead, narrowest));
       total += network_parameters(demands[r], layers, widths[r]);

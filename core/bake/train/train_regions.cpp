@@ -19,7 +19,7 @@ class SharedProgress {
  public:
   static constexpr std::uint64_t total = 10000;
 
-  explicit SharedProgress(Progress& progress) : progress_(progress) { progress.begin("training", total); }
+  SharedProgress(Progress& progress, std::string_view stage) : progress_(progress) { progress.begin(stage, total); }
 
   bool cancelled() const { return progress_.cancelled(); }
   void note(std::string_view sentence) {
@@ -76,7 +76,7 @@ std::size_t count_alone(std::span<const double> costs, std::size_t workers, std:
 }  // namespace
 
 std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std::span<const TrainingPlan> plans,
-                                         const Parallel& parallel, Progress& progress) {
+                                         const Parallel& parallel, Progress& progress, std::string_view stage) {
   if (sets.size() != plans.size())
     fail(Status::invalid_argument, "training: %zu plans for %zu networks", plans.size(), sets.size());
   std::vector<std::size_t> order(sets.size());
@@ -87,7 +87,7 @@ std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std:
   std::ranges::sort(costs, std::greater<>());
   const double all = std::max(std::accumulate(costs.begin(), costs.end(), 0.0), 1.0);
 
-  SharedProgress shared(progress);
+  SharedProgress shared(progress, stage);
   std::vector<TrainedLayers> trained(sets.size());
   const auto train = [&](std::size_t place, const Parallel& own) {
     TrainingPlan plan = plans[order[place]];

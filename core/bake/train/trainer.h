@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/parallel.h"
@@ -31,7 +32,7 @@ enum class Schedule {
 };
 
 struct TrainingPlan {
-  std::vector<std::uint32_t> widths;  // of the hidden layers; a last linear layer to the coefficients follows
+  std::vector<std::uint32_t> widths;         // of the hidden layers; a last linear layer to the coefficients follows
   Activation activation = Activation::relu;  // of the hidden layers
   Schedule schedule = Schedule::cosine;
   float learning_rate = 1e-3f;
@@ -91,7 +92,8 @@ TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Pro
 // Several networks, each exactly as train_layers gives it; the plans' own `parallel` is not used. The largest come
 // first: one that would hold the others up has all threads to itself, the rest run one a thread.
 std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std::span<const TrainingPlan> plans,
-                                         const Parallel& parallel, Progress& progress);
+                                         const Parallel& parallel, Progress& progress,
+                                         std::string_view stage = "training");
 
 // Outputs (poses x outputs, minus those at rest, times gates) of trained layers, in float; targets are not looked at.
 std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const TrainingSet& set, const Parallel& parallel);
