@@ -8,7 +8,7 @@ FaceRecipe hero_recipe() {
   recipe.basis.max_error = 8e-4;
   recipe.term_bytes = 1'000'000;
   recipe.parameters = 1'400'000;
-  recipe.operations = 3.5e13;
+  recipe.operations = 4.5e13;
   recipe.precision = 0.02;
   recipe.touched_bytes = 4e6;
   return recipe;
