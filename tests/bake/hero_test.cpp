@@ -75,7 +75,7 @@ TEST_CASE("within a rig budget, poses are chosen by disagreement; a rig too dear
     MemorySource rig = saturating_rig();
     BakeOptions options = quick(folder, "hero");
     options.rig_budget = budget;
-    options.epochs = 50;
+    options.epochs = 80;
     const Baked baked = bake(rig, options, silent_progress());
     CHECK(baked.rig_calls <= budget);
     CHECK(baked.rig_calls > budget / 2);

@@ -180,13 +180,11 @@ void check_steps(const Task& task, TrainingPlan plan, const std::vector<double>&
       *number = kept;
     }
     const double rate = plan.learning_rate * factors[step];
-    const double slower = plan.rate_width > 0 ? plan.rate_width / double(layers.back().inputs) : 1;
     std::size_t at = 0;
     for (DenseLayer& layer : layers) {
       const std::size_t weights = layer.weights.size(),
                         count = weights + (&layer == &layers.back() ? 0 : layer.bias.size());
-      double share = &layer == &layers.front() ? 1 : slower;
-      if (plan.rate_width > 0 && &layer == &layers.back()) share *= 6;
+      const double share = &layer == &layers.front() ? 1 : &layer == &layers.back() ? plan.last_rate : plan.hidden_rate;
       for (std::size_t i = 0; i < count; ++i, ++at) {
         mean[at] = 0.9 * mean[at] + 0.1 * gradient[at];
         square[at] = 0.999 * square[at] + 0.001 * gradient[at] * gradient[at];
@@ -254,11 +252,13 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   SUBCASE("decay") {
     plan.weight_decay = 5;
   }
-  SUBCASE("layers that learn slower the wider they are") {
-    plan.rate_width = 4;
+  SUBCASE("layers with rates of their own") {
+    plan.hidden_rate = 0.5f;
+    plan.last_rate = 3;
   }
   SUBCASE("all of it") {
-    plan.rate_width = 4;
+    plan.hidden_rate = 0.5f;
+    plan.last_rate = 2;
     task.set.gates = gates;
     plan.output_scaling = 1;
     plan.weight_decay = 5;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
 constexpr double validation_share = 0.05;
 constexpr std::uint32_t batch = 128;
-constexpr float rate = 4e-3f, rate_width = 128;  // of learning
+constexpr float rate = 4e-3f, hidden_rate = 0.5f, last_rate = 3;  // of learning, see TrainingPlan
 constexpr double shrinking = 2;              // over a training, what no pose asks for shrinks by about exp(-shrinking)
 constexpr double operations_per_weight = 6;  // forward, and backward to inputs and to weights: two each
 constexpr double first_share = 0.03;         // of the operations, for the short training
@@ -55,7 +55,9 @@ struct Course {
       plan.activation = Activation::silu;
       plan.schedule = Schedule::linger;
       plan.learning_rate = rate;
-      plan.rate_width = rate_width;
+      plan.hidden_rate = hidden_rate;
+      plan.last_rate = last_rate;
+      plan.skip_start = 0.3f;
       plan.weight_decay = static_cast<float>(shrinking / (rate * steps));
       plan.batch = batch;
       plan.output_scaling = 0.75f;

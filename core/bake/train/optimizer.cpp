@@ -18,12 +18,10 @@ double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t step
 
 Adam::Adam(std::vector<float> start) : parameters(std::move(start)), mean(parameters.size()), square(mean) {}
 
-std::vector<float> layer_rates(const NetShape& shape, float rate_width) {
-  std::vector<float> rates(shape.layers.size(), 1.0f);
-  if (rate_width <= 0) return rates;
-  constexpr float last = 6;
-  const float slower = rate_width / static_cast<float>(shape.layers.back().inputs);
-  for (std::size_t l = 1; l < rates.size(); ++l) rates[l] = l + 1 < rates.size() ? slower : last * slower;
+std::vector<float> layer_rates(const NetShape& shape, const TrainingPlan& plan) {
+  std::vector<float> rates(shape.layers.size(), plan.hidden_rate);
+  rates.front() = 1;
+  rates.back() = plan.last_rate;
   return rates;
 }
 
@@ -47,13 +45,13 @@ void Adam::step(const NetShape& shape, std::uint64_t step, double rate, std::spa
   });
 }
 
-std::vector<float> initial_parameters(const NetShape& shape, std::uint64_t seed) {
+std::vector<float> initial_parameters(const NetShape& shape, float skip_start, std::uint64_t seed) {
   std::vector<float> parameters(shape.parameters);
   for (std::size_t l = 0; l + 1 < shape.layers.size(); ++l) {
     const LayerShape& layer = shape.layers[l];
     Random random(seed, l);
     const float gain = layer.activation == Activation::tanh ? 1.0f : 2.0f;
-    const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? 0.3f : 1.0f);
+    const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? skip_start : 1.0f);
     for (std::size_t i = 0; i < layer.inputs * layer.outputs; ++i)
       parameters[layer.weights + i] = deviation * random.normal();
   }

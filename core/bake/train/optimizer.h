@@ -13,8 +13,8 @@ namespace fb {
 // What the learning rate is multiplied with at `step` of `steps`.
 double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t steps);
 
-// What the rate is multiplied with for each layer's weights, see TrainingPlan::rate_width.
-std::vector<float> layer_rates(const NetShape& shape, float rate_width);
+// What the rate is multiplied with for each layer's weights.
+std::vector<float> layer_rates(const NetShape& shape, const TrainingPlan& plan);
 
 // Adam with decoupled weight decay (biases keep theirs): parameters and both moments.
 struct Adam {
@@ -27,9 +27,9 @@ struct Adam {
             const std::vector<const float*>& gradients, const Parallel& parallel);
 };
 
-// He's initialisation (for tanh LeCun's); layers that add to a skip begin small, so that the network begins nearly
-// linear whatever its depth, and the last layer begins at 0: at first nothing moves.
-std::vector<float> initial_parameters(const NetShape& shape, std::uint64_t seed);
+// He's initialisation (for tanh LeCun's), times skip_start for layers that add to a skip; the last layer begins at 0:
+// at first nothing moves.
+std::vector<float> initial_parameters(const NetShape& shape, float skip_start, std::uint64_t seed);
 
 // Parameters with weights rounded row by row as packing rounds them to `bits` bits; biases as they are.
 void round_weights(const NetShape& shape, int bits, const std::vector<float>& parameters, std::vector<float>& rounded,

@@ -93,7 +93,9 @@ std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
                                         static_cast<std::uint64_t>(plan.schedule),
                                         static_cast<std::uint64_t>(plan.weight_bits),
                                         millionths(plan.learning_rate),
-                                        millionths(plan.rate_width),
+                                        millionths(plan.hidden_rate),
+                                        millionths(plan.last_rate),
+                                        millionths(plan.skip_start),
                                         millionths(plan.weight_decay),
                                         millionths(plan.output_scaling),
                                         millionths(plan.quantized_share)};
@@ -116,7 +118,7 @@ class Training {
         steps_per_epoch_(poses_.size() / batch_),
         steps_(steps_per_epoch_ * plan.epochs),
         key_(plan.checkpoint.empty() ? 0 : key_of(set, plan)),
-        layer_rates_(layer_rates(shape_, plan.rate_width)),
+        layer_rates_(layer_rates(shape_, plan)),
         adam_({}),
         passes_((batch_ + DensePass::most_poses - 1) / DensePass::most_poses, DensePass(shape_)) {
     std::vector<double> squares;
@@ -149,7 +151,7 @@ class Training {
   void begin() {
     std::vector<float> start;
     if (plan_.start.empty()) {
-      start = initial_parameters(shape_, plan_.seed);
+      start = initial_parameters(shape_, plan_.skip_start, plan_.seed);
     } else {
       start = parameters_of(shape_, plan_.start);
       scale_last_layer(start, true);

@@ -36,10 +36,13 @@ struct TrainingPlan {
   Activation activation = Activation::relu;  // of the hidden layers
   Schedule schedule = Schedule::cosine;
   float learning_rate = 1e-3f;
-  // 0: all layers learn alike. Otherwise weights after the first layer's learn the slower the wider the network is:
-  // with w its last hidden width, at rate_width / w times the rate, the last layer's at 6 times that. That steps shrink
-  // with width is of Yang, Hu (Tensor Programs IV, ICML 2021); the 6 was found by trying.
-  float rate_width = 0;
+  // What the rate is multiplied with for weights of hidden layers but the first, and for those of the last layer. That
+  // layers want rates of their own is known from how steps should shrink with width (Yang, Hu, Tensor Programs IV,
+  // ICML 2021).
+  float hidden_rate = 1, last_rate = 1;
+  // How large weights of layers that add to a skip begin, over the usual: small, and the network begins nearly linear
+  // whatever its depth.
+  float skip_start = 0.1f;
   float weight_decay = 0;  // decoupled (Loshchilov, Hutter, ICLR 2019)
   // How far outputs are learnt each in its own unit, p in [0, 1]. With s_k the root mean square of coefficient k over
   // the trained poses (at least 1e-4 of the largest) and s that of all coefficients, coefficient k is
