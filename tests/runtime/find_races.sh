@@ -1,0 +1,11 @@
+#!/bin/sh
+# Poses one face on several threads under ThreadSanitizer: the sample crowd, each thread with a scratch of its own. Fails
+# on any race. Builds the runtime alone, with clang and without OpenMP, in build/races. The whole tree: tests/run.sh tsan.
+#   tests/runtime/find_races.sh FACE.fbk
+set -eu
+face=$(realpath "$1")
+cd "$(dirname "$0")/../.."
+samples/setup.sh --tsan
+cmake --preset tsan -B build/races -DFB_RUNTIME_ONLY=ON -DFB_OPENMP=OFF >/dev/null
+cmake --build build/races --target crowd
+TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS:-}" build/races/bin/crowd "$face" 400 4
