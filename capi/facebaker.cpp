@@ -6,7 +6,7 @@
 #include <span>
 
 #include "archive/reader.h"
-#include "base/file.h"
+#include "base/mapped_file.h"
 #include "base/parallel.h"
 #include "crossing.h"
 #include "host_memory.h"
@@ -228,8 +228,8 @@ fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) 
     require(path, "path");
     require(model, "model");
     const fb_load_desc known = read_load_desc(desc);
-    const auto bytes = fb::read_file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
-    *model = fb::naming(path, [&] { return load(bytes, known); });
+    const fb::MappedFile file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
+    *model = fb::naming(path, [&] { return load(file.bytes(), known); });
   });
 }
 

@@ -36,7 +36,8 @@ std::string bake_text(const Baked& baked) {
   table.add({"coefficients", std::to_string(baked.coefficients)});
   table.add({"trained numbers", std::to_string(baked.parameters)});
   table.add({"training, seconds", format("%.1f", baked.train_seconds)});
-  table.add({"rounding, worst / diagonal", format("%.2e", baked.quantisation)});
+  table.add({"rounding, mse", format("%.2e", baked.quantisation.mse)});
+  table.add({"rounding, worst / diagonal", format("%.2e", baked.quantisation.max)});
   return table.text();
 }
 

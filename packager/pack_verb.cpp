@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "archive/writer.h"
+#include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "bake/migrate/version_0_2.h"
 #include "bake/quantize/coarsen.h"
@@ -30,43 +30,39 @@ Archive read_any(std::span<const std::byte> bytes) {
   return is_version_0_2(bytes) ? read_version_0_2(bytes) : read_archive(bytes);
 }
 
-// What the certificate says was measured before; how far poses have moved since is added to it.
-void note_repacking(std::string& certificate, double error) {
-  using Json = nlohmann::ordered_json;
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(certificate, shallow, false);
-  if (!json.is_object()) json = Json::object();
-  const auto before = json.find("repacked");
-  const double earlier = before != json.end() && before->is_object() ? before->value("max", 0.0) : 0;
-  json["repacked"] = {{"max", earlier + error}};
-  certificate = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 // Rounds further, as the options ask; what it says is for people.
 std::string PackVerb::coarsen(Archive& face) const {
   constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses that the proof does not have
   std::vector<float> poses = make_proof(face.model, seed).controls;
   const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
   poses.insert(poses.end(), more.begin(), more.end());
-  const auto with = [&](double factor) { return coarsened(face.model, factor); };
+  struct Coarser {
+    Archive face;
+    Errors moved;
+  };
+  const auto with = [&](double factor) {
+    Coarser coarser{face, {}};
+    if (factor <= 1) return coarser;
+    coarser.face.model = coarsened(face.model, factor);
+    coarser.moved = packing_errors(face.model, coarser.face.model, poses);
+    note_repacking(coarser.face.text.certificate, coarser.moved);
+    coarser.face.proof = make_proof(coarser.face.model, seed);
+    return coarser;
+  };
   const Coarsening choice = choose_coarsening(
       max_bytes, max_error,
       [&](double factor) {
-        const PackedModel model = with(factor);
-        ArchiveText text = face.text;
-        if (factor > 1) note_repacking(text.certificate, 1);
-        return std::uint64_t(write_archive(model, make_proof(model, seed), text).size());
+        const Archive coarser = with(factor).face;
+        return std::uint64_t(write_archive(coarser.model, coarser.proof, coarser.text).size());
       },
-      [&](double factor) { return worst_difference(face.model, with(factor), poses); });
-  if (choice.factor > 1) {
-    face.model = with(choice.factor);
-    face.proof = {};
-    note_repacking(face.text.certificate, choice.error);
-  }
+      [&](double factor) { return with(factor).moved.max; });
+  auto [chosen, moved] = with(choice.factor);
+  face = std::move(chosen);
   const bool kept = max_bytes > 0 ? choice.bytes <= max_bytes : choice.error <= max_error;
   return format(
-      "steps of the basis %.3g times as large: %.3g of the diagonal from what it was, at most, on %zu poses%s\n",
-      choice.factor, choice.error, poses.size() / face.model.schema.control_count(),
+      "steps of the basis %.3g times as large: %.3g of the diagonal from what it was, at most, and mse %.3g, on %zu "
+      "poses%s\n",
+      choice.factor, moved.max, moved.mse, poses.size() / face.model.schema.control_count(),
       kept ? "" : "; what was asked for cannot be had");
 }
 
@@ -74,8 +70,8 @@ void PackVerb::run() const {
   const auto bytes = read_file(archive);
   Archive face = naming(archive, [&] { return read_any(bytes); });
   if (!licence.empty()) face.text.licence = licence_text(licence);
-  const std::string said = max_bytes > 0 || max_error > 0 ? coarsen(face) : "";
   if (face.proof.hashes.empty()) face.proof = make_proof(face.model, seed);
+  const std::string said = max_bytes > 0 || max_error > 0 ? coarsen(face) : "";
   const auto packed = write_archive(face.model, face.proof, face.text);
   verify_archive(packed);
   write_file(out, packed);

@@ -131,7 +131,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},
-                    {"quantisation", baked.quantisation}});
+                    {"quantisation", figures(baked.quantisation)}});
 }
 
 std::string verify_json(const std::string& archive, const VerifyReport& report) {

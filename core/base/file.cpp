@@ -30,9 +30,13 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_
   }
   const bool broken = std::ferror(file) != 0;
   std::fclose(file);
-  if (over) fail(Status::limit, "%s: larger than the limit of %llu bytes", path.c_str(), (unsigned long long)limit);
+  if (over) fail_too_large(path, limit);
   if (broken) fail(Status::io, "%s: reading failed", path.c_str());
   return bytes;
+}
+
+void fail_too_large(const std::filesystem::path& path, std::uint64_t limit) {
+  fail(Status::limit, "%s: larger than the limit of %llu bytes", path.c_str(), static_cast<unsigned long long>(limit));
 }
 
 void make_folder(const std::filesystem::path& path) {

@@ -15,6 +15,9 @@ namespace fb {
 // it is larger than that.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
+// That a file is larger than read_file or its like may take.
+[[noreturn]] void fail_too_large(const std::filesystem::path& path, std::uint64_t limit);
+
 // Makes a folder, and those it lies in, unless it is there; fails with its path and the system's reason.
 void make_folder(const std::filesystem::path& path);
 

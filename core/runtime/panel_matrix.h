@@ -69,7 +69,7 @@ class PanelMatrix {
   std::size_t stored_rows(std::uint32_t first) const { return (rows_at(first) + 15) / 16 * 16; }
   // Of a panel's column. All panels before this one are full.
   const std::uint8_t* digits(std::uint32_t first, std::size_t column) const {
-    return lines_.data()->digit + first * columns_ + stored_rows(first) * column;
+    return reinterpret_cast<const std::uint8_t*>(lines_.data()) + first * columns_ + stored_rows(first) * column;
   }
 
   std::uint32_t rows_;

@@ -101,8 +101,10 @@ TEST_CASE("the paper's network beats linear blendshapes on a face with a correct
   const Baked paper = bake(source, options, silent_progress());
   CHECK(unseen_mse(paper.archive, source) < 0.5 * unseen_mse(linear.archive, source));
   CHECK(paper.poses == 256);
-  CHECK(paper.quantisation < 1e-4);
-  CHECK(paper.quantisation > 1e-8);
+  CHECK(paper.quantisation.max < 1e-4);
+  CHECK(paper.quantisation.max > 1e-8);
+  CHECK(paper.quantisation.rms < paper.quantisation.max);
+  CHECK(paper.quantisation.mse > 0);
   const PackedModel model = read_archive(paper.archive).model;
   REQUIRE(model.regions.size() == 1);
   CHECK(model.regions[0].layers.size() == 9);

@@ -5,22 +5,12 @@
 
 #include "base/file.h"
 #include "base/status.h"
+#include "temporary_folder.h"
 
 namespace fb {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A folder of its own for one test, gone afterwards.
-struct TemporaryFolder {
-  fs::path path = fs::temp_directory_path() / format("facebaker-file-test-%d", getpid());
-  TemporaryFolder() {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-  std::size_t entries() const { return std::distance(fs::directory_iterator(path), fs::directory_iterator()); }
-};
 
 Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
   try {

@@ -111,7 +111,8 @@ static inline void fb_load_desc_init(fb_load_desc* to) {
 }
 
 /* Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
- * reference. The file may come from anyone: every size is checked before it is believed. Fails with NOT_FOUND, IO,
+ * reference. The file may come from anyone: every size is checked before it is believed. It is mapped read-only while
+ * this call lasts, so it must not be cut short meanwhile; to replace it by renaming is safe. Fails with NOT_FOUND, IO,
  * NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and with NOT_FINITE if the rest pose overflows. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
 /* The same from memory, which is not needed any more when the call returns. */

@@ -52,12 +52,27 @@ Json on_unseen(const EvalReport& report, Split split) {
 }  // namespace
 
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
-                        double quantisation) {
+                        const Errors& quantisation) {
   Json json;
   add(json["dependency"], dependency);
   json["independent"] = independent ? on_unseen(*independent, split) : Json();
-  json["quantisation"] = {{"max", rounded(quantisation)}};
+  add(json["quantisation"], quantisation);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void note_repacking(std::string& certificate, const Errors& moved) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
+  Json json = Json::parse(certificate, shallow, false);
+  if (!json.is_object()) json = Json::object();
+  const Json before = json.value("repacked", Json());
+  const auto in_all = [&](const char* key, double now) {
+    const bool known = before.is_object() && before.contains(key) && before[key].is_number();
+    return rounded(now + (known ? before[key].get<double>() : 0));
+  };
+  const double rms = in_all("rms", moved.rms);  // at most: of two displacements it is no more than the sum
+  json["repacked"] = {
+      {"frames", moved.frames}, {"mse", rounded(rms * rms)}, {"rms", rms}, {"max", in_all("max", moved.max)}};
+  certificate = json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::uint64_t training_hash(const PoseSet& poses) {

@@ -78,35 +78,34 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
   return report;
 }
 
-double worst_difference(const PackedModel& one, const PackedModel& other, std::span<const float> controls) {
+Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
+  const std::size_t width = model.rest.points.size();
   std::vector<float> kept;
-  pose_by_pose(one, controls,
+  pose_by_pose(model, controls,
                [&](std::size_t, std::span<const float> p) { kept.insert(kept.end(), p.begin(), p.end()); });
-  double worst = 0;
-  const float* a = kept.data();
-  pose_by_pose(other, controls, [&](std::size_t, std::span<const float> p) {
-    for (std::size_t i = 0; i < p.size(); i += 3, a += 3)
-      worst = std::max(worst, std::hypot(double(p[i]) - a[0], double(p[i + 1]) - a[1], double(p[i + 2]) - a[2]));
+  ErrorSums sums;
+  pose_by_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p) {
+    sums.add_frame(p, std::span(kept).subspan(pose * width, width));
   });
-  return worst / one.rest.diagonal();
+  return sums.figures(model.rest.diagonal());
 }
 
-double worst_difference(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
-                        const Parallel& parallel) {
+Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
+                      const Parallel& parallel) {
   const FloatFace exact(model);
   const Evaluator face(packed);
   const std::size_t width = face.control_count(), poses = controls.size() / width;
-  std::vector<double> worst(poses);
+  std::vector<ErrorSums> sums(poses);
   parallel_for(parallel, poses, [&](std::size_t pose, std::size_t) {
     Workspace workspace(face);
     std::vector<float> points(face.rest_positions().size());
     face.evaluate(controls.data() + pose * width, points.data(), workspace);
     const std::vector<double> expected = exact.evaluate(controls.subspan(pose * width, width));
-    for (std::size_t i = 0; i < points.size(); i += 3)
-      worst[pose] = std::max(worst[pose], std::hypot(points[i] - expected[i], points[i + 1] - expected[i + 1],
-                                                     points[i + 2] - expected[i + 2]));
+    sums[pose].add_frame(points, std::vector<float>(expected.begin(), expected.end()));
   });
-  return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end()) / model.rest.diagonal();
+  ErrorSums all;
+  for (const ErrorSums& one : sums) all.append(one);
+  return all.figures(model.rest.diagonal());
 }
 
 }  // namespace fb

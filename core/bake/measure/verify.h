@@ -6,6 +6,7 @@
 #include <span>
 
 #include "archive/proof.h"
+#include "bake/measure/errors.h"
 #include "base/parallel.h"
 #include "model/face_model.h"
 #include "model/packed_model.h"
@@ -24,12 +25,11 @@ Proof make_proof(const PackedModel& model, std::uint64_t seed);
 // is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
 VerifyReport verify_archive(std::span<const std::byte> archive);
 
-// Largest distance of any vertex between a face and what was packed of it, over these poses (poses x controls) and over
-// the diagonal.
-double worst_difference(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
-                        const Parallel& parallel);
+// How far a packed face is from the one of floats it was made of, over these poses (poses x controls).
+Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
+                      const Parallel& parallel);
 
 // The same of two packed faces with the same controls and vertices. Keeps all positions of one of them meanwhile.
-double worst_difference(const PackedModel& one, const PackedModel& other, std::span<const float> controls);
+Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
 
 }  // namespace fb

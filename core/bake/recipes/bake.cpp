@@ -109,7 +109,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
   progress.begin("packing", 2);
   PackedModel packed = pack_model(model, packing);
   progress.step(1);
-  baked.quantisation = worst_difference(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
+  baked.quantisation = packing_errors(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
   const std::uint64_t hash = training_hash(poses);
   nlohmann::ordered_json provenance = {{"creator", "FaceBaker " FB_VERSION},
                                        {"recipe", options.recipe},
@@ -123,7 +123,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
                                        {"max_error", options.max_error},
                                        {"coefficients", baked.coefficients},
                                        {"parameters", baked.parameters},
-                                       {"quantisation_over_diagonal", baked.quantisation}};
+                                       {"quantisation_over_diagonal", baked.quantisation.max}};
   if (!options.created.empty()) provenance["created"] = options.created;
   packed.provenance = provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   baked.archive = write_archive(packed, make_proof(packed, options.seed), {options.licence, {}});

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bake/measure/errors.h"
 #include "bake/recipes/bake_diary.h"
 #include "bake/rig/source.h"
 #include "base/parallel.h"
@@ -54,8 +55,7 @@ struct Baked {
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
-  // Largest distance between the packed and the unpacked model on training and random poses, over the diagonal.
-  double quantisation = 0;
+  Errors quantisation;           // of the packed model against that of floats, on training and random poses
   BakeDiary diary;
 };
 

@@ -8,6 +8,7 @@
 
 namespace fb {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Errors, frames, mse, rms, mean, p99, max, mfm, worst_frame)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EpochLoss, training, validation)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionDiary, name, vertices, inputs, coefficients, parameters, energy, validation,
                                    epochs, restarts)
