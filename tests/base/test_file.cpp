@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/status.h"
-#include "temporary_folder.h"
+#include "file_folder.h"
 
 namespace fb {
 namespace {

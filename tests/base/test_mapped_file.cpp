@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/mapped_file.h"
 #include "base/status.h"
-#include "temporary_folder.h"
+#include "file_folder.h"
 
 using namespace fb;
 
