@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/status.h"
-#include "file_folder.h"
+#include "temporary_folder.h"
 
 namespace fb {
 namespace {
@@ -25,32 +25,32 @@ Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
 }  // namespace
 
 TEST_CASE("what is written is read, also when empty or larger than a block") {
-  TemporaryFolder folder;
+  test::Folder folder;
   for (const std::size_t size : {0, 1, 65536, 200001}) {
     std::vector<std::byte> bytes(size);
     for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>(i * 7);
-    write_file(folder.path / "f", bytes);
-    CHECK(read_file(folder.path / "f") == bytes);
+    write_file(folder.path() / "f", bytes);
+    CHECK(read_file(folder.path() / "f") == bytes);
   }
-  write_file(folder.path / "f", std::string("text"));
-  CHECK(read_file(folder.path / "f").size() == 4);
+  write_file(folder.path() / "f", std::string("text"));
+  CHECK(read_file(folder.path() / "f").size() == 4);
   CHECK(folder.entries() == 1);
 }
 
 TEST_CASE("reading names what is wrong with a file") {
-  TemporaryFolder folder;
-  CHECK(status_of(folder.path / "missing") == Status::not_found);
-  CHECK(status_of(folder.path / "missing" / "f") == Status::not_found);
-  CHECK(status_of(folder.path / std::string(5000, 'f')) == Status::io);  // the system's reason, not "no such file"
-  CHECK(status_of(folder.path) == Status::io);
-  write_file(folder.path / "f", std::string("12345"));
-  CHECK(status_of(folder.path / "f", 4) == Status::limit);
-  CHECK(status_of(folder.path / "f", 5) == Status::ok);
+  test::Folder folder;
+  CHECK(status_of(folder.path() / "missing") == Status::not_found);
+  CHECK(status_of(folder.path() / "missing" / "f") == Status::not_found);
+  CHECK(status_of(folder.path() / std::string(5000, 'f')) == Status::io);  // the system's reason, not "no such file"
+  CHECK(status_of(folder.path()) == Status::io);
+  write_file(folder.path() / "f", std::string("12345"));
+  CHECK(status_of(folder.path() / "f", 4) == Status::limit);
+  CHECK(status_of(folder.path() / "f", 5) == Status::ok);
 }
 
 TEST_CASE("a file that is not committed leaves the old one, and nothing beside it") {
-  TemporaryFolder folder;
-  const fs::path path = folder.path / "f";
+  test::Folder folder;
+  const fs::path path = folder.path() / "f";
   write_file(path, std::string("old"));
   {
     AtomicFile file(path);
@@ -63,17 +63,17 @@ TEST_CASE("a file that is not committed leaves the old one, and nothing beside i
 }
 
 TEST_CASE("writing where nothing can be written fails by name") {
-  TemporaryFolder folder;
-  CHECK_THROWS_WITH_AS(write_file(folder.path, std::string()), doctest::Contains("is a directory"), Error);
-  CHECK_THROWS_WITH_AS(write_file(folder.path / "no" / "f", std::string()), doctest::Contains("cannot be written"),
+  test::Folder folder;
+  CHECK_THROWS_WITH_AS(write_file(folder.path(), std::string()), doctest::Contains("is a directory"), Error);
+  CHECK_THROWS_WITH_AS(write_file(folder.path() / "no" / "f", std::string()), doctest::Contains("cannot be written"),
                        Error);
   CHECK(folder.entries() == 0);
 }
 
 TEST_CASE("a full disk is reported, not swallowed") {
   if (!fs::exists("/dev/full")) return;
-  TemporaryFolder folder;
-  const fs::path path = folder.path / "f";
+  test::Folder folder;
+  const fs::path path = folder.path() / "f";
   // The partial file is replaced by a link to a device on which every write fails.
   fs::create_symlink("/dev/full", path.string() + format(".partial-%d", getpid()));
   CHECK_THROWS_WITH_AS(write_file(path, std::vector<std::byte>(100000)), doctest::Contains("writing failed"), Error);

@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/mapped_file.h"
 #include "base/status.h"
-#include "file_folder.h"
+#include "temporary_folder.h"
 
 using namespace fb;
 
@@ -32,8 +32,8 @@ std::vector<std::string> mappings(const std::string& path) {
 }  // namespace
 
 TEST_CASE("a file is mapped read-only and shared, and stays whole where it is replaced") {
-  const TemporaryFolder folder;
-  const std::string path = folder.path / "face.fbk";
+  const test::Folder folder;
+  const std::string path = folder.path() / "face.fbk";
   write_file(path, std::string(100000, 'a') + "end");
   {
     const MappedFile one(path), other(path);
@@ -50,8 +50,8 @@ TEST_CASE("a file is mapped read-only and shared, and stays whole where it is re
 }
 
 TEST_CASE("what cannot be mapped is read, and what cannot be read is refused by name") {
-  const TemporaryFolder folder;
-  const std::string empty = folder.path / "empty", pipe = folder.path / "pipe", file = folder.path / "file";
+  const test::Folder folder;
+  const std::string empty = folder.path() / "empty", pipe = folder.path() / "pipe", file = folder.path() / "file";
   write_file(empty, std::string());
   CHECK(MappedFile(empty).bytes().empty());
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
@@ -71,6 +71,6 @@ TEST_CASE("what cannot be mapped is read, and what cannot be read is refused by 
     return Status::ok;
   };
   CHECK(refusal(file) == Status::limit);
-  CHECK(refusal(folder.path / "nothing") == Status::not_found);
-  CHECK(refusal(folder.path) == Status::io);
+  CHECK(refusal(folder.path() / "nothing") == Status::not_found);
+  CHECK(refusal(folder.path()) == Status::io);
 }
