@@ -13,11 +13,6 @@
 namespace fb {
 namespace {
 
-const PackedModel& checked(const PackedModel& model) {
-  check(model);
-  return model;
-}
-
 std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& order) {
   std::vector<std::uint32_t> places(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
@@ -53,7 +48,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
 
 Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes,
                      const PoseKernels& kernels)
-    : schema_(checked(model).schema),
+    : schema_(model.schema),
       kernels_(kernels),
       memory_(memory, max_bytes),
       graph_(model, memory_),

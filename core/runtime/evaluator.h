@@ -95,9 +95,9 @@ struct Batch {
 // machine, alone, in a batch, with strides and on any thread, and controls at rest give the rest mesh exactly.
 class Evaluator {
  public:
-  // Checks the model, then lays it out in blocks from `memory`, which must outlive the evaluator; `model` is not needed
-  // any more. Fails with limit if the blocks take more than max_bytes, with not_finite if the network overflows at
-  // rest.
+  // Lays out a model that check() accepts, as read_archive's are, in blocks from `memory`, which must outlive the
+  // evaluator; `model` is not needed any more. Fails with limit if the blocks take more than max_bytes, with not_finite
+  // if the network overflows at rest.
   explicit Evaluator(const PackedModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
                      std::uint64_t max_bytes = UINT64_MAX, const PoseKernels& kernels = choose_kernels());
   Evaluator(const Evaluator&) = delete;

@@ -9,13 +9,12 @@
 namespace fb {
 namespace {
 
-PanelMatrix digits_of(const PackedLayer& layer, bool high, std::pmr::memory_resource& memory) {
-  const auto write_column = [&](std::size_t input, std::int16_t* digits) {
-    const std::int16_t* weight = layer.weights.data() + input;
-    for (std::uint32_t o = 0; o < layer.outputs; ++o, weight += layer.inputs)
-      digits[o] = static_cast<std::int16_t>(high ? high_digit(*weight) : layer.wide ? low_digit(*weight) : *weight);
-  };
-  return PanelMatrix(layer.outputs, layer.inputs, write_column, memory);
+PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Digit digit, std::pmr::memory_resource& memory) {
+  PanelMatrix digits(layer.outputs, layer.inputs, memory);
+  for (std::uint32_t o = 0; o < layer.outputs; ++o)
+    digits.set_row(o, layer.weights.data() + std::size_t(o) * layer.inputs, digit);
+  digits.find_limit();
+  return digits;
 }
 
 }  // namespace
@@ -25,12 +24,12 @@ RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& mem
       outputs(layer.outputs),
       activation(layer.activation),
       skip(layer.skip),
-      low(digits_of(layer, false, memory)),
+      low(digits_of(layer, PanelMatrix::Digit::low, memory)),
       limit(static_cast<float>(low.limit())),
       scales(layer.scales.begin(), layer.scales.end(), &memory),
       bias(layer.bias.begin(), layer.bias.end(), &memory) {
   if (!layer.wide) return;
-  high.emplace(digits_of(layer, true, memory));
+  high.emplace(digits_of(layer, PanelMatrix::Digit::high, memory));
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 

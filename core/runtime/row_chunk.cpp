@@ -6,20 +6,16 @@ namespace fb {
 namespace {
 
 PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& memory) {
-  const auto count = static_cast<std::uint32_t>(group.columns.size());
-  std::vector<std::uint32_t> wide;
-  for (std::uint32_t c = 0; c < count; ++c)
-    if (group.columns[c].wide) wide.push_back(c);
-  const auto write_column = [&](std::size_t summand, std::int16_t* digits) {
-    const std::size_t c = summand < count ? summand : wide[summand - count];
+  const auto wide = std::count_if(group.columns.begin(), group.columns.end(), [](const auto& c) { return c.wide; });
+  PanelMatrix digits(group.row_count, group.columns.size() + static_cast<std::size_t>(wide), memory);
+  std::size_t high = group.columns.size();
+  for (std::size_t c = 0; c < group.columns.size(); ++c) {
     const std::int16_t* values = group.values.data() + c * group.row_count;
-    if (!group.columns[c].wide)
-      std::copy_n(values, group.row_count, digits);
-    else
-      for (std::uint32_t r = 0; r < group.row_count; ++r)
-        digits[r] = static_cast<std::int16_t>(summand < count ? low_digit(values[r]) : high_digit(values[r]));
-  };
-  return PanelMatrix(group.row_count, count + wide.size(), write_column, memory);
+    digits.set_column(c, values, PanelMatrix::Digit::low);
+    if (group.columns[c].wide) digits.set_column(high++, values, PanelMatrix::Digit::high);
+  }
+  digits.find_limit();
+  return digits;
 }
 
 }  // namespace

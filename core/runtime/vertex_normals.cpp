@@ -94,6 +94,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   for (std::uint32_t v = 0; v < vertices; ++v)
     for (const std::uint32_t chunk : {owner[v], last[v]}) note(influences[owner[v]], chunk);
   std::vector<std::uint32_t> seen(vertices, UINT32_MAX);  // the last polygon of a vertex: it counts once there
+  std::vector<std::uint32_t> reached;                     // the chunks a polygon's corners lie in
   polygons_.reserve(polygons.size());
   for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
     polygon_begin_.push_back(static_cast<std::uint32_t>(polygons_.size()));
@@ -105,17 +106,23 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
       };
       polygons_.push_back(quad(1));
       for (std::uint32_t k = 3; k + 1 < size; k += 2) larger_.push_back({p, quad(k)});
+      reached.clear();
       for (std::uint32_t k = 0; k < size; ++k) {
         const std::uint32_t v = corner[k];
+        note(reached, owner[v]);
+        note(reached, last[v]);
         if (seen[v] == p) continue;
         seen[v] = p;
         by_vertex.add(v, p);
         note(sources[owner[v]], chunk);
+      }
+      for (std::uint32_t k = 0; k < size; ++k) {
+        const std::uint32_t to = owner[corner[k]];
+        if (k > 0 && to == owner[corner[k - 1]]) continue;
         if (size > most_influences)
-          unpredictable_[owner[v]] = 1;
+          unpredictable_[to] = 1;
         else
-          for (std::uint32_t other = 0; other < size; ++other)
-            for (const std::uint32_t c : {owner[corner[other]], last[corner[other]]}) note(influences[owner[v]], c);
+          for (const std::uint32_t c : reached) note(influences[to], c);
       }
     }
   }
