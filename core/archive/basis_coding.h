@@ -57,8 +57,8 @@ class ColumnState {
 
   std::uint32_t class_context(const BasisPiece& piece) const {
     if (piece.last == vertices_) return 42 + std::min<std::uint32_t>(previous_, 9);
-    const Seen first = seen_[piece.last], second = seen_[piece.last_but_one];
-    return contexts_[magnitudes * (first.residual + second.residual) + std::max(first.number, second.number)];
+    const std::uint32_t first = seen_[piece.last], second = seen_[piece.last_but_one];
+    return contexts_[magnitudes * (first % 256 + second % 256) + std::max(first / 256, second / 256)];
   }
 
   static std::uint32_t residual_context(std::uint32_t bits, bool last, bool reached) {
@@ -70,7 +70,7 @@ class ColumnState {
   }
   // Once a piece is coded: the class of its residuals and the largest magnitude of its numbers.
   void done(std::uint32_t vertex, std::uint32_t bits, std::uint32_t magnitude) {
-    seen_[vertex] = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(std::bit_width(magnitude))};
+    seen_[vertex] = static_cast<std::uint16_t>(256 * (std::bit_width(2 * magnitude + 1) - 1) + bits);
     previous_ = bits;
   }
   void begin_group() { previous_ = 0; }
@@ -78,19 +78,18 @@ class ColumnState {
   void forget(const std::vector<BasisPiece>& pieces) {
     for (const BasisPiece& piece : pieces) {
       std::fill_n(numbers_.begin() + 4 * std::size_t(piece.vertex), 4, std::int16_t(0));
-      seen_[piece.vertex] = {};
+      seen_[piece.vertex] = 0;
     }
   }
 
  private:
-  struct Seen {
-    std::uint8_t residual = 0, number = 0;
-  };
   static constexpr std::uint32_t magnitudes = 17;  // bits of the largest number there is, and 0
   int at(std::uint32_t vertex, std::size_t axis) const { return numbers_[4 * std::size_t(vertex) + axis]; }
 
   std::vector<std::int16_t> numbers_;  // four a vertex, the last of them unused
-  std::vector<Seen> seen_;
+  // The class of a vertex' residuals, plus 256 times the bits of its largest number: in one word, as what was written
+  // in two cannot be read in one before it has reached the cache.
+  std::vector<std::uint16_t> seen_;
   std::size_t vertices_;
   std::array<std::uint8_t, magnitudes*(2 * most_class + 1)> contexts_;
   std::uint32_t previous_ = 0;

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
+#include <type_traits>
 
 #include "archive/basis_coding.h"
 #include "archive/layout.h"
@@ -35,43 +37,49 @@ void read_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   if (row != 3 * std::uint64_t(vertices)) in.damaged("row groups do not add up to the number of rows");
 }
 
-// Sets `beyond` on numbers that no writer gives; the rest of the column is then not read.
-inline void read_column(SymbolCursor& in, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
-                        std::int16_t* values, bool& beyond) {
-  state.begin_group();
-  for (const BasisPiece& piece : pieces) {
-    const std::uint32_t bits = in.symbol(class_lane, state.class_context(piece));
-    if (bits > most_class) {
-      beyond = true;
-      return;
+// Reads `count` rows, which is a constant where it can be. False for what no writer gives.
+template <class Count>
+inline bool read_piece(SymbolCursor& in, ColumnState& state, const BasisPiece& piece, Count count, int largest,
+                       std::int16_t* values) {
+  const std::uint32_t bits = in.symbol(class_lane, state.class_context(piece));
+  if (bits > most_class) return false;
+  int numbers[3];
+  for (std::uint32_t i = 0; i < count; ++i) numbers[i] = state.foretold(piece, piece.axis + i, largest);
+  if (bits > 0) {
+    const int reach = (1 << bits) - 1;
+    const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
+    bool reached = false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      std::uint32_t code = in.symbol(i, ColumnState::residual_context(bits, i + 1 == count, reached)) << finer;
+      if (finer > 0) code |= in.bits(i, finer);
+      const int residual = static_cast<int>(code) - reach;
+      reached = reached || std::abs(residual) > reach / 2;
+      numbers[i] += residual;
     }
-    std::uint32_t magnitude = 0;
-    const auto keep = [&](std::uint32_t i, int number) {
-      magnitude = std::max(magnitude, static_cast<std::uint32_t>(std::abs(number)));
-      state.set(piece.vertex, piece.axis + i, number);
-      values[piece.row + i] = static_cast<std::int16_t>(number);
-    };
-    if (bits == 0) {
-      for (std::uint32_t i = 0; i < piece.count; ++i) keep(i, state.foretold(piece, piece.axis + i, largest));
-    } else {
-      const int reach = (1 << bits) - 1;
-      const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
-      bool reached = false;
-      const auto read_row = [&](std::uint32_t i) {
-        std::uint32_t code = in.symbol(i, ColumnState::residual_context(bits, i + 1 == piece.count, reached)) << finer;
-        if (finer > 0) code |= in.bits(i, finer);
-        const int residual = static_cast<int>(code) - reach;
-        reached = reached || std::abs(residual) > reach / 2;
-        const int number = state.foretold(piece, piece.axis + i, largest) + residual;
-        beyond = beyond || std::abs(number) > largest;
-        keep(i, beyond ? 0 : number);
-      };
-      read_row(0);  // one after the other, so that lanes are constants
-      if (piece.count > 1) read_row(1);
-      if (piece.count > 2) read_row(2);
-    }
-    state.done(piece.vertex, bits, magnitude);
   }
+  std::uint32_t magnitudes = 0;  // as many bits as the largest has
+  bool within = true;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto magnitude = static_cast<std::uint32_t>(std::abs(numbers[i]));
+    magnitudes |= magnitude;
+    within &= magnitude <= static_cast<std::uint32_t>(largest);
+    state.set(piece.vertex, piece.axis + i, numbers[i]);
+    values[piece.row + i] = static_cast<std::int16_t>(numbers[i]);
+  }
+  state.done(piece.vertex, bits, magnitudes);
+  return within && !in.exhausted();
+}
+
+bool read_column(SymbolCursor& in, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
+                 std::int16_t* values) {
+  SymbolCursor at = in;
+  state.begin_group();
+  const bool sound = std::all_of(pieces.begin(), pieces.end(), [&](const BasisPiece& piece) {
+    return piece.count == 3 ? read_piece(at, state, piece, std::integral_constant<std::uint32_t, 3>(), largest, values)
+                            : read_piece(at, state, piece, piece.count, largest, values);
+  });
+  in = at;
+  return sound;
 }
 
 }  // namespace
@@ -121,13 +129,13 @@ void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& mode
   SymbolCursor at = symbols.begin();
   const auto pieces = basis_pieces(model.rest, vertices, model.order, model.groups);
   ColumnState state(vertices);
-  bool beyond = false;
   for (const std::vector<ColumnPlace>& places : column_places(model)) {
     for (const ColumnPlace& place : places) {
       PackedRowGroup& group = model.groups[place.group];
-      read_column(at, state, pieces[place.group], group.columns[place.index].wide ? largest_wide : largest_narrow,
-                  group.values.data() + std::size_t(place.index) * group.row_count, beyond);
-      if (beyond) in.damaged("the basis holds a value beyond its range");
+      const int largest = group.columns[place.index].wide ? largest_wide : largest_narrow;
+      if (!read_column(at, state, pieces[place.group], largest,
+                       group.values.data() + std::size_t(place.index) * group.row_count))
+        symbols.refuse(at, "the basis holds a value beyond its range");
     }
     for (const ColumnPlace& place : places) state.forget(pieces[place.group]);
   }

@@ -1,7 +1,6 @@
 #include <bit>
-#include <cstdlib>
 
-#include "archive/basis_coding.h"
+#include "archive/basis_symbols.h"
 #include "archive/layout.h"
 #include "archive/section_writer.h"
 #include "archive/symbol_writer.h"
@@ -14,29 +13,13 @@ void write_column(SymbolWriter& out, ColumnState& state, const std::vector<Basis
                   const std::int16_t* values) {
   state.begin_group();
   for (const BasisPiece& piece : pieces) {
-    int residuals[3] = {};
-    std::uint32_t most = 0, magnitude = 0;
+    PieceNumbers numbers{}, residuals{};
     for (std::uint32_t i = 0; i < piece.count; ++i) {
-      const int number = values[piece.row + i];
-      residuals[i] = number - state.foretold(piece, piece.axis + i, largest);
-      most = std::max(most, static_cast<std::uint32_t>(std::abs(residuals[i])));
-      magnitude = std::max(magnitude, static_cast<std::uint32_t>(std::abs(number)));
+      numbers[i] = values[piece.row + i];
+      residuals[i] = numbers[i] - state.foretold(piece, piece.axis + i, largest);
     }
-    const auto bits = static_cast<std::uint32_t>(std::bit_width(most));
-    out.symbol(class_lane, state.class_context(piece), bits);
-    const int reach = (1 << bits) - 1;
-    const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
-    bool reached = false;
-    for (std::uint32_t i = 0; i < piece.count; ++i) {
-      if (bits > 0) {
-        const auto code = static_cast<std::uint32_t>(residuals[i] + reach);
-        out.symbol(i, ColumnState::residual_context(bits, i + 1 == piece.count, reached), code >> finer);
-        if (finer > 0) out.bits(i, finer, code & ((1u << finer) - 1));
-        reached = reached || std::abs(residuals[i]) > reach / 2;
-      }
-      state.set(piece.vertex, piece.axis + i, values[piece.row + i]);
-    }
-    state.done(piece.vertex, bits, magnitude);
+    code_piece(out, state, piece, residuals);
+    keep_piece(state, piece, numbers, residuals);
   }
 }
 

@@ -79,15 +79,21 @@ void check_draco_header(const ByteReader& in, std::span<const std::byte> bytes, 
     in.damaged("the Draco data is not of the kind the format allows");
 }
 
-std::vector<float> decode_in_order(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
-  check_draco_header(in, bytes, draco::POINT_CLOUD, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, 3);
+// Decodes all bytes, with a decoder above, into a cloud or mesh of as many points as there are vertices.
+template <class Decoder, class Points>
+void decode(const ByteReader& in, std::span<const std::byte> bytes, Expected expected, Points& points) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  draco::PointCloud cloud;
-  GuardedPoints decoder(expected);
-  if (!decoder.Decode({}, &buffer, &cloud).ok() || cloud.num_points() != expected.vertices)
-    in.damaged("the Draco points cannot be decoded");
+  Decoder decoder(expected);
+  if (!decoder.Decode({}, &buffer, &points).ok() || points.num_points() != expected.vertices)
+    in.damaged("the Draco data cannot be decoded");
   if (buffer.remaining_size() != 0) in.damaged("the Draco data should end here");
+}
+
+std::vector<float> decode_in_order(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
+  check_draco_header(in, bytes, draco::POINT_CLOUD, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, 3);
+  draco::PointCloud cloud;
+  decode<GuardedPoints>(in, bytes, expected, cloud);
   std::vector<float> points(std::size_t(3) * expected.vertices);
   for (std::uint32_t v = 0; v < expected.vertices; ++v)
     cloud.attribute(0)->GetMappedValue(draco::PointIndex(v), &points[std::size_t(3) * v]);
@@ -96,13 +102,8 @@ std::vector<float> decode_in_order(const ByteReader& in, std::span<const std::by
 
 std::vector<float> decode_by_index(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
   check_draco_header(in, bytes, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING, 2);
-  draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Mesh mesh;
-  GuardedMesh decoder(expected);
-  if (!decoder.Decode({}, &buffer, &mesh).ok() || mesh.num_points() != expected.vertices)
-    in.damaged("the Draco mesh cannot be decoded");
-  if (buffer.remaining_size() != 0) in.damaged("the Draco data should end here");
+  decode<GuardedMesh>(in, bytes, expected, mesh);
   std::vector<float> points(std::size_t(3) * expected.vertices);
   std::vector<bool> given(expected.vertices);
   for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {

@@ -1,5 +1,7 @@
 #include "archive/symbol_reader.h"
 
+#include <algorithm>
+
 namespace fb {
 namespace {
 
@@ -13,13 +15,15 @@ std::uint32_t read_frequency(ByteReader& in) {
 }  // namespace
 
 SymbolReader::SymbolReader(ByteReader& in, std::size_t contexts) : in_(&in) {
-  in.budget().take(contexts * symbol_slots, sizeof(std::uint32_t), "symbol tables");
-  slots_.resize(contexts * symbol_slots);
+  in.budget().take(contexts, symbol_slots + 256 * sizeof(std::uint32_t), "symbol tables");
+  symbols_.resize(contexts * symbol_slots);
+  shares_.resize(contexts * 256);
   for (std::size_t context = 0; context < contexts; ++context) {
-    std::uint32_t* const slots = &slots_[context * symbol_slots];
+    std::uint8_t* const symbols = &symbols_[context * symbol_slots];
+    std::uint32_t* const shares = &shares_[context * 256];
     const auto count = in.number<std::uint16_t>("a number of frequencies");
     if (count == 0) {  // always 0, at no cost
-      for (std::uint32_t slot = 0; slot < symbol_slots; ++slot) slots[slot] = (symbol_slots - 1) << 20 | slot << 8;
+      shares[0] = symbol_slots << 16;
       continue;
     }
     const std::uint32_t first = in.number<std::uint8_t>("a symbol");
@@ -28,22 +32,32 @@ SymbolReader::SymbolReader(ByteReader& in, std::size_t contexts) : in_(&in) {
     for (std::uint32_t symbol = first; symbol < first + count; ++symbol) {
       const std::uint32_t frequency = read_frequency(in);
       if (frequency > symbol_slots - slot) in.damaged("the frequencies of symbols are too large");
-      for (std::uint32_t i = 0; i < frequency; ++i) slots[slot++] = (frequency - 1) << 20 | i << 8 | symbol;
+      shares[symbol] = frequency << 16 | slot;
+      std::fill_n(symbols + slot, frequency, static_cast<std::uint8_t>(symbol));
+      slot += frequency;
     }
     if (slot != symbol_slots) in.damaged("the frequencies of symbols are too small");
   }
-  begin_.slots_ = slots_.data();
+  begin_.symbols_ = symbols_.data();
+  begin_.shares_ = shares_.data();
   for (std::uint32_t& state : begin_.states_) {
     state = in.number<std::uint32_t>("a coder's state");
     if (state < least_state) in.damaged("a coder's state is too small");
   }
-  const auto words = in.take(in.left(), "coded symbols");
-  begin_.at_ = words.data();
-  begin_.end_ = words.data() + words.size();
+  if (in.left() % 2 != 0) in.damaged("there are too many coded symbols, by half a word");
+  words_ = in.numbers<std::uint16_t>(in.left() / 2, "coded symbols");
+  const std::size_t count = words_.size();
+  words_.resize(count + SymbolCursor::spare_words);
+  begin_.at_ = words_.data();
+  begin_.end_ = words_.data() + count;
+}
+
+void SymbolReader::refuse(const SymbolCursor& cursor, const char* what) const {
+  in_->damaged(cursor.exhausted() ? "there are too few coded symbols" : what);
 }
 
 void SymbolReader::end(const SymbolCursor& cursor) const {
-  if (cursor.exhausted_) in_->damaged("there are too few coded symbols");
+  if (cursor.exhausted()) refuse(cursor, "");
   if (cursor.at_ != cursor.end_) in_->damaged("there are too many coded symbols");
   for (const std::uint32_t state : cursor.states_)
     if (state != least_state) in_->damaged("the coded symbols do not end as they should");

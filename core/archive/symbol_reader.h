@@ -17,16 +17,23 @@ inline constexpr std::uint32_t symbol_lanes = 4;
 inline constexpr std::uint32_t least_state = 1u << 16;
 
 // Where decoding is: small, so that a loop may keep it in registers. Every symbol is coded in one of four lanes, which
-// do not depend on each other; which one is fixed by what the symbol means.
+// do not depend on each other; which one is fixed by what the symbol means. Whether words are left is not asked for
+// every symbol, as no branch that depends on them may be there: see exhausted().
 class SymbolCursor {
  public:
+  // After the words of the section lie so many zeros: who reads no more symbols than that between one question whether
+  // the cursor is exhausted and the next reads nothing beyond.
+  static constexpr std::size_t spare_words = 64;
+  bool exhausted() const { return at_ > end_; }
+
   // The next number below 256, coded in this context.
   std::uint32_t symbol(std::size_t lane, std::size_t context) {
     std::uint32_t& state = states_[lane];
-    const std::uint32_t entry = slots_[context * symbol_slots + state % symbol_slots];
-    state = ((entry >> 20) + 1) * (state >> symbol_bits) + (entry >> 8) % symbol_slots;
+    const std::uint32_t slot = state % symbol_slots, symbol = symbols_[context * symbol_slots + slot];
+    const std::uint32_t share = shares_[256 * context + symbol];
+    state = (share >> 16) * (state >> symbol_bits) + slot - share % 65536;
     refill(state);
-    return entry & 0xff;
+    return symbol;
   }
 
   // The next number of so many bits (at most 12), all values of which are as likely.
@@ -41,23 +48,20 @@ class SymbolCursor {
  private:
   friend class SymbolReader;
 
+  // Whether a state needs a word is as good as random, so that nothing here is a branch.
   void refill(std::uint32_t& state) {
-    if (state >= least_state) return;
-    if (end_ - at_ < 2) {
-      exhausted_ = true;
-      state = least_state;  // anything valid: the section will be refused
-      return;
-    }
-    state = state << 16 | std::uint32_t(at_[0]) | std::uint32_t(at_[1]) << 8;
-    at_ += 2;
+    const bool needs = state < least_state;
+    const std::uint32_t filled = state << 16 | *at_;
+    state = needs ? filled : state;
+    at_ += needs;
   }
 
-  // For each context and slot: frequency - 1 in bits 20 to 31, slot - first slot of the symbol in bits 8 to 19, the
-  // symbol in bits 0 to 7.
-  const std::uint32_t* slots_ = nullptr;
+  // Of each context and slot, the symbol; of each context and symbol, the first slot plus 65536 times the frequency.
+  // So much smaller than all of it for each slot that most of it stays in the first cache.
+  const std::uint8_t* symbols_ = nullptr;
+  const std::uint32_t* shares_ = nullptr;
   std::array<std::uint32_t, symbol_lanes> states_{};
-  const std::byte *at_ = nullptr, *end_ = nullptr;
-  bool exhausted_ = false;
+  const std::uint16_t *at_ = nullptr, *end_ = nullptr;
 };
 
 class SymbolReader {
@@ -69,10 +73,14 @@ class SymbolReader {
   SymbolCursor begin() const { return begin_; }
   // Fails unless everything was read and nothing more was asked for.
   void end(const SymbolCursor& cursor) const;
+  // Fails because of what was read: for want of symbols if they had run out.
+  [[noreturn]] void refuse(const SymbolCursor& cursor, const char* what) const;
 
  private:
   const ByteReader* in_;
-  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint8_t> symbols_;
+  std::vector<std::uint32_t> shares_;
+  std::vector<std::uint16_t> words_;
   SymbolCursor begin_;
 };
 

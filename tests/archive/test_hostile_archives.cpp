@@ -297,7 +297,10 @@ TEST_CASE("numbers beyond their range, or too few of them, are refused") {
   };
   CHECK(outcome(values("basis-values", always(88, 90, 0))).status == Status::ok);  // all of them 0
   check_refused(values("basis-values", always(88, 0, 17)), Status::corrupt, "a value beyond its range");
-  check_refused(values("basis-values", always(88, 42, 16)), Status::corrupt, "a value beyond its range");
+  Bytes far = always(88, 42, 16);
+  check_refused(values("basis-values", far), Status::corrupt, "too few coded symbols");
+  for (int word = 0; word < 3; ++word) append(far, std::uint16_t(0));
+  check_refused(values("basis-values", far), Status::corrupt, "a value beyond its range");
   check_refused(values("weights", always(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
   CHECK(outcome(values("weights", always(9, 0, 127))).status == Status::corrupt);
   const Bytes states = always(88, 90, 0);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/quantize/economise.h"
+
 namespace fb {
 namespace {
 
@@ -17,14 +19,18 @@ double factor_at(int rung) {
 PackedModel coarsened(const PackedModel& model, double factor) {
   PackedModel out = model;
   if (factor <= 1) return out;
+  std::vector<std::vector<float>> exact;
   for (PackedRowGroup& group : out.groups) {
+    std::vector<float>& values_of_group = exact.emplace_back();
     const PackedRowGroup before = std::move(group);
     group = {before.first_row, before.row_count, {}, {}};
     for (std::size_t c = 0; c < before.columns.size(); ++c) {
       std::vector<std::int16_t> values(before.values.begin() + c * before.row_count,
                                        before.values.begin() + (c + 1) * before.row_count);
       int most = 0;
+      std::vector<float> wanted;
       for (std::int16_t& value : values) {
+        wanted.push_back(static_cast<float>(value / factor));
         value = static_cast<std::int16_t>(std::nearbyint(value / factor));
         most = std::max(most, std::abs(int(value)));
       }
@@ -32,8 +38,10 @@ PackedModel coarsened(const PackedModel& model, double factor) {
       if (most == 0) continue;
       group.columns.push_back({before.columns[c].column, most > largest_narrow, scale});
       group.values.insert(group.values.end(), values.begin(), values.end());
+      values_of_group.insert(values_of_group.end(), wanted.begin(), wanted.end());
     }
   }
+  economise(out, exact, worth_of_a_step);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bake/quantize/economise.h"
 #include "base/status.h"
 
 namespace fb {
@@ -56,7 +57,8 @@ struct Allowance {
   double rounding, drop, step;
 };
 
-PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& allowances) {
+// `exact`: what the values are rounded from, in steps.
+PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& allowances, std::vector<float>& exact) {
   PackedRowGroup packed{group.first_row, group.row_count, {}, {}};
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
     const Allowance& allowed = allowances[group.columns[c]];
@@ -71,6 +73,7 @@ PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& a
     const float scale = append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow,
                                        static_cast<float>(allowed.step), packed.values);
     packed.columns.push_back({group.columns[c], wide, scale});
+    for (const float value : values) exact.push_back(scale == 0 ? 0 : value / scale);
   }
   return packed;
 }
@@ -101,7 +104,10 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
     allowances.push_back(size > 0 ? Allowance{options.basis_tolerance * unit, options.drop * unit, options.step * unit}
                                   : Allowance{any, 0, 0});
   }
-  for (const RowGroup& group : model.basis.groups) packed.groups.push_back(pack_group(group, allowances));
+  std::vector<std::vector<float>> exact;
+  for (const RowGroup& group : model.basis.groups)
+    packed.groups.push_back(pack_group(group, allowances, exact.emplace_back()));
+  if (options.step > 0) economise(packed, exact, worth_of_a_step);
   check(packed);
   return packed;
 }

@@ -18,7 +18,8 @@ struct PackOptions {
   // Over D: columns that move the coordinates of a group less (root mean square) at the typical size leave it.
   double drop = 0;
   // Over D: basis values are rounded to no less than this when the coefficient has its typical size. One step wherever
-  // a column lies is what archives pack best; 0: as fine as 8 or 16 bits allow.
+  // a column lies is what archives pack best, and values are then rounded as economise does; 0: as fine as 8 or 16 bits
+  // allow.
   double step = 0;
 };
 
