@@ -8,79 +8,62 @@ namespace fb {
 
 Quantized::Quantized(std::size_t longest, std::size_t poses, std::pmr::memory_resource& memory)
     : wholes_(longest + padding, &memory),
-      places_(longest + padding, &memory),
+      kept_inputs_(poses * (longest + padding), &memory),
       in_order_(longest + padding, &memory),
-      inputs_(poses * (longest + padding), &memory) {
+      kept_places_(longest + padding, &memory) {
   std::iota(in_order_.begin(), in_order_.end(), 0u);
 }
 
 bool Quantized::quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses) {
   poses_ = poses;
   count_ = (x.count + 3) / 4 * 4;
-  std::int32_t* wholes = wholes_.data();
+  places_ = x.places ? x.places : in_order_.data();
+  inputs_ = poses == 1 ? wholes_.data() : kept_inputs_.data();
   bool any = false;
+  std::size_t zeros = 0;
   for (std::size_t pose = 0; pose < poses; ++pose) {
-    steps_[pose] = kernels.round_all(x.values + pose * x.stride, x.count, limit, wholes);
-    if (steps_[pose] == 0) std::fill_n(wholes, count_, 0);
-    any |= steps_[pose] != 0;
-    std::uint32_t sum = 0;
-    for (std::size_t i = 0; i < count_; ++i) sum += static_cast<std::uint32_t>(wholes[i]);
-    starts_[pose] = 0 - 128 * sum;
+    const Rounded rounded = kernels.round_all(x.values + pose * x.stride, x.count, limit, wholes_.data());
+    steps_[pose] = rounded.step;
+    starts_[pose] = 0 - 128 * rounded.sum;
+    zeros = rounded.zeros;
+    any |= rounded.step != 0;
     if (poses == 1) break;
-    std::int16_t* to = inputs_.data() + 4 * pose;
-    for (std::size_t i = 0; i < count_; i += 4, to += 4 * poses) {
-      std::int16_t four[4];
-      for (int k = 0; k < 4; ++k) four[k] = static_cast<std::int16_t>(wholes[i + k]);
-      std::memcpy(to, four, sizeof four);
-    }
+    if (rounded.step == 0) std::fill_n(wholes_.begin(), count_, std::int16_t(0));
+    std::int16_t* to = kept_inputs_.data() + 4 * pose;
+    for (std::size_t i = 0; i < count_; i += 4, to += 4 * poses)
+      std::memcpy(to, wholes_.data() + i, 4 * sizeof(std::int16_t));
   }
-  if (!any) count_ = 0;
-  if (poses == 1)
-    list_one(x);
-  else
-    list_all(x);
-  return any;
+  if (!any) {
+    count_ = 0;
+    return false;
+  }
+  if (poses == 1 && 8 * zeros > x.count) {
+    list_what_counts();
+  } else if (count_ > x.count) {
+    std::uint32_t* const places = x.places ? x.places : kept_places_.data();
+    if (!x.places) std::iota(places, places + x.count, 0u);
+    std::fill(places + x.count, places + count_, places[0]);
+    places_ = places;
+  }
+  return true;
 }
 
 // Columns whose input is 0 are left out. Whether one is, is a coin toss no branch predictor wins, so they are written
-// whether listed or not; but most often no number of four is 0, or some always is.
-void Quantized::list_one(const PoseNumbers& x) {
-  const std::uint32_t* places = x.places ? x.places : in_order_.data();
-  const std::int32_t* wholes = wholes_.data();
-  std::uint32_t* listed = places_.data();
-  std::int16_t* inputs = inputs_.data();
-  const std::size_t whole_fours = count_ == 0 ? 0 : x.count / 4 * 4, end = count_ == 0 ? 0 : x.count;
+// whether listed or not.
+void Quantized::list_what_counts() {
   std::size_t used = 0;
-  const auto list = [&](std::size_t i) {
-    listed[used] = places[i];
-    inputs[used] = static_cast<std::int16_t>(wholes[i]);
-    used += wholes[i] != 0;
-  };
-  for (std::size_t i = 0; i < whole_fours; i += 4) {
-    if ((wholes[i] != 0) & (wholes[i + 1] != 0) & (wholes[i + 2] != 0) & (wholes[i + 3] != 0)) {
-      std::memcpy(listed + used, places + i, 4 * sizeof *listed);
-      for (int k = 0; k < 4; ++k) inputs[used + k] = static_cast<std::int16_t>(wholes[i + k]);
-      used += 4;
-    } else {
-      for (int k = 0; k < 4; ++k) list(i + k);
-    }
+  for (std::size_t i = 0; i < count_; ++i) {
+    kept_places_[used] = places_[i];
+    kept_inputs_[used] = inputs_[i];
+    used += inputs_[i] != 0;
   }
-  for (std::size_t i = whole_fours; i < end; ++i) list(i);
   for (; used % 4 != 0; ++used) {
-    listed[used] = listed[0];
-    inputs[used] = 0;
+    kept_places_[used] = kept_places_[0];
+    kept_inputs_[used] = 0;
   }
   count_ = used;
-  listed_ = listed;
-}
-
-void Quantized::list_all(const PoseNumbers& x) {
-  std::uint32_t* listed = places_.data();
-  if (count_ != 0) {
-    std::copy_n(x.places ? x.places : in_order_.data(), x.count, listed);
-    std::fill(listed + x.count, listed + count_, listed[0]);
-  }
-  listed_ = listed;
+  places_ = kept_places_.data();
+  inputs_ = kept_inputs_.data();
 }
 
 }  // namespace fb

@@ -7,8 +7,12 @@ namespace {
 
 #include "runtime/kernels/vector_passes.h"
 
+// The assembler is one instruction the compiler could choose itself, were it not to put off sums until registers run
+// out.
 __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
-  return _mm256_add_epi32(sum, _mm256_madd_epi16(weights, input));
+  const __m256i products = _mm256_madd_epi16(weights, input);
+  asm("vpaddd %1, %0, %0" : "+x"(sum) : "x"(products));
+  return sum;
 }
 
 #include "runtime/kernels/avx2_pairs.h"
@@ -17,7 +21,7 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
   if (active.poses == block_poses) return block_sums(digits, rows, active, sums);
   if (rows == 64) return add_up<true, 2, 0, 2, 1>(digits, rows, active, 0, sums);
   if (rows >= 32) add_up<true, 1, 0, 2, 1>(digits, rows, active, 0, sums);
-  if (rows % 32) add_up<false, 1, 0, 2, 1>(digits + rows - 16, rows, active, 0, sums + rows - 16);
+  if (rows % 32) add_up<false, 1, 0, 1, 1>(digits + rows - 16, rows, active, 0, sums + rows - 16);
 }
 
 }  // namespace

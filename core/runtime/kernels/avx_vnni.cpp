@@ -13,6 +13,13 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 #include "runtime/kernels/avx2_pairs.h"
 
+// 32 bytes, or 16 and zeros.
+template <bool whole>
+__m256i load(const std::uint8_t* bytes) {
+  if constexpr (whole) return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
+  return _mm256_zextsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes)));
+}
+
 // 32 rows, or 16, of one pose: four columns become fours of bytes, which one instruction multiplies and adds, with the
 // low digits of the four inputs and again with the high ones. Interleaving happens within halves of 128 bits, so that
 // sums lie in a wrong order until they are stored.

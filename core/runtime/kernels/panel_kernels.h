@@ -32,13 +32,19 @@ using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const A
                            std::int32_t* sums);
 
 // Lists of floats have room up to the next multiple of this.
-inline constexpr std::size_t padding = 8;
+inline constexpr std::size_t padding = 16;
+
+// What became of numbers that were rounded to multiples of one step, and their sum and how many are 0 in steps.
+struct Rounded {
+  float step = 0;  // 0: all numbers are, and none is written
+  std::uint32_t sum = 0, zeros = 0;
+};
 
 struct PoseKernels {
   const char* name;
   PanelSums panel_sums;
   // The loops of vector_passes.h.
-  float (*round_all)(float* x, std::size_t count, float limit, std::int32_t* wholes);
+  Rounded (*round_all)(float* x, std::size_t count, float limit, std::int16_t* wholes);
   // rows = rest + step * sums
   void (*move_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
   // y = activation((scales * step) * sums + bias), sums = 256 * high + low, or low where high is null

@@ -2,8 +2,8 @@
 // after panel_kernels.h, so that the compiler makes its vectors of them. What is longer than whole vectors has room up
 // to the next multiple of padding.
 
-// FORMAT.md, "Quantise": the whole numbers of x; returns the step. x is filled up with zeros.
-float round_all(float* __restrict x, std::size_t count, float limit, std::int32_t* __restrict wholes) {
+// FORMAT.md, "Quantise". x is filled up with zeros.
+Rounded round_all(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes) {
   const std::size_t padded = (count + padding - 1) / padding * padding;
   for (std::size_t i = count; i < padded; ++i) x[i] = 0;
   // Bits of positive floats have the order of the floats, and those of what is not a number come last.
@@ -18,16 +18,20 @@ float round_all(float* __restrict x, std::size_t count, float limit, std::int32_
   most = most < largest ? most : largest;
   float m;
   __builtin_memcpy(&m, &most, sizeof m);
-  if (m < 0x1p-100f) return 0;
+  if (m < 0x1p-100f) return {};
   const float inverse = limit / m;
+  std::uint32_t sum = 0, zeros = 0;
   for (std::size_t i = 0; i < padded; ++i) {
     // Beyond 2^23 floats are whole, so adding 1.5 * 2^23 rounds to nearest even.
     float q = (x[i] * inverse + 12582912.0f) - 12582912.0f;
     q = q > limit ? limit : q;
     q = q < -limit ? -limit : q;
-    wholes[i] = static_cast<std::int32_t>(q == q ? q : 0);
+    const auto whole = static_cast<std::int32_t>(q == q ? q : 0);
+    wholes[i] = static_cast<std::int16_t>(whole);
+    sum += static_cast<std::uint32_t>(whole);
+    zeros += whole == 0;
   }
-  return m / limit;
+  return {m / limit, sum, zeros - static_cast<std::uint32_t>(padded - count)};
 }
 
 void move_rows(const std::int32_t* __restrict sums, float step, const float* __restrict rest, float* __restrict rows,
