@@ -20,11 +20,13 @@ class PaperNetwork {
   void evaluate(std::size_t poses, const float* controls, float* positions);
   std::size_t bytes() const;
 
- private:
   struct Layer {
     std::size_t inputs, outputs;
-    std::vector<float> weights, bias;
+    std::vector<float> weights, bias;  // weights: column after column
   };
+  const std::vector<Layer>& layers() const { return layers_; }
+
+ private:
   std::vector<Layer> layers_;
   std::vector<float> x_, y_;
 };
