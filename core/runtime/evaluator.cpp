@@ -229,9 +229,7 @@ void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& wor
   Workspace::Lists& lists = workspace.summands_;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
-    const std::size_t next = std::min(c + 1, chunks_.size() - 1);
-    const RowChunk::Ahead ahead = {chunks_[next], lists.places.data() + first_summand_[next],
-                                   next > c ? lists.counts[next] : 0};
+    if (c + 1 < chunks_.size()) chunks_[c + 1].fetch(lists.places.data() + first_summand_[c + 1], lists.counts[c + 1]);
     PoseNumbers list = lists.list(first_summand_[c], lists.counts[c]);
     std::uint32_t* places = lists.places.data() + first_summand_[c];
     for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
@@ -246,10 +244,7 @@ void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& wor
     float* to[block_poses];
     bool moved[block_poses] = {};
     for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();
-    if (list.count > 0)
-      chunk.run(kernels_, list, poses, workspace.quantized_, rest, to, moved, ahead);
-    else
-      RowChunk::fetch(ahead, 0);
+    if (list.count > 0) chunk.run(kernels_, list, poses, workspace.quantized_, rest, to, moved);
     for (std::size_t p = 0; p < poses; ++p) {
       std::uint8_t& was_moved = workspace.moved_[p * chunks_.size() + c];
       if (!moved[p] && !(kept && !was_moved)) std::copy_n(rest, chunk.row_count(), to[p]);

@@ -71,6 +71,9 @@ class PanelMatrix {
   // How many rows the panel has that begins at row `first`, a multiple of panel_rows.
   std::uint32_t rows_at(std::uint32_t first) const { return std::min(std::uint32_t(panel_rows), rows_ - first); }
 
+  // Where that panel's digits begin; null beyond the last.
+  const std::uint8_t* panel(std::uint32_t first) const { return first < rows_ ? digits(first, 0) : nullptr; }
+
   // The sums of that panel: panel_rows numbers a pose.
   void sum(const PoseKernels& kernels, std::uint32_t first, const ActiveColumns& active, std::int32_t* sums) const {
     kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);

@@ -29,7 +29,10 @@ class Quantized {
 
   // An input times step() is about the number it stands for; 0 if all numbers of the pose are.
   float step(std::size_t pose) const { return steps_[pose]; }
-  ActiveColumns columns() const { return {places_, inputs_, count_, poses_, starts_}; }
+  // `ahead`: see ActiveColumns.
+  ActiveColumns columns(const std::uint8_t* ahead = nullptr) const {
+    return {places_, inputs_, count_, poses_, starts_, ahead};
+  }
 
  private:
   void list_what_counts();

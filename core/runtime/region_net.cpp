@@ -34,11 +34,13 @@ RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& mem
 }
 
 void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride,
-                           const float* input, float* output) const {
+                           const float* input, float* output, const Layer* next) const {
   for (std::uint32_t first = 0; first < outputs; first += panel_rows) {
+    const std::uint8_t* ahead = low.panel(first + panel_rows);
+    if (!ahead && next) ahead = next->low.panel(0);
     std::int32_t low_sums[block_poses * panel_rows], high_sums[block_poses * panel_rows];
-    low.sum(kernels, first, x.columns(), low_sums);
-    if (high) high->sum(kernels, first, x.columns(), high_sums);
+    low.sum(kernels, first, x.columns(high ? high->panel(first) : ahead), low_sums);
+    if (high) high->sum(kernels, first, x.columns(ahead), high_sums);
     for (std::size_t pose = 0; pose < poses; ++pose)
       kernels.finish_layer(low_sums + panel_rows * pose, high ? high_sums + panel_rows * pose : nullptr,
                            scales.data() + first, x.step(pose), bias.data() + first, activation,
@@ -76,7 +78,7 @@ std::size_t RegionNet::widest() const {
   for (const Layer& layer : layers_) {
     if (&layer != &layers_.front())
       quantized.quantize(kernels, {before, stride, layer.inputs, nullptr}, layer.limit, poses);
-    layer.run(kernels, quantized, poses, stride, before, after);
+    layer.run(kernels, quantized, poses, stride, before, after, &layer == &layers_.back() ? nullptr : &layer + 1);
     std::swap(before, after);
   }
   for (std::size_t pose = 0; pose < poses; ++pose)

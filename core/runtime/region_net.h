@@ -38,9 +38,10 @@ class RegionNet {
  private:
   struct Layer {
     Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
-    // Of quantised numbers; `input` are those numbers, for layers that skip. Poses lie `stride` apart.
+    // Of quantised numbers; `input` are those numbers, for layers that skip. Poses lie `stride` apart. `next` is the
+    // layer that is run next, if any.
     void run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride, const float* input,
-             float* output) const;
+             float* output, const Layer* next) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;

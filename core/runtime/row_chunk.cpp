@@ -48,29 +48,17 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
   return {part(0, column_count_), part(column_count_, columns_.size())};
 }
 
-void RowChunk::fetch_panel(const Ahead& ahead, std::uint32_t first) {
-  for (std::size_t i = 0; i < ahead.count; ++i) ahead.chunk.digits_.fetch(first, ahead.places[i]);
-}
-
-void RowChunk::fetch(const Ahead& ahead, std::uint32_t first) {
-  for (; first < ahead.chunk.row_count(); first += panel_rows) fetch_panel(ahead, first);
-}
-
-// A panel of what is ahead is fetched before each panel: all at once would be more than a core asks for at a time.
 void RowChunk::run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
-                   const float* rest, float* const* rows, bool* moved, const Ahead& ahead) const {
-  std::uint32_t first = 0;
-  if (quantized.quantize(kernels, summands, static_cast<float>(digits_.limit()), poses))
-    for (; first < row_count(); first += panel_rows) {
-      if (first < ahead.chunk.row_count()) fetch_panel(ahead, first);
-      std::int32_t sums[block_poses * panel_rows];
-      digits_.sum(kernels, first, quantized.columns(), sums);
-      for (std::size_t pose = 0; pose < poses; ++pose)
-        if (quantized.step(pose) != 0)
-          kernels.move_rows(sums + panel_rows * pose, quantized.step(pose), rest + first, rows[pose] + first,
-                            digits_.rows_at(first));
-    }
-  fetch(ahead, first);
+                   const float* rest, float* const* rows, bool* moved) const {
+  if (!quantized.quantize(kernels, summands, static_cast<float>(digits_.limit()), poses)) return;
+  for (std::uint32_t first = 0; first < row_count(); first += panel_rows) {
+    std::int32_t sums[block_poses * panel_rows];
+    digits_.sum(kernels, first, quantized.columns(digits_.panel(first + panel_rows)), sums);
+    for (std::size_t pose = 0; pose < poses; ++pose)
+      if (quantized.step(pose) != 0)
+        kernels.move_rows(sums + panel_rows * pose, quantized.step(pose), rest + first, rows[pose] + first,
+                          digits_.rows_at(first));
+  }
   for (std::size_t pose = 0; pose < poses; ++pose) moved[pose] = quantized.step(pose) != 0;
 }
 

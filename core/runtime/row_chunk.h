@@ -38,27 +38,22 @@ class RowChunk {
       summands[s - span.begin] = coefficients[columns_[s]] * scales_[s];
   }
 
-  // Summands whose digits are needed next: which these are no prefetcher can guess.
-  struct Ahead {
-    const RowChunk& chunk;
-    const std::uint32_t* places;
-    std::size_t count;
-  };
-  // Asks the processor for the digits of panel after panel of that chunk, from the one on that begins at row `first`.
-  static void fetch(const Ahead& ahead, std::uint32_t first);
+  // Asks the processor for the digits of these summands in the first panel: which are needed next no prefetcher can
+  // guess.
+  void fetch(const std::uint32_t* places, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) digits_.fetch(0, places[i]);
+  }
 
   // rows[pose] = rest + what the pose's summands, those at their places, move; and moved[pose] = true where any of them
-  // counts. Rows are left alone where not. `ahead` is fetched meanwhile.
+  // counts. Rows are left alone where not.
   void run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
-           const float* rest, float* const* rows, bool* moved, const Ahead& ahead) const;
+           const float* rest, float* const* rows, bool* moved) const;
 
   // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.
   void displacements(std::size_t place, float* moved) const;
   std::size_t column_count() const { return column_count_; }
 
  private:
-  static void fetch_panel(const Ahead& ahead, std::uint32_t first);
-
   std::uint32_t first_row_;
   std::size_t column_count_;
   std::pmr::vector<std::uint32_t> columns_;

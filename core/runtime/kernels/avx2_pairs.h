@@ -22,14 +22,16 @@ __m256i interleave(const std::uint8_t* a, const std::uint8_t* b, bool second) {
 // whole.
 template <bool whole, int blocks, int part, int parts, int poses>
 void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            std::int32_t* sums) {
+            const std::uint8_t* ahead, std::int32_t* sums) {
   const __m256i even = _mm256_set1_epi16(255);
   __m256i sum[poses][2 * parts * blocks];
   for (int p = 0; p < poses; ++p)
     for (__m256i& s : sum[p]) s = _mm256_set1_epi32(static_cast<int>(active.start[first_pose + p]));
   const std::uint32_t* place = active.places;
   const std::int16_t* inputs = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, place += 4, inputs += 4 * active.poses)
+  for (std::size_t k = 0; k < active.count; k += 4, place += 4, inputs += 4 * active.poses) {
+    if (ahead)
+      for (int i = 0; i < 4; ++i) __builtin_prefetch(ahead + place[i] * rows);
     for (int pair = 0; pair < 4; pair += 2) {
       const std::uint8_t *a = digits + place[pair] * rows, *b = digits + place[pair + 1] * rows;
       for (int block = 0; block < blocks; ++block) {
@@ -48,6 +50,7 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
         }
       }
     }
+  }
   for (int p = 0; p < poses; ++p)
     for (int block = 0; block < blocks; ++block)
       for (int i = 0; i < parts; ++i) {
@@ -61,15 +64,17 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
 
 // All poses of a block, four at once.
 template <bool whole>
-void add_up_block(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+void add_up_block(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, const std::uint8_t* ahead,
+                  std::int32_t* sums) {
   for (std::size_t pose = 0; pose < block_poses; pose += 4) {
-    add_up<whole, 1, 0, 1, 4>(digits, rows, active, pose, sums);
-    if constexpr (whole) add_up<whole, 1, 1, 1, 4>(digits, rows, active, pose, sums);
+    add_up<whole, 1, 0, 1, 4>(digits, rows, active, pose, pose == 0 ? ahead : nullptr, sums);
+    if constexpr (whole) add_up<whole, 1, 1, 1, 4>(digits, rows, active, pose, nullptr, sums);
   }
 }
 
 void block_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
   std::size_t r = 0;
-  for (; r + 32 <= rows; r += 32) add_up_block<true>(digits + r, rows, active, sums + r);
-  if (r < rows) add_up_block<false>(digits + r, rows, active, sums + r);
+  const std::uint8_t* ahead = active.ahead;
+  for (; r + 32 <= rows; r += 32, ahead = nullptr) add_up_block<true>(digits + r, rows, active, ahead, sums + r);
+  if (r < rows) add_up_block<false>(digits + r, rows, active, ahead, sums + r);
 }

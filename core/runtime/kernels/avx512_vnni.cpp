@@ -25,6 +25,8 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
   const std::int16_t* numbers = active.inputs + 4 * first_pose;
   for (std::size_t k = 0; k < active.count; k += 4, numbers += 4 * active.poses) {
     const std::uint32_t* place = active.places + k;
+    if (active.ahead && first_pose == 0)
+      for (int i = 0; i < 4; ++i) __builtin_prefetch(active.ahead + place[i] * rows);
     const __m512i a = _mm512_maskz_loadu_epi8(there, digits + place[0] * rows);
     const __m512i b = _mm512_maskz_loadu_epi8(there, digits + place[1] * rows);
     const __m512i c = _mm512_maskz_loadu_epi8(there, digits + place[2] * rows);

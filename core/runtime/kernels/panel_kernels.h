@@ -23,6 +23,9 @@ struct ActiveColumns {
   std::size_t count;           // a multiple of 4: filled up with inputs of 0 at places there are
   std::size_t poses;           // 1 or block_poses
   const std::uint32_t* start;  // of each pose: -128 x the sum of its inputs, modulo 2^32
+  // Where the digits begin that are needed next, probably of the same columns; asked for meanwhile. May be null, and
+  // columns may be beyond what is there.
+  const std::uint8_t* ahead = nullptr;
 };
 
 // sums[panel_rows * p + r] = sum over the active columns of pose p's input x digit r of the column, for r < rows: 16,
