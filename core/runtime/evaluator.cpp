@@ -26,6 +26,9 @@ std::vector<std::uint32_t> first_rows(const PackedModel& model) {
   return rows;
 }
 
+// So many steps ahead is asked for what lies here and there.
+constexpr std::size_t ahead = 8;
+
 }  // namespace
 
 Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memory)
@@ -62,9 +65,7 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory
       inputs_(&memory_),
       gates_(&memory_),
       summands_(&memory_),
-      inputs_begin_(&memory_),
-      gates_begin_(&memory_),
-      summands_begin_(&memory_),
+      uses_(&memory_),
       chunk_regions_(&memory_),
       chunk_regions_begin_(&memory_),
       rest_(model.rest.points.begin(), model.rest.points.end(), &memory_),
@@ -114,8 +115,9 @@ void Evaluator::lay_out_uses(const PackedModel& model) {
     for (std::uint32_t i = 0; i < region.features.size(); ++i) inputs.add(region.features[i], {r, i});
     for (const std::uint32_t feature : region.gate.features) gates.add(feature, r);
   }
-  inputs.move_to(inputs_, inputs_begin_);
-  gates.move_to(gates_, gates_begin_);
+  std::pmr::vector<std::uint32_t> inputs_begin, gates_begin, summands_begin;
+  inputs.move_to(inputs_, inputs_begin);
+  gates.move_to(gates_, gates_begin);
 
   Grouped<SummandUse> summands(features);
   Grouped<ChunkRegion> regions(chunks_.size());
@@ -129,7 +131,9 @@ void Evaluator::lay_out_uses(const PackedModel& model) {
         if (span.begin < span.end) regions.add(c, {r, span.begin, span.end});
     }
   }
-  summands.move_to(summands_, summands_begin_);
+  summands.move_to(summands_, summands_begin);
+  uses_.resize(features + 1);
+  for (std::size_t f = 0; f <= features; ++f) uses_[f] = {inputs_begin[f], gates_begin[f], summands_begin[f]};
   regions.move_to(chunk_regions_, chunk_regions_begin_);
 }
 
@@ -153,9 +157,13 @@ void Evaluator::gather_inputs(Workspace& workspace) const {
   Workspace::Lists& inputs = workspace.inputs_;
   std::fill(inputs.counts.begin(), inputs.counts.end(), 0u);
   std::fill(workspace.watches_.begin(), workspace.watches_.end(), Workspace::Watch{});
-  for (const std::uint32_t feature : workspace.features_.active()) {
-    const float* value = workspace.features_[feature];
-    for (std::uint32_t u = inputs_begin_[feature]; u < inputs_begin_[feature + 1]; ++u) {
+  const std::span<const std::uint32_t> active = workspace.features_.active();
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    if (i + ahead < active.size()) __builtin_prefetch(&uses_[active[i + ahead]]);
+    const float* value = workspace.features_[active[i]];
+    const Uses begin = uses_[active[i]], end = uses_[active[i] + 1];
+    __builtin_prefetch(summands_.data() + begin.summands);
+    for (std::uint32_t u = begin.inputs; u < end.inputs; ++u) {
       const auto [region, place] = inputs_[u];
       const std::uint32_t at = first_input_[region] + inputs.counts[region]++;
       inputs.places[at] = place;
@@ -165,7 +173,7 @@ void Evaluator::gather_inputs(Workspace& workspace) const {
         watch.moved[p] |= value[p] != 0;
       }
     }
-    for (std::uint32_t u = gates_begin_[feature]; u < gates_begin_[feature + 1]; ++u) {
+    for (std::uint32_t u = begin.gates; u < end.gates; ++u) {
       Workspace::Watch& watch = workspace.watches_[gates_[u]];
       for (std::size_t p = 0; p < poses; ++p) {
         const float size = std::fabs(value[p]);
@@ -210,12 +218,13 @@ void Evaluator::gather_summands(Workspace& workspace) const {
   float* values = workspace.summands_.values.data();
   const std::size_t stride = workspace.summands_.stride;
   std::uint32_t* places = workspace.summands_.places.data();
-  const std::uint32_t* begin = summands_begin_.data();
-  for (const std::uint32_t feature : workspace.features_.active()) {
+  const std::span<const std::uint32_t> active = workspace.features_.active();
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    if (i + ahead < active.size()) __builtin_prefetch(summands_.data() + uses_[active[i + ahead]].summands);
     float value[poses];
-    std::copy_n(workspace.features_[feature], poses, value);
-    const SummandUse* const end = summands_.data() + begin[feature + 1];
-    for (const SummandUse* use = summands_.data() + begin[feature]; use < end; ++use) {
+    std::copy_n(workspace.features_[active[i]], poses, value);
+    const SummandUse* const end = summands_.data() + uses_[active[i] + 1].summands;
+    for (const SummandUse* use = summands_.data() + uses_[active[i]].summands; use < end; ++use) {
       const std::uint32_t at = ends[use->chunk]++;
       places[at] = use->place;
       for (std::size_t p = 0; p < poses; ++p) values[p * stride + at] = value[p] * use->scale;
@@ -229,7 +238,11 @@ void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& wor
   Workspace::Lists& lists = workspace.summands_;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
-    if (c + 1 < chunks_.size()) chunks_[c + 1].fetch(lists.places.data() + first_summand_[c + 1], lists.counts[c + 1]);
+    if (c + 1 < chunks_.size()) {
+      chunks_[c + 1].fetch(lists.places.data() + first_summand_[c + 1], lists.counts[c + 1]);
+      for (std::uint32_t u = chunk_regions_begin_[c + 1]; u < chunk_regions_begin_[c + 2]; ++u)
+        if (workspace.open_[chunk_regions_[u].region]) chunks_[c + 1].fetch_scales(chunk_regions_[u].begin);
+    }
     PoseNumbers list = lists.list(first_summand_[c], lists.counts[c]);
     std::uint32_t* places = lists.places.data() + first_summand_[c];
     for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {

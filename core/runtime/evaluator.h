@@ -136,6 +136,10 @@ class Evaluator {
     std::uint32_t chunk, place;
     float scale;
   };
+  // Where those of a feature begin in inputs_, gates_ and summands_.
+  struct Uses {
+    std::uint32_t inputs, gates, summands;
+  };
   // A region's summands in a chunk.
   struct ChunkRegion {
     std::uint32_t region, begin, end;
@@ -176,7 +180,7 @@ class Evaluator {
   std::pmr::vector<InputUse> inputs_;
   std::pmr::vector<std::uint32_t> gates_;  // the regions that watch a feature
   std::pmr::vector<SummandUse> summands_;
-  std::pmr::vector<std::uint32_t> inputs_begin_, gates_begin_, summands_begin_;
+  std::pmr::vector<Uses> uses_;  // one more than features
   // What chunks use of regions, chunk after chunk.
   std::pmr::vector<ChunkRegion> chunk_regions_;
   std::pmr::vector<std::uint32_t> chunk_regions_begin_;

@@ -79,11 +79,16 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     moved += any;
   }
 
+  // What is looked at lies here and there, so it is asked for some steps ahead.
+  constexpr std::size_t ahead = 8;
+  const std::uint32_t* begin = combined_begin_.data();
+
   // Listed whether 0 or not, and then not counted: that is a coin toss no branch predictor wins.
   std::size_t count = 0;
   std::uint32_t moved_count = 0;
   const auto set = [&](std::uint32_t feature, auto&& value) {
     float* to = values + feature * poses;
+    __builtin_prefetch(begin + feature);
     active[count] = feature;
     std::uint32_t many = 0;
     for (std::size_t p = 0; p < poses; ++p) {
@@ -97,6 +102,7 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
   const ControlFeature* of_controls = of_controls_.data();
   for (std::size_t m = 0; m < moved; ++m) {
     const std::uint32_t control = moved_controls[m];
+    if (m + ahead < moved) __builtin_prefetch(of_controls + control_begin_[moved_controls[m + ahead]]);
     const float rest = ranges_[control].rest;
     for (std::uint32_t f = control_begin_[control]; f < control_begin_[control + 1]; ++f)
       set(of_controls[f].index, [&, feature = of_controls[f].feature](std::size_t p) {
@@ -110,12 +116,13 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     });
   };
   const Combined* combined = combined_.data();
-  const std::uint32_t* begin = combined_begin_.data();
   std::size_t done = 0;
   for (std::size_t level = 1; level + 1 < restless_begin_.size(); ++level) {
     const std::size_t end = count;
-    for (; done < end; ++done)
+    for (; done < end; ++done) {
+      if (done + ahead < end) __builtin_prefetch(combined + begin[active[done + ahead]]);
       for (std::uint32_t c = begin[active[done]]; c < begin[active[done] + 1]; ++c) combine(combined[c]);
+    }
     for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c]);
   }
   state.count_ = count;

@@ -44,6 +44,12 @@ class RowChunk {
     for (std::size_t i = 0; i < count; ++i) digits_.fetch(0, places[i]);
   }
 
+  // And for what weigh() needs from that summand on.
+  void fetch_scales(std::size_t summand) const {
+    __builtin_prefetch(columns_.data() + summand);
+    __builtin_prefetch(scales_.data() + summand);
+  }
+
   // rows[pose] = rest + what the pose's summands, those at their places, move; and moved[pose] = true where any of them
   // counts. Rows are left alone where not.
   void run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
