@@ -78,12 +78,13 @@ TrainingPlan plan_of(std::uint32_t epochs, int threads = 0) {
   return plan;
 }
 
-// A coefficient's unit and weight by the formula of output_scaling.
+// A coefficient's unit and weight by the formula of output_scaling, and each pose's weight by that of pose_balance.
 struct Units {
   double unit[3], weight[3];
+  std::vector<double> poses;
 };
 
-Units units_of(const Task& task, double scaling) {
+Units units_of(const Task& task, double scaling, double balance) {
   double squares[3] = {};
   for (std::size_t i = 0; i < task.targets.size(); ++i) squares[i % 3] += double(task.targets[i]) * task.targets[i];
   const double poses = double(task.set.poses), all = std::sqrt((squares[0] + squares[1] + squares[2]) / (3 * poses));
@@ -93,6 +94,14 @@ Units units_of(const Task& task, double scaling) {
     units.unit[k] = all * std::pow(own, scaling);
     units.weight[k] = std::pow(own, -scaling / 2) / (all * all);
   }
+  double sum = 0;
+  for (std::size_t i = 0; i < task.set.poses; ++i) {
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) square += std::pow(double(task.targets[3 * i + k]), 2);
+    units.poses.push_back(std::pow(0.2 + square / (3 * all * all), -balance));
+    sum += units.poses.back();
+  }
+  for (double& weight : units.poses) weight *= poses / sum;
   return units;
 }
 
@@ -106,7 +115,8 @@ double loss_of(const std::vector<DenseLayer>& layers, const Task& task, const Un
     const std::vector<double> y = outputs(layers, task.features.data() + 5 * i);
     const double gate = task.set.gates.empty() ? 1 : task.set.gates[i];
     for (std::size_t k = 0; k < 3; ++k)
-      sum += units.weight[k] * std::pow(gate * (y[k] - rest[k]) * units.unit[k] - task.targets[3 * i + k], 2);
+      sum += units.poses[i] * units.weight[k] *
+             std::pow(gate * (y[k] - rest[k]) * units.unit[k] - task.targets[3 * i + k], 2);
   }
   return sum / double(task.set.poses);
 }
@@ -156,7 +166,7 @@ namespace {
 
 // Trains a few steps and checks each against Adam's formula on a gradient by differences.
 void check_steps(const Task& task, TrainingPlan plan, const std::vector<double>& factors) {
-  const Units units = units_of(task, plan.output_scaling);
+  const Units units = units_of(task, plan.output_scaling, plan.pose_balance);
   plan.epochs = 0;
   std::vector<DenseLayer> start = train_layers(task.set, plan, silent_progress()).layers;
   for (std::size_t k = 0; k < 3; ++k)
@@ -249,6 +259,9 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   SUBCASE("halfway") {
     plan.output_scaling = 0.5f;
   }
+  SUBCASE("poses balanced") {
+    plan.pose_balance = 1;
+  }
   SUBCASE("decay") {
     plan.weight_decay = 5;
   }
@@ -261,6 +274,7 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
     plan.last_rate = 2;
     task.set.gates = gates;
     plan.output_scaling = 1;
+    plan.pose_balance = 0.5f;
     plan.weight_decay = 5;
   }
   check_steps(task, plan, half_cosine());
@@ -441,7 +455,7 @@ TEST_CASE("an interrupted training goes on to the very same network") {
 TEST_CASE("a training that differs in anything begins anew") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   const Task task = make_task(700, 1), other_task = make_task(700, 2);
-  std::vector<TrainingPlan> others(8, plan_of(4));
+  std::vector<TrainingPlan> others(9, plan_of(4));
   others[0].epochs = 3;
   others[1].seed = 2;
   others[2].batch = 128;
@@ -450,6 +464,7 @@ TEST_CASE("a training that differs in anything begins anew") {
   others[5].activation = Activation::silu;
   others[6].output_scaling = 1;
   others[7].weight_decay = 0.1f;
+  others[8].pose_balance = 1;
   const auto begun_after_another = [&](TrainingPlan plan, const TrainingSet& set) {
     const auto fresh = train_layers(set, plan, silent_progress()).layers;
     TrainingPlan first = plan_of(4);

@@ -111,13 +111,13 @@ std::span<const float> DensePass::run(const TrainingSet& set, std::span<const st
 }
 
 // Leaves the errors of coefficients in place of the outputs.
-double DensePass::errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const OutputUnits& units) {
+double DensePass::errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const LossScale& scales) {
   std::vector<float> squares(set.outputs);  // one sum a coefficient: sums side by side are what vectors do
   float* error = signals_.back().data();
   for (const std::uint32_t pose : poses) {
     const float* target = set.targets.data() + pose * set.outputs;
     for (std::size_t k = 0; k < set.outputs; ++k) {
-      error[k] = error[k] * units.unit[k] - target[k];
+      error[k] = error[k] * scales.unit[k] - target[k];
       squares[k] += error[k] * error[k];
     }
     error += set.outputs;
@@ -128,15 +128,15 @@ double DensePass::errors(const TrainingSet& set, std::span<const std::uint32_t> 
 }
 
 double DensePass::test(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-                       const OutputUnits& units) {
+                       const LossScale& scales) {
   forward(set, poses, parameters, false);
-  return errors(set, poses, units);
+  return errors(set, poses, scales);
 }
 
 double DensePass::learn(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-                        const OutputUnits& units, float scale) {
+                        const LossScale& scales, float scale) {
   forward(set, poses, parameters, true);
-  const double sum = errors(set, poses, units);
+  const double sum = errors(set, poses, scales);
 
   if (down_.empty()) {
     gradient_.resize(shape_.parameters);
@@ -149,9 +149,11 @@ double DensePass::learn(const TrainingSet& set, std::span<const std::uint32_t> p
   float* rest = down + poses.size() * outputs;
   std::fill_n(rest, outputs, 0.0f);
   for (const std::uint32_t pose : poses) {
-    const float twice = 2 * scale * (set.gates.empty() ? 1.0f : set.gates[pose]);
+    float twice = 2 * scale;
+    if (!scales.pose_weight.empty()) twice *= scales.pose_weight[pose];
+    if (!set.gates.empty()) twice *= set.gates[pose];
     for (std::size_t k = 0; k < outputs; ++k) {
-      down[k] = twice * units.weight[k] * units.unit[k] * error[k];
+      down[k] = twice * scales.weight[k] * scales.unit[k] * error[k];
       rest[k] -= down[k];
     }
     down += outputs;

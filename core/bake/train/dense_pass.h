@@ -34,10 +34,11 @@ struct NetShape {
 std::vector<float> parameters_of(const NetShape& shape, const std::vector<DenseLayer>& layers);
 std::vector<DenseLayer> layers_of(const NetShape& shape, const std::vector<float>& parameters);
 
-// In what units each coefficient is learnt: coefficient = unit * output of the last layer; the loss multiplies squared
-// errors of the coefficient with `weight`.
-struct OutputUnits {
+// In what units each coefficient is learnt, coefficient = unit * output of the last layer, and what the loss multiplies
+// squared errors of each coefficient and of each pose with.
+struct LossScale {
   std::vector<float> unit, weight;
+  std::vector<float> pose_weight;  // empty: 1
 };
 
 // Fails unless features, columns and gates fit the poses.
@@ -57,15 +58,15 @@ class DensePass {
 
   // Sum of squared errors of coefficients; leaves the gradient of `scale` times the weighted sum in gradient().
   double learn(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-               const OutputUnits& units, float scale);
+               const LossScale& scales, float scale);
   // What learn returns, without learning.
   double test(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-              const OutputUnits& units);
+              const LossScale& scales);
   const std::vector<float>& gradient() const { return gradient_; }
 
  private:
   void forward(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters, bool learns);
-  double errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const OutputUnits& units);
+  double errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const LossScale& scales);
   void backward(std::size_t l, const float* parameters);
 
   const NetShape& shape_;

@@ -30,6 +30,8 @@ void check(const TrainingSet& set, const TrainingPlan& plan) {
   if (plan.batch == 0) fail(Status::invalid_argument, "training: batches of no poses");
   if (!(plan.output_scaling >= 0 && plan.output_scaling <= 1))
     fail(Status::invalid_argument, "training: output scaling %g is not in [0, 1]", double(plan.output_scaling));
+  if (!(plan.pose_balance >= 0 && plan.pose_balance <= 1))
+    fail(Status::invalid_argument, "training: pose balance %g is not in [0, 1]", double(plan.pose_balance));
   if (!(plan.quantized_share >= 0 && plan.quantized_share <= 1) || plan.weight_bits < 2 || plan.weight_bits > 16)
     fail(Status::invalid_argument, "training: %d-bit weights in a share of %g", plan.weight_bits,
          double(plan.quantized_share));
@@ -67,16 +69,33 @@ double squares_of(const TrainingSet& set, std::span<const std::uint32_t> poses, 
 }
 
 // Adam's step is absolute, so it matters what one unit of an output is.
-OutputUnits output_units(const std::vector<double>& squares, double all, std::size_t poses, float scaling) {
-  OutputUnits units;
+LossScale loss_scale(const std::vector<double>& squares, double all, std::size_t poses, float scaling) {
+  LossScale scales;
   const double size = std::sqrt(all / static_cast<double>(poses * squares.size()));
   const double largest = *std::ranges::max_element(squares);
   for (const double square : squares) {
     const double own = std::sqrt(std::max(square, 1e-8 * largest) / static_cast<double>(poses)) / size;
-    units.unit.push_back(static_cast<float>(size * std::pow(own, scaling)));
-    units.weight.push_back(static_cast<float>(std::pow(own, -0.5 * scaling) / (size * size)));
+    scales.unit.push_back(static_cast<float>(size * std::pow(own, scaling)));
+    scales.weight.push_back(static_cast<float>(std::pow(own, -0.5 * scaling) / (size * size)));
   }
-  return units;
+  return scales;
+}
+
+// What each pose's squared error weighs, see TrainingPlan::pose_balance; those never trained on weigh nothing.
+std::vector<float> pose_weights(const TrainingSet& set, std::span<const std::uint32_t> poses, double all,
+                                float balance) {
+  constexpr double least = 0.2;
+  const double mean = all / static_cast<double>(poses.size());
+  std::vector<float> weights(set.poses);
+  double sum = 0;
+  for (const std::uint32_t pose : poses) {
+    double size = 0;
+    for (const float target : set.targets.subspan(pose * set.outputs, set.outputs)) size += double(target) * target;
+    weights[pose] = static_cast<float>(std::pow(least + size / mean, -double(balance)));
+    sum += weights[pose];
+  }
+  for (float& weight : weights) weight *= static_cast<float>(static_cast<double>(poses.size()) / sum);
+  return weights;
 }
 
 // What a checkpoint must have been made from to be gone on with.
@@ -98,6 +117,7 @@ std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
                                         millionths(plan.skip_start),
                                         millionths(plan.weight_decay),
                                         millionths(plan.output_scaling),
+                                        millionths(plan.pose_balance),
                                         millionths(plan.quantized_share)};
   numbers.insert(numbers.end(), plan.widths.begin(), plan.widths.end());
   std::uint64_t key = hash64_of<std::uint64_t>(numbers, hash64_of(set.features, hash64_of(set.targets)));
@@ -124,7 +144,8 @@ class Training {
     std::vector<double> squares;
     all_squares_ = squares_of(set, poses_, squares);
     if (!(all_squares_ > 0)) fail(Status::bad_data, "training: all coefficients are 0");
-    units_ = output_units(squares, all_squares_, poses_.size(), plan.output_scaling);
+    scales_ = loss_scale(squares, all_squares_, poses_.size(), plan.output_scaling);
+    if (plan.pose_balance > 0) scales_.pose_weight = pose_weights(set, poses_, all_squares_, plan.pose_balance);
     validation_squares_ = squares_of(set, set.validation, squares);
   }
 
@@ -199,7 +220,7 @@ class Training {
     parallel_for(plan_.parallel, passes_.size(), [&](std::size_t p, std::size_t) {
       const std::size_t first = p * DensePass::most_poses, count = std::min(DensePass::most_poses, batch_ - first);
       losses[p] =
-          passes_[p].learn(set_, poses.subspan(first, count), parameters, units_, 1.0f / static_cast<float>(batch_));
+          passes_[p].learn(set_, poses.subspan(first, count), parameters, scales_, 1.0f / static_cast<float>(batch_));
     });
     const double loss = std::accumulate(losses.begin(), losses.end(), 0.0);
     if (!std::isfinite(loss)) return false;
@@ -240,7 +261,7 @@ class Training {
     parallel_for(plan_.parallel, passes_.size(), [&](std::size_t pass, std::size_t) {
       for (std::size_t p = pass; p < pieces; p += passes_.size())
         errors[p] = passes_[pass].test(set_, set_.validation.subspan(p * piece, std::min(piece, count - p * piece)),
-                                       parameters, units_);
+                                       parameters, scales_);
     });
     return std::accumulate(errors.begin(), errors.end(), 0.0) / std::max(validation_squares_, 1e-30);
   }
@@ -273,7 +294,7 @@ class Training {
   void scale_last_layer(std::vector<float>& parameters, bool into_units) const {
     const LayerShape& last = shape_.layers.back();
     for (std::size_t k = 0; k < last.outputs; ++k) {
-      const float factor = into_units ? 1 / units_.unit[k] : units_.unit[k];
+      const float factor = into_units ? 1 / scales_.unit[k] : scales_.unit[k];
       for (std::size_t i = 0; i < last.inputs; ++i) parameters[last.weights + k * last.inputs + i] *= factor;
       parameters[last.bias + k] *= factor;
     }
@@ -292,7 +313,7 @@ class Training {
   const std::vector<std::uint32_t> poses_;
   const std::size_t batch_;
   const std::uint64_t steps_per_epoch_, steps_, key_;
-  OutputUnits units_;
+  LossScale scales_;
   double all_squares_ = 0, validation_squares_ = 0;
 
   const std::vector<float> layer_rates_;

@@ -50,6 +50,11 @@ struct TrainingPlan {
   // 0: one unit and plain squared errors. 1: each its own unit; a coefficient ten times smaller then weighs 3 times
   // more than in plain squares, where each weighing the same whatever its size would be 100 times.
   float output_scaling = 0;
+  // How far poses count the same however much they ask for, p in [0, 1]. With e a pose's squared coefficients over
+  // their mean over trained poses, its squared error weighs (0.2 + e)^-p, over the mean of that. 0: plain squared
+  // errors, whose gradients are those of the few poses furthest out. With .5, networks came out better at poses of
+  // every size.
+  float pose_balance = 0;
   std::uint32_t batch = 256;
   std::uint32_t epochs = 100;
   // The last part of the epochs runs through weights rounded as the archive will round them (straight-through
