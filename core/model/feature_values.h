@@ -9,30 +9,49 @@
 
 namespace fb {
 
+// Numbers of four poses side by side, and what comparing them gives: all bits or none.
+using FourFloats = float __attribute__((vector_size(16)));
+using FourMasks = std::int32_t __attribute__((vector_size(16)));
+
 // `value` where `wanted`, else +0: without a branch, because which features of a pose are 0 cannot be predicted.
 inline float zero_unless(bool wanted, float value) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & (0 - std::uint32_t(wanted)));
 }
+inline FourFloats zero_unless(FourMasks wanted, FourFloats value) {
+  return std::bit_cast<FourFloats>(std::bit_cast<FourMasks>(value) & wanted);
+}
 
-// FORMAT.md, "Features". max(a, 0) is 0 where a is not a number.
-inline float control_feature(const Feature& feature, float control, float rest) {
-  const float u = zero_unless(control != rest, (control - rest) * feature.scale);
+// `a` where `first`, else `b`, likewise.
+inline float either(bool first, float a, float b) {
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(zero_unless(first, a)) |
+                              std::bit_cast<std::uint32_t>(zero_unless(!first, b)));
+}
+inline FourFloats either(FourMasks first, FourFloats a, FourFloats b) {
+  return std::bit_cast<FourFloats>((std::bit_cast<FourMasks>(a) & first) | (std::bit_cast<FourMasks>(b) & ~first));
+}
+inline FourFloats either(bool first, FourFloats a, FourFloats b) {
+  const std::int32_t mask = -std::int32_t(first);
+  return either(FourMasks{mask, mask, mask, mask}, a, b);
+}
+
+// FORMAT.md, "Features", of one pose or of four. max(a, 0) is 0 where a is not a number.
+template <class Number>
+Number control_feature(const Feature& feature, Number control, float rest) {
+  const Number u = zero_unless(control != rest, (control - rest) * feature.scale);
   if (feature.kind == Feature::Kind::identity) return u;
-  float value = u - feature.threshold;
+  Number value = u - feature.threshold;
   if (feature.kind == Feature::Kind::hat) {
-    const float falling = 1 + (1 - value) * feature.fall;
-    value = value < falling ? value : falling;
+    const Number falling = 1.0f + (1.0f - value) * feature.fall;
+    value = either(value < falling, value, falling);
   }
-  return zero_unless(value > 0, value);
+  return zero_unless(value > 0.0f, value);
 }
 
 // A product or minimum of features of these values.
-inline float combined_feature(Feature::Kind kind, float first, float second) {
-  const bool minimum = kind == Feature::Kind::minimum;
-  const float product = zero_unless((first != 0) & (second != 0), first * second);
-  const float least = first < second ? first : second;
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(zero_unless(minimum, least)) |
-                              std::bit_cast<std::uint32_t>(zero_unless(!minimum, product)));
+template <class Number>
+Number combined_feature(Feature::Kind kind, Number first, Number second) {
+  const Number product = zero_unless((first != 0.0f) & (second != 0.0f), first * second);
+  return either(kind == Feature::Kind::minimum, either(first < second, first, second), product);
 }
 
 // Writes the value of every feature, in order. `controls` are within their ranges, `rest` are their rest values.

@@ -1,6 +1,9 @@
 #include "runtime/feature_graph.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
 
 #include "base/checked.h"
 #include "model/feature_values.h"
@@ -55,6 +58,29 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
   by_level.move_to(restless_, restless_begin_);
 }
 
+namespace {
+
+// Of one pose, beside zeros, or of four.
+template <std::size_t poses>
+FourFloats load(const float* from) {
+  if constexpr (poses == 1) return FourFloats{*from, 0, 0, 0};
+  FourFloats four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
+}
+
+template <std::size_t poses>
+void store(float* to, FourFloats four) {
+  std::memcpy(to, &four, poses == 1 ? sizeof(float) : sizeof four);
+}
+
+bool any_of(FourMasks masks) {
+  const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(masks);
+  return (halves[0] | halves[1]) != 0;
+}
+
+}  // namespace
+
 template <std::size_t poses>
 std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride, FeatureState& state) const {
   float* values = state.values_.data();
@@ -85,19 +111,19 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
 
   // Listed whether 0 or not, and then not counted: that is a coin toss no branch predictor wins.
   std::size_t count = 0;
-  std::uint32_t moved_count = 0;
+  FourMasks moved_counts = {};
   const auto set = [&](std::uint32_t feature, auto&& value) {
-    float* to = values + feature * poses;
     __builtin_prefetch(begin + feature);
     active[count] = feature;
-    std::uint32_t many = 0;
-    for (std::size_t p = 0; p < poses; ++p) {
-      const float v = value(p);
-      to[p] = v;
-      many += v != 0;
+    FourMasks any = {};
+    for (std::size_t p = 0; p < poses; p += 4) {
+      const FourFloats four = value(p);
+      store<poses>(values + feature * poses + p, four);
+      const FourMasks is_moved = four != 0.0f;
+      moved_counts -= is_moved;
+      any |= is_moved;
     }
-    moved_count += many;
-    count += many != 0;
+    count += poses == 1 ? any[0] != 0 : any_of(any);
   };
   const ControlFeature* of_controls = of_controls_.data();
   for (std::size_t m = 0; m < moved; ++m) {
@@ -106,13 +132,13 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     const float rest = ranges_[control].rest;
     for (std::uint32_t f = control_begin_[control]; f < control_begin_[control + 1]; ++f)
       set(of_controls[f].index, [&, feature = of_controls[f].feature](std::size_t p) {
-        return control_feature(feature, moved_values[m * poses + p], rest);
+        return control_feature(feature, load<poses>(moved_values + m * poses + p), rest);
       });
   }
   // Level after level: what is listed under the features of one level is of the next.
   const auto combine = [&](const Combined& c) {
     set(c.index, [&, first = values + c.first * poses, second = values + c.second * poses](std::size_t p) {
-      return combined_feature(c.kind, first[p], second[p]);
+      return combined_feature(c.kind, load<poses>(first + p), load<poses>(second + p));
     });
   };
   const Combined* combined = combined_.data();
@@ -126,14 +152,18 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c]);
   }
   state.count_ = count;
-  state.moved_count_ = moved_count;
+  state.moved_count_ = 0;
+  for (int i = 0; i < 4; ++i) state.moved_count_ += static_cast<std::uint32_t>(moved_counts[i]);
   return clamped;
 }
 
 std::uint64_t FeatureGraph::run(const float* controls, std::size_t stride, std::size_t poses,
                                 FeatureState& state) const {
-  for (std::size_t i = 0; i < state.count_; ++i)
-    std::fill_n(state.values_.data() + std::size_t(state.active_[i]) * state.poses_, state.poses_, 0.0f);
+  if (state.poses_ == 1)
+    for (std::size_t i = 0; i < state.count_; ++i) state.values_[state.active_[i]] = 0;
+  else
+    for (std::size_t i = 0; i < state.count_; ++i)
+      std::fill_n(state.values_.data() + state.active_[i] * block_poses, block_poses, 0.0f);
   state.poses_ = poses;
   return poses == 1 ? run_poses<1>(controls, stride, state) : run_poses<block_poses>(controls, stride, state);
 }

@@ -16,6 +16,7 @@ void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, 
   if (vertices == 0) return;
   const std::size_t last = vertices - 1;
   if (output.vertex_stride == 3)
+#pragma GCC unroll 4
     for (std::size_t v = 0; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * place(v), 4 * sizeof(Number));
   else
     for (std::size_t v = 0; v < last; ++v)
