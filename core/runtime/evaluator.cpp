@@ -161,9 +161,9 @@ void Evaluator::gather_inputs(Workspace& workspace) const {
   for (std::size_t i = 0; i < active.size(); ++i) {
     if (i + ahead < active.size()) __builtin_prefetch(&uses_[active[i + ahead]]);
     const float* value = workspace.features_[active[i]];
-    const Uses begin = uses_[active[i]], end = uses_[active[i] + 1];
-    __builtin_prefetch(summands_.data() + begin.summands);
-    for (std::uint32_t u = begin.inputs; u < end.inputs; ++u) {
+    const Uses* uses = &uses_[active[i]];
+    __builtin_prefetch(summands_.data() + uses->summands);
+    for (std::uint32_t u = uses[0].inputs; u < uses[1].inputs; ++u) {
       const auto [region, place] = inputs_[u];
       const std::uint32_t at = first_input_[region] + inputs.counts[region]++;
       inputs.places[at] = place;
@@ -173,7 +173,7 @@ void Evaluator::gather_inputs(Workspace& workspace) const {
         watch.moved[p] |= value[p] != 0;
       }
     }
-    for (std::uint32_t u = begin.gates; u < end.gates; ++u) {
+    for (std::uint32_t u = uses[0].gates; u < uses[1].gates; ++u) {
       Workspace::Watch& watch = workspace.watches_[gates_[u]];
       for (std::size_t p = 0; p < poses; ++p) {
         const float size = std::fabs(value[p]);
@@ -223,8 +223,9 @@ void Evaluator::gather_summands(Workspace& workspace) const {
     if (i + ahead < active.size()) __builtin_prefetch(summands_.data() + uses_[active[i + ahead]].summands);
     float value[poses];
     std::copy_n(workspace.features_[active[i]], poses, value);
-    const SummandUse* const end = summands_.data() + uses_[active[i] + 1].summands;
-    for (const SummandUse* use = summands_.data() + uses_[active[i]].summands; use < end; ++use) {
+    const Uses* uses = &uses_[active[i]];
+    const SummandUse* const end = summands_.data() + uses[1].summands;
+    for (const SummandUse* use = summands_.data() + uses[0].summands; use < end; ++use) {
       const std::uint32_t at = ends[use->chunk]++;
       places[at] = use->place;
       for (std::size_t p = 0; p < poses; ++p) values[p * stride + at] = value[p] * use->scale;
