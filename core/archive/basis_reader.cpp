@@ -39,45 +39,49 @@ void read_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
 
 // Reads `count` rows, which is a constant where it can be. False for what no writer gives.
 template <class Count>
-inline bool read_piece(SymbolCursor& in, ColumnState& state, const BasisPiece& piece, Count count, int largest,
+inline bool read_piece(SymbolCursor& in, ColumnState& state, const BasisPiece& piece, Count count,
                        std::int16_t* values) {
   const std::uint32_t bits = in.symbol(class_lane, state.class_context(piece));
-  if (bits > most_class) return false;
-  int numbers[3];
-  for (std::uint32_t i = 0; i < count; ++i) numbers[i] = state.foretold(piece, piece.axis + i, largest);
+  if (bits > state.most_class()) return false;
+  int residuals[3] = {};
   if (bits > 0) {
     const int reach = (1 << bits) - 1;
     const std::uint32_t finer = bits > coded_bits ? bits - coded_bits : 0;
     bool reached = false;
     for (std::uint32_t i = 0; i < count; ++i) {
-      std::uint32_t code = in.symbol(i, ColumnState::residual_context(bits, i + 1 == count, reached)) << finer;
+      const std::uint32_t level = state.level(piece, piece.axis + i);
+      std::uint32_t code = in.symbol(i, ColumnState::residual_context(bits, level, i + 1 == count, reached)) << finer;
       if (finer > 0) code |= in.bits(i, finer);
-      const int residual = static_cast<int>(code) - reach;
-      reached = reached || std::abs(residual) > reach / 2;
-      numbers[i] += residual;
+      residuals[i] = static_cast<int>(code) - reach;
+      reached = reached || std::abs(residuals[i]) > reach / 2;
     }
   }
-  std::uint32_t magnitudes = 0;  // as many bits as the largest has
+  std::uint32_t digits = 0;
   bool within = true;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto magnitude = static_cast<std::uint32_t>(std::abs(numbers[i]));
-    magnitudes |= magnitude;
-    within &= magnitude <= static_cast<std::uint32_t>(largest);
-    state.set(piece.vertex, piece.axis + i, numbers[i]);
-    values[piece.row + i] = static_cast<std::int16_t>(numbers[i]);
+    const int number = state.foretold(piece, piece.axis + i) + residuals[i];
+    digits |= static_cast<std::uint32_t>(std::abs(number));
+    within &= std::abs(number) <= state.largest();
+    state.set(piece.vertex, piece.axis + i, number, residuals[i]);
+    values[piece.row + i] = static_cast<std::int16_t>(number);
   }
-  state.done(piece.vertex, bits, magnitudes);
-  return within && !in.exhausted();
+  state.done(piece.vertex, bits, digits);
+  return within;
 }
 
-bool read_column(SymbolCursor& in, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
-                 std::int16_t* values) {
+// Seven words are read for a piece at most.
+constexpr std::size_t pieces_at_once = SymbolCursor::spare_words / 8;
+
+bool read_place(SymbolCursor& in, ColumnState& state, const std::vector<BasisPiece>& pieces, std::int16_t* values) {
   SymbolCursor at = in;
-  state.begin_group();
-  const bool sound = std::all_of(pieces.begin(), pieces.end(), [&](const BasisPiece& piece) {
-    return piece.count == 3 ? read_piece(at, state, piece, std::integral_constant<std::uint32_t, 3>(), largest, values)
-                            : read_piece(at, state, piece, piece.count, largest, values);
-  });
+  bool sound = true;
+  for (std::size_t first = 0; sound && first < pieces.size(); first += pieces_at_once) {
+    for (std::size_t p = first; p < std::min(first + pieces_at_once, pieces.size()); ++p)
+      sound &= pieces[p].count == 3
+                   ? read_piece(at, state, pieces[p], std::integral_constant<std::uint32_t, 3>(), values)
+                   : read_piece(at, state, pieces[p], std::uint32_t(pieces[p].count), values);
+    sound &= !at.exhausted();
+  }
   in = at;
   return sound;
 }
@@ -96,7 +100,7 @@ void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   const std::vector<std::uint32_t> steps = in.planes32(places, "group steps");
   const std::vector<std::uint8_t> flags = in.numbers<std::uint8_t>(places, "flags");
   const std::uint32_t stated = in.count(4, "scales");
-  const std::vector<float> scales = in.numbers<float>(stated, "scales");
+  const std::vector<float> scales = in.float_planes(stated, "scales");
   in.end();
 
   in.budget().take(places, sizeof(PackedColumn), "columns");
@@ -124,7 +128,7 @@ void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& mode
     in.budget().take(count, sizeof(std::int16_t), "basis values");
     group.values.resize(count);
   }
-  in.budget().take(vertices, 160, "predictions");  // about: pieces, neighbours, one column
+  in.budget().take(vertices, 192, "predictions");  // about: pieces, neighbours, one column
   const SymbolReader symbols(in, basis_contexts);
   SymbolCursor at = symbols.begin();
   const auto pieces = basis_pieces(model.rest, vertices, model.order, model.groups);
@@ -132,9 +136,9 @@ void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& mode
   for (const std::vector<ColumnPlace>& places : column_places(model)) {
     for (const ColumnPlace& place : places) {
       PackedRowGroup& group = model.groups[place.group];
-      const int largest = group.columns[place.index].wide ? largest_wide : largest_narrow;
-      if (!read_column(at, state, pieces[place.group], largest,
-                       group.values.data() + std::size_t(place.index) * group.row_count))
+      std::int16_t* const values = group.values.data() + std::size_t(place.index) * group.row_count;
+      state.begin_place(group.columns[place.index].wide);
+      if (!read_place(at, state, pieces[place.group], values))
         symbols.refuse(at, "the basis holds a value beyond its range");
     }
     for (const ColumnPlace& place : places) state.forget(pieces[place.group]);

@@ -9,15 +9,13 @@
 namespace fb {
 namespace {
 
-void write_column(SymbolWriter& out, ColumnState& state, const std::vector<BasisPiece>& pieces, int largest,
+void write_column(SymbolWriter& out, ColumnState& state, const std::vector<BasisPiece>& pieces, bool wide,
                   const std::int16_t* values) {
-  state.begin_group();
+  state.begin_place(wide);
   for (const BasisPiece& piece : pieces) {
-    PieceNumbers numbers{}, residuals{};
-    for (std::uint32_t i = 0; i < piece.count; ++i) {
-      numbers[i] = values[piece.row + i];
-      residuals[i] = numbers[i] - state.foretold(piece, piece.axis + i, largest);
-    }
+    AxisNumbers numbers{};
+    std::copy_n(values + piece.row, piece.count, numbers.begin() + piece.axis);
+    const AxisNumbers residuals = residuals_of(state, piece, numbers);
     code_piece(out, state, piece, residuals);
     keep_piece(state, piece, numbers, residuals);
   }
@@ -62,7 +60,7 @@ ByteWriter write_basis(const PackedModel& model) {
   out.planes(steps);
   out.numbers(flags);
   out.number(checked_u32(scales.size(), "scales"));
-  out.numbers(scales);
+  out.planes(scales);
   return out;
 }
 
@@ -74,7 +72,7 @@ ByteWriter write_basis_values(const PackedModel& model) {
   for (const std::vector<ColumnPlace>& places : column_places(model)) {
     for (const auto& [g, index] : places) {
       const PackedRowGroup& group = model.groups[g];
-      write_column(symbols, state, pieces[g], group.columns[index].wide ? largest_wide : largest_narrow,
+      write_column(symbols, state, pieces[g], group.columns[index].wide,
                    group.values.data() + std::size_t(index) * group.row_count);
     }
     for (const ColumnPlace& place : places) state.forget(pieces[place.group]);

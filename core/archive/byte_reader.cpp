@@ -23,6 +23,13 @@ std::vector<std::uint32_t> ByteReader::planes32(std::uint64_t count, const char*
   return values;
 }
 
+std::vector<float> ByteReader::float_planes(std::uint64_t count, const char* what) {
+  const std::vector<std::uint32_t> bits = planes32(count, what);
+  std::vector<float> values(bits.size());
+  std::memcpy(values.data(), bits.data(), bits.size() * sizeof(float));
+  return values;
+}
+
 std::vector<std::int16_t> ByteReader::whole_numbers(std::uint64_t count, bool wide, const char* what) {
   const auto bytes = take(wide ? checked_multiply(count, 2, where_.c_str()) : count, what);
   budget_.take(count, sizeof(std::int16_t), what);

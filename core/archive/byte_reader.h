@@ -79,6 +79,7 @@ class ByteReader {
   std::string string(const char* what);
   // Unpacks 32-bit numbers from four planes, least significant bytes first.
   std::vector<std::uint32_t> planes32(std::uint64_t count, const char* what);
+  std::vector<float> float_planes(std::uint64_t count, const char* what);
   // Whole numbers of 16 bits from two such planes where `wide`, else of one byte each.
   std::vector<std::int16_t> whole_numbers(std::uint64_t count, bool wide, const char* what);
   // Fails unless everything was read.

@@ -51,6 +51,11 @@ class ByteWriter {
       for (const T value : values)
         bytes.push_back(static_cast<std::byte>(static_cast<std::make_unsigned_t<T>>(value) >> (8 * plane)));
   }
+  void planes(const std::vector<float>& values) {
+    std::vector<std::uint32_t> bits;
+    for (const float value : values) bits.push_back(std::bit_cast<std::uint32_t>(value));
+    planes(bits);
+  }
   // Planes of 16 bits where `wide`, else one byte each.
   void whole_numbers(const std::vector<std::int16_t>& values, bool wide) {
     if (wide) return planes(values);

@@ -22,8 +22,10 @@ enum class Codec : std::uint32_t { none = 0, zstd = 1, deflate = 2 };
 inline constexpr std::uint8_t layer_skips = 1, layer_is_wide = 2;      // the flags of a layer
 inline constexpr std::uint8_t place_is_wide = 1, place_has_scale = 2;  // the flags of a column in a group
 
-// How the points of section "geometry" find their vertices.
+// How the points of section "geometry" find their vertices, and how the corners of section "polygons" are told.
 enum class PointOrder : std::uint32_t { as_stored = 0, by_index = 1 };
+enum class CornerCoding : std::uint32_t { steps = 0, along_triangles = 1 };
+inline constexpr std::int32_t most_steps = 0xffffff;  // of a coordinate on a grid: what a float holds exactly
 
 namespace section {
 inline constexpr const char* definition = "definition";

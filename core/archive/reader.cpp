@@ -59,11 +59,10 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   model.schema = std::move(definition.schema);
   const std::uint32_t vertices = archive.vertices = definition.vertices;
   const bool mesh = has(layers, Layers::mesh), behaviour = has(layers, Layers::behaviour);
-  if (mesh || behaviour) part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, model.rest); });
-  if (mesh) {
-    std::uint64_t triangles = 0;
-    for (const std::uint32_t size : model.rest.polygon_sizes) triangles += size > 2 ? size - 2 : 0;
-    model.rest.points = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices, triangles); });
+  if (mesh || behaviour) {
+    RestPoints rest = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices); });
+    part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, rest.triangles, model.rest); });
+    if (mesh) model.rest.points = std::move(rest.points);
   }
   if (behaviour) {
     part(section::network, [&](ByteReader& in) { read_network(in, model); });

@@ -23,7 +23,7 @@ Feature read_feature(ByteReader& in) {
   return feature;
 }
 
-PackedLayer read_layer(ByteReader& in) {
+PackedLayer read_layer(ByteReader& in, bool in_planes) {
   PackedLayer layer;
   layer.inputs = in.number<std::uint32_t>("a layer's width");
   layer.outputs = in.number<std::uint32_t>("a layer's width");
@@ -33,8 +33,11 @@ PackedLayer read_layer(ByteReader& in) {
     fail(Status::unsupported, "%s has a layer of unknown flags 0x%x", in.where().c_str(), flags);
   layer.skip = flags & layer_skips;
   layer.wide = flags & layer_is_wide;
-  layer.bias = in.numbers<float>(layer.outputs, "biases");
-  layer.scales = in.numbers<float>(layer.outputs, "weight scales");
+  const auto floats = [&](const char* what) {
+    return in_planes ? in.float_planes(layer.outputs, what) : in.numbers<float>(layer.outputs, what);
+  };
+  layer.bias = floats("biases");
+  layer.scales = floats("weight scales");
   return layer;
 }
 
@@ -62,29 +65,6 @@ Definition read_definition(ByteReader& in) {
   return definition;
 }
 
-void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
-  const auto polygons = in.number<std::uint32_t>("the number of polygons");
-  const auto corners = in.number<std::uint32_t>("the number of corners");
-  mesh.polygon_sizes = in.planes32(polygons, "polygon sizes");
-  std::uint64_t sum = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) sum += size;
-  if (sum != corners) in.damaged("polygon sizes do not add up to the number of corners");
-  mesh.polygon_corners = in.planes32(corners, "polygon corners");
-  // Steps are in zigzag form; each is undone from corners already decoded in place.
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
-      const std::uint32_t corner = before + from_zigzag(mesh.polygon_corners[at]);
-      if (corner >= vertices) in.damaged("a polygon names a vertex that does not exist");
-      mesh.polygon_corners[at] = corner;
-    }
-    previous_size = size;
-  }
-  in.end();
-}
-
 void read_network(ByteReader& in, PackedModel& model, LayerTail tail) {
   const std::uint32_t features = in.count(9, "features");
   in.budget().take(features, sizeof(Feature), "features");
@@ -103,7 +83,7 @@ void read_network(ByteReader& in, PackedModel& model, LayerTail tail) {
     in.budget().take(layers, sizeof(PackedLayer), "layers");
     region.layers.reserve(layers);
     for (std::uint32_t l = 0; l < layers; ++l) {
-      region.layers.push_back(read_layer(in));
+      region.layers.push_back(read_layer(in, tail == nullptr));
       if (tail) tail(in, region.layers.back());
     }
   }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "archive/byte_reader.h"
+#include "archive/layout.h"
 #include "archive/proof.h"
 #include "model/packed_model.h"
 
@@ -17,11 +18,22 @@ struct Definition {
 };
 
 Definition read_definition(ByteReader& in);
-// Fills polygon_sizes and polygon_corners; corners are below `vertices`.
-void read_polygons(ByteReader& in, std::uint32_t vertices, Mesh& mesh);
-// The rest points in vertex order: 3 x vertices. `triangles` is how many the polygons fan into.
-std::vector<float> read_geometry(ByteReader& in, std::uint32_t vertices, std::uint64_t triangles);
-// Fills features, direct and regions, but for weights; `tail` reads what versions before 1.0 had after each layer.
+// The rest points in vertex order, and the triangles they came with.
+struct RestPoints {
+  std::vector<float> points;             // 3 x vertices
+  std::vector<std::uint32_t> triangles;  // 3 vertices of each; none where points are as stored
+};
+RestPoints read_geometry(ByteReader& in, std::uint32_t vertices);
+// What follows the section's numbers: Draco data of that many triangles, its positions times `step`, unless that is 0.
+RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, std::uint64_t triangles, float step);
+
+// Fills polygon_sizes and polygon_corners; corners are below `vertices`. Polygons may be told along triangles.
+void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh);
+// The parts of that. The number of corners is given back; steps end the section.
+std::uint32_t read_polygon_sizes(ByteReader& in, Mesh& mesh);
+void read_polygon_steps(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh);
+// Fills features, direct and regions, but for weights; `tail` reads what versions before 1.0 had after each layer,
+// whose biases and scales were not in planes either.
 using LayerTail = void (*)(ByteReader& in, PackedLayer& layer);
 void read_network(ByteReader& in, PackedModel& model, LayerTail tail = nullptr);
 void read_weights(ByteReader& in, PackedModel& model);

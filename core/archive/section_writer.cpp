@@ -33,8 +33,8 @@ void write_layer(ByteWriter& out, const PackedLayer& layer) {
   out.number(layer.outputs);
   out.number(static_cast<std::uint8_t>(layer.activation));
   out.number(static_cast<std::uint8_t>((layer.skip ? layer_skips : 0) | (layer.wide ? layer_is_wide : 0)));
-  out.numbers(layer.bias);
-  out.numbers(layer.scales);
+  out.planes(layer.bias);
+  out.planes(layer.scales);
 }
 
 }  // namespace
@@ -56,26 +56,6 @@ ByteWriter write_definition(const PackedModel& model) {
     out.number(control.maximum);
     out.number(control.rest);
   }
-  return out;
-}
-
-ByteWriter write_polygons(const Mesh& mesh) {
-  ByteWriter out;
-  write_count(out, mesh.polygon_sizes.size(), "polygons");
-  write_count(out, mesh.polygon_corners.size(), "polygon corners");
-  out.planes(mesh.polygon_sizes);
-  // Neighbouring polygons have neighbouring corners, so their differences are small and alike.
-  std::vector<std::uint32_t> zigzag;
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
-      zigzag.push_back(to_zigzag(mesh.polygon_corners[at] - before));
-    }
-    previous_size = size;
-  }
-  out.planes(zigzag);
   return out;
 }
 

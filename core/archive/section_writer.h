@@ -1,7 +1,9 @@
 // The contents of each section, unpacked; the counterpart of section_reader.h. Models given here have passed check().
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "archive/byte_writer.h"
 #include "archive/proof.h"
@@ -10,9 +12,14 @@
 namespace fb {
 
 ByteWriter write_definition(const PackedModel& model);
-ByteWriter write_polygons(const Mesh& mesh);
 // Fails with `internal` if no encoding gives the points back bit for bit.
-ByteWriter write_geometry(const Mesh& mesh);
+struct WrittenGeometry {
+  ByteWriter section;
+  std::vector<std::uint32_t> triangles;  // as a reader gets them, see RestPoints
+};
+WrittenGeometry write_geometry(const Mesh& mesh);
+// `triangles`: those of the geometry.
+ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);
 ByteWriter write_network(const PackedModel& model);
 ByteWriter write_weights(const PackedModel& model);
 ByteWriter write_basis(const PackedModel& model);

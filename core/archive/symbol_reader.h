@@ -5,16 +5,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "archive/byte_reader.h"
 
 namespace fb {
 
-inline constexpr std::uint32_t symbol_bits = 10, symbol_slots = 1u << symbol_bits;  // frequencies of a context sum to
+inline constexpr std::uint32_t symbol_bits = 10, symbol_slots = 1u << symbol_bits;  // frequencies of a table sum to
 inline constexpr std::uint32_t symbol_lanes = 4;
 inline constexpr std::uint32_t least_state = 1u << 16;
+inline constexpr std::uint32_t most_tables = 64;  // that the contexts of a section share
 
 // Where decoding is: small, so that a loop may keep it in registers. Every symbol is coded in one of four lanes, which
 // do not depend on each other; which one is fixed by what the symbol means. Whether words are left is not asked for
@@ -23,14 +23,15 @@ class SymbolCursor {
  public:
   // After the words of the section lie so many zeros: who reads no more symbols than that between one question whether
   // the cursor is exhausted and the next reads nothing beyond.
-  static constexpr std::size_t spare_words = 64;
+  static constexpr std::size_t spare_words = 128;
   bool exhausted() const { return at_ > end_; }
 
   // The next number below 256, coded in this context.
   std::uint32_t symbol(std::size_t lane, std::size_t context) {
     std::uint32_t& state = states_[lane];
-    const std::uint32_t slot = state % symbol_slots, symbol = symbols_[context * symbol_slots + slot];
-    const std::uint32_t share = shares_[256 * context + symbol];
+    const std::size_t table = tables_[context];
+    const std::uint32_t slot = state % symbol_slots, symbol = symbols_[table * symbol_slots + slot];
+    const std::uint32_t share = shares_[256 * table + symbol];
     state = (share >> 16) * (state >> symbol_bits) + slot - share % 65536;
     refill(state);
     return symbol;
@@ -56,9 +57,9 @@ class SymbolCursor {
     at_ += needs;
   }
 
-  // Of each context and slot, the symbol; of each context and symbol, the first slot plus 65536 times the frequency.
-  // So much smaller than all of it for each slot that most of it stays in the first cache.
-  const std::uint8_t* symbols_ = nullptr;
+  // Of each context, its table; of each table and slot, the symbol; of each table and symbol, the first slot plus 65536
+  // times the frequency. So much smaller than all of it for each slot that most of it stays in the first cache.
+  const std::uint8_t *tables_ = nullptr, *symbols_ = nullptr;
   const std::uint32_t* shares_ = nullptr;
   std::array<std::uint32_t, symbol_lanes> states_{};
   const std::uint16_t *at_ = nullptr, *end_ = nullptr;
@@ -66,8 +67,7 @@ class SymbolCursor {
 
 class SymbolReader {
  public:
-  // Reads the frequencies of all contexts and takes what is left of the section. `in` must outlive this object, which
-  // must outlive its cursor.
+  // Reads what is left of the section. `in` must outlive this object, which must outlive its cursor.
   SymbolReader(ByteReader& in, std::size_t contexts);
 
   SymbolCursor begin() const { return begin_; }
@@ -78,7 +78,7 @@ class SymbolReader {
 
  private:
   const ByteReader* in_;
-  std::vector<std::uint8_t> symbols_;
+  std::vector<std::uint8_t> tables_, symbols_;
   std::vector<std::uint32_t> shares_;
   std::vector<std::uint16_t> words_;
   SymbolCursor begin_;

@@ -4,17 +4,16 @@
 #include <array>
 #include <numeric>
 
+#include "archive/share_tables.h"
 #include "archive/symbol_reader.h"
 
 namespace fb {
 namespace {
 
-using Counts = std::array<std::uint32_t, 256>;
-
 // Frequencies that sum to symbol_slots, at least 1 for whatever occurs; all 0 if nothing does.
-Counts frequencies(const Counts& counts) {
+SymbolCounts frequencies(const SymbolCounts& counts) {
   const std::uint64_t total = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
-  Counts out{};
+  SymbolCounts out{};
   if (total == 0) return out;
   std::uint32_t sum = 0;
   for (std::size_t s = 0; s < out.size(); ++s) {
@@ -29,7 +28,7 @@ Counts frequencies(const Counts& counts) {
   return out;
 }
 
-void write_table(const Counts& frequency, ByteWriter& out) {
+void write_table(const SymbolCounts& frequency, ByteWriter& out) {
   std::uint32_t first = 0, end = 256;
   while (first < end && frequency[first] == 0) ++first;
   while (end > first && frequency[end - 1] == 0) --end;
@@ -49,20 +48,25 @@ void write_table(const Counts& frequency, ByteWriter& out) {
 }  // namespace
 
 void SymbolWriter::write(ByteWriter& out) const {
-  std::vector<Counts> frequency(contexts_), first(contexts_);
+  std::vector<SymbolCounts> counts(contexts_);
   for (const Step& step : steps_)
-    if (step.plain_bits == 0) ++frequency[step.context][step.value];
-  for (std::size_t c = 0; c < contexts_; ++c) {
-    frequency[c] = frequencies(frequency[c]);
-    std::exclusive_scan(frequency[c].begin(), frequency[c].end(), first[c].begin(), 0u);
-    write_table(frequency[c], out);
+    if (step.plain_bits == 0) ++counts[step.context][step.value];
+  const std::vector<std::uint8_t> table_of = share_tables(counts);
+  out.numbers(table_of);
+  std::vector<SymbolCounts> frequency(1 + *std::max_element(table_of.begin(), table_of.end())), first(frequency.size());
+  for (std::size_t c = 0; c < contexts_; ++c)
+    for (std::size_t s = 0; s < counts[c].size(); ++s) frequency[table_of[c]][s] += counts[c][s];
+  for (std::size_t t = 0; t < frequency.size(); ++t) {
+    frequency[t] = frequencies(frequency[t]);
+    std::exclusive_scan(frequency[t].begin(), frequency[t].end(), first[t].begin(), 0u);
+    write_table(frequency[t], out);
   }
   // Backwards, as the numeral system is a stack: what is put in last comes out first.
   std::array<std::uint32_t, symbol_lanes> states;
   states.fill(least_state);
   std::vector<std::uint16_t> words;
   for (std::size_t i = steps_.size(); i-- > 0;) {
-    const auto [context, lane, plain_bits, value] = steps_[i];
+    const auto& [context, lane, plain_bits, value] = steps_[i];
     std::uint32_t& state = states[lane];
     const auto make_room = [&](std::uint64_t beyond) {
       if (state < beyond) return;
@@ -73,9 +77,9 @@ void SymbolWriter::write(ByteWriter& out) const {
       make_room(std::uint64_t(1) << (32 - plain_bits));
       state = state << plain_bits | value;
     } else {
-      const std::uint32_t share = frequency[context][value];
+      const std::uint32_t share = frequency[table_of[context]][value];
       make_room(std::uint64_t(share) << (32 - symbol_bits));
-      state = (state / share << symbol_bits) + state % share + first[context][value];
+      state = (state / share << symbol_bits) + state % share + first[table_of[context]][value];
     }
   }
   for (const std::uint32_t state : states) out.number(state);

@@ -73,8 +73,9 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   check(model);
   std::vector<Packed> sections;
   sections.push_back(pack(section::definition, true, write_definition(model).bytes));
-  sections.push_back(pack(section::polygons, true, write_polygons(model.rest).bytes));
-  sections.push_back(pack(section::geometry, true, write_geometry(model.rest).bytes));
+  const auto [geometry, triangles] = write_geometry(model.rest);
+  sections.push_back(pack(section::polygons, true, write_polygons(model.rest, triangles).bytes));
+  sections.push_back(pack(section::geometry, true, geometry.bytes));
   sections.push_back(pack(section::network, true, write_network(model).bytes));
   sections.push_back(as_it_is(section::weights, write_weights(model).bytes));
   sections.push_back(pack(section::basis, true, write_basis(model).bytes));

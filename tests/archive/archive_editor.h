@@ -29,6 +29,14 @@ void append(Bytes& bytes, T value) {
   patch(bytes, bytes.size() - sizeof value, value);
 }
 
+// Makes the first of the floats that lie in planes from byte `at` on, after their number, infinite.
+inline void patch_infinity(Bytes& bytes, std::size_t at) {
+  std::uint32_t count;
+  std::memcpy(&count, bytes.data() + at - sizeof count, sizeof count);
+  const unsigned char infinity[4] = {0, 0, 0x80, 0x7f};
+  for (std::size_t plane = 0; plane < 4; ++plane) patch(bytes, at + plane * count, infinity[plane]);
+}
+
 // Where field `offset` of row `row` of the section table lies in the file.
 inline std::size_t table_at(std::size_t row, std::size_t offset) {
   return header_bytes + row * table_row_bytes + offset;

@@ -247,8 +247,13 @@ TEST_CASE("contents that lie are refused by section") {
   lie("polygons", 0, UINT32_MAX, Status::corrupt, "polygon sizes needs 17179869180 bytes");
   lie("polygons", 4, std::uint32_t(7), Status::corrupt, "do not add up");
   lie("geometry", 0, std::uint32_t(2), Status::unsupported, "unknown order 2");
-  lie("geometry", 4, std::uint8_t(0), Status::corrupt, "not of the kind");
-  lie("geometry", 15, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
+  lie("geometry", 4, UINT32_MAX, Status::limit, "rest triangles");
+  lie("geometry", 8, 0.75f, Status::corrupt, "no power of two");
+  lie("geometry", 8, std::uint32_t(0x7f800000), Status::corrupt, "no power of two");
+  lie("geometry", 8, 0.5f, Status::corrupt, "cannot be decoded");
+  lie("geometry", 12, std::uint8_t(0), Status::corrupt, "not of the kind");
+  lie("geometry", 23, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
+  lie("polygons", 8 + 4 * 21, std::uint32_t(2), Status::unsupported, "unknown coding 2");
   lie("network", 0, UINT32_MAX, Status::corrupt, "features need more than");
   lie("network", 4, std::uint8_t(17), Status::unsupported, "unknown kind 17");
   lie("network", 5, std::uint32_t(5), Status::corrupt, "names control 5 of 5");
@@ -269,10 +274,12 @@ TEST_CASE("contents that lie are refused by section") {
   lie("basis", 192, std::uint8_t(4), Status::unsupported, "unknown flags 0x4");
   lie("basis", 192, std::uint8_t(1), Status::corrupt, "a column has no scale");
   lie("basis", 200, UINT32_MAX, Status::corrupt, "scales need more than");
-  lie("basis", 204, std::uint32_t(0x7f800000), Status::corrupt, "scale that is not finite");
-  lie("weights", 0, std::uint16_t(300), Status::corrupt, "does not fit a byte");
-  lie("weights", 3, std::uint16_t(0x7fff), Status::corrupt, "frequencies of symbols are too");
-  lie("basis-values", 0, std::uint16_t(0xffff), Status::corrupt, "does not fit a byte");
+  check_refused(changed("basis", [](Bytes& b) { patch_infinity(b, 204); }), Status::corrupt,
+                "scale that is not finite");
+  lie("weights", 0, std::uint8_t(64), Status::corrupt, "more tables than the format allows");
+  lie("weights", 9, std::uint16_t(300), Status::corrupt, "does not fit a byte");
+  lie("weights", 12, std::uint16_t(0x7fff), Status::corrupt, "frequencies of symbols are too");
+  lie("basis-values", 241, std::uint16_t(0xffff), Status::corrupt, "does not fit a byte");
   lie("proof", 0, UINT32_MAX, Status::corrupt, "proof controls needs");
   lie("proof", 36, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
 }
@@ -280,13 +287,12 @@ TEST_CASE("contents that lie are refused by section") {
 // A section of coded symbols whose one context gives this symbol for ever.
 Bytes always(std::size_t contexts, std::size_t context, std::uint8_t symbol) {
   Bytes out;
-  for (std::size_t c = 0; c < contexts; ++c) {
-    append(out, std::uint16_t(c == context));
-    if (c != context) continue;
-    append(out, symbol);
-    append(out, std::uint8_t(0x80));
-    append(out, std::uint8_t(8));
-  }
+  for (std::size_t c = 0; c < contexts; ++c) append(out, std::uint8_t(c == context));
+  append(out, std::uint16_t(0));  // the table of all others
+  append(out, std::uint16_t(1));
+  append(out, symbol);
+  append(out, std::uint8_t(0x80));
+  append(out, std::uint8_t(8));
   for (int lane = 0; lane < 4; ++lane) append(out, std::uint32_t(65536));
   return out;
 }
@@ -295,15 +301,15 @@ TEST_CASE("numbers beyond their range, or too few of them, are refused") {
   const auto values = [](const char* section, const Bytes& contents) {
     return changed(section, [&](Bytes& b) { b = contents; });
   };
-  CHECK(outcome(values("basis-values", always(88, 90, 0))).status == Status::ok);  // all of them 0
-  check_refused(values("basis-values", always(88, 0, 17)), Status::corrupt, "a value beyond its range");
-  Bytes far = always(88, 42, 16);
+  CHECK(outcome(values("basis-values", always(241, 90, 0))).status == Status::ok);  // all of them 0
+  check_refused(values("basis-values", always(241, 0, 9)), Status::corrupt, "a value beyond its range");
+  Bytes far = always(241, 42, 8);
   check_refused(values("basis-values", far), Status::corrupt, "too few coded symbols");
   for (int word = 0; word < 3; ++word) append(far, std::uint16_t(0));
   check_refused(values("basis-values", far), Status::corrupt, "a value beyond its range");
   check_refused(values("weights", always(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
   CHECK(outcome(values("weights", always(9, 0, 127))).status == Status::corrupt);
-  const Bytes states = always(88, 90, 0);
+  const Bytes states = always(241, 90, 0);
   for (const std::size_t lane : {0u, 3u}) {
     Bytes wrong = states;
     patch(wrong, wrong.size() - 16 + 4 * lane, std::uint32_t(65535));

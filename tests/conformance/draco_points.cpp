@@ -1,5 +1,5 @@
-// Stock Draco as a program: decodes standard input, writes the number of points, their positions and, if there is an
-// attribute of indices, that. For fbk_read.py, which has no other way to it.
+// Stock Draco as a program: decodes standard input, writes points, their positions and, if there are faces, the points'
+// indices and the faces. For fbk_read.py, which says in which form and has no other way to it.
 #include <draco/compression/decode.h>
 
 #include <cstdint>
@@ -22,18 +22,25 @@ int main() {
                                  : decoder.DecodeBufferToGeometry(&buffer, static_cast<draco::PointCloud*>(&mesh));
   const draco::PointAttribute* positions = mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* indices = mesh.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
-  if (!done.ok() || buffer.remaining_size() != 0 || !positions || positions->data_type() != draco::DT_FLOAT32) return 1;
-  const std::uint32_t count = mesh.num_points();
-  std::fwrite(&count, sizeof count, 1, stdout);
+  if (!done.ok() || buffer.remaining_size() != 0 || !positions || (mesh.num_faces() > 0 && !indices)) return 1;
+  const bool whole = positions->data_type() == draco::DT_INT32;
+  if (!whole && positions->data_type() != draco::DT_FLOAT32) return 1;
+  const auto write = [](std::uint32_t number) { std::fwrite(&number, sizeof number, 1, stdout); };
+  const std::uint32_t count = mesh.num_points(), faces = mesh.num_faces();
+  write(count);
+  write(faces);
+  write(whole);
   for (draco::PointIndex point(0); point < count; ++point) {
-    float xyz[3];
+    std::uint32_t xyz[3];  // the bits of either kind
     positions->GetMappedValue(point, xyz);
     std::fwrite(xyz, sizeof xyz, 1, stdout);
   }
-  for (draco::PointIndex point(0); indices && point < count; ++point) {
+  for (draco::PointIndex point(0); faces > 0 && point < count; ++point) {
     std::uint32_t index = 0;
     indices->GetMappedValue(point, &index);
-    std::fwrite(&index, sizeof index, 1, stdout);
+    write(index);
   }
+  for (draco::FaceIndex face(0); face < faces; ++face)
+    for (const draco::PointIndex& point : mesh.face(face)) write(point.value());
   return std::fflush(stdout) == 0 ? 0 : 1;
 }

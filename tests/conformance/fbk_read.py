@@ -8,8 +8,9 @@ if all agree, 1 at the first difference or damage, 2 on wrong use. With --positi
 proof's poses as hexadecimal bits instead of comparing them, for other programs to compare.
 
 Needs Python 3.8, NumPy, and for the rest mesh a Draco decoder: the module DracoPy, or a program named by the variable
-FB_DRACO_POINTS that reads Draco data from its standard input and writes, little-endian: u32 points, f32 x, y, z of
-each, and, if the data has an attribute of indices, u32 of each. It is slow and meant to be read.
+FB_DRACO_POINTS that reads Draco data from its standard input and writes, little-endian: u32 points, u32 faces, u32 0 or
+1, x, y, z of each point as f32 (0) or i32 (1), and, if there are faces, the u32 index of each point and three points,
+u32, of each face. It is slow and meant to be read.
 """
 import heapq
 import os
@@ -21,96 +22,9 @@ import zlib
 import numpy as np
 
 import fbk_evaluate
+from fbk_bytes import Contents, Damaged, Symbols, require, xxh64
 
 F = np.float32
-
-
-class Damaged(Exception):
-    pass
-
-
-def require(condition, message):
-    if not condition:
-        raise Damaged(message)
-
-
-# ---- Conventions
-
-
-def xxh64(data):
-    p = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
-    mask = (1 << 64) - 1
-
-    def turn(x, bits):
-        return ((x << bits) | (x >> (64 - bits))) & mask
-
-    def mixed(state, lane):
-        return turn((state + lane * p[1]) & mask, 31) * p[0] & mask
-
-    at, size = 0, len(data)
-    if size >= 32:
-        a, b, c, d = (p[0] + p[1]) & mask, p[1], 0, -p[0] & mask
-        whole = size // 32 * 32
-        for i, j, k, l in struct.iter_unpack("<QQQQ", data[:whole]):
-            a, b, c, d = mixed(a, i), mixed(b, j), mixed(c, k), mixed(d, l)
-        at = whole
-        h = (turn(a, 1) + turn(b, 7) + turn(c, 12) + turn(d, 18)) & mask
-        for state in (a, b, c, d):
-            h = ((h ^ mixed(0, state)) * p[0] + p[3]) & mask
-    else:
-        h = p[4]
-    h = (h + size) & mask
-    for at in range(at, size - 7, 8):
-        h = (turn(h ^ mixed(0, struct.unpack_from("<Q", data, at)[0]), 27) * p[0] + p[3]) & mask
-    at = size // 8 * 8
-    if size - at >= 4:
-        h = (turn(h ^ (struct.unpack_from("<I", data, at)[0] * p[0] & mask), 23) * p[1] + p[2]) & mask
-        at += 4
-    for byte in data[at:]:
-        h = turn(h ^ (byte * p[4] & mask), 11) * p[0] & mask
-    h = (h ^ h >> 33) * p[1] & mask
-    h = (h ^ h >> 29) * p[2] & mask
-    return h ^ h >> 32
-
-
-class Contents:
-    """The unpacked bytes of one section, read from front to back."""
-
-    def __init__(self, name, data):
-        self.name, self.data, self.at = name, data, 0
-
-    def take(self, count):
-        require(0 <= count <= len(self.data) - self.at, f"{self.name}: too short")
-        self.at += count
-        return self.data[self.at - count : self.at]
-
-    def number(self, kind):
-        return struct.unpack("<" + kind, self.take(struct.calcsize("<" + kind)))[0]
-
-    def u32(self):
-        return self.number("I")
-
-    def array(self, kind, count):
-        kind = np.dtype(kind).newbyteorder("<")
-        return np.frombuffer(self.take(count * kind.itemsize), kind).astype(kind.newbyteorder("="))
-
-    def planes(self, count):
-        planes = np.frombuffer(self.take(4 * count), np.uint8).reshape(4, count).astype(np.uint32)
-        return planes[0] | planes[1] << 8 | planes[2] << 16 | planes[3] << 24
-
-    def steps(self, count):
-        steps = self.planes(count).astype(np.int64)
-        return np.cumsum(steps >> 1 ^ -(steps & 1)) & 0xFFFFFFFF
-
-    def string(self):
-        length = self.u32()
-        require(length <= 65535, f"{self.name}: a string is too long")
-        text = self.take(length)
-        require(b"\0" not in text, f"{self.name}: a string holds a zero byte")
-        return text.decode("utf-8", "replace")
-
-    def end(self):
-        require(self.at == len(self.data), f"{self.name}: should end earlier")
 
 
 # ---- File
@@ -159,59 +73,6 @@ REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis",
 OPTIONAL = ("provenance", "licence", "certificate", "proof")
 
 
-# ---- Coded symbols
-
-
-class Symbols:
-    def __init__(self, contents, contexts):
-        self.contents, self.tables = contents, []
-        for _ in range(contexts):
-            count = contents.number("H")
-            frequencies, first = [1024], 0
-            if count > 0:
-                first = contents.number("B")
-                require(first + count <= 256, f"{contents.name}: a symbol is too large")
-                frequencies = [self.frequency() for _ in range(count)]
-                require(sum(frequencies) == 1024, f"{contents.name}: frequencies do not sum to 1024")
-            table, start = [], 0
-            for symbol, frequency in enumerate(frequencies, first):
-                table += [(symbol, frequency, start)] * frequency
-                start += frequency
-            self.tables.append(table)
-        self.states = [contents.u32() for _ in range(4)]
-        require(min(self.states) >= 65536, f"{contents.name}: a state is too small")
-        rest = len(contents.data) - contents.at
-        require(rest % 2 == 0, f"{contents.name}: half a word is left")
-        self.words = iter(contents.array("u2", rest // 2).tolist())
-
-    def frequency(self):
-        low = self.contents.number("B")
-        return low if low < 128 else low - 128 + 128 * self.contents.number("B")
-
-    def refill(self, lane, x):
-        if x < 65536:
-            word = next(self.words, None)
-            require(word is not None, f"{self.contents.name}: too few words")
-            x = 65536 * x + word
-        self.states[lane] = x
-
-    def symbol(self, context, lane):
-        x = self.states[lane]
-        r = x & 1023
-        symbol, frequency, start = self.tables[context][r]
-        self.refill(lane, frequency * (x >> 10) + r - start)
-        return symbol
-
-    def bits(self, count, lane):
-        x = self.states[lane]
-        self.refill(lane, x >> count)
-        return x & (1 << count) - 1
-
-    def end(self):
-        require(next(self.words, None) is None, f"{self.contents.name}: words are left")
-        require(self.states == [65536] * 4, f"{self.contents.name}: does not end as it should")
-
-
 # ---- Sections
 
 
@@ -235,10 +96,19 @@ def read_definition(c, face):
 def read_polygons(c, face):
     count, corners = c.u32(), c.u32()
     sizes = c.planes(count).tolist()
-    require(sum(sizes) == corners and all(size >= 3 for size in sizes), "polygons: sizes")
-    steps = c.planes(corners).tolist()
+    require(all(size >= 3 for size in sizes) and sum(sizes) == corners, "polygons: sizes")
+    coding = c.u32()
+    require(coding in (0, 1), f"polygons: unsupported coding {coding}")
+    face.polygons = []
+    if coding == 0:
+        read_corner_steps(c, face, sizes, c.planes(corners).tolist())
+    else:
+        read_turns(c, face, sizes, c.steps(count).tolist(), c.take(count))
     c.end()
-    flat, face.polygons, before = [], [], 0
+
+
+def read_corner_steps(c, face, sizes, steps):
+    flat, before = [], 0
     for size in sizes:
         begin = len(flat)
         for k in range(size):
@@ -250,33 +120,71 @@ def read_polygons(c, face):
         before = size
 
 
+def read_turns(c, face, sizes, firsts, turns):
+    edges = {}
+    for triangle in face.triangles:
+        for k in range(3):
+            v, to, beyond = (triangle[(k + i) % 3] for i in range(3))
+            edges.setdefault(v, []).append((to, beyond))
+    before = None
+    for size, v, turn in zip(sizes, firsts, turns):
+        require(v < face.vertices, "polygons: no such vertex")
+        guess = v + before[1] - before[0] if before else v
+        mine = edges.get(v, [])
+        beyond = dict(mine)
+        require(len(mine) <= 64 and len(beyond) == len(mine), "polygons: triangles that do not tell")
+
+        def step(w):
+            d = (w - guess) % 2**32
+            return 2 * d if d < 2**31 else 2 * (2**32 - d) - 1
+
+        require(turn < len(mine), "polygons: no such turn")
+        polygon = [v, sorted(beyond, key=step)[turn]]
+        while len(polygon) < size:
+            require(polygon[-1] in beyond, "polygons: no triangle goes on")
+            polygon.append(beyond[polygon[-1]])
+        face.polygons.append(polygon)
+        before = polygon
+
+
 def draco_points(data):
-    """Points (n x 3, f32) and indices (n, or None) of Draco data, by a stock decoder."""
+    """Points (n x 3, f32 or i32), indices (n) and faces (m x 3) of Draco data, by a stock decoder."""
     program = os.environ.get("FB_DRACO_POINTS")
     if program:
         done = subprocess.run([program], input=data, capture_output=True)
         require(done.returncode == 0, "geometry: the Draco data cannot be decoded")
-        count = struct.unpack_from("<I", done.stdout)[0]
-        points = np.frombuffer(done.stdout, "<f4", 3 * count, 4).reshape(count, 3)
-        rest = len(done.stdout) - 4 - 12 * count
-        return points, np.frombuffer(done.stdout, "<u4", count, 4 + 12 * count) if rest else None
+        count, faces, whole = struct.unpack_from("<III", done.stdout)
+        points = np.frombuffer(done.stdout, "<i4" if whole else "<f4", 3 * count, 12).reshape(count, 3)
+        rest = np.frombuffer(done.stdout, "<u4", -1, 12 + 12 * count)
+        return points, rest[:count], rest[count:].reshape(faces, 3)
     import DracoPy
 
     mesh = DracoPy.decode(data)
-    other = [a for a in getattr(mesh, "attributes", []) if np.asarray(a["data"]).dtype.kind in "ui"]
-    return np.asarray(mesh.points, F), np.asarray(other[0]["data"]).ravel() if other else None
+    attributes = {a["attribute_type"]: np.asarray(a["data"]) for a in getattr(mesh, "attributes", [])}
+    points = attributes.get(0, np.asarray(mesh.points, F))
+    faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), np.int64)
+    return points, attributes.get(4, np.zeros(0, np.uint32)).ravel(), faces
 
 
 def read_geometry(c, face):
-    order = c.u32()
+    order, triangles, step = c.u32(), c.u32(), c.array("f4", 1)[0]
     require(order in (0, 1), f"geometry: unsupported order {order}")
-    points, index = draco_points(c.take(len(c.data) - 4))
-    require(len(points) == face.vertices and np.isfinite(points).all(), "geometry: points")
+    require(step == 0 or step > 0 and np.isfinite(step) and np.frexp(step)[0] == 0.5, "geometry: the grid's step")
+    points, index, faces = draco_points(c.take(len(c.data) - c.at))
+    require(len(points) == face.vertices and len(faces) == triangles, "geometry: points or triangles")
+    require((points.dtype.kind == "f") == bool(step == 0), "geometry: a grid without whole numbers, or these without")
+    if step > 0:
+        require((abs(points.astype(np.int64)) <= 16777215).all(), "geometry: beyond the grid")
+        points = points.astype(F) * step
+    require(np.isfinite(points).all(), "geometry: points")
     if order == 1:
-        require(index is not None and sorted(index.tolist()) == list(range(face.vertices)), "geometry: indices")
+        require(sorted(index.tolist()) == list(range(face.vertices)), "geometry: indices")
         rest = np.empty_like(points)
         rest[index] = points
         points = rest
+    else:
+        require(triangles == 0, "geometry: triangles without a mesh")
+    face.triangles = [[int(index[p]) for p in f] for f in faces]
     require((points.max(0) > points.min(0)).any(), "geometry: the bounding box is a point")
     face.rest = points.astype(F).ravel()
 
@@ -321,7 +229,7 @@ def read_network(c, face):
             require(activation <= 3 and flags <= 3, "network: unsupported layer")
             require(inputs == width <= 16777215 and outputs >= 1, "network: widths")
             require(not flags & 1 or inputs == outputs, "network: skip")
-            bias, scales = c.array("f4", outputs), c.array("f4", outputs)
+            bias, scales = c.planes(outputs, F), c.planes(outputs, F)
             require(np.isfinite(bias).all() and np.isfinite(scales).all(), "network: numbers that are not finite")
             region["layers"].append(
                 {"shape": (outputs, inputs), "activation": activation, "skip": flags & 1, "wide": flags >> 1,
@@ -369,7 +277,7 @@ def read_basis(c, face):
     places = c.planes(columns).tolist()
     steps = c.planes(sum(places)).tolist()
     flags = c.take(sum(places))
-    scales = iter(c.array("f4", c.u32()))
+    scales = iter(c.planes(c.u32(), F))
     c.end()
     face.places, at, scale = [], 0, None
     for column in range(columns):
@@ -443,12 +351,12 @@ def find_pieces(face, near):
 
 
 def read_basis_values(c, face):
-    symbols = Symbols(c, 88)
+    symbols = Symbols(c, 241)
     find_pieces(face, find_neighbours(face))
     column = None
     for place in face.places:
         if place["column"] != column:
-            column, numbers, classes, magnitudes = place["column"], {}, {}, {}
+            column, numbers, residuals, classes, magnitudes = place["column"], {}, {}, {}, {}
         m = 32512 if place["wide"] else 127
         group = face.groups[place["group"]]
         values = [0] * group["rows"]
@@ -459,21 +367,25 @@ def read_basis_values(c, face):
                 context = 42 + min(before, 9)
             else:
                 s = classes.get(k1, 0) + classes.get(k2, 0)
-                g = max(magnitudes.get(k1, 0), magnitudes.get(k2, 0))
+                g = magnitudes.get(k2, 0)
                 if s == 0:
                     context = 0 if g == 0 else 1
                 else:
                     context = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
             b = symbols.symbol(context, 3)
-            require(b <= 16, "basis-values: a class is too large")
-            mine = numbers.setdefault(v, [0, 0, 0])
+            require(b <= (16 if place["wide"] else 8), "basis-values: a class is too large")
+            mine, left_over = numbers.setdefault(v, [0, 0, 0]), residuals.setdefault(v, [0, 0, 0])
+            r1, r2 = residuals.get(k1, nothing), residuals.get(k2, nothing)
             a, z, o = numbers.get(left, nothing), numbers.get(right, nothing), numbers.get(across, nothing)
             reached, most, f = False, 0, max(b - 6, 0)
             for i, axis in enumerate(axes):
                 p = a[axis] + z[axis] - o[axis] if across is not None else a[axis] + z[axis] + 1 >> 1
                 number = min(max(p, -m), m)
+                residual = 0
                 if b > 0:
-                    context = 52 + 4 * (min(b, 9) - 1) + 2 * (i == len(axes) - 1) + reached
+                    n = abs(r1[axis]) + abs(r2[axis])
+                    e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
+                    context = 52 + 3 * (7 * (min(b, 9) - 1) + e) + (1 if reached else 2 if last else 0)
                     code = symbols.symbol(context, i) << f
                     if f > 0:
                         code += symbols.bits(f, i)
@@ -482,6 +394,7 @@ def read_basis_values(c, face):
                     number += residual
                 require(-m <= number <= m, "basis-values: beyond their range")
                 mine[axis] = values[row + i] = number
+                left_over[axis] = residual
                 most = max(most, abs(number))
             classes[v], magnitudes[v], before = b, most.bit_length(), b
         place["values"] = np.array(values, np.int64)
@@ -511,8 +424,8 @@ class Face:
         for name, (flags, *_) in sections.items():
             require(name in REQUIRED + OPTIONAL or not flags & 1, f"{name}: required and unknown")
         read_definition(unpack(sections, "definition"), self)
-        read_polygons(unpack(sections, "polygons"), self)
         read_geometry(unpack(sections, "geometry"), self)
+        read_polygons(unpack(sections, "polygons"), self)
         read_network(unpack(sections, "network"), self)
         read_weights(unpack(sections, "weights"), self)
         read_basis(unpack(sections, "basis"), self)

@@ -3,6 +3,7 @@
 // with. Those kept beside this program were written by it once and stay as they are.
 #include <zlib.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -28,18 +29,21 @@ Bytes proven(const PackedModel& model) {
   return write_archive(model, make_proof(model, 1), {"Made for tests; no rights reserved.", "{\"dependency\": null}"});
 }
 
-Bytes edited(const Edit& edit) {
-  ArchiveEditor archive(proven(tiny_packed_model()));
+Bytes edited(const Edit& edit, const PackedModel& model = tiny_packed_model()) {
+  ArchiveEditor archive(proven(model));
   edit(archive);
   return archive.bytes();
 }
 
-Bytes changed(const char* section, const std::function<void(Bytes&)>& change) {
-  return edited([&](ArchiveEditor& archive) {
-    Bytes contents = archive[section].stored;
-    change(contents);
-    archive[section].set(contents);
-  });
+Bytes changed(const char* section, const std::function<void(Bytes&)>& change,
+              const PackedModel& model = tiny_packed_model()) {
+  return edited(
+      [&](ArchiveEditor& archive) {
+        Bytes contents = archive[section].stored;
+        change(contents);
+        archive[section].set(contents);
+      },
+      model);
 }
 
 void deflate_section(ArchiveEditor::Section& section) {
@@ -58,6 +62,18 @@ PackedModel smallest() {
   model.schema.controls = {{"c", 0, 1, 0, ""}};
   model.rest.points = {0, 0, 0, 1, 0, 0};
   model.groups = {{0, 6, {}, {}}};
+  return model;
+}
+
+// Positions on a grid and 20 quads that triangles tell, the vertices in an order that is not theirs.
+PackedModel regular(bool polygons) {
+  PackedModel model = tiny_packed_model();
+  model.rest = grid_mesh(6, 5);
+  for (float& x : model.rest.points) x = std::round(256 * x) / 256;
+  for (std::size_t v = 0; v < 15; ++v)
+    std::swap_ranges(&model.rest.points[3 * v], &model.rest.points[3 * v + 3], &model.rest.points[87 - 3 * v]);
+  for (std::uint32_t& corner : model.rest.polygon_corners) corner = 29 - corner;
+  if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
   return model;
 }
 
@@ -133,6 +149,8 @@ void write_accepted(const std::filesystem::path& folder) {
   write("tiny.fbk", proven(tiny_packed_model()));
   write("manifold.fbk", proven(odd_mesh()));
   write("smallest.fbk", proven(smallest()));
+  write("regular.fbk", proven(regular(true)));
+  write("regular-points.fbk", proven(regular(false)));
   write("rows-1.fbk", proven(cut_model(1, true)));
   write("rows-5.fbk", proven(cut_model(5, true)));
   write("rows-5-points.fbk", proven(cut_model(5, false)));
@@ -208,7 +226,20 @@ void write_rejected(const std::filesystem::path& folder) {
   lie("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
   lie("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
   lie("unsupported-point-order.fbk", "geometry", 0, std::uint32_t(2));
-  lie("corrupt-draco.fbk", "geometry", 4, std::uint8_t(0));
+  lie("corrupt-draco.fbk", "geometry", 12, std::uint8_t(0));
+  lie("corrupt-triangles.fbk", "geometry", 4, std::uint32_t(1));
+  lie("corrupt-grid.fbk", "geometry", 8, 0.75f);
+  lie("corrupt-floats-on-grid.fbk", "geometry", 8, 0.5f);
+  lie("unsupported-corners.fbk", "polygons", 8 + 4 * 21, std::uint32_t(2));
+  const auto lie_of_regular = [&](const char* name, const char* section, std::size_t at, auto value) {
+    write(name, changed(
+                    section, [&](Bytes& b) { patch(b, at, value); }, regular(true)));
+  };
+  lie_of_regular("corrupt-turn.fbk", "polygons", 8 + 4 * 20 + 4 + 4 * 20 + 7, std::uint8_t(6));
+  lie_of_regular("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 4, std::uint8_t(60));
+  lie_of_regular("corrupt-coarse-grid.fbk", "geometry", 8, 0x1p126f);
+  lie_of_regular("corrupt-grid-for-floats.fbk", "geometry", 8, 0.0f);
+  lie("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   lie("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
   lie("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));
   lie("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
@@ -223,8 +254,8 @@ void write_rejected(const std::filesystem::path& folder) {
   lie("corrupt-place-twice.fbk", "basis", 161, std::uint8_t(0));
   lie("unsupported-place-flags.fbk", "basis", 192, std::uint8_t(4));
   lie("corrupt-place-scale.fbk", "basis", 192, std::uint8_t(1));
-  lie("corrupt-scale.fbk", "basis", 204, std::uint32_t(0x7f800000));
-  lie("corrupt-frequencies.fbk", "weights", 3, std::uint16_t(0x7fff));
+  write("corrupt-scale.fbk", changed("basis", [](Bytes& b) { patch_infinity(b, 204); }));
+  lie("corrupt-frequencies.fbk", "weights", 12, std::uint16_t(0x7fff));
   lie("corrupt-proof-vertex.fbk", "proof", 4 + 11 * 5 * 4 + 11 * 8 + 4, std::uint32_t(30));
   write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
   // Whole and sound, but it does not pose as it says.

@@ -93,10 +93,16 @@ Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& lim
   Definition definition = part(section::definition, read_definition);
   model.schema = std::move(definition.schema);
   const std::uint32_t vertices = archive.vertices = definition.vertices;
-  part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, model.rest); });
+  part(section::polygons, [&](ByteReader& in) {
+    const std::uint32_t corners = read_polygon_sizes(in, model.rest);
+    read_polygon_steps(in, vertices, corners, model.rest);
+  });
   std::uint64_t triangles = 0;
   for (const std::uint32_t size : model.rest.polygon_sizes) triangles += size > 2 ? size - 2 : 0;
-  model.rest.points = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices, triangles); });
+  model.rest.points = part(section::geometry, [&](ByteReader& in) {
+    const auto order = static_cast<PointOrder>(in.number<std::uint32_t>("the order of points"));
+    return read_draco(in, order, vertices, order == PointOrder::by_index ? triangles : 0, 0).points;
+  });
   part(section::network, [&](ByteReader& in) { read_network(in, model, read_layer_weights); });
   part(section::basis, [&](ByteReader& in) { read_groups(in, vertices, model); });
   if (find_section(sections, section::provenance)) model.provenance = part(section::provenance, read_text);

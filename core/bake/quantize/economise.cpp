@@ -7,7 +7,7 @@
 namespace fb {
 namespace {
 
-// Calls with(state, piece, largest, group, offset of the column's values) for all pieces as they are coded, which must
+// Calls with(state, piece, group, offset of the column's values) for all pieces as they are coded, which must
 // tell the state what was made of the piece.
 template <class With>
 void piece_by_piece(const PackedModel& model, const std::vector<std::vector<BasisPiece>>& pieces, With&& with) {
@@ -15,10 +15,8 @@ void piece_by_piece(const PackedModel& model, const std::vector<std::vector<Basi
   for (const std::vector<ColumnPlace>& places : column_places(model)) {
     for (const auto& [g, index] : places) {
       const PackedRowGroup& group = model.groups[g];
-      state.begin_group();
-      for (const BasisPiece& piece : pieces[g])
-        with(state, piece, group.columns[index].wide ? largest_wide : largest_narrow, g,
-             std::size_t(index) * group.row_count + piece.row);
+      state.begin_place(group.columns[index].wide);
+      for (const BasisPiece& piece : pieces[g]) with(state, piece, g, std::size_t(index) * group.row_count + piece.row);
     }
     for (const ColumnPlace& place : places) state.forget(pieces[place.group]);
   }
@@ -57,65 +55,58 @@ void economise(PackedModel& model, const std::vector<std::vector<float>>& exact,
   const auto pieces =
       basis_pieces(model.rest, static_cast<std::uint32_t>(model.rest.vertex_count()), model.order, model.groups);
   Costs costs;
-  const auto residuals_of = [](const ColumnState& state, const BasisPiece& piece, int largest,
-                               const PieceNumbers& numbers) {
-    PieceNumbers residuals{};
-    for (std::uint32_t i = 0; i < piece.count; ++i)
-      residuals[i] = numbers[i] - state.foretold(piece, piece.axis + i, largest);
-    return residuals;
-  };
   const auto numbers_at = [&](const BasisPiece& piece, std::uint32_t g, std::size_t at) {
-    PieceNumbers numbers{};
-    std::copy_n(model.groups[g].values.begin() + static_cast<std::ptrdiff_t>(at), piece.count, numbers.begin());
+    AxisNumbers numbers{};
+    std::copy_n(model.groups[g].values.begin() + static_cast<std::ptrdiff_t>(at), piece.count,
+                numbers.begin() + piece.axis);
     return numbers;
   };
-  piece_by_piece(
-      model, pieces, [&](ColumnState& state, const BasisPiece& piece, int largest, std::uint32_t g, std::size_t at) {
-        const PieceNumbers numbers = numbers_at(piece, g, at), residuals = residuals_of(state, piece, largest, numbers);
-        code_piece(costs, state, piece, residuals);
-        keep_piece(state, piece, numbers, residuals);
-      });
+  piece_by_piece(model, pieces, [&](ColumnState& state, const BasisPiece& piece, std::uint32_t g, std::size_t at) {
+    const AxisNumbers numbers = numbers_at(piece, g, at), residuals = residuals_of(state, piece, numbers);
+    code_piece(costs, state, piece, residuals);
+    keep_piece(state, piece, numbers, residuals);
+  });
   costs.settle();
 
-  piece_by_piece(
-      model, pieces, [&](ColumnState& state, const BasisPiece& piece, int largest, std::uint32_t g, std::size_t at) {
-        const float* const value = exact[g].data() + at;
-        PieceNumbers numbers = numbers_at(piece, g, at), residuals = residuals_of(state, piece, largest, numbers);
-        const auto price = [&](const PieceNumbers& changes) {
-          Price sum{costs};
-          double squares = 0;
-          PieceNumbers changed = residuals;
-          for (std::uint32_t i = 0; i < piece.count; ++i) {
-            changed[i] += changes[i];
-            const double off = double(numbers[i] + changes[i]) - value[i];
-            squares += off * off;
-          }
-          code_piece(sum, state, piece, changed);
-          return sum.bits_ + bits_per_step * squares;
-        };
-        // A row may go one step towards what is foretold for it, if it does not come a whole step from its value.
-        PieceNumbers towards{}, best{};
-        for (std::uint32_t i = 0; i < piece.count; ++i) {
-          const int change = residuals[i] > 0 ? -1 : residuals[i] < 0 ? 1 : 0;
-          if (std::fabs(numbers[i] + change - value[i]) < 1) towards[i] = change;
-        }
-        if (towards != PieceNumbers{}) {
-          double least = price(best);
-          for (int rows = 1; rows < 8; ++rows) {
-            PieceNumbers changes{};
-            for (int i = 0; i < 3; ++i)
-              if (rows >> i & 1) changes[i] = towards[i];
-            const double cost = price(changes);
-            if (cost < least) least = cost, best = changes;
-          }
-        }
-        for (std::uint32_t i = 0; i < piece.count; ++i) {
-          numbers[i] += best[i];
-          residuals[i] += best[i];
-          model.groups[g].values[at + i] = static_cast<std::int16_t>(numbers[i]);
-        }
-        keep_piece(state, piece, numbers, residuals);
-      });
+  piece_by_piece(model, pieces, [&](ColumnState& state, const BasisPiece& piece, std::uint32_t g, std::size_t at) {
+    const float* const value = exact[g].data() + at - piece.axis;  // by axis
+    AxisNumbers numbers = numbers_at(piece, g, at), residuals = residuals_of(state, piece, numbers);
+    const std::size_t first = piece.axis, end = first + piece.count;
+    const auto price = [&](const AxisNumbers& changes) {
+      Price sum{costs};
+      double squares = 0;
+      AxisNumbers changed = residuals;
+      for (std::size_t axis = first; axis < end; ++axis) {
+        changed[axis] += changes[axis];
+        const double off = double(numbers[axis] + changes[axis]) - value[axis];
+        squares += off * off;
+      }
+      code_piece(sum, state, piece, changed);
+      return sum.bits_ + bits_per_step * squares;
+    };
+    // A row may go one step towards what is foretold for it, if it does not come a whole step from its value.
+    AxisNumbers towards{}, best{};
+    for (std::size_t axis = first; axis < end; ++axis) {
+      const int change = residuals[axis] > 0 ? -1 : residuals[axis] < 0 ? 1 : 0;
+      if (std::fabs(numbers[axis] + change - value[axis]) < 1) towards[axis] = change;
+    }
+    if (towards != AxisNumbers{}) {
+      double least = price(best);
+      for (int rows = 1; rows < 8; ++rows) {
+        AxisNumbers changes{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          if (rows >> axis & 1) changes[axis] = towards[axis];
+        const double cost = price(changes);
+        if (cost < least) least = cost, best = changes;
+      }
+    }
+    for (std::size_t axis = first; axis < end; ++axis) {
+      numbers[axis] += best[axis];
+      residuals[axis] += best[axis];
+      model.groups[g].values[at + axis - first] = static_cast<std::int16_t>(numbers[axis]);
+    }
+    keep_piece(state, piece, numbers, residuals);
+  });
 }
 
 }  // namespace fb

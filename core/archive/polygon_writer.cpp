@@ -1,0 +1,79 @@
+#include <algorithm>
+
+#include "archive/polygon_turns.h"
+#include "archive/section_reader.h"
+#include "archive/section_writer.h"
+#include "base/checked.h"
+
+namespace fb {
+namespace {
+
+void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
+  out.number(checked_u32(mesh.polygon_sizes.size(), "polygons"));
+  out.number(checked_u32(mesh.polygon_corners.size(), "polygon corners"));
+  out.planes(mesh.polygon_sizes);
+  out.number(static_cast<std::uint32_t>(coding));
+}
+
+// Neighbouring polygons have neighbouring corners, so their differences are small and alike.
+ByteWriter in_steps(const Mesh& mesh) {
+  ByteWriter out;
+  write_sizes(out, mesh, CornerCoding::steps);
+  std::vector<std::uint32_t> steps;
+  std::size_t at = 0;
+  std::uint32_t previous_size = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    for (std::uint32_t k = 0; k < size; ++k, ++at) {
+      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
+      steps.push_back(to_zigzag(mesh.polygon_corners[at] - before));
+    }
+    previous_size = size;
+  }
+  out.planes(steps);
+  return out;
+}
+
+ByteWriter along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  ByteWriter out;
+  write_sizes(out, mesh, CornerCoding::along_triangles);
+  const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.vertex_count()));
+  std::vector<std::uint32_t> steps;
+  std::vector<std::uint8_t> turns;
+  const std::uint32_t* polygon = mesh.polygon_corners.data();
+  std::span<const std::uint32_t> before;
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    steps.push_back(to_zigzag(polygon[0] - (before.empty() ? 0 : before[0])));
+    const auto from = nearest_first(edges, polygon[0], second_guess(before, polygon[0]));
+    const auto turn = std::find_if(from.begin(), from.end(), [&](const auto& edge) { return edge.to == polygon[1]; });
+    turns.push_back(static_cast<std::uint8_t>(turn - from.begin()));
+    before = {polygon, size};
+    polygon += size;
+  }
+  out.planes(steps);
+  out.numbers(turns);
+  return out;
+}
+
+// Whether the archive's own reader gets every corner back.
+bool gives_back(const ByteWriter& section, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  try {
+    Budget budget(UINT64_MAX);
+    ByteReader in(section.bytes, "polygons", budget);
+    Mesh read;
+    read_polygons(in, static_cast<std::uint32_t>(mesh.vertex_count()), triangles, read);
+    return read.polygon_corners == mesh.polygon_corners;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  // Only where every edge belongs to one triangle in each direction do triangles tell polygons.
+  if (!triangles.empty())
+    if (ByteWriter section = along_triangles(mesh, triangles); gives_back(section, mesh, triangles)) return section;
+  return in_steps(mesh);
+}
+
+}  // namespace fb
