@@ -25,8 +25,9 @@ std::vector<std::uint32_t> ByteReader::planes32(std::uint64_t count, const char*
 
 std::vector<float> ByteReader::float_planes(std::uint64_t count, const char* what) {
   const std::vector<std::uint32_t> bits = planes32(count, what);
-  std::vector<float> values(bits.size());
-  std::memcpy(values.data(), bits.data(), bits.size() * sizeof(float));
+  std::vector<float> values;
+  values.reserve(bits.size());
+  for (const std::uint32_t number : bits) values.push_back(std::bit_cast<float>(number));
   return values;
 }
 

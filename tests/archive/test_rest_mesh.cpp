@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "archive/reader.h"
@@ -30,11 +31,23 @@ void check_survives(const Mesh& mesh, const char* what) {
   CHECK(mesh.polygon_corners == after.polygon_corners);
 }
 
-PointOrder stored_order(const Mesh& mesh) {
+// A number of a section's contents.
+template <class T>
+T stored(const Mesh& mesh, const char* section, std::size_t at) {
   ArchiveEditor archive(write_archive(model_of(mesh), {}));
-  std::uint32_t order;
-  std::memcpy(&order, archive["geometry"].stored.data(), sizeof order);
-  return static_cast<PointOrder>(order);
+  T number;
+  std::memcpy(&number, archive[section].stored.data() + at, sizeof number);
+  return number;
+}
+
+PointOrder stored_order(const Mesh& mesh) {
+  return stored<PointOrder>(mesh, "geometry", 0);
+}
+float stored_step(const Mesh& mesh) {
+  return stored<float>(mesh, "geometry", 8);
+}
+CornerCoding stored_coding(const Mesh& mesh) {
+  return stored<CornerCoding>(mesh, "polygons", 8 + 4 * mesh.polygon_sizes.size());
 }
 
 void add_polygon(Mesh& mesh, std::vector<std::uint32_t> corners) {
@@ -73,6 +86,46 @@ TEST_CASE("a regular surface survives, through Draco's edgebreaker") {
   CHECK(stored_order(grid_mesh(20, 30)) == PointOrder::by_index);
   CHECK(stored_order(shuffled(grid_mesh(20, 30))) == PointOrder::by_index);
   check_survives(mesh_of(4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}), "closed surface");
+}
+
+TEST_CASE("triangles tell the polygons of a regular surface, wherever they begin") {
+  Mesh mesh = shuffled(grid_mesh(20, 30));
+  CHECK(stored_coding(mesh) == CornerCoding::along_triangles);
+  for (std::size_t p = 0; p < mesh.polygon_sizes.size(); ++p) {
+    const auto polygon = mesh.polygon_corners.begin() + static_cast<std::ptrdiff_t>(4 * p);
+    std::rotate(polygon, polygon + static_cast<std::ptrdiff_t>(p % 4), polygon + 4);
+  }
+  check_survives(mesh, "rotated polygons");
+  CHECK(stored_coding(mesh) == CornerCoding::along_triangles);
+  // As many triangles as are told around a vertex, and one more.
+  for (const std::uint32_t triangles : {64u, 65u}) {
+    std::vector<std::vector<std::uint32_t>> fan;
+    for (std::uint32_t t = 0; t < triangles; ++t) fan.push_back({0, 1 + t, 1 + (t + 1) % triangles});
+    const Mesh cone = mesh_of(1 + triangles, fan);
+    check_survives(cone, "cone");
+    CHECK(stored_order(cone) == PointOrder::by_index);
+    CHECK((stored_coding(cone) == CornerCoding::along_triangles) == (triangles == 64));
+  }
+}
+
+TEST_CASE("positions on a grid take a part of the bytes and survive") {
+  Mesh mesh = grid_mesh(20, 30);
+  CHECK(stored_step(mesh) == 0);
+  const std::size_t before = write_archive(model_of(mesh), {}).size();
+  for (float& x : mesh.points) x = std::round(x * 4096) / 4096;
+  check_survives(mesh, "on a grid");
+  CHECK(stored_step(mesh) == 0x1p-12f);
+  CHECK(write_archive(model_of(mesh), {}).size() + 2000 < before);
+  mesh.polygon_sizes.clear();
+  mesh.polygon_corners.clear();
+  check_survives(mesh, "points on a grid");
+  CHECK(stored_step(mesh) == 0x1p-12f);
+  mesh.points[4] = 0x1.fffffep11f;  // 16,777,215 steps
+  check_survives(mesh, "the ends of the grid");
+  CHECK(stored_step(mesh) == 0x1p-12f);
+  mesh.points[4] = 0x1p12f;
+  check_survives(mesh, "beyond the ends of the grid");
+  CHECK(stored_step(mesh) == 0);
 }
 
 TEST_CASE("odd topology survives") {

@@ -71,6 +71,21 @@ TEST_CASE("packing changes little, and less with more bits") {
   }
 }
 
+TEST_CASE("rest positions come to lie on a grid a millionth of the diagonal wide") {
+  const FaceModel model = full_model(1);
+  const Mesh packed = pack_model(model, {}).rest;
+  const double diagonal = model.rest.diagonal(), step = std::exp2(std::floor(std::log2(diagonal)) - 20);
+  double worst = 0;
+  for (std::size_t i = 0; i < packed.points.size(); ++i) {
+    worst = std::max(worst, std::fabs(double(packed.points[i]) - model.rest.points[i]));
+    CHECK(std::fmod(packed.points[i], step) == 0);
+  }
+  CHECK(worst <= 0.51 * step);
+  CHECK(worst < 0x1p-21 * diagonal);
+  CHECK(worst > 0);
+  CHECK(packed.polygon_corners == model.rest.polygon_corners);
+}
+
 TEST_CASE("weights are rounded to the nearest step of their row") {
   const FaceModel model = full_model(1);
   for (const int bits : {8, 16}) {
