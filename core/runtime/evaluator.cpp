@@ -41,7 +41,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       layers_(evaluator.work_size_ * block_poses, &memory),
       rows_((evaluator.rest_rows_.size() + 1) * block_poses, &memory),  // whole vectors are read
       moved_(evaluator.chunks_.size() * block_poses, &memory),
-      halves_(evaluator.rest_rows_.size(), &memory),
+      halves_(evaluator.rest_rows_.size() + 1, &memory),
       quantized_(evaluator.longest_list_, block_poses, memory),
       normals_(evaluator.normals_, memory) {
   for (std::size_t p = 0; p < block_poses; ++p)
