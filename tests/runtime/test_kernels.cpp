@@ -31,6 +31,7 @@ struct Inputs {
 // `count` of the columns, filled up to fours; kind 0: the largest inputs, 1: the smallest, 2: about 0, else any.
 Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, int kind) {
   Inputs inputs{poses};
+  inputs.numbers.reserve(4 * poses);
   for (std::size_t i = 0; i < (count + 3) / 4 * 4; ++i) inputs.places.push_back(i < count ? random.below(columns) : 0);
   inputs.numbers.resize(inputs.places.size() * poses);
   for (std::size_t pose = 0; pose < poses; ++pose) {

@@ -18,7 +18,7 @@ inline constexpr std::size_t panel_rows = 64;
 // The columns of a panel that are multiplied with something.
 struct ActiveColumns {
   const std::uint32_t* places;  // which column each is
-  // What it is multiplied with, -32512..32512: four columns after four, and of each four pose after pose.
+  // What it is multiplied with, -32512..32512: four columns after four, and of each four pose after pose. Not null.
   const std::int16_t* inputs;
   std::size_t count;           // a multiple of 4: filled up with inputs of 0 at places there are
   std::size_t poses;           // 1 or block_poses
