@@ -10,7 +10,7 @@ FaceRecipe hero_recipe() {
   recipe.parameters = 1'400'000;
   recipe.operations = 4.5e13;
   recipe.precision = 0.02;
-  recipe.touched_bytes = 4e6;
+  recipe.touched_bytes = 3.9e6;
   return recipe;
 }
 
