@@ -102,7 +102,7 @@ PackOptions Precision::pack() const {
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = 2 * scale;
   options.drop = scale;
-  options.step = 1.5 * scale;
+  options.step = 1.25 * scale;
   return options;
 }
 

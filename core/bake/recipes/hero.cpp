@@ -23,7 +23,7 @@ FaceRecipe compact_recipe() {
   recipe.parameters = 500'000;
   recipe.operations = 1.5e13;
   recipe.precision = 0.05;
-  recipe.finest = 1.35e-5;
+  recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.25e6;
   return recipe;
 }
