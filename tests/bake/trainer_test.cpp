@@ -259,6 +259,9 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   SUBCASE("halfway") {
     plan.output_scaling = 0.5f;
   }
+  SUBCASE("in small pieces") {
+    plan.piece = 7;
+  }
   SUBCASE("poses balanced") {
     plan.pose_balance = 1;
   }
@@ -455,7 +458,7 @@ TEST_CASE("an interrupted training goes on to the very same network") {
 TEST_CASE("a training that differs in anything begins anew") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   const Task task = make_task(700, 1), other_task = make_task(700, 2);
-  std::vector<TrainingPlan> others(9, plan_of(4));
+  std::vector<TrainingPlan> others(10, plan_of(4));
   others[0].epochs = 3;
   others[1].seed = 2;
   others[2].batch = 128;
@@ -465,6 +468,7 @@ TEST_CASE("a training that differs in anything begins anew") {
   others[6].output_scaling = 1;
   others[7].weight_decay = 0.1f;
   others[8].pose_balance = 1;
+  others[9].piece = 64;
   const auto begun_after_another = [&](TrainingPlan plan, const TrainingSet& set) {
     const auto fresh = train_layers(set, plan, silent_progress()).layers;
     TrainingPlan first = plan_of(4);

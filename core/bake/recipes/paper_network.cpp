@@ -24,6 +24,7 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   plan.output_scaling = 1;
   plan.quantized_share = 0.1f;
   plan.batch = poses < 8192 ? 64 : 128;
+  plan.piece = plan.batch / 2;  // one network: two threads
   plan.epochs = options.epochs
                     ? options.epochs
                     : static_cast<std::uint32_t>(std::clamp(visits / static_cast<double>(poses), 40.0, 400.0));

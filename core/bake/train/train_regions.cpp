@@ -96,7 +96,7 @@ std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std:
     trained[order[place]] = train_layers(sets[order[place]], plan, part);
   };
   const std::size_t pieces =
-      sets.empty() ? 1 : (plans[order[0]].batch + DensePass::most_poses - 1) / DensePass::most_poses;
+      sets.empty() ? 1 : (plans[order[0]].batch + plans[order[0]].piece - 1) / plans[order[0]].piece;
   const std::size_t alone = count_alone(costs, worker_count(parallel), pieces);
   for (std::size_t place = 0; place < alone; ++place) train(place, parallel);
   Parallel serial;

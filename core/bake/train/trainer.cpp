@@ -27,6 +27,8 @@ void check(const TrainingSet& set, const TrainingPlan& plan) {
       fail(Status::invalid_argument, "training: validation pose %u of %zu is out of order", set.validation[i],
            set.poses);
   if (set.validation.size() == set.poses) fail(Status::invalid_argument, "training: all poses are kept for validation");
+  if (plan.piece == 0 || plan.piece > DensePass::most_poses)
+    fail(Status::invalid_argument, "training: pieces of %u poses are not 1 to %zu", plan.piece, DensePass::most_poses);
   if (plan.batch == 0) fail(Status::invalid_argument, "training: batches of no poses");
   if (!(plan.output_scaling >= 0 && plan.output_scaling <= 1))
     fail(Status::invalid_argument, "training: output scaling %g is not in [0, 1]", double(plan.output_scaling));
@@ -106,6 +108,7 @@ std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
                                         set.outputs,
                                         set.stride,
                                         plan.batch,
+                                        plan.piece,
                                         plan.epochs,
                                         plan.seed,
                                         static_cast<std::uint64_t>(plan.activation),
@@ -140,7 +143,7 @@ class Training {
         key_(plan.checkpoint.empty() ? 0 : key_of(set, plan)),
         layer_rates_(layer_rates(shape_, plan)),
         adam_({}),
-        passes_((batch_ + DensePass::most_poses - 1) / DensePass::most_poses, DensePass(shape_)) {
+        passes_((batch_ + plan.piece - 1) / plan.piece, DensePass(shape_)) {
     std::vector<double> squares;
     all_squares_ = squares_of(set, poses_, squares);
     if (!(all_squares_ > 0)) fail(Status::bad_data, "training: all coefficients are 0");
@@ -218,7 +221,7 @@ class Training {
     const float* parameters = weights(rounds());
     std::vector<double> losses(passes_.size());
     parallel_for(plan_.parallel, passes_.size(), [&](std::size_t p, std::size_t) {
-      const std::size_t first = p * DensePass::most_poses, count = std::min(DensePass::most_poses, batch_ - first);
+      const std::size_t first = p * plan_.piece, count = std::min<std::size_t>(plan_.piece, batch_ - first);
       losses[p] =
           passes_[p].learn(set_, poses.subspan(first, count), parameters, scales_, 1.0f / static_cast<float>(batch_));
     });

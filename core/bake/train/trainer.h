@@ -56,6 +56,9 @@ struct TrainingPlan {
   // every size.
   float pose_balance = 0;
   std::uint32_t batch = 256;
+  // Poses of a batch that go through the network together, at most 128: as many threads as a batch has such pieces can
+  // learn beside each other, but smaller ones take longer (64: by about 15 %).
+  std::uint32_t piece = 128;
   std::uint32_t epochs = 100;
   // The last part of the epochs runs through weights rounded as the archive will round them (straight-through
   // gradients); 0: none.
@@ -91,10 +94,11 @@ struct TrainedLayers {
 // With validation poses, their error is measured after at most 20 epochs of a training, and the weights with the least
 // are given back; where a share of the epochs is quantised, it is the error through rounded weights.
 //
-// Same seed, same result, whatever the number of threads: a batch is cut into pieces of 128 poses whose gradients are
-// added in order. When the loss stops being a number, training begins again at half the rate; the fourth time it fails
+// Same seed, same result, whatever the number of threads: a batch is cut into pieces whose gradients are added in
+// order. When the loss stops being a number, training begins again at half the rate; the fourth time it fails
 // with internal. Fails with interrupted after saving the checkpoint.
-// Memory: a checkpoint's worth (four times the parameters), and once the parameters and 129 poses' signals a piece.
+// Memory: a checkpoint's worth (four times the parameters), and once the parameters and up to 129 poses' signals a
+// piece.
 TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Progress& progress);
 
 // Several networks, each exactly as train_layers gives it; the plans' own `parallel` is not used. The largest come
