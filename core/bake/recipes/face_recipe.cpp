@@ -99,6 +99,7 @@ LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* ri
   face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
   for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
   face.rms = networks.rms;
+  face.curve_error = parts.probe.curve_error;
   face.diary.regions = std::move(networks.diary);
   face.diary.rig_calls = parts.probe.rig_calls;
   face.diary.notes = notes_on(parts, networks.rms);
@@ -109,7 +110,9 @@ LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* ri
 Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                  Progress& progress) {
   LearntFace face = learn_face(recipe, poses, rig, options, progress);
-  const Precision precision{std::max(recipe.precision * face.rms, recipe.finest)};
+  constexpr double exact = 5e-6;
+  const double finest = std::min(recipe.finest, std::max(exact, face.curve_error));
+  const Precision precision{std::max(recipe.precision * face.rms, finest)};
   LocalizeOptions localize;
   localize.threshold = precision.scale;
   // Without networks there is nothing to merge a rotation into, and shapes are kept best in short columns with a scale
