@@ -99,7 +99,7 @@ LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* ri
   face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
   for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
   face.rms = networks.rms;
-  face.curve_error = parts.probe.curve_error;
+  face.adds_up = parts.regions.empty() && parts.probe.interactions.empty();
   face.diary.regions = std::move(networks.diary);
   face.diary.rig_calls = parts.probe.rig_calls;
   face.diary.notes = notes_on(parts, networks.rms);
@@ -110,8 +110,7 @@ LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* ri
 Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                  Progress& progress) {
   LearntFace face = learn_face(recipe, poses, rig, options, progress);
-  constexpr double exact = 5e-6;
-  const double finest = std::min(recipe.finest, std::max(exact, face.curve_error));
+  const double finest = face.adds_up ? std::min(recipe.finest, 5e-6) : recipe.finest;
   const Precision precision{std::max(recipe.precision * face.rms, finest)};
   LocalizeOptions localize;
   localize.threshold = precision.scale;

@@ -23,7 +23,7 @@ struct FaceRecipe {
   std::uint32_t widest = 512;
   double operations = 0;  // floating-point operations that training may take, about
   // What localizing, rounding and dropping may lose: a share of the networks' own error (root mean square over poses
-  // kept back), but never less than `finest` of the diagonal; where single controls are exact, no more than 5e-6 of it.
+  // kept back), but never less than `finest` of the diagonal; where single controls add up, no more than 5e-6 of it.
   double precision = 0.1, finest = 1e-6;
   double touched_bytes = 0;  // that a pose may read (see finish_face), a ground for less precision; 0: any
 };
@@ -36,7 +36,7 @@ struct LearntFace {
   FaceModel model;
   std::vector<std::vector<float>> moments;  // of each region's coefficients over the poses, see localize_basis
   double rms = 0;                           // what the networks leave at a vertex on poses kept back, over D
-  double curve_error = 0;                   // see Probe
+  bool adds_up = false;  // nothing but single controls, as morph targets add up: rounding is all that errs
   BakeDiary diary;
 };
 
