@@ -61,7 +61,7 @@ struct Course {
       plan.weight_decay = static_cast<float>(shrinking / (rate * steps));
       plan.batch = batch;
       plan.output_scaling = 0.75f;
-      plan.pose_balance = 0.5f;
+      plan.pose_balance = 0.25f;
       plan.epochs = epochs;
       plan.quantized_share = 0.15f;
       plan.seed = options.seed + r;
