@@ -12,11 +12,11 @@
 namespace fb {
 
 ByteWriter write_definition(const PackedModel& model);
-// Fails with `internal` if no encoding gives the points back bit for bit.
 struct WrittenGeometry {
   ByteWriter section;
   std::vector<std::uint32_t> triangles;  // as a reader gets them, see RestPoints
 };
+// Fails with `internal` if no encoding gives the points back bit for bit.
 WrittenGeometry write_geometry(const Mesh& mesh);
 // `triangles`: those of the geometry.
 ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);
