@@ -11,23 +11,39 @@ namespace fb {
 namespace {
 
 constexpr Rgb paper = {247, 247, 248}, ink = {38, 40, 46};
-constexpr int gap = 8, bar_width = 22, bar_area = 110;
+constexpr int gap = 8, bar_width = 22, bar_gap = 6, scale_magnification = 2;
 
 void paste(Image& onto, const Image& image, int x, int y) {
   for (int row = 0; row < image.height; ++row) std::copy_n(&image.at(0, row), image.width, &onto.at(x, y + row));
 }
 
+// The numbers beside a bar, from 0 up.
+std::vector<std::string> numbers_of_scale(float full) {
+  constexpr int intervals = 4;
+  std::vector<std::string> numbers = {"0"};
+  for (int tick = 1; tick <= intervals; ++tick) numbers.push_back(format("%.3g", full * tick / intervals));
+  return numbers;
+}
+
+int scale_width(float full) {
+  int widest = 0;
+  for (const std::string& number : numbers_of_scale(full))
+    widest = std::max(widest, text_width(number, scale_magnification));
+  return bar_width + bar_gap + widest + gap;
+}
+
 void draw_scale(Image& onto, int x, int y, int height, float full) {
-  constexpr int intervals = 4, magnification = 2;
+  constexpr int magnification = scale_magnification;
   const int top = y + text_height(magnification), bottom = y + height - text_height(magnification);
   for (int row = top; row < bottom; ++row) {
     const Rgb colour = to_srgb(map_colour(full * (bottom - 1 - row) / (bottom - 1 - top), full));
     for (int column = 0; column < bar_width; ++column) onto.at(x + column, row) = colour;
   }
+  const std::vector<std::string> numbers = numbers_of_scale(full);
+  const int intervals = static_cast<int>(numbers.size()) - 1;
   for (int tick = 0; tick <= intervals; ++tick) {
     const int row = bottom - (bottom - top) * tick / intervals;
-    const std::string number = tick ? format("%.3g", full * tick / intervals) : "0";
-    draw_text(onto, x + bar_width + 6, row - text_height(magnification) / 2, number, ink, magnification);
+    draw_text(onto, x + bar_width + bar_gap, row - text_height(magnification) / 2, numbers[tick], ink, magnification);
   }
 }
 
@@ -47,7 +63,7 @@ Image compose(const std::vector<Panel>& panels) {
   int width = gap, height = 0, magnification = 2;
   std::size_t lines = 1;
   for (const Panel& panel : panels) {
-    width += panel.image.width + gap + (panel.scale_full ? bar_area : 0);
+    width += panel.image.width + gap + (panel.scale_full ? scale_width(*panel.scale_full) : 0);
     height = std::max(height, panel.image.height);
     const std::vector<std::string> caption = lines_of(panel.caption);
     lines = std::max(lines, caption.size());
@@ -68,7 +84,7 @@ Image compose(const std::vector<Panel>& panels) {
     x += panel.image.width + gap;
     if (panel.scale_full) {
       draw_scale(sheet, x, gap, height, *panel.scale_full);
-      x += bar_area;
+      x += scale_width(*panel.scale_full);
     }
   }
   return sheet;

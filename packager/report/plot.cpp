@@ -109,6 +109,11 @@ std::vector<double> without_lowest(std::vector<double> values) {
   return values;
 }
 
+// Of a mark and a name of so many letters.
+double legend_width(std::size_t letters) {
+  return 34 + 7.0 * static_cast<double>(letters);
+}
+
 }  // namespace
 
 std::string draw_plot(const Plot& plot) {
@@ -124,7 +129,9 @@ std::string draw_plot(const Plot& plot) {
   std::vector<const Curve*> named;
   for (const Curve& curve : plot.curves)
     if (!curve.name.empty()) named.push_back(&curve);
-  const double columns = std::max(1.0, std::floor((plot.width - left) / 165));
+  std::size_t longest = 0;
+  for (const Curve* curve : named) longest = std::max(longest, curve->name.size());
+  const double column = legend_width(longest), columns = std::max(1.0, std::floor((plot.width - left) / column));
   const double legend = named.size() > 1 ? std::ceil(static_cast<double>(named.size()) / columns) * row : 0;
   const double height = plot.height + legend;
   x.from = left;
@@ -152,7 +159,7 @@ std::string draw_plot(const Plot& plot) {
   svg += text_at(x.to, 16, "end", plot.y_label, "class=\"faint\"");
   for (const Curve& curve : plot.curves) svg += line_of(curve, x, y);
   for (std::size_t i = 0; legend > 0 && i < named.size(); ++i) {
-    const double lx = left + 165 * std::fmod(static_cast<double>(i), columns);
+    const double lx = left + column * std::fmod(static_cast<double>(i), columns);
     const double ly = plot.height + row * std::floor(static_cast<double>(i) / columns) + 8;
     svg +=
         format("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" style=\"stroke:%s;stroke-width:3%s\"/>\n", lx,
@@ -177,11 +184,11 @@ std::string draw_bars(const std::vector<std::string>& series, const std::vector<
   std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">\n", width,
                            height, width, height);
   double lx = left;
-  for (std::size_t s = 0; series.size() > 1 && s < series.size(); ++s) {
+  for (std::size_t s = 0; s < series.size(); ++s) {
     svg += format("<rect x=\"%.1f\" y=\"6\" width=\"12\" height=\"10\" style=\"fill:%s\"/>\n", lx,
                   colour_of(colours[s]).c_str());
     svg += text_at(lx + 17, 15, "start", series[s]);
-    lx += 34 + 7.0 * static_cast<double>(series[s].size());
+    lx += legend_width(series[s].size());
   }
   for (const double tick : axis.ticks) {
     svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", axis.at(tick),
