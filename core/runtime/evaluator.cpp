@@ -169,7 +169,7 @@ void Evaluator::gather_inputs(Workspace& workspace) const {
       inputs.places[at] = place;
       Workspace::Watch& watch = workspace.watches_[region];
       for (std::size_t p = 0; p < poses; ++p) {
-        inputs.values[p * inputs.stride + at] = value[p];
+        inputs.values[at * poses + p] = value[p];
         watch.moved[p] |= value[p] != 0;
       }
     }
@@ -201,12 +201,12 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
     }
     workspace.open_[r] = open;
     if (!open) continue;
-    float* coefficients = workspace.coefficients_.data() + first_coefficient_[r];
-    nets_[r].run(kernels_, workspace.inputs_.list(first_input_[r], workspace.inputs_.counts[r]), poses,
-                 workspace.layers_.data(), workspace.quantized_, coefficients, coefficient_count_);
-    for (std::size_t p = 0; p < poses; ++p, coefficients += coefficient_count_)
-      for (std::size_t i = 0; i < nets_[r].output_count(); ++i)
-        coefficients[i] = zero_unless(opening[p] != 0, coefficients[i] * opening[p]);
+    float* coefficients = workspace.coefficients_.data() + first_coefficient_[r] * poses;
+    nets_[r].run(kernels_, workspace.inputs_.list(first_input_[r], workspace.inputs_.counts[r], poses), poses,
+                 workspace.layers_.data(), workspace.quantized_, coefficients);
+    for (std::size_t i = 0; i < nets_[r].output_count(); ++i)
+      for (std::size_t p = 0; p < poses; ++p, ++coefficients)
+        *coefficients = zero_unless(opening[p] != 0, *coefficients * opening[p]);
   }
 }
 
@@ -216,7 +216,6 @@ void Evaluator::gather_summands(Workspace& workspace) const {
   std::uint32_t* ends = workspace.summands_.counts.data();
   std::copy_n(first_summand_.begin(), chunks_.size(), ends);
   float* values = workspace.summands_.values.data();
-  const std::size_t stride = workspace.summands_.stride;
   std::uint32_t* places = workspace.summands_.places.data();
   const std::span<const std::uint32_t> active = workspace.features_.active();
   for (std::size_t i = 0; i < active.size(); ++i) {
@@ -228,13 +227,14 @@ void Evaluator::gather_summands(Workspace& workspace) const {
     for (const SummandUse* use = summands_.data() + uses[0].summands; use < end; ++use) {
       const std::uint32_t at = ends[use->chunk]++;
       places[at] = use->place;
-      for (std::size_t p = 0; p < poses; ++p) values[p * stride + at] = value[p] * use->scale;
+      for (std::size_t p = 0; p < poses; ++p) values[at * poses + p] = value[p] * use->scale;
     }
   }
   for (std::size_t c = 0; c < chunks_.size(); ++c) ends[c] -= first_summand_[c];
 }
 
-void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& workspace) const {
+template <std::size_t poses>
+void Evaluator::run_chunks(float* const* rows, Workspace& workspace) const {
   const bool kept = rows[0] == workspace.rows_.data();
   Workspace::Lists& lists = workspace.summands_;
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
@@ -244,19 +244,17 @@ void Evaluator::run_chunks(std::size_t poses, float* const* rows, Workspace& wor
       for (std::uint32_t u = chunk_regions_begin_[c + 1]; u < chunk_regions_begin_[c + 2]; ++u)
         if (workspace.open_[chunk_regions_[u].region]) chunks_[c + 1].fetch_scales(chunk_regions_[u].begin);
     }
-    PoseNumbers list = lists.list(first_summand_[c], lists.counts[c]);
+    PoseNumbers list = lists.list(first_summand_[c], lists.counts[c], poses);
     std::uint32_t* places = lists.places.data() + first_summand_[c];
     for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
       const auto [region, begin, end] = chunk_regions_[u];
       if (!workspace.open_[region]) continue;
-      for (std::size_t p = 0; p < poses; ++p)
-        chunk.weigh({begin, end}, workspace.coefficients_.data() + p * coefficient_count_,
-                    list.values + p * list.stride + list.count);
+      chunk.weigh<poses>({begin, end}, workspace.coefficients_.data(), list.values + list.count * poses);
       for (std::uint32_t s = begin; s < end; ++s) places[list.count++] = s;
     }
     const float* rest = rest_rows_.data() + chunk.first_row();
-    float* to[block_poses];
-    bool moved[block_poses] = {};
+    float* to[poses];
+    bool moved[poses] = {};
     for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();
     if (list.count > 0) chunk.run(kernels_, list, poses, workspace.quantized_, rest, to, moved);
     for (std::size_t p = 0; p < poses; ++p) {
@@ -279,7 +277,7 @@ void Evaluator::run_features_on(const PoseOutput* outputs, RegionMask regions, W
   for (std::size_t p = 0; p < poses; ++p)
     rows[p] = in_place ? static_cast<float*>(outputs[p].positions.first)
                        : workspace.rows_.data() + p * (rest_rows_.size() + 1);
-  run_chunks(poses, rows, workspace);
+  run_chunks<poses>(rows, workspace);
   for (std::size_t p = 0; p < poses && !in_place; ++p) {
     if (outputs[p].positions.first)
       write_vertices(kernels_, rows[p], vertex_count(), place_of_, workspace.halves_.data(), outputs[p].positions);

@@ -35,14 +35,14 @@ class Workspace {
 
  private:
   friend class Evaluator;
-  // Numbers of each pose and the places they belong to, for each of several lists.
+  // Numbers of one pose, or of each pose of a block side by side, and the places they belong to, for each of several
+  // lists.
   struct Lists {
     Lists(std::size_t total, std::size_t lists, std::pmr::memory_resource& memory)
-        : stride(total), values(total * block_poses, &memory), places(total, &memory), counts(lists, &memory) {}
-    PoseNumbers list(std::size_t first, std::size_t count) {
-      return {values.data() + first, stride, count, places.data() + first};
+        : values(total * block_poses, &memory), places(total, &memory), counts(lists, &memory) {}
+    PoseNumbers list(std::size_t first, std::size_t count, std::size_t poses) {
+      return {values.data() + first * poses, count, places.data() + first};
     }
-    std::size_t stride;
     std::pmr::vector<float> values;
     std::pmr::vector<std::uint32_t> places, counts;
   };
@@ -53,9 +53,10 @@ class Workspace {
   FeatureState features_;
   Lists inputs_, summands_;  // of regions, of chunks
   std::pmr::vector<Watch> watches_;
-  std::pmr::vector<std::uint8_t> open_;  // by region: whether it gives anything but 0 in any pose
+  std::pmr::vector<std::uint8_t> open_;   // by region: whether it gives anything but 0 in any pose
+  std::pmr::vector<float> coefficients_;  // those of poses side by side
   // Pose after pose. Rows are those at rest but for chunks that moved_ says are not.
-  std::pmr::vector<float> coefficients_, layers_, rows_;
+  std::pmr::vector<float> layers_, rows_;
   std::pmr::vector<std::uint8_t> moved_;
   std::pmr::vector<std::uint16_t> halves_;
   Quantized quantized_;
@@ -153,7 +154,8 @@ class Evaluator {
   void run_regions(RegionMask regions, Workspace& workspace) const;
   template <std::size_t poses>
   void gather_summands(Workspace& workspace) const;
-  void run_chunks(std::size_t poses, float* const* rows, Workspace& workspace) const;
+  template <std::size_t poses>
+  void run_chunks(float* const* rows, Workspace& workspace) const;
   template <std::size_t poses>
   void run_features_on(const PoseOutput* outputs, RegionMask regions, Workspace& workspace) const;
   void run_pose(const float* controls, const PoseOutput& output, RegionMask regions, Workspace& workspace) const;

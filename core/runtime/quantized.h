@@ -10,12 +10,18 @@
 
 namespace fb {
 
-// Numbers of one pose, or of each of a block. Pose p's lie at values + p * stride. Lists have room up to the next
-// multiple of padding.
+// A list of numbers of one pose, or of each pose of a block, side by side: number i of pose p lies at values[i * poses
+// + p]. There is room up to the next multiple of padding.
 struct PoseNumbers {
   float* values;
+  std::size_t count;
+  std::uint32_t* places;  // the column number i belongs to
+};
+
+// What a layer gives to the next: pose p's numbers lie at values + p * stride, with room as above.
+struct PoseRows {
+  float* values;
   std::size_t stride, count;
-  std::uint32_t* places;  // the column number i belongs to; null: column i
 };
 
 // Up to `longest` numbers of each of up to `poses` poses, ready to be multiplied with the columns of a matrix.
@@ -26,6 +32,8 @@ class Quantized {
   // FORMAT.md, "Whole numbers", of x, whose room is filled up; columns not named are 0. `limit` is the largest input.
   // `poses`: 1 or block_poses. Returns whether any input is not 0. x's places are referred to until the next time.
   bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses);
+  // The same of rows, whose number i belongs to column i.
+  bool quantize(const PoseKernels& kernels, const PoseRows& x, float limit, std::size_t poses);
 
   // An input times step() is about the number it stands for; 0 if all numbers of the pose are.
   float step(std::size_t pose) const { return steps_[pose]; }
@@ -35,7 +43,11 @@ class Quantized {
   }
 
  private:
-  void list_what_counts();
+  // Places are null where number i belongs to column i.
+  bool quantize_one(const PoseKernels& kernels, const PoseNumbers& x, float limit);
+  bool use_block(const Rounded (&rounded)[block_poses], std::uint32_t* places, std::size_t count);
+  void fill_up(std::uint32_t* places, std::size_t count);
+  void list_what_counts(const std::uint32_t* places, std::size_t count);
 
   std::pmr::vector<std::int16_t> wholes_, kept_inputs_;
   std::pmr::vector<std::uint32_t> in_order_, kept_places_;  // in_order_: 0, 1, 2, ...

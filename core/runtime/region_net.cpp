@@ -64,8 +64,7 @@ std::size_t RegionNet::widest() const {
 }
 
 [[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses,
-                                      float* work, Quantized& quantized, float* outputs,
-                                      std::size_t output_stride) const {
+                                      float* work, Quantized& quantized, float* outputs) const {
   const std::size_t stride = work_size();
   float *before = work, *after = work + stride / 2;
   quantized.quantize(kernels, input, layers_.front().limit, poses);
@@ -73,24 +72,24 @@ std::size_t RegionNet::widest() const {
     for (std::size_t pose = 0; pose < poses; ++pose) {
       std::fill_n(before + pose * stride, input_count(), 0.0f);
       for (std::size_t i = 0; i < input.count; ++i)
-        before[pose * stride + input.places[i]] = input.values[pose * input.stride + i];
+        before[pose * stride + input.places[i]] = input.values[i * poses + pose];
     }
   for (const Layer& layer : layers_) {
     if (&layer != &layers_.front())
-      quantized.quantize(kernels, {before, stride, layer.inputs, nullptr}, layer.limit, poses);
+      quantized.quantize(kernels, PoseRows{before, stride, layer.inputs}, layer.limit, poses);
     layer.run(kernels, quantized, poses, stride, before, after, &layer == &layers_.back() ? nullptr : &layer + 1);
     std::swap(before, after);
   }
   for (std::size_t pose = 0; pose < poses; ++pose)
     for (std::size_t o = 0; o < output_count(); ++o)
-      outputs[pose * output_stride + o] = before[pose * stride + o] - at_rest_[o];
+      outputs[o * poses + pose] = before[pose * stride + o] - at_rest_[o];
 }
 
 void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
   std::vector<float> work(work_size()), outputs(output_count());
   Quantized quantized(widest(), 1, *std::pmr::get_default_resource());
   std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
-  run(kernels, {nullptr, 0, 0, nullptr}, 1, work.data(), quantized, outputs.data(), 0);
+  run(kernels, {nullptr, 0, nullptr}, 1, work.data(), quantized, outputs.data());
   std::copy(outputs.begin(), outputs.end(), at_rest_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);

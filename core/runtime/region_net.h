@@ -26,11 +26,11 @@ class RegionNet {
   // How many floats run() works in for each pose.
   std::size_t work_size() const { return 2 * (widest() + padding); }
 
-  // FORMAT.md, "Regions", without the gate: output_count() numbers for each pose, those of pose p at outputs + p *
-  // output_stride. The input of the first layer is a list of numbers and their places; all others are 0. `work` are
-  // poses * work_size() floats.
+  // FORMAT.md, "Regions", without the gate: output_count() numbers for each pose, those of poses side by side. The
+  // input of the first layer is a list of numbers and their places; all others are 0. `work` are poses * work_size()
+  // floats.
   void run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses, float* work, Quantized& quantized,
-           float* outputs, std::size_t output_stride) const;
+           float* outputs) const;
 
   // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.
   void find_rest(const PoseKernels& kernels, const char* name);

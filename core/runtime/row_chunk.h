@@ -32,10 +32,11 @@ class RowChunk {
   // Of both parts; the second is empty if there is no wide column.
   std::pair<Span, Span> summands_of(std::uint32_t first_column, std::uint32_t last_column) const;
 
-  // coefficients[column(s)] * scale(s) for the summands of a span.
+  // coefficients[column(s)] * scale(s) for the summands of a span, those of poses side by side.
+  template <std::size_t poses>
   void weigh(Span span, const float* coefficients, float* summands) const {
-    for (std::uint32_t s = span.begin; s < span.end; ++s)
-      summands[s - span.begin] = coefficients[columns_[s]] * scales_[s];
+    for (std::uint32_t s = span.begin; s < span.end; ++s, summands += poses)
+      for (std::size_t p = 0; p < poses; ++p) summands[p] = coefficients[columns_[s] * poses + p] * scales_[s];
   }
 
   // Asks the processor for the digits of these summands in the first panel: which are needed next no prefetcher can

@@ -1,7 +1,9 @@
 // Every instruction set's kernels give the sums the definition gives.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -92,6 +94,30 @@ TEST_CASE("kernels give exact sums, for panels of all sizes and inputs of all ki
               }
             }
           }
+    }
+}
+
+TEST_CASE("kernels round a block of poses as they do one") {
+  Random random(5);
+  for (const PoseKernels* kernels : runnable_kernels())
+    for (const std::size_t count : {0u, 1u, 4u, 21u, 64u}) {
+      std::vector<float> side_by_side(block_poses * count);
+      for (float& number : side_by_side) number = random.uniform(-3, 3);
+      for (std::size_t i = 0; i < count; ++i) side_by_side[i * block_poses + 1] = 0;
+      if (count > 1) side_by_side[2] = INFINITY, side_by_side[3] = NAN, side_by_side[12] = 1e-38f;
+      std::vector<std::int16_t> wholes((count + 3) / 4 * 4 * block_poses), ones(count + padding);
+      Rounded block[block_poses];
+      kernels->round_block(side_by_side.data(), count, 32512, wholes.data(), block);
+      for (std::size_t pose = 0; pose < block_poses; ++pose) {
+        std::vector<float> numbers(count + padding);
+        for (std::size_t i = 0; i < count; ++i) numbers[i] = side_by_side[i * block_poses + pose];
+        std::fill(ones.begin(), ones.end(), std::int16_t(0));
+        const Rounded one = scalar_kernels.round_all(numbers.data(), count, 32512, ones.data());
+        bool same = block[pose].step == one.step && block[pose].sum == one.sum;
+        for (std::size_t i = 0; i < wholes.size() / block_poses; ++i)
+          same = same && wholes[(i / 4 * block_poses + pose) * 4 + i % 4] == ones[i];
+        CHECK_MESSAGE(same, kernels->name << ": " << count << " numbers, pose " << pose);
+      }
     }
 }
 

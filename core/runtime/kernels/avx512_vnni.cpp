@@ -7,64 +7,83 @@ namespace {
 
 #include "runtime/kernels/vector_passes.h"
 
-// Up to 64 rows at once, of one or two poses; those there are not are neither read nor stored. Four columns become
-// fours of bytes, which one instruction multiplies and adds, with the low digits of the four inputs and again with the
-// high ones. Interleaving happens within quarters of 128 bits, so that sums lie in a wrong order until they are stored.
-template <int poses>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            std::int32_t* sums) {
-  const __mmask64 there = ~__mmask64(0) >> (64 - rows);
-  const __m128i low_bytes = _mm_setr_epi8(0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6);
-  const __m128i high_bytes = _mm_setr_epi8(1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7);
-  __m512i low_sum[poses][4], high_sum[poses][4];
-  for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) {
-      low_sum[p][i] = _mm512_set1_epi32(static_cast<int>(active.start[first_pose + p]));
-      high_sum[p][i] = _mm512_setzero_si512();
-    }
-  const std::int16_t* numbers = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, numbers += 4 * active.poses) {
-    const std::uint32_t* place = active.places + k;
-    if (active.ahead && first_pose == 0)
-      for (int i = 0; i < 4; ++i) __builtin_prefetch(active.ahead + place[i] * rows);
-    const __m512i a = _mm512_maskz_loadu_epi8(there, digits + place[0] * rows);
-    const __m512i b = _mm512_maskz_loadu_epi8(there, digits + place[1] * rows);
-    const __m512i c = _mm512_maskz_loadu_epi8(there, digits + place[2] * rows);
-    const __m512i d = _mm512_maskz_loadu_epi8(there, digits + place[3] * rows);
-    const __m512i ab[2] = {_mm512_unpacklo_epi8(a, b), _mm512_unpackhi_epi8(a, b)};
-    const __m512i cd[2] = {_mm512_unpacklo_epi8(c, d), _mm512_unpackhi_epi8(c, d)};
-    const __m512i fours[4] = {_mm512_unpacklo_epi16(ab[0], cd[0]), _mm512_unpackhi_epi16(ab[0], cd[0]),
-                              _mm512_unpacklo_epi16(ab[1], cd[1]), _mm512_unpackhi_epi16(ab[1], cd[1])};
-    for (int p = 0; p < poses; ++p) {
-      const __m128i inputs = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(numbers + 4 * p));
-      const __m512i low = _mm512_broadcast_i32x4(_mm_shuffle_epi8(inputs, low_bytes));
-      const __m512i high = _mm512_broadcast_i32x4(
-          _mm_shuffle_epi8(_mm_add_epi16(inputs, _mm_set1_epi16(128)), high_bytes));  // low digits are signed
-      for (int i = 0; i < 4; ++i) {
-        low_sum[p][i] = _mm512_dpbusd_epi32(low_sum[p][i], fours[i], low);
-        high_sum[p][i] = _mm512_dpbusd_epi32(high_sum[p][i], fours[i], high);
+// A column's digits, 16 rows a block, and anything up to 64. Masked loads would be slower.
+template <int blocks>
+__m512i load(const std::uint8_t* digits) {
+  const auto quarter = [&](int q) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(digits) + q); };
+  if constexpr (blocks == 1) return _mm512_castsi128_si512(quarter(0));
+  if constexpr (blocks == 4) return _mm512_loadu_si512(digits);
+  const __m256i half = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(digits));
+  if constexpr (blocks == 2) return _mm512_castsi256_si512(half);
+  return _mm512_inserti32x4(_mm512_castsi256_si512(half), quarter(2), 2);
+}
+
+// Of sums as add_up() has them: even and odd rows of what was interleaved first, and of what was last, within quarters.
+template <int blocks>
+void store(const __m512i (&pairs)[4], std::int32_t* sums) {
+  const __m512i sum[4] = {_mm512_unpacklo_epi32(pairs[0], pairs[1]), _mm512_unpackhi_epi32(pairs[0], pairs[1]),
+                          _mm512_unpacklo_epi32(pairs[2], pairs[3]), _mm512_unpackhi_epi32(pairs[2], pairs[3])};
+  const __m512i even[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0x88), _mm512_shuffle_i32x4(sum[2], sum[3], 0x88)};
+  const __m512i odd[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0xdd), _mm512_shuffle_i32x4(sum[2], sum[3], 0xdd)};
+  _mm512_storeu_si512(sums, _mm512_shuffle_i32x4(even[0], even[1], 0x88));
+  if constexpr (blocks > 1) _mm512_storeu_si512(sums + 16, _mm512_shuffle_i32x4(odd[0], odd[1], 0x88));
+  if constexpr (blocks > 2) _mm512_storeu_si512(sums + 32, _mm512_shuffle_i32x4(even[0], even[1], 0xdd));
+  if constexpr (blocks > 3) _mm512_storeu_si512(sums + 48, _mm512_shuffle_i32x4(odd[0], odd[1], 0xdd));
+}
+
+// Sums of some poses. Two columns become pairs of 16 bits, interleaved by two rows at a time, of which even bytes are
+// the one row's and odd bytes the other's. Where poses are few, columns take turns between `turns` sums, so that none
+// waits for the one before.
+template <int blocks, int poses>
+void add_up(const std::uint8_t* digits, const ActiveColumns& active, std::size_t first_pose, std::int32_t* sums) {
+  constexpr std::size_t rows = 16 * blocks;
+  constexpr int turns = poses == 1 ? 2 : 1;
+  const __m512i even = _mm512_set1_epi16(255);
+  __m512i sum[poses * turns][4];
+  for (int p = 0; p < poses * turns; ++p)
+    for (__m512i& s : sum[p])
+      s = p < poses ? _mm512_set1_epi32(static_cast<int>(active.start[first_pose + p])) : _mm512_setzero_si512();
+  const std::int16_t* inputs = active.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < active.count; k += 4, inputs += 4 * active.poses)
+    for (int pair = 0; pair < 4; pair += 2) {
+      const std::size_t at[2] = {active.places[k + pair] * rows, active.places[k + pair + 1] * rows};
+      if (active.ahead && first_pose == 0)
+        for (const std::size_t offset : at) __builtin_prefetch(active.ahead + offset);
+      const __m512i a = load<blocks>(digits + at[0]), b = load<blocks>(digits + at[1]);
+      const __m512i first = _mm512_unpacklo_epi16(a, b), last = _mm512_unpackhi_epi16(a, b);
+      const __m512i pairs[4] = {_mm512_and_si512(first, even), _mm512_srli_epi16(first, 8),
+                                _mm512_and_si512(last, even), _mm512_srli_epi16(last, 8)};
+      for (int p = 0; p < poses; ++p) {
+        int numbers;
+        __builtin_memcpy(&numbers, inputs + 4 * p + pair, sizeof numbers);
+        const __m512i input = _mm512_set1_epi32(numbers);
+        __m512i(&s)[4] = sum[p + pair / 2 % turns * poses];
+        for (int i = 0; i < 4; ++i) s[i] = _mm512_dpwssd_epi32(s[i], pairs[i], input);
       }
     }
+  for (int p = 0; p < poses; ++p) {
+    if constexpr (turns == 2)
+      for (int i = 0; i < 4; ++i) sum[p][i] = _mm512_add_epi32(sum[p][i], sum[p + poses][i]);
+    store<blocks>(sum[p], sums + panel_rows * (first_pose + p));
   }
-  for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) {
-      const __m512i sum = _mm512_add_epi32(low_sum[p][i], _mm512_slli_epi32(high_sum[p][i], 8));
-      auto* to = reinterpret_cast<__m128i*>(sums + panel_rows * (first_pose + p)) + i;
-      _mm_storeu_si128(to, _mm512_castsi512_si128(sum));
-      if (rows > 16) _mm_storeu_si128(to + 4, _mm512_extracti32x4_epi32(sum, 1));
-      if (rows > 32) _mm_storeu_si128(to + 8, _mm512_extracti32x4_epi32(sum, 2));
-      if (rows > 48) _mm_storeu_si128(to + 12, _mm512_extracti32x4_epi32(sum, 3));
-    }
+}
+
+template <int blocks>
+void add_up_all(const std::uint8_t* digits, const ActiveColumns& active, std::int32_t* sums) {
+  if (active.poses == 1) return add_up<blocks, 1>(digits, active, 0, sums);
+  for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up<blocks, 4>(digits, active, pose, sums);
 }
 
 void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
-  if (active.poses == 1) return add_up<1>(digits, rows, active, 0, sums);
-  for (std::size_t pose = 0; pose < block_poses; pose += 2) add_up<2>(digits, rows, active, pose, sums);
+  if (rows == 64) return add_up_all<4>(digits, active, sums);
+  if (rows == 48) return add_up_all<3>(digits, active, sums);
+  if (rows == 32) return add_up_all<2>(digits, active, sums);
+  add_up_all<1>(digits, active, sums);
 }
 
 }  // namespace
 
-const PoseKernels avx512_vnni_kernels = {"avx512-vnni", panel_sums, round_all, move_rows,
-                                         finish_layer,  to_halves,  normalise};
+const PoseKernels avx512_vnni_kernels = {"avx512-vnni", panel_sums,   round_all, round_block,
+                                         move_rows,     finish_layer, to_halves, normalise};
 
 }  // namespace fb

@@ -42,6 +42,7 @@ void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumn
 
 }  // namespace
 
-const PoseKernels neon_kernels = {"neon", panel_sums, round_all, move_rows, finish_layer, to_halves, normalise};
+const PoseKernels neon_kernels = {"neon",    panel_sums,   round_all, round_block,
+                                  move_rows, finish_layer, to_halves, normalise};
 
 }  // namespace fb

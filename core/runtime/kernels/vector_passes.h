@@ -2,36 +2,100 @@
 // after panel_kernels.h, so that the compiler makes its vectors of them. What is longer than whole vectors has room up
 // to the next multiple of padding.
 
+// Bits of positive floats have the order of the floats, and those of what is not a number come last.
+std::int32_t size_of(float x) {
+  std::int32_t bits;
+  __builtin_memcpy(&bits, &x, sizeof bits);
+  return bits & 0x7fffffff;
+}
+
+// What the largest size of some numbers counts as; 0 if they all count as 0.
+float largest_of(std::int32_t size) {
+  constexpr std::int32_t largest = 0x71800000;  // 2^100
+  size = size < largest ? size : largest;
+  float m;
+  __builtin_memcpy(&m, &size, sizeof m);
+  return m < 0x1p-100f ? 0 : m;
+}
+
+// Rounds to nearest even, by adding 1.5 * 2^23: beyond 2^23 floats are whole.
+std::int32_t whole_of(float x, float limit) {
+  float q = (x + 12582912.0f) - 12582912.0f;
+  q = q > limit ? limit : q;
+  q = q < -limit ? -limit : q;
+  return static_cast<std::int32_t>(q == q ? q : 0);
+}
+
 // FORMAT.md, "Quantise". x is filled up with zeros.
 Rounded round_all(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes) {
   const std::size_t padded = (count + padding - 1) / padding * padding;
   for (std::size_t i = count; i < padded; ++i) x[i] = 0;
-  // Bits of positive floats have the order of the floats, and those of what is not a number come last.
-  constexpr std::int32_t largest = 0x71800000;  // 2^100
   std::int32_t most = 0;
   for (std::size_t i = 0; i < padded; ++i) {
-    std::int32_t bits;
-    __builtin_memcpy(&bits, x + i, sizeof bits);
-    bits &= 0x7fffffff;
-    most = bits > most ? bits : most;
+    const std::int32_t size = size_of(x[i]);
+    most = size > most ? size : most;
   }
-  most = most < largest ? most : largest;
-  float m;
-  __builtin_memcpy(&m, &most, sizeof m);
-  if (m < 0x1p-100f) return {};
+  const float m = largest_of(most);
+  if (m == 0) return {};
   const float inverse = limit / m;
   std::uint32_t sum = 0, zeros = 0;
   for (std::size_t i = 0; i < padded; ++i) {
-    // Beyond 2^23 floats are whole, so adding 1.5 * 2^23 rounds to nearest even.
-    float q = (x[i] * inverse + 12582912.0f) - 12582912.0f;
-    q = q > limit ? limit : q;
-    q = q < -limit ? -limit : q;
-    const auto whole = static_cast<std::int32_t>(q == q ? q : 0);
+    const std::int32_t whole = whole_of(x[i] * inverse, limit);
     wholes[i] = static_cast<std::int16_t>(whole);
     sum += static_cast<std::uint32_t>(whole);
     zeros += whole == 0;
   }
   return {m / limit, sum, zeros - static_cast<std::uint32_t>(padded - count)};
+}
+
+// Four numbers of eight poses, to be stored pose after pose.
+using EightWholes = std::int16_t __attribute__((vector_size(16)));
+
+void store_block(const std::int16_t (&four)[4][block_poses], std::int16_t* wholes) {
+  static_assert(block_poses == 8);
+  EightWholes a, b, c, d;
+  __builtin_memcpy(&a, four[0], sizeof a);
+  __builtin_memcpy(&b, four[1], sizeof b);
+  __builtin_memcpy(&c, four[2], sizeof c);
+  __builtin_memcpy(&d, four[3], sizeof d);
+  const EightWholes ab[2] = {__builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11),
+                             __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15)};
+  const EightWholes cd[2] = {__builtin_shufflevector(c, d, 0, 8, 1, 9, 2, 10, 3, 11),
+                             __builtin_shufflevector(c, d, 4, 12, 5, 13, 6, 14, 7, 15)};
+  for (int half = 0; half < 2; ++half) {
+    const EightWholes first = __builtin_shufflevector(ab[half], cd[half], 0, 1, 8, 9, 2, 3, 10, 11);
+    const EightWholes last = __builtin_shufflevector(ab[half], cd[half], 4, 5, 12, 13, 6, 7, 14, 15);
+    __builtin_memcpy(wholes + 16 * half, &first, sizeof first);
+    __builtin_memcpy(wholes + 16 * half + 8, &last, sizeof last);
+  }
+}
+
+void round_block(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes,
+                 Rounded* __restrict rounded) {
+  std::int32_t most[block_poses] = {};
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t p = 0; p < block_poses; ++p) {
+      const std::int32_t size = size_of(x[i * block_poses + p]);
+      most[p] = size > most[p] ? size : most[p];
+    }
+  float inverse[block_poses];
+  std::uint32_t sums[block_poses] = {};
+  for (std::size_t p = 0; p < block_poses; ++p) {
+    const float m = largest_of(most[p]);
+    inverse[p] = m == 0 ? 0 : limit / m;
+    rounded[p].step = m / limit;
+  }
+  for (std::size_t i = 0; i < count; i += 4) {
+    std::int16_t four[4][block_poses] = {};
+    for (std::size_t k = 0; k < 4 && i + k < count; ++k)
+      for (std::size_t p = 0; p < block_poses; ++p) {
+        const std::int32_t whole = whole_of(x[(i + k) * block_poses + p] * inverse[p], limit);
+        four[k][p] = static_cast<std::int16_t>(whole);
+        sums[p] += static_cast<std::uint32_t>(whole);
+      }
+    store_block(four, wholes + i * block_poses);
+  }
+  for (std::size_t p = 0; p < block_poses; ++p) rounded[p].sum = sums[p];
 }
 
 void move_rows(const std::int32_t* __restrict sums, float step, const float* __restrict rest, float* __restrict rows,
