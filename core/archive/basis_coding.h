@@ -1,5 +1,5 @@
-// How the numbers of a basis are predicted and in which contexts they are coded: what reader and writer of the section
-// "basis values" share. FORMAT.md describes it.
+// How the numbers of a basis are foretold and in which contexts they are coded: what reader and writer of the section
+// "basis-values" share. FORMAT.md describes it.
 #pragma once
 
 #include <algorithm>
@@ -10,119 +10,113 @@
 #include <cstdlib>
 #include <vector>
 
-#include "model/packed_model.h"
+#include "archive/basis_pieces.h"
+#include "archive/symbol_reader.h"
 
 namespace fb {
 
-// The rows of one vertex in one row group, and the vertices coded before by which they are foretold. Where there is no
-// such vertex stands the number of vertices, whose numbers are 0 in ColumnState.
-struct BasisPiece {
-  std::uint32_t vertex = 0;
-  std::uint32_t row = 0;             // the first, counted within the group
-  std::uint8_t axis = 0, count = 0;  // of the first row; rows: 1 to 3
-  // A number is foretold to be left + right - across: of a parallelogram whose fourth corner it is. Where `halved`,
-  // across is 0 and half of that, rounded up: the mean of the neighbours coded last and last but one, or the only one.
-  std::uint8_t halved = 1;
-  std::uint32_t left = 0, right = 0, across = 0;
-  std::uint32_t last = 0, last_but_one = 0;  // the neighbours coded so; both the same if there is one
-};
+// The first symbol of a piece: below `small_pieces`, all residuals, each of -1..1; otherwise its class, the bits of its
+// largest residual, plus `class_symbols`.
+inline constexpr std::uint32_t small_pieces = 27, class_symbols = 25;
+inline constexpr std::array<int, 3> small_residuals = {0, 1, -1};  // of the digits, to base 3, of a small piece
+inline constexpr std::uint32_t most_class = 17;  // of a wide number that is foretold as wrongly as can be
+inline constexpr std::uint32_t coded_bits = 6;   // of a residual's magnitude; what is finer is stored as bits
 
-// The pieces of every group in the order they are coded. The polygons, whose corners are below
-// `vertices`, the order and the rows of the groups have been checked; points are not looked at.
-std::vector<std::vector<BasisPiece>> basis_pieces(const Mesh& mesh, std::uint32_t vertices,
-                                                  const std::vector<std::uint32_t>& order,
-                                                  const std::vector<PackedRowGroup>& groups);
+// Contexts: of choices of guesses, of first symbols, of residuals.
+inline constexpr std::uint32_t choice_contexts = 2, class_levels = 42, residual_levels = 7;
+inline constexpr std::uint32_t first_contexts = 2 * class_levels + 1;
+inline constexpr std::uint32_t basis_contexts = choice_contexts + first_contexts + 8 * 3 * residual_levels;
 
-// Contexts: of classes (the bits of the largest residual of a piece), then of residuals.
-inline constexpr std::uint32_t class_contexts = 52, residual_levels = 7;
-inline constexpr std::uint32_t basis_contexts = class_contexts + 9 * 3 * residual_levels;
-inline constexpr std::uint32_t coded_bits = 6;  // of a residual's magnitude; what is finer is stored as bits
+// Only a piece of more than one guess has its choice coded.
+inline std::uint32_t choice_context(const BasisPiece& piece) {
+  return piece.surroundings == closes_parallelogram ? 0 : 1;
+}
 
-inline constexpr std::size_t class_lane = 3;  // residuals are coded in lane 0, 1, 2
+// One for each axis; the fourth has no meaning. They are computed with, kept and fetched as one, because what was
+// stored in parts is slow to fetch as a whole right afterwards.
+using AxisNumbers = std::int32_t __attribute__((vector_size(16)));
 
-using AxisNumbers = std::array<int, 3>;  // one for each axis
+inline AxisNumbers magnitudes(AxisNumbers numbers) {
+  return numbers < 0 ? -numbers : numbers;
+}
+// As many bits as the largest magnitude has.
+inline std::uint32_t bits_of(AxisNumbers magnitudes) {
+  return static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint32_t>(magnitudes[0]) |
+                                                   static_cast<std::uint32_t>(magnitudes[1]) |
+                                                   static_cast<std::uint32_t>(magnitudes[2])));
+}
 
-// What is known of one column while it is coded: of all vertices, 0 where not coded yet.
+// A situation is what is known when the first symbol of a piece is coded: for each surroundings 32 times the sum of the
+// classes of the neighbours coded last, plus the bits of the last but one's largest number.
+inline constexpr std::uint32_t situations_each = 32 * (2 * most_class + 1), situations = 3 * situations_each;
+constexpr std::uint32_t first_context(std::uint32_t situation) {
+  const std::uint32_t sum = situation % situations_each / 32, magnitude = situation % 32;
+  const std::uint32_t level =
+      sum == 0 ? magnitude > 0 : 1 + std::min(sum, 20u) + (magnitude > (sum + 1) / 2 + 2 ? 20 : 0);
+  return choice_contexts + class_levels * (situation / situations_each) + level;
+}
+
+// What is known of one column while it is coded: of all vertices, by slots, 0 where not coded yet.
 class ColumnState {
  public:
-  explicit ColumnState(std::size_t vertices) : seen_(vertices + 1), coded_(vertices + 1), nobody_(vertices) {
-    for (std::uint32_t sum = 0; sum <= 2 * 16; ++sum)
-      for (std::uint32_t magnitude = 0; magnitude < magnitudes; ++magnitude)
-        contexts_[magnitudes * sum + magnitude] = static_cast<std::uint8_t>(
-            sum == 0 ? magnitude > 0 : 1 + std::min(sum, 20u) + (magnitude > (sum + 1) / 2 + 2 ? 20 : 0));
-  }
+  explicit ColumnState(std::size_t vertices) : coded_(vertices + 1) {}
 
   // The column's next place begins.
-  void begin_place(bool wide) {
-    largest_ = wide ? largest_wide : largest_narrow;
-    previous_ = 0;
-  }
-  int largest() const { return largest_; }                                         // magnitude of a number here
-  std::uint32_t most_class() const { return largest_ > largest_narrow ? 16 : 8; }  // here
+  void begin_place(bool wide) { largest_ = AxisNumbers{} + (wide ? largest_wide : largest_narrow); }
+  AxisNumbers largest() const { return largest_; }  // magnitudes of numbers here
 
-  // What the piece's vertex is foretold to be on this axis, in -largest()..largest().
-  int foretold(const BasisPiece& piece, std::size_t axis) const {
-    const int sum =
-        seen_[piece.left].numbers[axis] + seen_[piece.right].numbers[axis] - seen_[piece.across].numbers[axis];
-    return std::clamp((sum + piece.halved) >> piece.halved, -largest_, largest_);
+  // What the vertex of a piece is foretold to be.
+  AxisNumbers foretold(const BasisPiece& piece) const {
+    const auto& [one, other] = piece.guesses;
+    return (numbers(one.left) + numbers(one.right) - numbers(one.across) + numbers(other.left) + numbers(other.right) -
+            numbers(other.across) + 1) >>
+           1;
   }
+  AxisNumbers numbers(std::uint32_t slot) const { return coded_[slot].numbers; }
 
   // Of the neighbour coded last only the class is asked for, as its numbers are known so much later.
-  std::uint32_t class_context(const BasisPiece& piece) const {
-    if (piece.last == nobody_) return 42 + std::min<std::uint32_t>(previous_, 9);
-    const std::uint32_t second = coded_[piece.last_but_one];
-    return contexts_[magnitudes * (coded_[piece.last] % 256u + second % 256) + second / 256];
+  std::uint32_t situation(const BasisPiece& piece) const {
+    const auto one = static_cast<std::uint32_t>(coded_[piece.last].trace[3]),
+               other = static_cast<std::uint32_t>(coded_[piece.last_but_one].trace[3]);
+    return situations_each * piece.surroundings + one / 32 * 32 + other;
   }
   // How large the residuals on this axis are at the neighbours coded last, in 0..residual_levels - 1.
   std::uint32_t level(const BasisPiece& piece, std::size_t axis) const {
-    const std::uint32_t sum = seen_[piece.last].residuals[axis] + seen_[piece.last_but_one].residuals[axis];
+    const auto sum =
+        static_cast<std::uint32_t>(coded_[piece.last].trace[axis] + coded_[piece.last_but_one].trace[axis]);
     return std::min({sum, 2 + sum / 2, residual_levels - 1});
   }
+  // In a piece of this class (2 or more), after whether a residual of as many bits was `reached` and for its last row.
   static std::uint32_t residual_context(std::uint32_t bits, std::uint32_t level, bool last, bool reached) {
-    return class_contexts + 3 * (residual_levels * (std::min(bits, 9u) - 1) + level) + (reached ? 1 : last ? 2 : 0);
+    return choice_contexts + first_contexts + 3 * (residual_levels * (std::min(bits, 9u) - 2) + level) +
+           (reached ? 1
+            : last  ? 2
+                    : 0);
   }
 
-  // What an axis of a vertex is coded as.
-  void set(std::uint32_t vertex, std::size_t axis, int number, int residual) {
-    seen_[vertex].numbers[axis] = static_cast<std::int16_t>(number);
-    seen_[vertex].residuals[axis] = static_cast<std::uint16_t>(std::abs(residual));
-  }
-  // Then, of all axes of the piece: the class, and any number of as many bits as the largest.
-  void done(std::uint32_t vertex, std::uint32_t bits, std::uint32_t digits) {
-    coded_[vertex] = static_cast<std::uint16_t>(256 * (std::bit_width(2 * digits + 1) - 1) + bits);
-    previous_ = bits;
+  // What a vertex is coded as, in a piece of this class.
+  void set(std::uint32_t slot, AxisNumbers numbers, AxisNumbers residuals, std::uint32_t bits) {
+    AxisNumbers trace = magnitudes(residuals);
+    trace[3] = static_cast<std::int32_t>(32 * bits + bits_of(magnitudes(numbers)));
+    coded_[slot] = {numbers, trace};
   }
   // Forgets what was coded of these pieces.
   void forget(const std::vector<BasisPiece>& pieces) {
-    for (const BasisPiece& piece : pieces) {
-      seen_[piece.vertex] = {};
-      coded_[piece.vertex] = 0;
-    }
+    for (const BasisPiece& piece : pieces) coded_[piece.slot] = {};
   }
 
  private:
-  struct Seen {
-    std::array<std::int16_t, 3> numbers{};
-    std::array<std::uint16_t, 3> residuals{};  // magnitudes
+  struct Coded {
+    AxisNumbers numbers{};
+    AxisNumbers trace{};  // magnitudes of the residuals; 32 times the class, plus the bits of the largest number
   };
-  static constexpr std::uint32_t magnitudes = 17;  // bits of the largest number there is, and 0
 
-  std::vector<Seen> seen_;
-  // The class of a vertex, plus 256 times the bits of its largest number: in one word, as what was written in two
-  // cannot be read in one before it has reached the cache.
-  std::vector<std::uint16_t> coded_;
-  std::size_t nobody_;
-  std::array<std::uint8_t, magnitudes*(2 * 16 + 1)> contexts_;
-  std::uint32_t previous_ = 0;
-  int largest_ = 0;
+  std::vector<Coded> coded_;
+  AxisNumbers largest_{};
 };
 
-// A column in a group.
-struct ColumnPlace {
-  std::uint32_t group = 0, index = 0;
-};
-
-// Where each column lies, by ascending groups: the order in which they are coded.
-std::vector<std::vector<ColumnPlace>> column_places(const PackedModel& model);
+// The columns of each lane: from number [lane] to before number [lane + 1].
+std::array<std::size_t, symbol_lanes + 1> columns_of_lanes(const PackedModel& model,
+                                                           const std::vector<std::vector<ColumnPlace>>& places);
 
 }  // namespace fb

@@ -1,6 +1,7 @@
 #include <bit>
 
 #include "archive/basis_symbols.h"
+#include "archive/choose_guesses.h"
 #include "archive/layout.h"
 #include "archive/section_writer.h"
 #include "archive/symbol_writer.h"
@@ -13,11 +14,10 @@ void write_column(SymbolWriter& out, ColumnState& state, const std::vector<Basis
                   const std::int16_t* values) {
   state.begin_place(wide);
   for (const BasisPiece& piece : pieces) {
-    AxisNumbers numbers{};
-    std::copy_n(values + piece.row, piece.count, numbers.begin() + piece.axis);
+    const AxisNumbers numbers = numbers_of(state, piece, values + piece.row);
     const AxisNumbers residuals = residuals_of(state, piece, numbers);
     code_piece(out, state, piece, residuals);
-    keep_piece(state, piece, numbers, residuals);
+    state.set(piece.slot, numbers, residuals, class_of(residuals));
   }
 }
 
@@ -65,17 +65,24 @@ ByteWriter write_basis(const PackedModel& model) {
 }
 
 ByteWriter write_basis_values(const PackedModel& model) {
-  const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
-  const auto pieces = basis_pieces(model.rest, vertices, model.order, model.groups);
+  const auto pieces = best_pieces(model);
   SymbolWriter symbols(basis_contexts);
-  ColumnState state(vertices);
-  for (const std::vector<ColumnPlace>& places : column_places(model)) {
-    for (const auto& [g, index] : places) {
-      const PackedRowGroup& group = model.groups[g];
-      write_column(symbols, state, pieces[g], group.columns[index].wide,
-                   group.values.data() + std::size_t(index) * group.row_count);
+  for (const auto& of_group : pieces)
+    for (const BasisPiece& piece : of_group)
+      if (piece.guess_count > 1) symbols.symbol(choice_context(piece), piece.choice);
+  ColumnState state(model.rest.vertex_count());
+  const auto places = column_places(model);
+  const auto lanes = columns_of_lanes(model, places);
+  for (std::size_t lane = 0; lane < symbol_lanes; ++lane) {
+    symbols.go_to_lane(lane);
+    for (std::size_t c = lanes[lane]; c < lanes[lane + 1]; ++c) {
+      for (const auto& [g, index] : places[c]) {
+        const PackedRowGroup& group = model.groups[g];
+        write_column(symbols, state, pieces[g], group.columns[index].wide,
+                     group.values.data() + std::size_t(index) * group.row_count);
+      }
+      for (const ColumnPlace& place : places[c]) state.forget(pieces[place.group]);
     }
-    for (const ColumnPlace& place : places) state.forget(pieces[place.group]);
   }
   ByteWriter out;
   symbols.write(out);

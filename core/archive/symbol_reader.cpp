@@ -1,6 +1,7 @@
 #include "archive/symbol_reader.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace fb {
 namespace {
@@ -35,39 +36,42 @@ void read_table(ByteReader& in, std::uint8_t* symbols, std::uint32_t* shares) {
 }  // namespace
 
 SymbolReader::SymbolReader(ByteReader& in, std::size_t contexts) : in_(&in) {
-  tables_ = in.numbers<std::uint8_t>(contexts, "tables of contexts");
-  const std::size_t tables = *std::max_element(tables_.begin(), tables_.end()) + std::size_t(1);
+  tables_.of_context = in.numbers<std::uint8_t>(contexts, "tables of contexts");
+  const std::size_t tables = *std::max_element(tables_.of_context.begin(), tables_.of_context.end()) + std::size_t(1);
   if (tables > most_tables) in.damaged("contexts have more tables than the format allows");
   in.budget().take(tables, symbol_slots + 256 * sizeof(std::uint32_t), "symbol tables");
-  symbols_.resize(tables * symbol_slots);
-  shares_.resize(tables * 256);
+  tables_.symbols.resize(tables * symbol_slots);
+  tables_.shares.resize(tables * 256);
   for (std::size_t table = 0; table < tables; ++table)
-    read_table(in, &symbols_[table * symbol_slots], &shares_[table * 256]);
+    read_table(in, &tables_.symbols[table * symbol_slots], &tables_.shares[table * 256]);
 
-  for (std::uint32_t& state : begin_.states_) {
-    state = in.number<std::uint32_t>("a coder's state");
-    if (state < least_state) in.damaged("a coder's state is too small");
+  std::array<std::uint32_t, symbol_lanes> counts;
+  for (std::uint32_t& count : counts) count = in.number<std::uint32_t>("a number of words");
+  for (SymbolLane& lane : begin_) {
+    lane.state_ = in.number<std::uint32_t>("a coder's state");
+    if (lane.state_ < least_state) in.damaged("a coder's state is too small");
   }
-  if (in.left() % 2 != 0) in.damaged("there are too many coded symbols, by half a word");
-  words_ = in.numbers<std::uint16_t>(in.left() / 2, "coded symbols");
-  const std::size_t count = words_.size();
-  words_.resize(count + SymbolCursor::spare_words);
-  begin_.tables_ = tables_.data();
-  begin_.symbols_ = symbols_.data();
-  begin_.shares_ = shares_.data();
-  begin_.at_ = words_.data();
-  begin_.end_ = words_.data() + count;
+  const std::uint64_t words = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
+  if (in.left() != 2 * words) in.damaged("the words of the lanes do not fill the section");
+  words_ = in.numbers<std::uint16_t>(words, "coded symbols");
+  words_.resize(words_.size() + SymbolLane::spare_words);
+  const std::uint16_t* at = words_.data();
+  for (std::size_t lane = 0; lane < symbol_lanes; ++lane) {
+    begin_[lane].at_ = at;
+    begin_[lane].end_ = at += counts[lane];
+  }
 }
 
-void SymbolReader::refuse(const SymbolCursor& cursor, const char* what) const {
-  in_->damaged(cursor.exhausted() ? "there are too few coded symbols" : what);
+void SymbolReader::refuse(const SymbolLane& lane, const char* what) const {
+  in_->damaged(lane.exhausted() ? "there are too few coded symbols" : what);
 }
 
-void SymbolReader::end(const SymbolCursor& cursor) const {
-  if (cursor.exhausted()) refuse(cursor, "");
-  if (cursor.at_ != cursor.end_) in_->damaged("there are too many coded symbols");
-  for (const std::uint32_t state : cursor.states_)
-    if (state != least_state) in_->damaged("the coded symbols do not end as they should");
+void SymbolReader::end(const SymbolLanes& lanes) const {
+  for (const SymbolLane& lane : lanes) {
+    if (lane.exhausted()) refuse(lane, "");
+    if (lane.at_ != lane.end_) in_->damaged("there are too many coded symbols");
+    if (lane.state_ != least_state) in_->damaged("the coded symbols do not end as they should");
+  }
 }
 
 }  // namespace fb

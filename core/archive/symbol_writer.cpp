@@ -6,6 +6,7 @@
 
 #include "archive/share_tables.h"
 #include "archive/symbol_reader.h"
+#include "base/checked.h"
 
 namespace fb {
 namespace {
@@ -64,13 +65,13 @@ void SymbolWriter::write(ByteWriter& out) const {
   // Backwards, as the numeral system is a stack: what is put in last comes out first.
   std::array<std::uint32_t, symbol_lanes> states;
   states.fill(least_state);
-  std::vector<std::uint16_t> words;
+  std::array<std::vector<std::uint16_t>, symbol_lanes> words;
   for (std::size_t i = steps_.size(); i-- > 0;) {
     const auto& [context, lane, plain_bits, value] = steps_[i];
     std::uint32_t& state = states[lane];
-    const auto make_room = [&](std::uint64_t beyond) {
+    const auto make_room = [&, lane = lane](std::uint64_t beyond) {
       if (state < beyond) return;
-      words.push_back(static_cast<std::uint16_t>(state));
+      words[lane].push_back(static_cast<std::uint16_t>(state));
       state >>= 16;
     };
     if (plain_bits > 0) {
@@ -82,8 +83,12 @@ void SymbolWriter::write(ByteWriter& out) const {
       state = (state / share << symbol_bits) + state % share + first[table_of[context]][value];
     }
   }
+  for (const auto& of_lane : words) out.number(checked_u32(of_lane.size(), "coded words"));
   for (const std::uint32_t state : states) out.number(state);
-  for (std::size_t i = words.size(); i-- > 0;) out.number(words[i]);
+  for (auto& of_lane : words) {
+    std::reverse(of_lane.begin(), of_lane.end());
+    out.numbers(of_lane);
+  }
 }
 
 }  // namespace fb

@@ -13,15 +13,15 @@ class SymbolWriter {
  public:
   explicit SymbolWriter(std::size_t contexts) : contexts_(contexts) {}
 
-  // A number below 256 in a context; see SymbolCursor for lanes.
-  void symbol(std::size_t lane, std::size_t context, std::uint32_t value) {
-    steps_.push_back(
-        {static_cast<std::uint16_t>(context), static_cast<std::uint8_t>(lane), 0, static_cast<std::uint16_t>(value)});
+  // The lane of what follows, 0 at first; see SymbolLane.
+  void go_to_lane(std::size_t lane) { lane_ = static_cast<std::uint8_t>(lane); }
+  // A number below 256 in a context.
+  void symbol(std::size_t context, std::uint32_t value) {
+    steps_.push_back({static_cast<std::uint16_t>(context), lane_, 0, static_cast<std::uint16_t>(value)});
   }
   // A number of `count` bits, at most 12.
-  void bits(std::size_t lane, std::uint32_t count, std::uint32_t value) {
-    steps_.push_back(
-        {0, static_cast<std::uint8_t>(lane), static_cast<std::uint8_t>(count), static_cast<std::uint16_t>(value)});
+  void bits(std::uint32_t count, std::uint32_t value) {
+    steps_.push_back({0, lane_, static_cast<std::uint8_t>(count), static_cast<std::uint16_t>(value)});
   }
   // Appends tables and coded symbols.
   void write(ByteWriter& out) const;
@@ -33,6 +33,7 @@ class SymbolWriter {
     std::uint16_t value;
   };
   std::size_t contexts_;
+  std::uint8_t lane_ = 0;
   std::vector<Step> steps_;
 };
 

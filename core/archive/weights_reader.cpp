@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "archive/layout.h"
 #include "archive/section_reader.h"
 #include "archive/symbol_reader.h"
@@ -5,30 +7,37 @@
 namespace fb {
 namespace {
 
+// Two words are read for a weight at most.
+constexpr std::size_t weights_at_once = symbol_lanes * SymbolLane::spare_words / 2;
+
 template <bool wide>
-std::int16_t read_weight(SymbolCursor& in, std::size_t lane, std::uint32_t context) {
-  int weight = static_cast<int>(in.symbol(lane, context + (wide ? 3 : 0))) - largest_narrow;
-  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(lane, context + 6)) - 128;
+std::int16_t read_weight(const SymbolTables& tables, SymbolLane& in, std::uint32_t context) {
+  int weight = static_cast<int>(in.symbol(tables, context + (wide ? 3 : 0))) - largest_narrow;
+  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(tables, context + 6)) - 128;
   return static_cast<std::int16_t>(weight);
 }
 
-// Fills `weights`, unless the words run out before.
+// Fills `weights`; false if the words run out before.
 template <bool wide>
-void read_layer(SymbolCursor& in, std::uint32_t context, std::vector<std::int16_t>& weights) {
-  SymbolCursor at = in;
-  std::size_t i = 0;
-  for (; i + symbol_lanes <= weights.size() && !at.exhausted(); i += symbol_lanes)
-    for (std::size_t lane = 0; lane < symbol_lanes; ++lane) weights[i + lane] = read_weight<wide>(at, lane, context);
-  for (std::size_t lane = 0; i + lane < weights.size() && !at.exhausted(); ++lane)
-    weights[i + lane] = read_weight<wide>(at, lane, context);
+bool read_layer(const SymbolTables& tables, SymbolLanes& in, std::uint32_t context,
+                std::vector<std::int16_t>& weights) {
+  SymbolLanes at = in;
+  const auto sound = [&] {
+    return std::none_of(at.begin(), at.end(), [](const auto& lane) { return lane.exhausted(); });
+  };
+  for (std::size_t i = 0; i < weights.size() && sound();)
+    for (const std::size_t end = std::min(i + weights_at_once, weights.size()); i < end;)
+      for (std::size_t lane = 0; lane < symbol_lanes && i < end; ++lane, ++i)
+        weights[i] = read_weight<wide>(tables, at[lane], context);
   in = at;
+  return sound();
 }
 
 }  // namespace
 
 void read_weights(ByteReader& in, PackedModel& model) {
   const SymbolReader symbols(in, weight_contexts);
-  SymbolCursor at = symbols.begin();
+  SymbolLanes at = symbols.begin();
   for (PackedRegion& region : model.regions)
     for (std::size_t l = 0; l < region.layers.size(); ++l) {
       PackedLayer& layer = region.layers[l];
@@ -36,7 +45,8 @@ void read_weights(ByteReader& in, PackedModel& model) {
       in.budget().take(count, sizeof(std::int16_t), "weights");
       layer.weights.resize(count);
       const std::uint32_t context = weight_context(l, region.layers.size());
-      layer.wide ? read_layer<true>(at, context, layer.weights) : read_layer<false>(at, context, layer.weights);
+      const auto read = layer.wide ? read_layer<true> : read_layer<false>;
+      if (!read(symbols.tables(), at, context, layer.weights)) symbols.end(at);
     }
   symbols.end(at);
 }

@@ -12,10 +12,10 @@ ByteWriter write_weights(const PackedModel& model) {
       const PackedLayer& layer = region.layers[l];
       const std::uint32_t context = weight_context(l, region.layers.size());
       for (std::size_t i = 0; i < layer.weights.size(); ++i) {
-        const std::size_t lane = i % symbol_lanes;
+        symbols.go_to_lane(i % symbol_lanes);
         const int weight = layer.weights[i], digit = layer.wide ? high_digit(weight) : weight;
-        symbols.symbol(lane, context + (layer.wide ? 3 : 0), static_cast<std::uint32_t>(digit + largest_narrow));
-        if (layer.wide) symbols.symbol(lane, context + 6, static_cast<std::uint32_t>(low_digit(weight) + 128));
+        symbols.symbol(context + (layer.wide ? 3 : 0), static_cast<std::uint32_t>(digit + largest_narrow));
+        if (layer.wide) symbols.symbol(context + 6, static_cast<std::uint32_t>(low_digit(weight) + 128));
       }
     }
   ByteWriter out;

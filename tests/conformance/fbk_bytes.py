@@ -111,11 +111,11 @@ class Symbols:
                 start += frequency
             tables.append(table)
         self.tables = [tables[t] for t in table_of]
+        counts = [contents.u32() for _ in range(4)]
         self.states = [contents.u32() for _ in range(4)]
         require(min(self.states) >= 65536, f"{contents.name}: a state is too small")
-        rest = len(contents.data) - contents.at
-        require(rest % 2 == 0, f"{contents.name}: half a word is left")
-        self.words = iter(contents.array("u2", rest // 2).tolist())
+        self.words = [iter(contents.array("u2", count).tolist()) for count in counts]
+        contents.end()
 
     def frequency(self):
         low = self.contents.number("B")
@@ -123,7 +123,7 @@ class Symbols:
 
     def refill(self, lane, x):
         if x < 65536:
-            word = next(self.words, None)
+            word = next(self.words[lane], None)
             require(word is not None, f"{self.contents.name}: too few words")
             x = 65536 * x + word
         self.states[lane] = x
@@ -141,5 +141,5 @@ class Symbols:
         return x & (1 << count) - 1
 
     def end(self):
-        require(next(self.words, None) is None, f"{self.contents.name}: words are left")
+        require(all(next(words, None) is None for words in self.words), f"{self.contents.name}: words are left")
         require(self.states == [65536] * 4, f"{self.contents.name}: does not end as it should")

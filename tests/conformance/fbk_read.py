@@ -311,8 +311,29 @@ def find_neighbours(face):
     return near
 
 
-def find_pieces(face, near):
-    """For every group its pieces in coding order: vertex, first row in the group, axes, left, right, across, k1, k2."""
+def guess_from(v, known, near, coded):
+    """The guesses of a vertex as triples (left, right, across), None for nobody; and its surroundings."""
+    def last(vertices):
+        return max(vertices, key=lambda w: coded[w], default=None)
+
+    guesses = []
+    for i, j in ((i, j) for i in range(len(known[:4])) for j in range(i + 1, len(known[:4]))):
+        across = last(w for w in near[known[i]]
+                      if coded[w] and w != v and w in near[known[j]] and w not in near[v])
+        if across is not None:
+            guesses.append((known[i], known[j], across))
+    surroundings = 0 if guesses else 1 if known else 2
+    guesses += [(k, None, None) for k in known[:2]]
+    for k in known[:4]:
+        beyond = last(w for w in near[k] if coded[w] and w != v and w not in near[v]
+                      and not any(w in near[u] for u in near[v] if u != k))
+        if beyond is not None:
+            guesses.append((k, k, beyond))
+    return guesses or [(None, None, None)], surroundings
+
+
+def find_pieces(face, near, symbols):
+    """For every group its pieces in coding order: vertex, first row in the group, axes, guesses, surroundings, k1, k2."""
     coded = [0] * face.vertices  # the turn of a vertex's last piece
     turn = 0
     for group in face.groups:
@@ -331,16 +352,15 @@ def find_pieces(face, near):
                 continue
             axes = waiting.pop(v)[1]
             known = sorted((w for w in near[v] if coded[w]), key=lambda w: -coded[w])
-            k1 = known[0] if known else None
-            k2 = known[1] if len(known) > 1 else k1
-            left, right, across = k1, k2, None
-            for i, j in ((i, j) for i in range(len(known)) for j in range(i + 1, len(known))):
-                over = [w for w in near[known[i]]
-                        if coded[w] and w != v and w in near[known[j]] and w not in near[v]]
-                if over:
-                    left, right, across = known[i], known[j], max(over, key=lambda w: coded[w])
-                    break
-            group["pieces"].append((v, row, axes, left, right, across, k1, k2))
+            guesses, surroundings = guess_from(v, known, near, coded)
+            choice = symbols.symbol(0 if surroundings == 0 else 1, 0) if len(guesses) > 1 else 0
+            j = 0
+            while (j + 1) * (j + 2) // 2 <= choice:
+                j += 1
+            require(j < len(guesses), "basis-values: a guess that there is not")
+            chosen = (guesses[choice - j * (j + 1) // 2], guesses[j])
+            k1, k2 = (known + known)[:2] if known else (None, None)
+            group["pieces"].append((v, row, axes, chosen, surroundings, k1, k2))
             new = coded[v] == 0
             turn += 1
             coded[v] = turn
@@ -351,54 +371,67 @@ def find_pieces(face, near):
 
 
 def read_basis_values(c, face):
-    symbols = Symbols(c, 241)
-    find_pieces(face, find_neighbours(face))
+    symbols = Symbols(c, 255)
+    find_pieces(face, find_neighbours(face), symbols)
+    rows = [face.groups[place["group"]]["rows"] for place in face.places]
+    before, columns = 0, {}  # of each column, the numbers in those before it
+    for place, count in zip(face.places, rows):
+        columns.setdefault(place["column"], before)
+        before += count
     column = None
     for place in face.places:
         if place["column"] != column:
             column, numbers, residuals, classes, magnitudes = place["column"], {}, {}, {}, {}
-        m = 32512 if place["wide"] else 127
-        group = face.groups[place["group"]]
-        values = [0] * group["rows"]
-        before = 0
-        nothing = [0, 0, 0]
-        for v, row, axes, left, right, across, k1, k2 in group["pieces"]:
-            if k1 is None:
-                context = 42 + min(before, 9)
-            else:
-                s = classes.get(k1, 0) + classes.get(k2, 0)
-                g = magnitudes.get(k2, 0)
-                if s == 0:
-                    context = 0 if g == 0 else 1
-                else:
-                    context = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
-            b = symbols.symbol(context, 3)
-            require(b <= (16 if place["wide"] else 8), "basis-values: a class is too large")
-            mine, left_over = numbers.setdefault(v, [0, 0, 0]), residuals.setdefault(v, [0, 0, 0])
-            r1, r2 = residuals.get(k1, nothing), residuals.get(k2, nothing)
-            a, z, o = numbers.get(left, nothing), numbers.get(right, nothing), numbers.get(across, nothing)
-            reached, most, f = False, 0, max(b - 6, 0)
-            for i, axis in enumerate(axes):
-                p = a[axis] + z[axis] - o[axis] if across is not None else a[axis] + z[axis] + 1 >> 1
-                number = min(max(p, -m), m)
-                residual = 0
-                if b > 0:
-                    n = abs(r1[axis]) + abs(r2[axis])
-                    e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
-                    context = 52 + 3 * (7 * (min(b, 9) - 1) + e) + (1 if reached else 2 if last else 0)
-                    code = symbols.symbol(context, i) << f
-                    if f > 0:
-                        code += symbols.bits(f, i)
-                    residual = code - ((1 << b) - 1)
-                    reached = reached or abs(residual) >= 1 << b - 1
-                    number += residual
-                require(-m <= number <= m, "basis-values: beyond their range")
-                mine[axis] = values[row + i] = number
-                left_over[axis] = residual
-                most = max(most, abs(number))
-            classes[v], magnitudes[v], before = b, most.bit_length(), b
-        place["values"] = np.array(values, np.int64)
+            lane = 4 * columns[column] // before
+        place["values"] = np.array(read_place(symbols, lane, face.groups[place["group"]], 32512 if place["wide"] else 127,
+                                              numbers, residuals, classes, magnitudes), np.int64)
     symbols.end()
+
+
+def read_place(symbols, lane, group, m, numbers, residuals, classes, magnitudes):
+    values, nothing = [0] * group["rows"], [0, 0, 0]
+    for v, row, axes, (one, other), surroundings, k1, k2 in group["pieces"]:
+        t = 0
+        if k1 is not None:
+            s = classes.get(k1, 0) + classes.get(k2, 0)
+            g = magnitudes.get(k2, 0)
+            if s == 0:
+                t = 0 if g == 0 else 1
+            else:
+                t = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
+        first = symbols.symbol(2 + 42 * surroundings + t, lane)
+        left_over = [0, 0, 0]
+        if first < 27:
+            b = 1 if first > 0 else 0
+            left_over = [(0, 1, -1)[first // 3**axis % 3] for axis in range(3)]
+            require(all(left_over[axis] == 0 or axis in axes for axis in range(3)), "basis-values: an axis too many")
+        else:
+            b = first - 25
+            require(b <= 17, "basis-values: a class is too large")
+            r1, r2 = residuals.get(k1, nothing), residuals.get(k2, nothing)
+            reached, f = False, max(b - 6, 0)
+            for i, axis in enumerate(axes):
+                n = abs(r1[axis]) + abs(r2[axis])
+                e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
+                context = 87 + 3 * (7 * (min(b, 9) - 2) + e) + (1 if reached else 2 if last else 0)
+                code = symbols.symbol(context, lane) << f
+                if f > 0:
+                    code += symbols.bits(f, lane)
+                left_over[axis] = code - ((1 << b) - 1)
+                reached = reached or abs(left_over[axis]) >= 1 << b - 1
+        mine = numbers.setdefault(v, [0, 0, 0])
+        foretold = [(guessed(one, numbers, axis) + guessed(other, numbers, axis) + 1) >> 1 for axis in range(3)]
+        for i, axis in enumerate(axes):
+            number = foretold[axis] + left_over[axis]
+            require(-m <= number <= m, "basis-values: beyond their range")
+            mine[axis] = values[row + i] = number
+        residuals[v], classes[v], magnitudes[v] = left_over, b, max(map(abs, mine)).bit_length()
+    return values
+
+
+def guessed(guess, numbers, axis):
+    left, right, across = (numbers[v][axis] if v in numbers else 0 for v in guess)
+    return left + right - across
 
 
 def read_text(c):
