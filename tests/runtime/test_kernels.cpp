@@ -101,7 +101,7 @@ TEST_CASE("kernels round a block of poses as they do one") {
   Random random(5);
   for (const PoseKernels* kernels : runnable_kernels())
     for (const std::size_t count : {0u, 1u, 4u, 21u, 64u}) {
-      std::vector<float> side_by_side(block_poses * count);
+      std::vector<float> side_by_side(block_poses * (count + padding));
       for (float& number : side_by_side) number = random.uniform(-3, 3);
       for (std::size_t i = 0; i < count; ++i) side_by_side[i * block_poses + 1] = 0;
       if (count > 1) side_by_side[2] = INFINITY, side_by_side[3] = NAN, side_by_side[12] = 1e-38f;

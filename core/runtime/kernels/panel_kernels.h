@@ -50,7 +50,7 @@ struct PoseKernels {
   Rounded (*round_all)(float* x, std::size_t count, float limit, std::int16_t* wholes);
   // The same for each pose of a block, whose numbers lie side by side; wholes lie as ActiveColumns::inputs do, zeros
   // are not counted, and those of poses that are all zeros are written.
-  void (*round_block)(const float* x, std::size_t count, float limit, std::int16_t* wholes, Rounded* rounded);
+  void (*round_block)(float* x, std::size_t count, float limit, std::int16_t* wholes, Rounded* rounded);
   // rows = rest + step * sums
   void (*move_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
   // y = activation((scales * step) * sums + bias), sums = 256 * high + low, or low where high is null

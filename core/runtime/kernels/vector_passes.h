@@ -48,16 +48,14 @@ Rounded round_all(float* __restrict x, std::size_t count, float limit, std::int1
   return {m / limit, sum, zeros - static_cast<std::uint32_t>(padded - count)};
 }
 
-// Four numbers of eight poses, to be stored pose after pose.
+// Of eight poses.
 using EightWholes = std::int16_t __attribute__((vector_size(16)));
+using EightSums = std::uint32_t __attribute__((vector_size(32)));
 
-void store_block(const std::int16_t (&four)[4][block_poses], std::int16_t* wholes) {
+// Stores four numbers of eight poses pose after pose.
+void store_block(const EightWholes (&four)[4], std::int16_t* wholes) {
   static_assert(block_poses == 8);
-  EightWholes a, b, c, d;
-  __builtin_memcpy(&a, four[0], sizeof a);
-  __builtin_memcpy(&b, four[1], sizeof b);
-  __builtin_memcpy(&c, four[2], sizeof c);
-  __builtin_memcpy(&d, four[3], sizeof d);
+  const auto [a, b, c, d] = four;
   const EightWholes ab[2] = {__builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11),
                              __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15)};
   const EightWholes cd[2] = {__builtin_shufflevector(c, d, 0, 8, 1, 9, 2, 10, 3, 11),
@@ -70,30 +68,36 @@ void store_block(const std::int16_t (&four)[4][block_poses], std::int16_t* whole
   }
 }
 
-void round_block(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes,
+// x is filled up with zeros to fours of numbers.
+void round_block(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes,
                  Rounded* __restrict rounded) {
+  const std::size_t fours = (count + 3) / 4;
+  for (std::size_t i = count * block_poses; i < 4 * fours * block_poses; ++i) x[i] = 0;
   std::int32_t most[block_poses] = {};
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < count; ++i, x += block_poses)
     for (std::size_t p = 0; p < block_poses; ++p) {
-      const std::int32_t size = size_of(x[i * block_poses + p]);
+      const std::int32_t size = size_of(x[p]);
       most[p] = size > most[p] ? size : most[p];
     }
+  x -= count * block_poses;
   float inverse[block_poses];
-  std::uint32_t sums[block_poses] = {};
   for (std::size_t p = 0; p < block_poses; ++p) {
     const float m = largest_of(most[p]);
     inverse[p] = m == 0 ? 0 : limit / m;
     rounded[p].step = m / limit;
   }
-  for (std::size_t i = 0; i < count; i += 4) {
-    std::int16_t four[4][block_poses] = {};
-    for (std::size_t k = 0; k < 4 && i + k < count; ++k)
-      for (std::size_t p = 0; p < block_poses; ++p) {
-        const std::int32_t whole = whole_of(x[(i + k) * block_poses + p] * inverse[p], limit);
-        four[k][p] = static_cast<std::int16_t>(whole);
-        sums[p] += static_cast<std::uint32_t>(whole);
-      }
-    store_block(four, wholes + i * block_poses);
+  EightSums sums = {};
+  for (std::size_t four = 0; four < fours; ++four, wholes += 4 * block_poses) {
+    EightWholes found[4];
+    for (std::size_t k = 0; k < 4; ++k, x += block_poses) {
+      std::int32_t some[block_poses];
+      for (std::size_t p = 0; p < block_poses; ++p) some[p] = whole_of(x[p] * inverse[p], limit);
+      EightSums eight;
+      __builtin_memcpy(&eight, some, sizeof eight);
+      sums += eight;
+      found[k] = __builtin_convertvector(eight, EightWholes);
+    }
+    store_block(found, wholes);
   }
   for (std::size_t p = 0; p < block_poses; ++p) rounded[p].sum = sums[p];
 }
