@@ -24,7 +24,8 @@ using fb::capi::require;
 struct fb_model {
   fb_model(const fb::Archive& archive, const fb_load_desc& desc)
       : memory(desc.allocator),
-        evaluator(archive.model, memory, desc.max_model_bytes, fb::choose_kernels(desc.instruction_set)),
+        evaluator(archive.model, desc.allocator.allocate ? &memory : nullptr, desc.max_model_bytes,
+                  fb::choose_kernels(desc.instruction_set)),
         rest_pose(evaluator.schema().rest_pose()),
         polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
         polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),

@@ -26,6 +26,15 @@ std::vector<std::uint32_t> first_rows(const PackedModel& model) {
   return rows;
 }
 
+// `pages` if the whole numbers of layers and basis, most of which take a byte, fill one.
+std::pmr::memory_resource& memory_for(const PackedModel& model, LargePages& pages) {
+  std::size_t bytes = 0;
+  for (const PackedRegion& region : model.regions)
+    for (const PackedLayer& layer : region.layers) bytes += layer.weights.size();
+  for (const PackedRowGroup& group : model.groups) bytes += group.values.size();
+  return bytes < LargePages::page ? *std::pmr::get_default_resource() : pages;
+}
+
 // So many steps ahead is asked for what lies here and there.
 constexpr std::size_t ahead = 8;
 
@@ -49,11 +58,11 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
               rows_.begin() + p * (evaluator.rest_rows_.size() + 1));
 }
 
-Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource& memory, std::uint64_t max_bytes,
+Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource* memory, std::uint64_t max_bytes,
                      const PoseKernels& kernels)
     : schema_(model.schema),
       kernels_(kernels),
-      memory_(memory, max_bytes),
+      memory_(memory ? *memory : memory_for(model, pages_), max_bytes),
       graph_(model, memory_),
       nets_(&memory_),
       slopes_(&memory_),

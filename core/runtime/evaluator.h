@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/large_pages.h"
 #include "base/parallel.h"
 #include "model/packed_model.h"
 #include "runtime/feature_graph.h"
@@ -97,9 +98,10 @@ struct Batch {
 class Evaluator {
  public:
   // Lays out a model that check() accepts, as read_archive's are, in blocks from `memory`, which must outlive the
-  // evaluator; `model` is not needed any more. Fails with limit if the blocks take more than max_bytes, with not_finite
+  // evaluator; null: from the default resource, or from large pages where the model fills some. `model` is not needed
+  // any more. Fails with limit if the blocks take more than max_bytes, with not_finite
   // if the network overflows at rest.
-  explicit Evaluator(const PackedModel& model, std::pmr::memory_resource& memory = *std::pmr::get_default_resource(),
+  explicit Evaluator(const PackedModel& model, std::pmr::memory_resource* memory = nullptr,
                      std::uint64_t max_bytes = UINT64_MAX, const PoseKernels& kernels = choose_kernels());
   Evaluator(const Evaluator&) = delete;
   Evaluator& operator=(const Evaluator&) = delete;
@@ -170,6 +172,7 @@ class Evaluator {
 
   RigSchema schema_;
   const PoseKernels& kernels_;
+  LargePages pages_;
   MeteredMemory memory_;
   FeatureGraph graph_;
   std::vector<std::string> region_names_;

@@ -153,7 +153,8 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     const float rest = rest_[control];
     float within[poses];
     for (std::size_t p = 0; p < poses; ++p) within[p] = state.controls_[p * control_count() + control];
-    for (std::uint32_t f = control_begin_[control]; f < control_begin_[control + 1]; ++f)
+    const std::uint32_t end = control_begin_[control + 1];
+    for (std::uint32_t f = control_begin_[control]; f < end; ++f)
       set(of_controls[f].index, [&, feature = of_controls[f].feature](std::size_t p) {
         return control_feature(feature, load<poses>(within + p), rest);
       });
@@ -173,7 +174,8 @@ std::uint64_t FeatureGraph::run_poses(const float* controls, std::size_t stride,
     std::size_t candidate_count = 0;
     for (; done < end; ++done) {
       if (done + ahead < end) __builtin_prefetch(other + begin[active[done + ahead]]);
-      for (std::uint32_t c = begin[active[done]]; c < begin[active[done] + 1]; ++c) {
+      const std::uint32_t last = begin[active[done] + 1];
+      for (std::uint32_t c = begin[active[done]]; c < last; ++c) {
         candidates[candidate_count] = c;
         candidate_count += is_active[other[c]];
       }

@@ -312,8 +312,8 @@ TEST_CASE("a model beyond the memory limit, or one that overflows at rest, is re
   PackedModel model = tiny_packed_model();
   const std::uint64_t bytes = Evaluator(model).bytes();
   CHECK(bytes > model.rest.points.size() * sizeof(float));
-  CHECK_NOTHROW(Evaluator(model, *std::pmr::get_default_resource(), bytes));
-  CHECK_THROWS_AS(Evaluator(model, *std::pmr::get_default_resource(), bytes - 1), Error);
+  CHECK_NOTHROW(Evaluator(model, std::pmr::get_default_resource(), bytes));
+  CHECK_THROWS_AS(Evaluator(model, std::pmr::get_default_resource(), bytes - 1), Error);
   PackedLayer& last = model.regions[0].layers.back();
   std::fill(last.scales.begin(), last.scales.end(), 3e38f);
   std::fill(model.regions[0].layers[0].bias.begin(), model.regions[0].layers[0].bias.end(), 1.0f);

@@ -17,14 +17,6 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 #include "runtime/kernels/avx2_pairs.h"
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
-  if (active.poses == block_poses) return block_sums(digits, rows, active, sums);
-  if (rows == 64) return add_up<0, 4, false, 1>(digits, 64, active, 0, active.ahead, sums);
-  if (rows == 48) return add_up<0, 2, true, 1>(digits, 48, active, 0, active.ahead, sums);
-  if (rows == 32) return add_up<0, 2, false, 1>(digits, 32, active, 0, active.ahead, sums);
-  add_up<0, 0, true, 1>(digits, 16, active, 0, active.ahead, sums);
-}
-
 }  // namespace
 
 const PoseKernels avx2_kernels = {"avx2",    panel_sums,   round_all, round_block,

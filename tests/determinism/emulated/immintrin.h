@@ -1,14 +1,10 @@
 // Instructions that this processor may not have, computed by SIMDe's plain code, under the names kernels call them by;
-// and the few SIMDe lacks.
+// and one that SIMDe lacks.
 #pragma once
 
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #define SIMDE_NO_NATIVE
 #include <simde/x86/avx512.h>
-
-inline __m256i _mm256_dpbusd_avx_epi32(__m256i sum, __m256i bytes, __m256i signed_bytes) {
-  return simde_mm256_dpbusd_epi32(sum, bytes, signed_bytes);
-}
 
 inline __m256i _mm256_dpwssd_avx_epi32(__m256i sum, __m256i a, __m256i b) {
   return simde_mm256_dpwssd_epi32(sum, a, b);

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <memory_resource>
+#include <vector>
+
+namespace fb {
+
+// Memory for what lasts and is looked up here and there: it comes in blocks of whole pages of 2 MB, where the system
+// has such, so that a processor that has lost all addresses finds them again sooner. All of it is given back at once,
+// when this is destroyed; deallocating does nothing. Not thread-safe.
+class LargePages final : public std::pmr::memory_resource {
+ public:
+  static constexpr std::size_t page = std::size_t(2) << 20;
+
+  LargePages() = default;
+  LargePages(const LargePages&) = delete;
+  LargePages& operator=(const LargePages&) = delete;
+  ~LargePages() override;
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override;
+  void do_deallocate(void*, std::size_t, std::size_t) override {}
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+  struct Block {
+    std::byte* first;
+    std::size_t size;
+  };
+  std::vector<Block> blocks_;
+  void* free_ = nullptr;  // in the last block
+  std::size_t left_ = 0;
+};
+
+}  // namespace fb
