@@ -29,6 +29,8 @@ struct fb_model {
         rest_pose(evaluator.schema().rest_pose()),
         polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
         polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),
+        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &memory),
+        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &memory),
         diagonal(archive.model.rest.diagonal()),
         provenance(archive.model.provenance) {}
 
@@ -36,7 +38,8 @@ struct fb_model {
   mutable fb::capi::HostMemory memory;
   fb::Evaluator evaluator;
   std::vector<float> rest_pose;
-  std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners;
+  std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;
+  std::pmr::vector<float> uvs;
   double diagonal;
   std::string provenance;
 };
@@ -338,6 +341,18 @@ uint32_t fb_polygon_corner_count(const fb_model* model) {
 
 const uint32_t* fb_polygon_corners(const fb_model* model) {
   return model ? model->polygon_corners.data() : nullptr;
+}
+
+uint32_t fb_uv_count(const fb_model* model) {
+  return model ? static_cast<uint32_t>(model->uvs.size() / 2) : 0;
+}
+
+const float* fb_uvs(const fb_model* model) {
+  return model ? model->uvs.data() : nullptr;
+}
+
+const uint32_t* fb_uv_corners(const fb_model* model) {
+  return model ? model->uv_corners.data() : nullptr;
 }
 
 uint64_t fb_runtime_bytes(const fb_model* model) {

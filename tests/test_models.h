@@ -26,6 +26,28 @@ inline Mesh grid_mesh(std::uint32_t columns, std::uint32_t rows, std::uint64_t s
   return mesh;
 }
 
+// Texture coordinates for a mesh: one pair a vertex, and another for the corners of the latter half of the polygons, so
+// that a seam lies between.
+inline void give_uvs(Mesh& mesh) {
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertex_count());
+  mesh.uvs.clear();
+  mesh.uv_corners.clear();
+  for (const float shift : {0.0f, 0.5f})
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      mesh.uvs.push_back(shift + 0.05f * mesh.points[3 * v]);
+      mesh.uvs.push_back(0.1f * mesh.points[3 * v + 1]);
+    }
+  for (std::size_t c = 0; c < mesh.polygon_corners.size(); ++c)
+    mesh.uv_corners.push_back(mesh.polygon_corners[c] + (2 * c < mesh.polygon_corners.size() ? 0 : vertices));
+}
+
+// One pair a vertex, as glTF has them.
+inline void give_uvs_by_vertex(Mesh& mesh) {
+  give_uvs(mesh);
+  mesh.uvs.resize(2 * mesh.vertex_count());
+  mesh.uv_corners = mesh.polygon_corners;
+}
+
 inline std::vector<float> random_values(Random& random, std::size_t count, float reach) {
   std::vector<float> values(count);
   for (float& value : values) value = random.uniform(-reach, reach);

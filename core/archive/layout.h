@@ -25,12 +25,15 @@ inline constexpr std::uint8_t place_is_wide = 1, place_has_scale = 2;  // the fl
 // How the points of section "geometry" find their vertices, and how the corners of section "polygons" are told.
 enum class PointOrder : std::uint32_t { as_stored = 0, by_index = 1 };
 enum class CornerCoding : std::uint32_t { steps = 0, along_triangles = 1 };
+// How the corners of section "uvs" find their texture coordinates.
+enum class UvCoding : std::uint32_t { steps = 0, by_vertex = 1 };
 inline constexpr std::int32_t most_steps = 0xffffff;  // of a coordinate on a grid: what a float holds exactly
 
 namespace section {
 inline constexpr const char* definition = "definition";
 inline constexpr const char* polygons = "polygons";
 inline constexpr const char* geometry = "geometry";
+inline constexpr const char* uvs = "uvs";
 inline constexpr const char* network = "network";
 inline constexpr const char* weights = "weights";
 inline constexpr const char* basis = "basis";

@@ -48,21 +48,26 @@ std::uint32_t read_polygon_sizes(ByteReader& in, Mesh& mesh) {
   return corners;
 }
 
-void read_polygon_steps(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh) {
-  mesh.polygon_corners = in.planes32(corners, "polygon corners");
-  // Steps are in zigzag form; each is undone from corners already decoded in place.
+std::vector<std::uint32_t> read_corner_steps(ByteReader& in, const std::vector<std::uint32_t>& sizes,
+                                             std::uint32_t corners, std::uint32_t limit, const char* what) {
+  std::vector<std::uint32_t> found = in.planes32(corners, "corners");
+  // Each step is undone from corners already decoded in place.
   std::size_t at = 0;
   std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
+  for (const std::uint32_t size : sizes) {
     for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
-      const std::uint32_t corner = before + from_zigzag(mesh.polygon_corners[at]);
-      if (corner >= vertices) in.damaged("a polygon names a vertex that does not exist");
-      mesh.polygon_corners[at] = corner;
+      found[at] = corner_before(found, at, k, previous_size) + from_zigzag(found[at]);
+      if (found[at] >= limit) in.damaged(what);
     }
     previous_size = size;
   }
   in.end();
+  return found;
+}
+
+void read_polygon_steps(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh) {
+  mesh.polygon_corners =
+      read_corner_steps(in, mesh.polygon_sizes, corners, vertices, "a polygon names a vertex that does not exist");
 }
 
 void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh) {

@@ -19,17 +19,7 @@ void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
 ByteWriter in_steps(const Mesh& mesh) {
   ByteWriter out;
   write_sizes(out, mesh, CornerCoding::steps);
-  std::vector<std::uint32_t> steps;
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      const std::uint32_t before = corner_before(mesh.polygon_corners, at, k, previous_size);
-      steps.push_back(to_zigzag(mesh.polygon_corners[at] - before));
-    }
-    previous_size = size;
-  }
-  out.planes(steps);
+  out.planes(corner_steps(mesh.polygon_sizes, mesh.polygon_corners));
   return out;
 }
 
@@ -68,6 +58,19 @@ bool gives_back(const ByteWriter& section, const Mesh& mesh, const std::vector<s
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> corner_steps(const std::vector<std::uint32_t>& sizes,
+                                        const std::vector<std::uint32_t>& corners) {
+  std::vector<std::uint32_t> steps;
+  std::size_t at = 0;
+  std::uint32_t previous_size = 0;
+  for (const std::uint32_t size : sizes) {
+    for (std::uint32_t k = 0; k < size; ++k, ++at)
+      steps.push_back(to_zigzag(corners[at] - corner_before(corners, at, k, previous_size)));
+    previous_size = size;
+  }
+  return steps;
+}
 
 ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   // Only where every edge belongs to one triangle in each direction do triangles tell polygons.

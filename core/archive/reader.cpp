@@ -17,9 +17,9 @@ auto open(const std::vector<StoredSection>& sections, const char* name, Budget& 
 }
 
 bool known(std::string_view name) {
-  for (const char* k :
-       {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
-        section::basis_values, section::provenance, section::licence, section::certificate, section::proof})
+  for (const char* k : {section::definition, section::polygons, section::geometry, section::network, section::weights,
+                        section::basis, section::basis_values, section::uvs, section::provenance, section::licence,
+                        section::certificate, section::proof})
     if (name == k) return true;
   return false;
 }
@@ -63,6 +63,8 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
     RestPoints rest = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices); });
     part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, rest.triangles, model.rest); });
     if (mesh) model.rest.points = std::move(rest.points);
+    if (mesh && find_section(sections, section::uvs))
+      part(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model.rest); });
   }
   if (behaviour) {
     part(section::network, [&](ByteReader& in) { read_network(in, model); });

@@ -20,7 +20,7 @@ struct ReadLimits {
 // What can be read by itself; the definition always is.
 enum class Layers : std::uint32_t {
   definition = 0,  // names, units, controls, the number of vertices
-  mesh = 1,        // polygons and rest points
+  mesh = 1,        // polygons, rest points and texture coordinates
   behaviour = 2,   // network and basis
   text = 4,        // provenance, licence, certificate
   proof = 8,

@@ -31,7 +31,13 @@ RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, 
 void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh);
 // The parts of that. The number of corners is given back; steps end the section.
 std::uint32_t read_polygon_sizes(ByteReader& in, Mesh& mesh);
+// Reads corner_steps, to the end of the section, of polygons of these sizes; corners are below `limit`. `what` says of
+// a corner that is not.
+std::vector<std::uint32_t> read_corner_steps(ByteReader& in, const std::vector<std::uint32_t>& sizes,
+                                             std::uint32_t corners, std::uint32_t limit, const char* what);
 void read_polygon_steps(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh);
+// Fills uvs and uv_corners. Polygons have been read.
+void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh);
 // Fills features, direct and regions, but for weights; `tail` reads what versions before 1.0 had after each layer,
 // whose biases and scales were not in planes either.
 using LayerTail = void (*)(ByteReader& in, PackedLayer& layer);

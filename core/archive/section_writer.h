@@ -20,6 +20,10 @@ struct WrittenGeometry {
 WrittenGeometry write_geometry(const Mesh& mesh);
 // `triangles`: those of the geometry.
 ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);
+// What each corner is away from the corner_before it, in zigzag form.
+std::vector<std::uint32_t> corner_steps(const std::vector<std::uint32_t>& sizes,
+                                        const std::vector<std::uint32_t>& corners);
+ByteWriter write_uvs(const Mesh& mesh);
 ByteWriter write_network(const PackedModel& model);
 ByteWriter write_weights(const PackedModel& model);
 ByteWriter write_basis(const PackedModel& model);

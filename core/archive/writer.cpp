@@ -83,6 +83,7 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   const auto add_text = [&](const char* name, const std::string& words) {
     if (!words.empty()) sections.push_back(pack(name, false, write_text(words, name).bytes));
   };
+  if (!model.rest.uvs.empty()) sections.push_back(pack(section::uvs, false, write_uvs(model.rest).bytes));
   add_text(section::provenance, model.provenance);
   add_text(section::licence, text.licence);
   add_text(section::certificate, text.certificate);

@@ -11,6 +11,7 @@
 #include "base/checked.h"
 #include "base/file.h"
 #include "base/status.h"
+#include "export/uv_seams.h"
 #include "model/surface.h"
 
 namespace fb {
@@ -41,8 +42,8 @@ class Packer {
     return add(accessor);
   }
 
-  int vectors(std::span<const float> values) {
-    tinygltf::Accessor accessor = described(values, 3);
+  int vectors(std::span<const float> values, int width = 3) {
+    tinygltf::Accessor accessor = described(values, width);
     accessor.bufferView = view(values, TINYGLTF_TARGET_ARRAY_BUFFER);
     return add(accessor);
   }
@@ -82,7 +83,7 @@ class Packer {
   static tinygltf::Accessor described(std::span<const float> values, int width) {
     tinygltf::Accessor accessor;
     accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
-    accessor.type = width == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_SCALAR;
+    accessor.type = width == 3 ? TINYGLTF_TYPE_VEC3 : width == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_SCALAR;
     accessor.count = values.size() / width;
     accessor.minValues.assign(width, INFINITY);
     accessor.maxValues.assign(width, -INFINITY);
@@ -139,15 +140,16 @@ double metres(const std::string& units) {
 }
 
 void add_animation(tinygltf::Model& model, Packer& packer, const GlbScene& scene,
-                   std::span<const std::uint32_t> triangles, std::span<const float> normals) {
+                   std::span<const std::uint32_t> triangles, std::span<const float> normals, const SplitMesh& split) {
   const MorphAnimation& animation = scene.animation;
   tinygltf::Mesh& mesh = model.meshes[0];
   for (std::size_t t = 0; t < animation.targets.size(); ++t) {
-    std::map<std::string, int> attributes = {{"POSITION", packer.displacements(animation.targets[t])}};
+    std::map<std::string, int> attributes = {
+        {"POSITION", packer.displacements(split.with_copies(animation.targets[t]))}};
     const float weight = largest_weight(animation, t);
-    attributes["NORMAL"] = packer.displacements(
+    attributes["NORMAL"] = packer.displacements(split.with_copies(
         weight != 0 ? normal_displacements(triangles, scene.base, normals, animation.targets[t], weight)
-                    : std::vector<float>(scene.base.size()));
+                    : std::vector<float>(scene.base.size())));
     mesh.primitives[0].targets.push_back(std::move(attributes));
     mesh.weights.push_back(animation.weights[t]);
   }
@@ -173,6 +175,7 @@ void add_animation(tinygltf::Model& model, Packer& packer, const GlbScene& scene
 void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
   const std::vector<std::uint32_t> triangles = scene.topology->triangles();
   const std::vector<float> normals = unit_normals(triangles, scene.base);
+  const SplitMesh split = split_at_seams(*scene.topology);
   tinygltf::Model model;
   model.asset.version = "2.0";
   model.asset.generator = "FaceBaker " FB_VERSION;
@@ -181,9 +184,14 @@ void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.material = 0;
-  primitive.attributes["POSITION"] = packer.vectors(scene.base);
-  primitive.attributes["NORMAL"] = packer.vectors(normals);
-  primitive.indices = packer.indices(triangles);
+  primitive.attributes["POSITION"] = packer.vectors(split.with_copies(scene.base));
+  primitive.attributes["NORMAL"] = packer.vectors(split.with_copies(normals));
+  if (!split.uvs.empty()) {
+    std::vector<float> uvs = split.uvs;
+    for (std::size_t i = 1; i < uvs.size(); i += 2) uvs[i] = 1 - uvs[i];  // glTF counts v downwards
+    primitive.attributes["TEXCOORD_0"] = packer.vectors(uvs, 2);
+  }
+  primitive.indices = packer.indices(split.triangles);
   model.meshes.emplace_back();
   model.meshes[0].name = scene.name;
   model.meshes[0].primitives.push_back(primitive);
@@ -196,7 +204,7 @@ void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
   material.doubleSided = true;
   model.materials.push_back(material);
 
-  if (!scene.animation.targets.empty()) add_animation(model, packer, scene, triangles, normals);
+  if (!scene.animation.targets.empty()) add_animation(model, packer, scene, triangles, normals, split);
 
   tinygltf::Node node;
   node.name = scene.name;

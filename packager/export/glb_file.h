@@ -28,8 +28,9 @@ struct GlbScene {
   MorphAnimation animation;     // no targets: a still
 };
 
-// Writes a binary glTF 2.0 with positions, normals and triangles. Positions are exact; targets that move less than half
-// of the vertices are stored sparsely. Normals of a target are exact where its weight is its largest of the animation.
+// Writes a binary glTF 2.0 with positions, normals, triangles and texture coordinates if there are any, for which
+// vertices on seams are copied after all others. Positions are exact; targets that move less than half of the vertices
+// are stored sparsely. Normals of a target are exact where its weight is its largest of the animation.
 void write_glb(const std::filesystem::path& path, const GlbScene& scene);
 
 }  // namespace fb

@@ -24,12 +24,19 @@ void write_obj(const std::filesystem::path& path, const std::string& name, const
     text += i % 3 == 0 ? "\nv " : " ";
     append(text, points[i]);
   }
-  const std::uint32_t* corner = mesh.polygon_corners.data();
+  for (std::size_t i = 0; i < mesh.uvs.size(); ++i) {
+    text += i % 2 == 0 ? "\nvt " : " ";
+    append(text, mesh.uvs[i]);
+  }
+  std::size_t corner = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) {
     text += "\nf";
-    for (std::uint32_t k = 0; k < size; ++k) {
+    for (std::uint32_t k = 0; k < size; ++k, ++corner) {
       text += ' ';
-      append(text, std::uint64_t{*corner++} + 1);
+      append(text, std::uint64_t{mesh.polygon_corners[corner]} + 1);
+      if (mesh.uvs.empty()) continue;
+      text += '/';
+      append(text, std::uint64_t{mesh.uv_corners[corner]} + 1);
     }
   }
   text += '\n';

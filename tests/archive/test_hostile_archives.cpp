@@ -328,6 +328,26 @@ TEST_CASE("numbers beyond their range, or too few of them, are refused") {
   check_refused(values("basis-values", always(255, alone, 0, 1)), Status::corrupt, "too many coded symbols");
 }
 
+TEST_CASE("texture coordinates that lie are refused") {
+  const auto lie = [](bool by_vertex, std::size_t at, auto value, Status status, const char* message) {
+    PackedModel model = tiny_packed_model();
+    by_vertex ? give_uvs_by_vertex(model.rest) : give_uvs(model.rest);
+    ArchiveEditor archive(write_archive(model, {}));
+    Bytes contents = archive["uvs"].stored;
+    patch(contents, at, value);
+    if (by_vertex) patch(contents, 8 + 2 * 30, std::uint8_t(0x80));  // see below
+    archive["uvs"].set(contents);
+    check_refused(archive.bytes(), status, message);
+  };
+  lie(false, 0, std::uint32_t(0), Status::corrupt, "there are no texture coordinates");
+  lie(false, 0, UINT32_MAX, Status::corrupt, "texture coordinates needs");
+  lie(false, 4, std::uint32_t(2), Status::unsupported, "unknown coding 2");
+  lie(false, 4, std::uint32_t(1), Status::corrupt, "not one a vertex");
+  lie(false, 8 + 8 * 60, std::uint8_t(120), Status::corrupt, "names a texture coordinate that does not exist");
+  lie(true, 4, std::uint32_t(0), Status::corrupt, "corners needs");
+  lie(true, 8 + 3 * 30, std::uint8_t(0x7f), Status::corrupt, "not finite");  // the rest of infinity
+}
+
 TEST_CASE("contents cut short or too long are refused") {
   const ArchiveEditor whole(tiny_archive());
   for (std::size_t s = 0; s < whole.sections.size(); ++s) {

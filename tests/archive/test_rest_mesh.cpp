@@ -29,6 +29,8 @@ void check_survives(const Mesh& mesh, const char* what) {
   CHECK(same_bits(mesh.points, after.points));
   CHECK(mesh.polygon_sizes == after.polygon_sizes);
   CHECK(mesh.polygon_corners == after.polygon_corners);
+  CHECK(mesh.uvs == after.uvs);
+  CHECK(mesh.uv_corners == after.uv_corners);
 }
 
 // A number of a section's contents.
@@ -126,6 +128,29 @@ TEST_CASE("positions on a grid take a part of the bytes and survive") {
   mesh.points[4] = 0x1p12f;
   check_survives(mesh, "beyond the ends of the grid");
   CHECK(stored_step(mesh) == 0);
+}
+
+TEST_CASE("texture coordinates survive, with seams and one a vertex") {
+  Mesh mesh = grid_mesh(20, 30);
+  give_uvs(mesh);
+  check_survives(mesh, "with a seam");
+  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::steps);
+  give_uvs_by_vertex(mesh);
+  check_survives(mesh, "one a vertex");
+  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::by_vertex);
+  std::swap(mesh.uv_corners[0], mesh.uv_corners[1]);
+  check_survives(mesh, "two corners swapped");
+  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::steps);
+  mesh.polygon_sizes.clear(), mesh.polygon_corners.clear(), mesh.uv_corners.clear();
+  check_survives(mesh, "without polygons");
+}
+
+TEST_CASE("texture coordinates belong to the mesh's layer") {
+  PackedModel model = model_of(grid_mesh(4, 4));
+  give_uvs(model.rest);
+  const Bytes bytes = write_archive(model, {});
+  CHECK(read_archive(bytes, {}, Layers::mesh).model.rest.uvs == model.rest.uvs);
+  CHECK(read_archive(bytes, {}, Layers::behaviour).model.rest.uvs.empty());
 }
 
 TEST_CASE("odd topology survives") {

@@ -26,6 +26,8 @@ void check_same(const PackedModel& a, const PackedModel& b) {
   CHECK(same_bits(a.rest.points, b.rest.points));
   CHECK(a.rest.polygon_sizes == b.rest.polygon_sizes);
   CHECK(a.rest.polygon_corners == b.rest.polygon_corners);
+  CHECK(a.rest.uvs == b.rest.uvs);
+  CHECK(a.rest.uv_corners == b.rest.uv_corners);
   CHECK(a.provenance == b.provenance);
 
   REQUIRE(a.features.size() == b.features.size());

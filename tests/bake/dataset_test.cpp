@@ -129,7 +129,8 @@ TEST_CASE("the rest mesh may be a mesh file") {
   ToyDataset toy;
   toy.replace(R"({ "points": "rest.npy", "faces": "faces.npy" })", "\"rest.obj\"");
   std::ofstream obj(toy.folder / "rest.obj");
-  obj << "# a comment\nmtllib x\nv 0 0 0\nv 1 0 0 1.0\r\nvn 0 0 1\nv 1 1 0\n f 1/2/3 2//1 3\nv 0 1 0\nf -4 -2 -1";
+  obj << "# a comment\nmtllib x\nv 0 0 0\nv 1 0 0 1.0\r\nvn 0 0 1\nvt 0 0\nvt 1 1\nv 1 1 0\n f 1/2/3 2//1 3\nv 0 1 "
+         "0\nf -4 -2 -1";
   obj.close();
   const auto source = toy.open();
   CHECK(source->rest().vertex_count() == 4);
@@ -151,6 +152,51 @@ TEST_CASE("the rest mesh may be a mesh file") {
     const std::string what = failure(Status::bad_data, [&] { toy.open(); });
     CHECK_MESSAGE(contains(what, wrong.message), what);
   }
+}
+
+TEST_CASE("texture coordinates of an .obj are kept if every corner has them") {
+  ToyDataset toy;
+  toy.replace(R"({ "points": "rest.npy", "faces": "faces.npy" })", "\"rest.obj\"");
+  const std::string head = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvt .5 .25\n";
+  const auto open_with = [&](const std::string& faces) {
+    std::ofstream(toy.folder / "rest.obj") << head << faces;
+    return toy.open();
+  };
+  const auto source = open_with("f 1/1 2/-2/7 3/3\nf 1/1 3/2 4/3");
+  CHECK(source->rest().uvs == std::vector<float>{0, 0, 1, 0, .5f, .25f});
+  CHECK(source->rest().uv_corners == std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2});
+  CHECK(source->rest().polygon_corners == std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3});
+  CHECK(open_with("f 1/1 2/2 3/3\nf 1 3 4")->rest().uvs.empty());
+  CHECK(contains(failure(Status::bad_data, [&] { open_with("f 1/1 2/4 3/3"); }),
+                 "line 8: texture coordinate 4, but 3 came before"));
+  CHECK(contains(failure(Status::bad_data, [&] { open_with("f 1/1 2/x 3/3"); }), "line 8: \"x\" is no corner"));
+  CHECK(contains(failure(Status::bad_data, [&] { open_with("vt 1\n"); }), "a texture coordinate needs two numbers"));
+}
+
+TEST_CASE("texture coordinates may be two more arrays") {
+  ToyDataset toy;
+  toy.replace(R"("faces": "faces.npy" })", R"("faces": "faces.npy", "uvs": "uvs.npy", "uv_faces": "uv_faces.npy" })");
+  const std::vector<float> uvs = counting(5 * 2, 0.1f);
+  write_npy(toy.folder / "uvs.npy", {5, 2}, uvs);
+  const auto with_faces = [&](const std::vector<std::size_t>& shape, const std::vector<std::int32_t>& faces) {
+    write_npy(toy.folder / "uv_faces.npy", shape, faces);
+    return toy.open();
+  };
+  const auto source = with_faces({2, 4}, {0, 1, 2, 3, 4, 1, 0, -1});
+  CHECK(source->rest().uvs == uvs);
+  CHECK(source->rest().uv_corners == std::vector<std::uint32_t>{0, 1, 2, 3, 4, 1, 0});
+  CHECK(contains(failure(Status::bad_data,
+                         [&] {
+                           with_faces({1, 4}, {0, 1, 2, 3});
+                         }),
+                 "uv_faces.npy: its faces are not those of faces.npy"));
+  CHECK(contains(failure(Status::bad_data,
+                         [&] {
+                           with_faces({2, 4}, {0, 1, 2, 3, 5, 1, 0, -1});
+                         }),
+                 "names texture coordinate 5 of 5"));
+  write_npy(toy.folder / "uvs.npy", {2, 5}, uvs);
+  CHECK(contains(failure(Status::bad_data, [&] { toy.open(); }), "uvs.npy: shape (2, 5)"));
 }
 
 TEST_CASE("the rest mesh may be a glTF binary") {

@@ -137,6 +137,29 @@ TEST_CASE("morph targets are controls, and points are weighted sums where the no
                                                   .75f, 2.125f, 0, 0, 3.125f, 0,    0, 2.125f, 1,   1}));
 }
 
+TEST_CASE("texture coordinates are kept if every primitive has them, v turned upwards") {
+  ToyGltf toy;
+  const auto uvs = [](const std::string& more) { return "\"count\":4,\"type\":\"VEC2\"" + more + "},"; };
+  toy.replace(R"({"bufferView":0,"byteOffset":216,"componentType":5126,"count":6,"type":"SCALAR"}],)",
+              R"({"bufferView":0,"byteOffset":216,"componentType":5126,"count":6,"type":"SCALAR"},
+{"bufferView":0,"byteOffset":0,"componentType":5126,)" +
+                  uvs("") + R"({"bufferView":0,"byteOffset":0,"componentType":5126,"count":3,"type":"VEC2"}],)");
+  toy.replace(R"({"attributes":{"POSITION":0},)", R"({"attributes":{"POSITION":0,"TEXCOORD_0":10},)");
+  CHECK(toy.open()->rest().uvs.empty());
+  toy.replace(R"({"attributes":{"POSITION":2},"indices":3,"targets")",
+              R"({"attributes":{"POSITION":2,"TEXCOORD_0":11},"indices":3,"targets")");
+  const auto rig = toy.open();
+  // The first numbers of the buffer are 0 0 0 1 0 0 1 1.
+  CHECK(rig->rest().uvs == std::vector<float>{0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1});
+  CHECK(rig->rest().uv_corners == rig->rest().polygon_corners);
+  toy.replace(R"("byteOffset":0,"componentType":5126,)" + uvs(""),
+              R"("byteOffset":188,"componentType":5121,)" + uvs(",\"normalized\":true"));
+  CHECK(toy.open()->rest().uvs[0] == 2.0f / 255);
+  CHECK(toy.open()->rest().uvs[1] == 1);
+  toy.replace(",\"normalized\":true", "");
+  CHECK(contains(failure(Status::unsupported, [&] { toy.open(); }), "texture coordinates are not two floats each"));
+}
+
 TEST_CASE("animations of the weights become clips of 30 frames a second") {
   const auto rig = ToyGltf().open();
   REQUIRE(rig->clips().size() == 2);

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "bake/rig/evaluate_parallel.h"
+#include "bake/sampling/sampling.h"
 #include "bake_test_support.h"
 
 using namespace fb;
@@ -37,6 +38,19 @@ TEST_CASE("frames of a clip are its controls evaluated") {
       contains(failure(Status::invalid_argument, [&] { rig->read(0, 10, 3, read); }), "\"talk\" has no frames 10..13"));
 }
 
+TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
+  const auto rig = open_liar("texture");
+  CHECK(rig->rest().uvs == std::vector<float>{0, 0, 0.5f, 0, 0.5f, 1});
+  REQUIRE(rig->rest().uv_corners.size() == rig->rest().polygon_corners.size());
+  CHECK(rig->rest().uv_corners[4] == 1);
+  CHECK(open_liar("texture beyond an older struct")->rest().uvs.empty());
+  const Folder folder;
+  sample(*rig, {.poses = 40}, folder.path(), {}, silent_progress());
+  const auto recorded = open_source(folder.path());
+  CHECK(recorded->rest().uvs == rig->rest().uvs);
+  CHECK(recorded->rest().uv_corners == rig->rest().uv_corners);
+}
+
 TEST_CASE("a rig that lies is refused by name") {
   const struct {
     const char* lie;
@@ -66,6 +80,8 @@ TEST_CASE("a rig that lies is refused by name") {
       {"bad corner", Status::rig, "polygon 2 names vertex 50 of 50"},
       {"rest nan", Status::rig, "vertex 10 is not finite"},
       {"rest moved", Status::rig, "its rest pose is not its rest mesh: vertex 20 is 0.01"},
+      {"null texture", Status::rig, "uvs is null"},
+      {"texture corner", Status::rig, "corner 2 names texture coordinate 2 of 2"},
       {"null clips", Status::rig, "clips is null"},
       {"double clip", Status::rig, "clip name \"talk\" occurs twice"},
       {"clip kind", Status::rig, "clip \"frown\" is of unknown kind 5"},

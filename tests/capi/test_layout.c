@@ -75,7 +75,7 @@ static void layout_of_bake_structs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 120);
+  assert_int_equal(sizeof(fb_rig), 144);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -94,6 +94,9 @@ static void layout_of_bake_structs(void** state) {
   assert_at(fb_rig, user, 96);
   assert_at(fb_rig, evaluate, 104);
   assert_at(fb_rig, destroy, 112);
+  assert_at(fb_rig, uv_count, 120);
+  assert_at(fb_rig, uvs, 128);
+  assert_at(fb_rig, uv_corners, 136);
 
   assert_int_equal(sizeof(fb_source), 16);
   assert_int_equal(sizeof(fb_sample_desc), 72);

@@ -70,7 +70,7 @@ def unpack(sections, name):
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
-OPTIONAL = ("provenance", "licence", "certificate", "proof")
+OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs")
 
 
 # ---- Sections
@@ -101,23 +101,24 @@ def read_polygons(c, face):
     require(coding in (0, 1), f"polygons: unsupported coding {coding}")
     face.polygons = []
     if coding == 0:
-        read_corner_steps(c, face, sizes, c.planes(corners).tolist())
+        face.polygons = read_corner_steps(c, sizes, c.planes(corners).tolist(), face.vertices)
     else:
         read_turns(c, face, sizes, c.steps(count).tolist(), c.take(count))
     c.end()
 
 
-def read_corner_steps(c, face, sizes, steps):
-    flat, before = [], 0
+def read_corner_steps(c, sizes, steps, limit):
+    polygons, flat, before = [], [], 0
     for size in sizes:
         begin = len(flat)
         for k in range(size):
             base = flat[begin - before + k] if k < before else flat[-1] if flat else 0
             step = steps[len(flat)]
             flat.append(base + (step >> 1 ^ -(step & 1)) & 0xFFFFFFFF)
-            require(flat[-1] < face.vertices, "polygons: no such vertex")
-        face.polygons.append(flat[begin:])
+            require(flat[-1] < limit, f"{c.name}: a corner beyond {limit}")
+        polygons.append(flat[begin:])
         before = size
+    return polygons
 
 
 def read_turns(c, face, sizes, firsts, turns):
@@ -187,6 +188,21 @@ def read_geometry(c, face):
     face.triangles = [[int(index[p]) for p in f] for f in faces]
     require((points.max(0) > points.min(0)).any(), "geometry: the bounding box is a point")
     face.rest = points.astype(F).ravel()
+
+
+def read_uvs(c, face):
+    pairs, coding = c.u32(), c.u32()
+    require(pairs > 0, "uvs: there are none")
+    require(coding in (0, 1), f"uvs: unsupported coding {coding}")
+    face.uvs = np.stack([c.planes(pairs, "f4"), c.planes(pairs, "f4")], axis=1)
+    require(np.isfinite(face.uvs).all(), "uvs: not finite")
+    if coding == 0:
+        sizes = [len(polygon) for polygon in face.polygons]
+        face.uv_polygons = read_corner_steps(c, sizes, c.planes(sum(sizes)).tolist(), pairs)
+    else:
+        require(pairs == face.vertices, "uvs: not one a vertex")
+        face.uv_polygons = face.polygons
+    c.end()
 
 
 def read_network(c, face):
@@ -463,6 +479,8 @@ class Face:
         read_weights(unpack(sections, "weights"), self)
         read_basis(unpack(sections, "basis"), self)
         read_basis_values(unpack(sections, "basis-values"), self)
+        if "uvs" in sections:
+            read_uvs(unpack(sections, "uvs"), self)
         self.text = {n: read_text(unpack(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:

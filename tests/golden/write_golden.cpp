@@ -77,6 +77,12 @@ PackedModel regular(bool polygons) {
   return model;
 }
 
+PackedModel with_uvs(void (*give)(Mesh&)) {
+  PackedModel model = regular(true);
+  give(model.rest);
+  return model;
+}
+
 // Groups of so many rows, cut within vertices, some of them without columns; every number of a column random.
 PackedModel cut_model(std::uint32_t rows_of_group, bool polygons) {
   PackedModel model = tiny_packed_model();
@@ -151,6 +157,8 @@ void write_accepted(const std::filesystem::path& folder) {
   write("smallest.fbk", proven(smallest()));
   write("regular.fbk", proven(regular(true)));
   write("regular-points.fbk", proven(regular(false)));
+  write("uvs.fbk", proven(with_uvs(give_uvs)));
+  write("uvs-by-vertex.fbk", proven(with_uvs(give_uvs_by_vertex)));
   write("rows-1.fbk", proven(cut_model(1, true)));
   write("rows-5.fbk", proven(cut_model(5, true)));
   write("rows-5-points.fbk", proven(cut_model(5, false)));
@@ -239,6 +247,15 @@ void write_rejected(const std::filesystem::path& folder) {
   lie_of_regular("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 4, std::uint8_t(60));
   lie_of_regular("corrupt-coarse-grid.fbk", "geometry", 8, 0x1p126f);
   lie_of_regular("corrupt-grid-for-floats.fbk", "geometry", 8, 0.0f);
+  const auto lie_of_uvs = [&](const char* name, void (*give)(Mesh&), std::size_t at, auto value) {
+    write(name, changed(
+                    "uvs", [&](Bytes& b) { patch(b, at, value); }, with_uvs(give)));
+  };
+  lie_of_uvs("corrupt-no-uvs.fbk", give_uvs, 0, std::uint32_t(0));
+  lie_of_uvs("corrupt-uvs-by-vertex.fbk", give_uvs, 4, std::uint32_t(1));
+  lie_of_uvs("corrupt-uv-corner.fbk", give_uvs, 8 + 8 * 60, std::uint8_t(200));
+  lie_of_uvs("corrupt-uv-steps.fbk", give_uvs_by_vertex, 4, std::uint32_t(0));
+  lie_of_uvs("unsupported-uvs.fbk", give_uvs, 4, std::uint32_t(2));
   lie("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   lie("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
   lie("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));

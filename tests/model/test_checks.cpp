@@ -50,6 +50,19 @@ TEST_CASE("rest mesh") {
   refuses(Status::bad_data, "runs past", [](auto& m) { m.rest.polygon_corners.pop_back(); });
   refuses(Status::bad_data, "polygons use", [](auto& m) { m.rest.polygon_corners.push_back(0); });
   refuses(Status::bad_data, "polygon 1 names vertex 30 of 30", [](auto& m) { m.rest.polygon_corners[5] = 30; });
+  refuses(Status::bad_data, "3 numbers are no pairs", [](auto& m) { m.rest.uvs = {0, 0, 1}; });
+  refuses(Status::bad_data, "0 corners have texture coordinates where 84 should", [](auto& m) { m.rest.uvs = {0, 0}; });
+  refuses(Status::bad_data, "84 corners have texture coordinates where 0 should",
+          [](auto& m) { m.rest.uv_corners.resize(84); });
+  refuses(Status::not_finite, "texture coordinate 1 is not finite", [](auto& m) {
+    m.rest.uvs = {0, 0, 1, INFINITY};
+    m.rest.uv_corners.resize(84);
+  });
+  refuses(Status::bad_data, "corner 83 names texture coordinate 2 of 2", [](auto& m) {
+    m.rest.uvs = {0, 0, 1, 1};
+    m.rest.uv_corners.resize(84);
+    m.rest.uv_corners[83] = 2;
+  });
   refuses(Status::bad_data, "all vertices lie on one point", [](auto& m) {
     for (float& x : m.rest.points) x = 1;
   });

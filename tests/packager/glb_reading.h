@@ -37,7 +37,7 @@ std::vector<T> view_values(const tinygltf::Model& model, int view, std::size_t o
 inline std::vector<float> floats(const tinygltf::Model& model, int index) {
   const auto& a = model.accessors.at(index);
   REQUIRE(a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT);
-  const std::size_t width = a.type == TINYGLTF_TYPE_VEC3 ? 3 : 1;
+  const std::size_t width = a.type == TINYGLTF_TYPE_VEC3 ? 3 : a.type == TINYGLTF_TYPE_VEC2 ? 2 : 1;
   std::vector<float> values(a.count * width);
   if (a.bufferView >= 0) values = view_values<float>(model, a.bufferView, a.byteOffset, values.size());
   if (a.sparse.isSparse) {

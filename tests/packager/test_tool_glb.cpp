@@ -136,6 +136,37 @@ TEST_CASE("an animation that was written opens as a rig that moves alike, in met
   }
 }
 
+TEST_CASE("a .glb has the texture coordinates of every corner, with copies of vertices on seams") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", clip = folder / "clip.npy", out = folder / "clip.glb";
+  fb::PackedModel face = fb::tiny_packed_model();
+  fb::give_uvs(face.rest);
+  fb::write_file(archive, fb::write_archive(face, {}));
+  write_clip(clip, face.schema, 4);
+  REQUIRE(run_tool({"pose", archive, "--clip", clip, "--out", out}).exit_code == 0);
+  const tinygltf::Model model = load_glb(out);
+  const auto& primitive = model.meshes.at(0).primitives.at(0);
+  const auto points = floats(model, primitive.attributes.at("POSITION")),
+             uvs = floats(model, primitive.attributes.at("TEXCOORD_0"));
+  const std::size_t vertices = face.rest.vertex_count(), all = points.size() / 3;
+  CHECK(all > vertices);
+  CHECK(uvs.size() == 2 * all);
+  CHECK(floats(model, primitive.attributes.at("NORMAL")).size() == 3 * all);
+  for (const auto& target : primitive.targets) CHECK(floats(model, target.at("POSITION")).size() == 3 * all);
+  const auto& indices = model.accessors.at(primitive.indices);
+  const auto corners = view_values<std::uint32_t>(model, indices.bufferView, 0, indices.count);
+  fb::Mesh pairs = face.rest;
+  pairs.polygon_corners = face.rest.uv_corners;
+  const auto vertex = face.rest.triangles(), pair = pairs.triangles();
+  REQUIRE(corners.size() == vertex.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    CAPTURE(c);
+    for (std::size_t axis = 0; axis < 3; ++axis) CHECK(points[3 * corners[c] + axis] == points[3 * vertex[c] + axis]);
+    CHECK(uvs[2 * corners[c]] == face.rest.uvs[2 * pair[c]]);
+    CHECK(uvs[2 * corners[c] + 1] == 1 - face.rest.uvs[2 * pair[c] + 1]);
+  }
+}
+
 TEST_CASE("the sample pose_face writes the same mesh through the C API") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "pose.glb";

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <sstream>
 
+#include "archive/writer.h"
 #include "bake/dataset/npy.h"
 #include "base/file.h"
+#include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
@@ -58,6 +60,20 @@ TEST_CASE("an .obj has the evaluator's very points and the rig's own polygons") 
   const std::uint32_t* corner = model.rest.polygon_corners.data();
   for (const auto& polygon : obj.polygons)
     for (const std::uint32_t vertex : polygon) CHECK(vertex == *corner++);
+}
+
+TEST_CASE("an .obj has the texture coordinates of every corner") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", out = folder / "rest.obj";
+  fb::PackedModel model = fb::tiny_packed_model();
+  model.rest.uvs = {0, 0, 1, 0.25f, 0.5f, 1};
+  for (std::size_t c = 0; c < model.rest.polygon_corners.size(); ++c)
+    model.rest.uv_corners.push_back(static_cast<std::uint32_t>(c % 3));
+  fb::write_file(archive, fb::write_archive(model, {}));
+  REQUIRE(run_tool({"pose", archive, "--out", out}).exit_code == 0);
+  const std::string text = text_of(out);
+  CHECK(text.find("\nvt 0 0\nvt 1 0.25\nvt 0.5 1\n") != std::string::npos);
+  CHECK(text.find("\nf 1/1 2/2 8/3 7/1\nf 2/2 3/3 9/1 8/2\n") != std::string::npos);
 }
 
 TEST_CASE("without --set the face is at rest") {

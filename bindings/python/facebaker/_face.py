@@ -100,6 +100,18 @@ class Face:
         return self._view(library.fb_polygon_corners(self._handle), library.fb_polygon_corner_count(self._handle))
 
     @property
+    def uvs(self):
+        """(texture coordinates, 2): u and v, v growing upwards; empty if the source had none."""
+        count = library.fb_uv_count(self._handle)
+        return self._view(library.fb_uvs(self._handle), 2 * count, (count, 2))
+
+    @property
+    def uv_corners(self):
+        """Which of them each polygon corner has."""
+        count = library.fb_polygon_corner_count(self._handle) if library.fb_uv_count(self._handle) else 0
+        return self._view(library.fb_uv_corners(self._handle), count)
+
+    @property
     def clamped_count(self):
         """How many control values the last evaluation clamped to their ranges."""
         return self._clamped

@@ -37,6 +37,8 @@ class FaceTest(unittest.TestCase):
         self.assertEqual(face.polygon_sizes.sum(), len(face.polygon_corners))
         self.assertEqual(face.polygon_sizes[-2:].tolist(), [3, 5])
         self.assertEqual(face.polygon_corners[-5:].tolist(), [29, 28, 22, 16, 17])
+        self.assertEqual(face.uvs.shape, (60, 2))
+        self.assertEqual(face.uv_corners[-5:].tolist(), [59, 58, 52, 46, 47])
         self.assertEqual(face.provenance["recipe"], "tiny")
         self.assertGreater(face.diagonal, 0)
         self.assertGreater(face.runtime_bytes, 0)

@@ -168,6 +168,12 @@ FB_API uint32_t fb_polygon_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_sizes(const fb_model* model);
 FB_API uint32_t fb_polygon_corner_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
+/* Texture coordinates, if the source had them: 2 x fb_uv_count floats, u and v interleaved, v growing upwards from the
+ * lower edge of the picture; and for each polygon corner the index of its pair. A vertex on a seam has several. Without
+ * them the count is 0 and the arrays may be null. */
+FB_API uint32_t fb_uv_count(const fb_model* model);
+FB_API const float* fb_uvs(const fb_model* model);
+FB_API const uint32_t* fb_uv_corners(const fb_model* model);
 /* Bytes the model keeps in memory to evaluate poses, without scratches. */
 FB_API uint64_t fb_runtime_bytes(const fb_model* model);
 /* The instruction set that poses are evaluated with, such as "avx2". Static storage. */

@@ -73,6 +73,12 @@ typedef struct fb_rig {
                         uint32_t message_size);
   /* Frees everything the rig owns; may be null. */
   void (*destroy)(void* user);
+  /* Texture coordinates, kept for who poses the face: 2 x uv_count floats, u and v, v growing upwards; and for each of
+   * polygon_corners which of them it has, below uv_count. 0, or a struct_size that ends before them: none. */
+  uint32_t uv_count;
+  uint32_t reserved_uv;
+  const float* uvs;
+  const uint32_t* uv_corners;
 } fb_rig;
 
 /* Fills *rig. The one symbol a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so that

@@ -141,8 +141,12 @@ DatasetIndex read_index(const Field& root) {
   if (rest.is_text()) {
     index.rest_mesh = rest.text();
   } else {
-    index.rest_points = rest["points"].text();
-    index.rest_faces = rest["faces"].text();
+    index.rest_arrays.points = rest["points"].text();
+    index.rest_arrays.faces = rest["faces"].text();
+    if (rest.has("uvs") || rest.has("uv_faces")) {
+      index.rest_arrays.uvs = rest["uvs"].text();
+      index.rest_arrays.uv_faces = rest["uv_faces"].text();
+    }
   }
   for (const Field& item : root["controls"].items()) index.schema.controls.push_back(read_control(item));
   std::unordered_set<std::string> names;
@@ -193,10 +197,15 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
                   {"name", index.schema.name},
                   {"units", index.schema.units},
                   {"up_axis", index.schema.up_axis}};
+  const MeshArrays& rest = index.rest_arrays;
   if (index.rest_mesh.empty())
-    root["rest"] = {{"points", index.rest_points}, {"faces", index.rest_faces}};
+    root["rest"] = {{"points", rest.points}, {"faces", rest.faces}};
   else
     root["rest"] = index.rest_mesh;
+  if (!rest.uvs.empty()) {
+    root["rest"]["uvs"] = rest.uvs;
+    root["rest"]["uv_faces"] = rest.uv_faces;
+  }
   root["controls"] = Ordered::array();
   for (const Control& c : index.schema.controls) {
     Ordered control = {{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/dataset/rest_mesh.h"
 #include "bake/rig/source.h"
 #include "model/rig_schema.h"
 
@@ -31,8 +32,8 @@ struct DatasetIndex {
   };
 
   RigSchema schema;
-  std::string rest_points, rest_faces;  // two arrays
-  std::string rest_mesh;                // or a mesh file
+  MeshArrays rest_arrays;
+  std::string rest_mesh;  // or a mesh file, in place of them
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
 };

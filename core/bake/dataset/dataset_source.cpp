@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "bake/dataset/dataset_index.h"
-#include "bake/dataset/rest_mesh.h"
 #include "base/checked.h"
 
 namespace fb {
@@ -43,8 +42,7 @@ void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> v
 DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(folder) {
   const DatasetIndex index = read_dataset_index(folder);
   schema_ = index.schema;
-  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder / index.rest_points, folder / index.rest_faces)
-                                  : read_mesh(folder / index.rest_mesh);
+  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays) : read_mesh(folder / index.rest_mesh);
   const std::size_t width = schema_.control_count();
   const std::string controls_need = format("(frames, %zu)", width);
   const std::string points_need = format("(frames, %zu, 3)", rest_.vertex_count());

@@ -76,20 +76,35 @@ std::span<const unsigned char> GltfFile::bytes(int view_index, std::size_t offse
 std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<std::size_t> count,
                                     const char* what) const {
   const tinygltf::Accessor& from = accessor(index, what);
-  if (from.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
-      from.type != (width == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_SCALAR))
-    fail(Status::unsupported, "its %s are not %s", what, width == 3 ? "three floats each" : "floats");
+  static constexpr int types[] = {TINYGLTF_TYPE_SCALAR, TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3};
+  static constexpr const char* each[] = {"floats", "two floats each", "three floats each"};
+  // Texture coordinates may be told as fractions of the largest integer.
+  const std::size_t component_bytes = from.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT            ? sizeof(float)
+                                      : width != 2 || !from.normalized || from.sparse.isSparse       ? 0
+                                      : from.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                                      : from.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE  ? 1
+                                                                                                     : 0;
+  if (component_bytes == 0 || from.type != types[width - 1])
+    fail(Status::unsupported, "its %s are not %s", what, each[width - 1]);
   if (count && from.count != *count)
     fail(Status::bad_data, "has %zu %s where %zu are needed", from.count, what, *count);
   const bool stored = from.bufferView >= 0 || !count;
-  const std::size_t element_bytes = width * sizeof(float);
+  const std::size_t element_bytes = width * component_bytes;
   std::size_t stride = 0;
   const auto data = stored ? bytes(from.bufferView, from.byteOffset, from.count, element_bytes, stride, what)
                            : std::span<const unsigned char>();
   std::vector<float> values(checked_multiply(from.count, width, what));
-  if (stored)
-    for (std::size_t i = 0; i < from.count; ++i)
+  for (std::size_t i = 0; stored && i < from.count; ++i) {
+    if (component_bytes == sizeof(float)) {
       std::memcpy(&values[i * width], data.data() + i * stride, element_bytes);
+      continue;
+    }
+    for (std::size_t axis = 0; axis < width; ++axis) {
+      std::uint16_t fraction = 0;
+      std::memcpy(&fraction, data.data() + i * stride + axis * component_bytes, component_bytes);
+      values[i * width + axis] = static_cast<float>(fraction) / (component_bytes == 2 ? 65535.0f : 255.0f);
+    }
+  }
   if (from.sparse.isSparse) overwrite_sparse(from, width, values, what);
   return values;
 }
@@ -145,7 +160,15 @@ Mesh GltfFile::triangles(const tinygltf::Mesh& from) const {
       mesh.polygon_corners.push_back(checked_u32(base + corner, "vertices"));
     mesh.polygon_sizes.insert(mesh.polygon_sizes.end(), corners.count / 3, 3);
     mesh.points.insert(mesh.points.end(), points.begin(), points.end());
+    // glTF counts v downwards.
+    if (const auto uvs = primitive.attributes.find("TEXCOORD_0"); uvs != primitive.attributes.end())
+      for (const float uv : floats(uvs->second, 2, points.size() / 3, "texture coordinates"))
+        mesh.uvs.push_back(mesh.uvs.size() % 2 == 0 ? uv : 1 - uv);
   }
+  if (mesh.uvs.size() / 2 == mesh.vertex_count())
+    mesh.uv_corners = mesh.polygon_corners;
+  else
+    mesh.uvs.clear();
   return mesh;
 }
 

@@ -27,10 +27,12 @@ class GltfFile {
   ~GltfFile();
 
   const tinygltf::Model& model() const { return *model_; }
-  // An accessor of `width` floats (1 or 3) an element. With `count`, it must have that many elements, and those that
-  // are stored nowhere are zeros; without, all must be stored. `what` names it in messages: "positions".
+  // An accessor of `width` floats (1 to 3; of 2, also integers that stand for fractions) an element. With `count`, it
+  // must have that many elements, and those that are stored nowhere are zeros; without, all must be stored. `what`
+  // names it in messages: "positions".
   std::vector<float> floats(int accessor, std::size_t width, std::optional<std::size_t> count, const char* what) const;
-  // The primitives of a mesh one after the other; indexed triangles only. No transform is applied.
+  // The primitives of a mesh one after the other; indexed triangles only. No transform is applied. Texture coordinates
+  // are the first, if every primitive has them.
   Mesh triangles(const tinygltf::Mesh& mesh) const;
 
  private:

@@ -21,27 +21,40 @@ struct ObjLine {
   std::size_t number;
   std::string_view rest;
 
-  float coordinate() {
+  // `what` needs it, for messages.
+  float coordinate(const char* what) {
     const std::string_view word = take_word(rest);
     float value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size())
-      fail(Status::bad_data, "%s, line %zu: a vertex needs three numbers", file, number);
+      fail(Status::bad_data, "%s, line %zu: %s", file, number, what);
     return value;
   }
 
-  // "7", "7/1", "7//3", "-1": the vertex counted from one, or back from the latest.
-  std::uint32_t corner(std::string_view word, std::size_t vertices) const {
+  // One of the indices of a corner, counted from one or back from the latest of `count`; what = "vertex".
+  std::uint32_t index(std::string_view digits, std::size_t count, const char* what) const {
     long long index = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), index);
-    if (error != std::errc() || (end != word.data() + word.size() && *end != '/'))
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+    if (error != std::errc() || end != digits.data() + digits.size())
       fail(Status::bad_data, "%s, line %zu: \"%.*s\" is no corner of a face", file, number,
-           static_cast<int>(word.size()), word.data());
-    const auto count = static_cast<long long>(vertices);
-    const long long vertex = index > 0 ? index - 1 : count + index;
-    if (index == 0 || vertex < 0 || vertex >= count)
-      fail(Status::bad_data, "%s, line %zu: vertex %lld, but %zu came before", file, number, index, vertices);
-    return static_cast<std::uint32_t>(vertex);
+           static_cast<int>(digits.size()), digits.data());
+    const auto before = static_cast<long long>(count);
+    const long long found = index > 0 ? index - 1 : before + index;
+    if (index == 0 || found < 0 || found >= before)
+      fail(Status::bad_data, "%s, line %zu: %s %lld, but %zu came before", file, number, what, index, count);
+    return static_cast<std::uint32_t>(found);
+  }
+
+  // Adds "7", "7/1", "7//3" or "7/1/3" to the mesh.
+  void corner(std::string_view word, Mesh& mesh) const {
+    const auto take_index = [&] {
+      const std::string_view digits = word.substr(0, word.find('/'));
+      word.remove_prefix(std::min(digits.size() + 1, word.size()));
+      return digits;
+    };
+    mesh.polygon_corners.push_back(index(take_index(), mesh.vertex_count(), "vertex"));
+    const std::string_view uv = take_index();
+    if (!uv.empty()) mesh.uv_corners.push_back(index(uv, mesh.uvs.size() / 2, "texture coordinate"));
   }
 };
 
@@ -56,15 +69,19 @@ Mesh read_obj(const std::filesystem::path& path) {
     text.remove_prefix(std::min(line.rest.size() + 1, text.size()));
     const std::string_view keyword = take_word(line.rest);
     if (keyword == "v") {
-      for (int axis = 0; axis < 3; ++axis) mesh.points.push_back(line.coordinate());
+      for (int axis = 0; axis < 3; ++axis) mesh.points.push_back(line.coordinate("a vertex needs three numbers"));
+    } else if (keyword == "vt") {
+      for (int axis = 0; axis < 2; ++axis)
+        mesh.uvs.push_back(line.coordinate("a texture coordinate needs two numbers"));
     } else if (keyword == "f") {
       std::uint32_t size = 0;
-      for (std::string_view word; !(word = take_word(line.rest)).empty(); ++size)
-        mesh.polygon_corners.push_back(line.corner(word, mesh.vertex_count()));
+      for (std::string_view word; !(word = take_word(line.rest)).empty(); ++size) line.corner(word, mesh);
       if (size < 3) fail(Status::bad_data, "%s, line %zu: a face of %u corners", path.c_str(), number, size);
       mesh.polygon_sizes.push_back(size);
     }
   }
+  if (mesh.uv_corners.empty() || mesh.uv_corners.size() != mesh.polygon_corners.size())
+    mesh.uvs.clear(), mesh.uv_corners.clear();
   return mesh;
 }
 

@@ -17,6 +17,58 @@ void check_as(const Mesh& mesh, const std::filesystem::path& path) {
   }
 }
 
+// Rows of `width` numbers as floats.
+std::vector<float> read_rows(const std::filesystem::path& path, std::size_t width, const char* need) {
+  const NpyFile file(path);
+  if (file.shape().size() != 2 || file.shape()[1] != width)
+    fail(Status::bad_data, "%s: shape %s where %s is needed", path.c_str(), file.shape_text().c_str(), need);
+  std::vector<float> values(file.rows() * width);
+  file.read(0, file.rows(), values);
+  return values;
+}
+
+struct Faces {
+  std::vector<std::uint32_t> sizes, corners;
+};
+
+// Rows of corners, filled up with -1; `what` they name.
+Faces read_faces(const std::filesystem::path& path, const char* what) {
+  const NpyFile file(path);
+  if (file.shape().size() != 2 || file.shape()[1] < 3)
+    fail(Status::bad_data, "%s: shape %s where (faces, corners), at least 3 corners, is needed", path.c_str(),
+         file.shape_text().c_str());
+  Faces faces;
+  const std::vector<std::int32_t> corners = file.read_integers();
+  const std::size_t width = file.row_size();
+  for (std::size_t face = 0; face < file.rows(); ++face) {
+    const auto row = corners.begin() + static_cast<std::ptrdiff_t>(face * width),
+               end = row + static_cast<std::ptrdiff_t>(width);
+    const auto pad = std::find(row, end, -1);
+    if (std::find_if(pad, end, [](std::int32_t corner) { return corner != -1; }) != end)
+      fail(Status::bad_data, "%s: face %zu goes on after a -1", path.c_str(), face);
+    for (auto corner = row; corner != pad; ++corner) {
+      if (*corner < 0) fail(Status::bad_data, "%s: face %zu names %s %d", path.c_str(), face, what, *corner);
+      faces.corners.push_back(static_cast<std::uint32_t>(*corner));
+    }
+    faces.sizes.push_back(static_cast<std::uint32_t>(pad - row));
+  }
+  return faces;
+}
+
+void write_faces(const std::filesystem::path& path, const std::vector<std::uint32_t>& sizes,
+                 const std::vector<std::uint32_t>& corners) {
+  std::size_t width = 3;
+  for (const std::uint32_t size : sizes) width = std::max<std::size_t>(width, size);
+  std::vector<std::int32_t> rows(checked_multiply(sizes.size(), width, "faces"), -1);
+  std::size_t first = 0;
+  for (std::size_t face = 0; face < sizes.size(); ++face) {
+    for (std::size_t k = 0; k < sizes[face]; ++k)
+      rows[face * width + k] = static_cast<std::int32_t>(corners[first + k]);
+    first += sizes[face];
+  }
+  write_npy(path, {sizes.size(), width}, rows);
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
@@ -28,47 +80,30 @@ Mesh read_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-Mesh read_npy_mesh(const std::filesystem::path& points_path, const std::filesystem::path& faces_path) {
-  const NpyFile points(points_path), faces(faces_path);
-  if (points.shape().size() != 2 || points.shape()[1] != 3)
-    fail(Status::bad_data, "%s: shape %s where (vertices, 3) is needed", points_path.c_str(),
-         points.shape_text().c_str());
-  if (faces.shape().size() != 2 || faces.shape()[1] < 3)
-    fail(Status::bad_data, "%s: shape %s where (faces, corners), at least 3 corners, is needed", faces_path.c_str(),
-         faces.shape_text().c_str());
+Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files) {
   Mesh mesh;
-  mesh.points.resize(points.rows() * 3);
-  points.read(0, points.rows(), mesh.points);
-  const std::vector<std::int32_t> corners = faces.read_integers();
-  const std::size_t width = faces.row_size();
-  for (std::size_t face = 0; face < faces.rows(); ++face) {
-    const auto row = corners.begin() + static_cast<std::ptrdiff_t>(face * width),
-               end = row + static_cast<std::ptrdiff_t>(width);
-    const auto pad = std::find(row, end, -1);
-    if (std::find_if(pad, end, [](std::int32_t corner) { return corner != -1; }) != end)
-      fail(Status::bad_data, "%s: face %zu goes on after a -1", faces_path.c_str(), face);
-    for (auto corner = row; corner != pad; ++corner) {
-      if (*corner < 0) fail(Status::bad_data, "%s: face %zu names vertex %d", faces_path.c_str(), face, *corner);
-      mesh.polygon_corners.push_back(static_cast<std::uint32_t>(*corner));
-    }
-    mesh.polygon_sizes.push_back(static_cast<std::uint32_t>(pad - row));
+  mesh.points = read_rows(folder / files.points, 3, "(vertices, 3)");
+  Faces faces = read_faces(folder / files.faces, "vertex");
+  mesh.polygon_sizes = std::move(faces.sizes);
+  mesh.polygon_corners = std::move(faces.corners);
+  if (!files.uvs.empty()) {
+    mesh.uvs = read_rows(folder / files.uvs, 2, "(texture coordinates, 2)");
+    Faces of_uvs = read_faces(folder / files.uv_faces, "texture coordinate");
+    if (of_uvs.sizes != mesh.polygon_sizes)
+      fail(Status::bad_data, "%s: its faces are not those of %s", (folder / files.uv_faces).c_str(),
+           files.faces.c_str());
+    mesh.uv_corners = std::move(of_uvs.corners);
   }
-  check_as(mesh, faces_path.parent_path());
+  check_as(mesh, folder);
   return mesh;
 }
 
-void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& points, const std::filesystem::path& faces) {
-  write_npy(points, {mesh.vertex_count(), 3}, mesh.points);
-  std::size_t width = 3;
-  for (const std::uint32_t size : mesh.polygon_sizes) width = std::max<std::size_t>(width, size);
-  std::vector<std::int32_t> rows(checked_multiply(mesh.polygon_sizes.size(), width, "faces"), -1);
-  std::size_t first = 0;
-  for (std::size_t face = 0; face < mesh.polygon_sizes.size(); ++face) {
-    for (std::size_t k = 0; k < mesh.polygon_sizes[face]; ++k)
-      rows[face * width + k] = static_cast<std::int32_t>(mesh.polygon_corners[first + k]);
-    first += mesh.polygon_sizes[face];
-  }
-  write_npy(faces, {mesh.polygon_sizes.size(), width}, rows);
+void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& folder, const MeshArrays& files) {
+  write_npy(folder / files.points, {mesh.vertex_count(), 3}, mesh.points);
+  write_faces(folder / files.faces, mesh.polygon_sizes, mesh.polygon_corners);
+  if (files.uvs.empty()) return;
+  write_npy(folder / files.uvs, {mesh.uvs.size() / 2, 2}, mesh.uvs);
+  write_faces(folder / files.uv_faces, mesh.polygon_sizes, mesh.uv_corners);
 }
 
 }  // namespace fb

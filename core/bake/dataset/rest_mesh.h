@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "model/mesh.h"
 
@@ -10,14 +11,20 @@ namespace fb {
 // recorded points. Fails naming the file, and the line of an .obj.
 Mesh read_mesh(const std::filesystem::path& path);
 
-// Wavefront: "v" and "f" lines (positive or negative indices, texture and normal indices ignored); others are skipped.
+// Wavefront: "v", "vt" and "f" lines (positive or negative indices, those of normals ignored); others are skipped.
+// Texture coordinates are left out unless every corner has them.
 Mesh read_obj(const std::filesystem::path& path);
 
-// glTF binary: the one mesh in it, its primitives (triangles) one after the other.
+// glTF binary: the one mesh in it, its primitives (triangles) one after the other; with its first texture coordinates
+// if every primitive has them.
 Mesh read_glb(const std::filesystem::path& path);
 
-// The two arrays of a dataset: points [V,3], faces [F,n] whose unused corners are -1.
-Mesh read_npy_mesh(const std::filesystem::path& points, const std::filesystem::path& faces);
-void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& points, const std::filesystem::path& faces);
+// The files of a dataset's arrays: points [V,3], faces [F,n] whose unused corners are -1; and texture coordinates [U,2]
+// with those of each corner, shaped like faces, or no names for no texture coordinates.
+struct MeshArrays {
+  std::string points, faces, uvs, uv_faces;
+};
+Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files);
+void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& folder, const MeshArrays& files);
 
 }  // namespace fb

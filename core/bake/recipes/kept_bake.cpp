@@ -33,7 +33,9 @@ std::uint64_t key_of(Source& data, const Source* rig, const BakeOptions& options
                       options.seed,      options.epochs, options.max_bytes,
                       options.max_error, budget,         rig != nullptr};
   const std::uint64_t seen = hash64_of<float>(poses.controls(), hash64_of<float>(points));
-  return hash64_of<char>(words.dump(), hash64_of<std::uint32_t>(data.rest().polygon_corners, seen));
+  const Mesh& rest = data.rest();
+  const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, seen));
+  return hash64_of<char>(words.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
 }
 
 // What is missing or damaged is baked again.

@@ -276,6 +276,9 @@ class GltfRigReader {
     rig.rest_positions = from.rest.points.data();
     rig.polygon_sizes = from.rest.polygon_sizes.data();
     rig.polygon_corners = from.rest.polygon_corners.data();
+    rig.uv_count = checked_u32(from.rest.uvs.size() / 2, "texture coordinates");
+    rig.uvs = from.rest.uvs.data();
+    rig.uv_corners = from.rest.uv_corners.data();
     rig.clip_count = checked_u32(from.rig_clips.size(), "animations");
     rig.clips = from.rig_clips.data();
     rig.user = &from;

@@ -11,6 +11,8 @@ void check_same_rest(const Mesh& a, const char* a_name, const Mesh& b, const cha
     fail(Status::bad_data, "%s has %zu vertices, %s has %zu", a_name, a.vertex_count(), b_name, b.vertex_count());
   if (a.polygon_sizes != b.polygon_sizes || a.polygon_corners != b.polygon_corners)
     fail(Status::bad_data, "%s and %s have different polygons", a_name, b_name);
+  if (a.uvs != b.uvs || a.uv_corners != b.uv_corners)
+    fail(Status::bad_data, "%s and %s have different texture coordinates", a_name, b_name);
   const double tolerance = 1e-5 * a.diagonal();
   for (std::size_t i = 0; i < a.points.size(); ++i)
     if (std::abs(double(a.points[i]) - b.points[i]) > tolerance)

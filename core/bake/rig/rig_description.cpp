@@ -55,6 +55,12 @@ struct Reader {
     Mesh mesh{{points, points + std::size_t{3} * rig.vertex_count},
               {sizes, sizes + rig.polygon_count},
               {corners, corners + corner_count}};
+    if (rig.struct_size >= sizeof(fb_rig) && rig.uv_count > 0) {
+      const float* uvs = array(rig.uvs, rig.uv_count, "uvs", "uv_count");
+      const std::uint32_t* of_corners = array(rig.uv_corners, rig.uv_count, "uv_corners", "uv_count");
+      mesh.uvs.assign(uvs, uvs + std::size_t{2} * rig.uv_count);
+      mesh.uv_corners.assign(of_corners, of_corners + corner_count);
+    }
     check(mesh);
     return mesh;
   }
@@ -94,8 +100,8 @@ RigDescription describe(const fb_rig& rig) {
   Reader reader;
   if (rig.abi != FB_RIG_ABI)
     fail(Status::unsupported, "rig: made for rig ABI %u, this is rig ABI %u", rig.abi, unsigned{FB_RIG_ABI});
-  if (rig.struct_size < sizeof(fb_rig))
-    fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, sizeof(fb_rig));
+  if (rig.struct_size < smallest_rig)
+    fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, smallest_rig);
   reader.who = format("rig \"%s\"", reader.text(rig.name, "name"));
   if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.who.c_str());
   RigDescription description;

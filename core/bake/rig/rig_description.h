@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "bake/rig/source.h"
@@ -8,6 +9,9 @@
 #include "model/rig_schema.h"
 
 namespace fb {
+
+// Of an fb_rig as it was before texture coordinates were added: what every plugin has.
+inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
 
 // What a rig says about itself, copied out of the C structs.
 struct RigDescription {

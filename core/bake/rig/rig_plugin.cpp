@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "bake/rig/rig_description.h"
 #include "bake/rig/rig_source.h"
 
 namespace fb {
@@ -24,7 +25,7 @@ struct Plugin {
   Plugin& operator=(const Plugin&) = delete;
   ~Plugin() {
     // An older layout has no destroy we could trust.
-    if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= sizeof(fb_rig) && rig.destroy) rig.destroy(rig.user);
+    if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= smallest_rig && rig.destroy) rig.destroy(rig.user);
     if (library) dlclose(library);
   }
 };

@@ -56,7 +56,9 @@ class Digest {
     add(rig.schema().name);
     for (const Control& c : rig.schema().controls)
       add(c.name).add(c.group).add(std::vector<float>{c.minimum, c.maximum, c.rest});
-    return add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
+    add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
+    if (rig.rest().uvs.empty()) return *this;
+    return add(rig.rest().uvs).add(rig.rest().uv_corners);
   }
 
   std::uint64_t value = 0;
@@ -100,10 +102,13 @@ std::string file_stem(const std::string& name, std::vector<std::string>& taken) 
 DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIndex::Sampling& sampling) {
   DatasetIndex index;
   index.schema = rig.schema();
-  index.rest_points = "rest.npy";
-  index.rest_faces = "faces.npy";
+  index.rest_arrays = {"rest.npy", "faces.npy", "", ""};
+  if (!rig.rest().uvs.empty()) {
+    index.rest_arrays.uvs = "uvs.npy";
+    index.rest_arrays.uv_faces = "uv_faces.npy";
+  }
   index.sampling = sampling;
-  std::vector<std::string> taken = {"rest", "faces"};
+  std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces"};
   for (const Clip& clip : plan) {
     const std::string stem = file_stem(clip.name, taken), points = stem + ".points.npy";
     DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
@@ -184,8 +189,10 @@ class Sampler {
   }
 
   void write_plan() {
-    if (!holds(folder_ / index_.rest_points, {size_ / 3, 3}) || !fs::exists(folder_ / index_.rest_faces))
-      write_npy_mesh(rig_.rest(), folder_ / index_.rest_points, folder_ / index_.rest_faces);
+    const MeshArrays& rest = index_.rest_arrays;
+    if (!holds(folder_ / rest.points, {size_ / 3, 3}) || !fs::exists(folder_ / rest.faces) ||
+        !fs::exists(folder_ / rest.uv_faces))
+      write_npy_mesh(rig_.rest(), folder_, rest);
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       const fs::path path = folder_ / index_.clips[i].controls[0];
       const std::vector<std::size_t> shape = {plan_[i].frames, width_};

@@ -3,6 +3,7 @@
 #include "../toy_rig/toy_rig.c"
 #undef fb_rig_open
 
+#include <stddef.h>
 #include <stdio.h>
 
 static fb_rig_control lying_controls[controls];
@@ -93,6 +94,16 @@ static void copy_declarations(fb_rig* rig) {
   rig->polygon_corners = lying_corners;
 }
 
+/* Corners have the first three texture coordinates in turn. */
+static void give_uvs(fb_rig* rig, uint32_t count) {
+  static const float uvs[6] = {0, 0, 0.5f, 0, 0.5f, 1};
+  static uint32_t of_corners[sizeof lying_corners / sizeof *lying_corners];
+  for (size_t c = 0; c < sizeof of_corners / sizeof *of_corners; ++c) of_corners[c] = (uint32_t)(c % 3);
+  rig->uv_count = count;
+  rig->uvs = uvs;
+  rig->uv_corners = of_corners;
+}
+
 FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint32_t message_size);
 
 FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint32_t message_size) {
@@ -130,6 +141,10 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   LIE("bad corner") lying_corners[9] = vertices;
   LIE("rest nan") lying_rest[30] = NAN;
   LIE("rest moved") lying_rest[3 * 20] += 0.01f;
+  LIE("texture") give_uvs(rig, 3);
+  LIE("texture beyond an older struct") give_uvs(rig, 3), rig->struct_size = offsetof(fb_rig, uv_count);
+  LIE("null texture") give_uvs(rig, 3), rig->uvs = NULL;
+  LIE("texture corner") give_uvs(rig, 2);
   LIE("null clips") rig->clips = NULL;
   LIE("double clip") lying_clips[1].name = "talk";
   LIE("clip kind") lying_clips[1].kind = 5;
