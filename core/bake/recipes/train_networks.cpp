@@ -115,8 +115,9 @@ Networks train_networks(const FaceRecipe& recipe, std::span<const FaceRegion> re
     const std::vector<TrainedLayers> first = course.run(narrow, epochs, "first", "training narrow networks", progress);
     for (std::size_t r = 0; r < count; ++r) course.demands[r].error *= left_by(first[r], course.sets[r]);
   }
+  const std::size_t parameters = std::min(recipe.parameters, recipe.parameters_per_pose * poses.size());
   const std::vector<std::uint32_t> widths =
-      network_widths(course.demands, recipe.hidden_layers, recipe.widest, recipe.parameters);
+      network_widths(course.demands, recipe.hidden_layers, recipe.widest, parameters);
   const std::uint32_t epochs =
       options.epochs ? options.epochs : course.epochs(widths, recipe.operations, fewest_epochs);
   const std::vector<TrainedLayers> trained = course.run(widths, epochs, "region", "training", progress);
