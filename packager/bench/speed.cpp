@@ -1,7 +1,6 @@
 #include "bench/speed.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -14,14 +13,11 @@
 #include "bake/measure/touched_bytes.h"
 #include "base/status.h"
 #include "bench/float_networks.h"
+#include "bench/thread_time.h"
 #include "runtime/evaluator.h"
 
 namespace fb {
 namespace {
-
-double now() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 // One thing to be timed: run(pose) for poses one by one, `share` poses a call.
 struct Timed {
@@ -32,9 +28,9 @@ struct Timed {
   std::vector<double> times = {};
 
   void take(std::size_t pose) {
-    const double start = now();
+    const double start = thread_time();
     run(pose);
-    times.push_back((now() - start) / double(share));
+    times.push_back((thread_time() - start) / double(share));
   }
   SpeedLine line() {
     std::sort(times.begin(), times.end());
@@ -81,9 +77,9 @@ std::string processor_name() {
 double loading(std::span<const std::byte> archive) {
   double least = 1e30;
   for (int n = 0; n < 10; ++n) {
-    const double start = now();
+    const double start = thread_time();
     const Evaluator evaluator(read_archive(archive).model);
-    least = std::min(least, now() - start);
+    least = std::min(least, thread_time() - start);
   }
   return least;
 }

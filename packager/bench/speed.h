@@ -11,7 +11,7 @@
 
 namespace fb {
 
-// Microseconds a pose.
+// Microseconds of processor time a pose.
 struct SpeedLine {
   std::string name;
   double least, median, p99;

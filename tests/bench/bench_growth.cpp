@@ -2,13 +2,13 @@
 // proportions of a baked one. Prints comma-separated values; draws them on a page if given its name.
 //   bench_growth [PAGE.html]
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "base/file.h"
 #include "base/status.h"
+#include "bench/thread_time.h"
 #include "report/html.h"
 #include "report/plot.h"
 #include "runtime/evaluator.h"
@@ -81,10 +81,6 @@ PackedModel made_up_face(const Size& size) {
   return model;
 }
 
-double now() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 Cost measure(const Size& size) {
   const Evaluator face(made_up_face(size));
   std::vector<float> controls(frames * size.controls), positions(frames * 3 * face.vertex_count());
@@ -97,14 +93,14 @@ Cost measure(const Size& size) {
   std::vector<double> alone, together;
   for (std::size_t round = 0; round < rounds; ++round) {
     for (std::size_t frame = 0; frame < frames; ++frame) {
-      const double start = now();
+      const double start = thread_time();
       face.evaluate(controls.data() + frame * size.controls, positions.data(), one[0]);
-      alone.push_back(now() - start);
+      alone.push_back(thread_time() - start);
     }
-    const double start = now();
+    const double start = thread_time();
     face.evaluate_batch({.poses = frames, .controls = controls, .positions = {positions.data(), positions.size()}}, one,
                         {1});
-    together.push_back((now() - start) / double(frames));
+    together.push_back((thread_time() - start) / double(frames));
   }
   const auto median = [](std::vector<double>& times) {
     std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());

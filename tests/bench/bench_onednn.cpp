@@ -1,10 +1,10 @@
 // The paper's network in oneDNN beside the same network in Eigen, which `facebaker bench` compares a face with. Prints
-// microseconds a pose on one thread, as comma-separated values. Built where CMake finds oneDNN (Debian: libdnnl-dev).
+// microseconds of processor time a pose on one thread, as comma-separated values. Built where CMake finds oneDNN
+// (Debian: libdnnl-dev).
 //   bench_onednn [CONTROLS VERTICES]
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +14,7 @@
 
 #include "base/random.h"
 #include "bench/float_networks.h"
+#include "bench/thread_time.h"
 
 namespace {
 
@@ -77,15 +78,11 @@ class LaidOut {
   std::vector<Step> steps_;
 };
 
-double now() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 template <class Run>
 double time_of(Run&& run) {
-  const double start = now();
+  const double start = thread_time();
   run();
-  return now() - start;
+  return thread_time() - start;
 }
 
 void print(const char* name, std::vector<double> times) {
