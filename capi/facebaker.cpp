@@ -127,7 +127,7 @@ fb::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint
 fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
-    if (!desc.normals) require(desc.positions, "fb_batch_desc: positions");
+    if (!desc.normals && !desc.tangents) require(desc.positions, "fb_batch_desc: positions");
   }
   if (desc.vertex_order > FB_ORDER_BAKED)
     fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
@@ -139,6 +139,8 @@ fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& 
   if (desc.positions) batch.positions = {desc.positions, desc.position_floats, desc.pose_stride, desc.vertex_stride};
   if (desc.normals)
     batch.normals = {desc.normals, desc.normal_numbers, desc.normal_pose_stride, desc.normal_vertex_stride};
+  if (desc.tangents)
+    batch.tangents = {desc.tangents, desc.tangent_numbers, desc.tangent_pose_stride, desc.tangent_vertex_stride};
   batch.order = static_cast<fb::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<fb::NumberFormat>(desc.format);
   batch.regions = region_mask(desc, mask);
@@ -353,6 +355,10 @@ const float* fb_uvs(const fb_model* model) {
 
 const uint32_t* fb_uv_corners(const fb_model* model) {
   return model ? model->uv_corners.data() : nullptr;
+}
+
+const float* fb_tangent_signs(const fb_model* model) {
+  return model && fb_uv_count(model) > 0 ? model->evaluator.tangent_signs().data() : nullptr;
 }
 
 uint64_t fb_runtime_bytes(const fb_model* model) {

@@ -52,7 +52,8 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       moved_(evaluator.chunks_.size() * block_poses, &memory),
       halves_(evaluator.rest_rows_.size() + 1, &memory),
       quantized_(evaluator.longest_list_, block_poses, memory),
-      normals_(evaluator.normals_, memory) {
+      normals_(evaluator.normals_, memory),
+      tangents_(evaluator.tangents_, memory) {
   for (std::size_t p = 0; p < block_poses; ++p)
     std::copy(evaluator.rest_rows_.begin(), evaluator.rest_rows_.end(),
               rows_.begin() + p * (evaluator.rest_rows_.size() + 1));
@@ -82,6 +83,7 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource* memory
       order_(model.order.begin(), model.order.end(), &memory_),
       place_of_(&memory_),
       normals_(model.rest, places_of(model.order), first_rows(model), memory_),
+      tangents_(model.rest, places_of(model.order), normals_, memory_),
       coefficient_count_(model.columns) {
   const FloatState state;
   const std::vector<std::uint32_t> places = places_of(model.order);
@@ -281,7 +283,7 @@ void Evaluator::run_features_on(const PoseOutput* outputs, RegionMask regions, W
   const VertexOutput& first = outputs[0].positions;  // the others are alike
   const bool in_place = first.first && first.vertex_stride == 3 && !first.streamed &&
                         first.format == NumberFormat::float32 && !outputs[0].normals.first &&
-                        (place_of_.empty() || first.order == VertexOrder::baked);
+                        !outputs[0].tangents.first && (place_of_.empty() || first.order == VertexOrder::baked);
   float* rows[poses];
   for (std::size_t p = 0; p < poses; ++p)
     rows[p] = in_place ? static_cast<float*>(outputs[p].positions.first)
@@ -290,10 +292,15 @@ void Evaluator::run_features_on(const PoseOutput* outputs, RegionMask regions, W
   for (std::size_t p = 0; p < poses && !in_place; ++p) {
     if (outputs[p].positions.first)
       write_vertices(kernels_, rows[p], vertex_count(), place_of_, workspace.halves_.data(), outputs[p].positions);
-    if (!outputs[p].normals.first) continue;
+    if (!outputs[p].normals.first && !outputs[p].tangents.first) continue;
     normals_.run(kernels_, rows[p], {workspace.moved_.data() + p * chunks_.size(), chunks_.size()}, workspace.normals_);
-    write_vertices(kernels_, workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(),
-                   outputs[p].normals);
+    if (outputs[p].normals.first)
+      write_vertices(kernels_, workspace.normals_.normals(), vertex_count(), place_of_, workspace.halves_.data(),
+                     outputs[p].normals);
+    if (!outputs[p].tangents.first) continue;
+    tangents_.run(rows[p], normals_, workspace.normals_, workspace.tangents_);
+    write_vertices(kernels_, workspace.tangents_.tangents(), vertex_count(), place_of_, workspace.halves_.data(),
+                   outputs[p].tangents);
   }
 }
 
@@ -331,7 +338,7 @@ void Evaluator::evaluate(const float* controls, float* positions, Workspace& wor
   refuse_nan(controls);
   const FloatState state;
   workspace.clamped_ = 0;
-  run_pose(controls, {{positions, vertex_stride}, {}}, {}, workspace);
+  run_pose(controls, {{positions, vertex_stride}, {}, {}}, {}, workspace);
 }
 
 void Evaluator::coefficients(const float* controls, float* coefficients, Workspace& workspace,

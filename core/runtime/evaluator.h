@@ -20,6 +20,7 @@
 #include "runtime/row_chunk.h"
 #include "runtime/vertex_normals.h"
 #include "runtime/vertex_output.h"
+#include "runtime/vertex_tangents.h"
 
 namespace fb {
 
@@ -62,15 +63,16 @@ class Workspace {
   std::pmr::vector<std::uint16_t> halves_;
   Quantized quantized_;
   VertexNormals::State normals_;
+  VertexTangents::State tangents_;
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
 
 // Which regions' networks run; the others give coefficients 0, as at rest. Empty: all; else one a region, 0 for no.
 using RegionMask = std::span<const std::uint8_t>;
 
-// Where poses go: normals need no positions to go anywhere.
+// Where poses go: normals and tangents need no positions to go anywhere.
 struct PoseOutput {
-  VertexOutput positions, normals;
+  VertexOutput positions, normals, tangents;
 };
 
 // Where something of each pose of a batch goes: pose p's begins at first + p * pose_stride numbers, vertex v's
@@ -85,8 +87,8 @@ struct BatchOutput {
 struct Batch {
   std::size_t poses = 0;
   std::span<const float> controls;
-  std::size_t control_stride = 0;  // in floats; 0: the number of controls
-  BatchOutput positions, normals = {};
+  std::size_t control_stride = 0;                      // in floats; 0: the number of controls
+  BatchOutput positions, normals = {}, tangents = {};  // tangents: of faces that have texture coordinates
   VertexOrder order = VertexOrder::source;
   NumberFormat format = NumberFormat::float32;
   RegionMask regions = {};
@@ -117,6 +119,8 @@ class Evaluator {
   // The basis: row 3 i + axis is coordinate `axis` of vertex order()[i], or of vertex i if it is empty.
   const std::pmr::vector<RowChunk>& chunks() const { return chunks_; }
   std::span<const std::uint32_t> order() const { return order_; }
+  // See VertexTangents::signs.
+  std::span<const float> tangent_signs() const { return tangents_.signs(); }
 
   // One pose: control_count() floats in control order, clamped to their ranges. Vertex v goes to positions + v *
   // vertex_stride. Fails with not_finite by control on NaN, before anything is written.
@@ -126,7 +130,8 @@ class Evaluator {
   void coefficients(const float* controls, float* coefficients, Workspace& workspace, RegionMask regions = {}) const;
 
   // Many poses, on up to min(worker_count(parallel), workspaces.size()) workers. Before anything is written, fails with
-  // invalid_argument if a buffer is too small or poses overlap, with not_finite by pose and control on NaN.
+  // invalid_argument if a buffer is too small, poses overlap or there are no tangents, with not_finite by pose and
+  // control on NaN.
   void evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel = {}) const;
 
  private:
@@ -192,6 +197,7 @@ class Evaluator {
   std::pmr::vector<float> rest_, rest_rows_;          // in the order of vertices, and of rows
   std::pmr::vector<std::uint32_t> order_, place_of_;  // empty: rows are in the order of vertices
   VertexNormals normals_;
+  VertexTangents tangents_;
   std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0, longest_list_ = 0;
 };
 

@@ -63,6 +63,9 @@ void Evaluator::check_batch(const Batch& batch) const {
          batch.controls.size());
   check_output(batch.positions, "positions", batch.poses, vertex_count());
   check_output(batch.normals, "normals", batch.poses, vertex_count());
+  if (batch.tangents.first && tangents_.signs().empty())
+    fail(Status::invalid_argument, "tangents are asked of a face without texture coordinates");
+  check_output(batch.tangents, "tangents", batch.poses, vertex_count());
   if (!batch.regions.empty() && batch.regions.size() != nets_.size())
     fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", batch.regions.size(), nets_.size());
   for (std::size_t pose = 0; pose < batch.poses; ++pose) {
@@ -83,7 +86,8 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   const std::size_t vertices = vertex_count(), workers = worker_count(within);
   const auto output_at = [&](std::size_t pose) {
     return PoseOutput{output_of(batch, batch.positions, pose, vertices),
-                      output_of(batch, batch.normals, pose, vertices)};
+                      output_of(batch, batch.normals, pose, vertices),
+                      output_of(batch, batch.tangents, pose, vertices)};
   };
   // Whole blocks first, if there are enough for all workers; then the poses that are left.
   const std::size_t blocks = batch.poses / block_poses >= workers ? batch.poses / block_poses : 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/mesh.h"
@@ -24,6 +25,8 @@ class VertexNormals {
     State(const VertexNormals& normals, std::pmr::memory_resource& memory);
     // The last pose's: 3 floats a vertex in baked order, and one float more.
     const float* normals() const { return normals_.data(); }
+    // By chunk: whether its normals are not those at rest.
+    std::span<const std::uint8_t> moved() const { return moved_; }
 
    private:
     friend class VertexNormals;
@@ -35,6 +38,14 @@ class VertexNormals {
   // chunk, and then the number of rows.
   VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> place_of, std::span<const std::uint32_t> chunk_rows,
                 std::pmr::memory_resource& memory);
+
+  std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
+  // The vertices, in baked order, of a chunk: the first and the one behind the last.
+  std::pair<std::uint32_t, std::uint32_t> vertices_of(std::size_t chunk) const {
+    return {vertex_begin_[chunk], vertex_begin_[chunk + 1]};
+  }
+  // Of the rest mesh: 3 floats a vertex in baked order.
+  std::span<const float> at_rest() const { return at_rest_; }
 
   // rows: positions in baked order, readable one float beyond. moved: whether a chunk's rows are not those at rest.
   void run(const PoseKernels& kernels, const float* rows, std::span<const std::uint8_t> moved, State& state) const;
@@ -57,7 +68,6 @@ class VertexNormals {
   };
   void compute_areas(std::size_t chunk, const float* rows, float* areas) const;
   void compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas, float* normals) const;
-  std::size_t chunk_count() const { return vertex_begin_.size() - 1; }
 
   std::pmr::vector<Quad> polygons_;  // chunk after chunk: that of a polygon's first corner; its first four corners
   std::pmr::vector<std::uint32_t> polygon_begin_;  // in polygons_, by chunk

@@ -55,10 +55,12 @@ static void evaluating_allocates_nothing(void** state) {
   desc.control_floats = 20;
   desc.positions = positions;
   desc.position_floats = 360;
-  static float normals[4 * 90], coefficients[64];
+  static float normals[4 * 90], tangents[4 * 90], coefficients[64];
   assert_true(fb_coefficient_count(model) <= 64);
   desc.normals = normals;
   desc.normal_numbers = 360;
+  desc.tangents = tangents;
+  desc.tangent_numbers = 360;
   desc.parallel_for = serial;
   const uint32_t region = 0;
   fb_batch_desc other = desc;

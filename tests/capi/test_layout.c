@@ -38,7 +38,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_basis_group, row_count, 8);
   assert_at(fb_basis_group, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 144);
+  assert_int_equal(sizeof(fb_batch_desc), 176);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -59,6 +59,10 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, normal_vertex_stride, 120);
   assert_at(fb_batch_desc, regions, 128);
   assert_at(fb_batch_desc, region_count, 136);
+  assert_at(fb_batch_desc, tangents, 144);
+  assert_at(fb_batch_desc, tangent_numbers, 152);
+  assert_at(fb_batch_desc, tangent_pose_stride, 160);
+  assert_at(fb_batch_desc, tangent_vertex_stride, 168);
 }
 
 static void layout_of_bake_structs(void** state) {

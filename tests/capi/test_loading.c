@@ -47,6 +47,7 @@ static void what_is_in_a_model(void** state) {
   assert_int_equal(fb_uv_count(model), 60);
   assert_true(fb_uvs(model)[0] == 0.05f * fb_rest_positions(model)[0]);
   assert_int_equal(fb_uv_corners(model)[0], 0);
+  assert_true(fb_tangent_signs(model)[0] == 1 || fb_tangent_signs(model)[0] == -1);
   assert_int_equal(fb_uv_corners(model)[fb_polygon_corner_count(model) - 1], 30 + 17);
   assert_true(fb_diagonal(model) > 6 && fb_diagonal(model) < 7);
   assert_true(fb_rest_controls(model)[2] == 0.25f);
@@ -192,6 +193,7 @@ static void null_pointers_are_refused(void** state) {
   assert_int_equal(fb_uv_count(NULL), 0);
   assert_null(fb_uvs(NULL));
   assert_null(fb_uv_corners(NULL));
+  assert_null(fb_tangent_signs(NULL));
 
   model = load_tiny();
   assert_refused(fb_control_at(model, 0, NULL), FB_ERROR_INVALID_ARGUMENT, "control");

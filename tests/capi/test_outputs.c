@@ -85,11 +85,19 @@ static void normals_are_unit_or_null_and_those_of_the_posed_mesh(void** state) {
 
 static void everything_at_once_and_pose_by_pose_are_the_same(void** state) {
   (void)state;
-  float positions[POSES * FLOATS], normals[POSES * FLOATS], position[FLOATS], normal[FLOATS];
+  float positions[POSES * FLOATS], normals[POSES * FLOATS], tangents[POSES * FLOATS], position[FLOATS], normal[FLOATS],
+      tangent[FLOATS];
   fb_batch_desc desc = describe(positions, POSES * FLOATS);
   desc.normals = normals;
   desc.normal_numbers = POSES * FLOATS;
+  desc.tangents = tangents;
+  desc.tangent_numbers = POSES * FLOATS;
   assert_ok(fb_evaluate_batch(model, scratch, &desc));
+  for (int v = 0; v < POSES * FLOATS; v += 3) {
+    const float *n = normals + v, *t = tangents + v;
+    assert_true(fabs(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] - 1) < 1e-5);
+    assert_true(fabs(t[0] * n[0] + t[1] * n[1] + t[2] * n[2]) < 1e-5);
+  }
   assert_memory_equal(positions, expected, sizeof positions);
   for (int p = POSES - 1; p >= 0; --p) {
     fb_batch_desc one = describe(position, FLOATS);
@@ -98,9 +106,12 @@ static void everything_at_once_and_pose_by_pose_are_the_same(void** state) {
     one.control_floats = CONTROLS;
     one.normals = normal;
     one.normal_numbers = FLOATS;
+    one.tangents = tangent;
+    one.tangent_numbers = FLOATS;
     assert_ok(fb_evaluate_batch(model, scratch, &one));
     assert_memory_equal(position, positions + p * FLOATS, sizeof position);
     assert_memory_equal(normal, normals + p * FLOATS, sizeof normal);
+    assert_memory_equal(tangent, tangents + p * FLOATS, sizeof tangent);
   }
 }
 

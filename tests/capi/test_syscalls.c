@@ -10,7 +10,7 @@
 
 #define POSES 4
 
-static float controls[POSES * 5], positions[POSES * 90], normals[POSES * 90], coefficients[64];
+static float controls[POSES * 5], positions[POSES * 90], normals[POSES * 90], tangents[POSES * 90], coefficients[64];
 
 static void serial(void* user, uint32_t count, uint32_t workers, fb_task task, void* context) {
   (void)user;
@@ -42,6 +42,8 @@ static int in_a_child(int calls_the_system) {
   desc.position_floats = POSES * 90;
   desc.normals = normals;
   desc.normal_numbers = POSES * 90;
+  desc.tangents = tangents;
+  desc.tangent_numbers = POSES * 90;
   desc.parallel_for = serial;
   const pid_t child = fork();
   assert_true(child >= 0);

@@ -15,7 +15,7 @@ using namespace fb;
 namespace {
 
 struct Posed {
-  std::vector<float> positions, normals;
+  std::vector<float> positions, normals, tangents;  // tangents of faces that have texture coordinates
 };
 
 std::vector<Workspace> workspaces(const Evaluator& evaluator, int count) {
@@ -27,10 +27,14 @@ std::vector<Workspace> workspaces(const Evaluator& evaluator, int count) {
 Posed evaluate(const Evaluator& evaluator, const std::vector<float>& controls, std::vector<Workspace>& workspaces,
                const Parallel& parallel = {1}) {
   const std::size_t poses = controls.size() / evaluator.control_count(), floats = poses * 3 * evaluator.vertex_count();
-  Posed posed{std::vector<float>(floats), std::vector<float>(floats)};
+  Posed posed{std::vector<float>(floats), std::vector<float>(floats), {}};
   Batch batch{.poses = poses, .controls = controls, .positions = {}};
   batch.positions = {posed.positions.data(), floats};
   batch.normals = {posed.normals.data(), floats};
+  if (!evaluator.tangent_signs().empty()) {
+    posed.tangents.resize(floats);
+    batch.tangents = {posed.tangents.data(), floats};
+  }
   evaluator.evaluate_batch(batch, workspaces, parallel);
   return posed;
 }
@@ -103,6 +107,89 @@ std::vector<float> sparse_pose(const PackedModel& model, Random& random, float s
 }
 
 }  // namespace
+
+namespace {
+
+// Triangle after triangle of the polygons' fans, what (e1 dv2 - e2 dv1) gives, without its part along the normals.
+std::vector<double> fan_tangents(const Mesh& mesh, const Posed& posed) {
+  std::vector<double> sums(posed.positions.size());
+  std::size_t first = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    double area = 0, sum[3] = {};
+    for (std::uint32_t k = 1; k + 1 < size; ++k) {
+      const std::size_t corner[3] = {first, first + k, first + k + 1};
+      const auto uv = [&](int i, int axis) { return double(mesh.uvs[2 * mesh.uv_corners[corner[i]] + axis]); };
+      const auto at = [&](int i, int a) { return double(posed.positions[3 * mesh.polygon_corners[corner[i]] + a]); };
+      const double du1 = uv(1, 0) - uv(0, 0), dv1 = uv(1, 1) - uv(0, 1), du2 = uv(2, 0) - uv(0, 0),
+                   dv2 = uv(2, 1) - uv(0, 1);
+      area += du1 * dv2 - du2 * dv1;
+      for (int a = 0; a < 3; ++a) sum[a] += (at(1, a) - at(0, a)) * dv2 - (at(2, a) - at(0, a)) * dv1;
+    }
+    for (std::uint32_t k = 0; k < size; ++k)
+      for (int a = 0; a < 3; ++a) sums[3 * mesh.polygon_corners[first + k] + a] += area < 0 ? -sum[a] : sum[a];
+    first += size;
+  }
+  for (std::size_t v = 0; v < sums.size(); v += 3) {
+    double along = 0, squares = 0;
+    for (int a = 0; a < 3; ++a) along += sums[v + a] * posed.normals[v + a];
+    for (int a = 0; a < 3; ++a) sums[v + a] -= along * posed.normals[v + a], squares += sums[v + a] * sums[v + a];
+    for (int a = 0; a < 3; ++a) sums[v + a] /= std::sqrt(squares);
+  }
+  return sums;
+}
+
+}  // namespace
+
+TEST_CASE("tangents follow the texture on the posed mesh, whatever was posed before") {
+  for (PackedModel model : {tiny_packed_model(), banded_model(), triangulated(banded_model())}) {
+    give_uvs(model.rest);
+    const Evaluator evaluator(model);
+    CHECK(std::all_of(evaluator.tangent_signs().begin(), evaluator.tangent_signs().end(),
+                      [](float s) { return s == 1; }));
+    std::vector<Workspace> kept = workspaces(evaluator, 1);
+    Random random(2);
+    for (const float share : {1.0f, 0.1f, 0.0f, 0.05f, 0.05f, 0.5f}) {
+      const std::vector<float> pose = sparse_pose(model, random, share);
+      const Posed posed = evaluate(evaluator, pose, kept);
+      std::vector<Workspace> fresh = workspaces(evaluator, 1);
+      CHECK(same_bits(posed.tangents, evaluate(evaluator, pose, fresh).tangents));
+      const std::vector<double> expected = fan_tangents(model.rest, posed);
+      double worst = 0;
+      for (std::size_t i = 0; i < expected.size(); ++i)
+        worst = std::max(worst, std::fabs(expected[i] - double(posed.tangents[i])));
+      CHECK(worst < 1e-4);
+    }
+  }
+}
+
+TEST_CASE("a mirrored picture keeps its direction and turns the sign; without area there is no tangent") {
+  PackedModel model = banded_model();
+  give_uvs_by_vertex(model.rest);
+  const std::vector<float> rest = model.schema.rest_pose();
+  std::vector<std::vector<float>> found;
+  for (const float factor : {1.0f, -1.0f, 0.0f}) {
+    PackedModel turned = model;
+    for (std::size_t i = 1; i < turned.rest.uvs.size(); i += 2) turned.rest.uvs[i] *= factor;
+    const Evaluator evaluator(turned);
+    CHECK(evaluator.tangent_signs()[100] == (factor < 0 ? -1 : 1));
+    std::vector<Workspace> work = workspaces(evaluator, 1);
+    found.push_back(evaluate(evaluator, rest, work).tangents);
+  }
+  CHECK(same_bits(found[0], found[1]));
+  CHECK(std::all_of(found[2].begin(), found[2].end(), [](float t) { return t == 0; }));
+}
+
+TEST_CASE("tangents of a face without texture coordinates are refused") {
+  const PackedModel model = tiny_packed_model();
+  const Evaluator evaluator(model);
+  CHECK(evaluator.tangent_signs().empty());
+  std::vector<Workspace> work = workspaces(evaluator, 1);
+  std::vector<float> tangents(90);
+  const std::vector<float> rest = model.schema.rest_pose();
+  Batch batch{.poses = 1, .controls = rest, .positions = {}};
+  batch.tangents = {tangents.data(), tangents.size()};
+  CHECK_THROWS_WITH(evaluator.evaluate_batch(batch, work), "tangents are asked of a face without texture coordinates");
+}
 
 TEST_CASE("normals are those of the posed mesh, whatever was posed before") {
   for (const PackedModel& model : {tiny_packed_model(), banded_model(), triangulated(banded_model())}) {

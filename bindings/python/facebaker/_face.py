@@ -112,6 +112,12 @@ class Face:
         return self._view(library.fb_uv_corners(self._handle), count)
 
     @property
+    def tangent_signs(self):
+        """(vertices,): -1 where the picture is mirrored, else 1; empty without texture coordinates."""
+        count = self.vertex_count if library.fb_uv_count(self._handle) else 0
+        return self._view(library.fb_tangent_signs(self._handle), count)
+
+    @property
     def clamped_count(self):
         """How many control values the last evaluation clamped to their ranges."""
         return self._clamped
@@ -142,11 +148,20 @@ class Face:
         return positions
 
     def evaluate_batch(
-        self, controls, threads=0, out=None, *, normals=None, baked_order=False, regions=None, dtype=numpy.float32
+        self,
+        controls,
+        threads=0,
+        out=None,
+        *,
+        normals=None,
+        tangents=None,
+        baked_order=False,
+        regions=None,
+        dtype=numpy.float32,
     ):
         """(poses, controls) -> (poses, vertices, 3), the same bits as evaluate. threads 0: all cores. dtype is float32 or
-        float16. `out` and `normals`, if given, are contiguous arrays of that shape and dtype; unit normals are written to
-        the second. With baked_order, vertices come in the order that vertex_order tells. `regions`: the names of those
+        float16. `out`, `normals` and `tangents`, if given, are contiguous arrays of that shape and dtype; unit normals are
+        written to the second, unit tangents to the third, if the face has texture coordinates. With baked_order, vertices come in the order that vertex_order tells. `regions`: the names of those
         whose networks run; the others give what they give at rest."""
         controls = self._floats(controls, 2)
         if threads < 0:
@@ -157,7 +172,7 @@ class Face:
         shape = (len(controls), self.vertex_count, 3)
         if out is None:
             out = numpy.empty(shape, dtype)
-        for name, array in (("out", out), ("normals", normals)):
+        for name, array in (("out", out), ("normals", normals), ("tangents", tangents)):
             if array is not None and (
                 array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous or not array.flags.writeable
             ):
@@ -171,6 +186,8 @@ class Face:
         desc.vertex_order, desc.format = int(baked_order), int(dtype == numpy.float16)
         if normals is not None:
             desc.normals, desc.normal_numbers = normals.ctypes.data, normals.size
+        if tangents is not None:
+            desc.tangents, desc.tangent_numbers = tangents.ctypes.data, tangents.size
         if regions is not None:
             indices = [self.regions.index(name) for name in regions]
             desc.regions, desc.region_count = (ctypes.c_uint32 * max(len(indices), 1))(*indices), len(indices)

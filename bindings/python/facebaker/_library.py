@@ -51,6 +51,10 @@ class BatchDesc(Structure):
         ("normal_vertex_stride", c_uint64),
         ("regions", POINTER(c_uint32)),
         ("region_count", c_uint64),
+        ("tangents", c_void_p),
+        ("tangent_numbers", c_uint64),
+        ("tangent_pose_stride", c_uint64),
+        ("tangent_vertex_stride", c_uint64),
     ]
 
 
@@ -91,6 +95,7 @@ _FUNCTIONS = {
     "fb_uv_count": (c_uint32, [c_void_p]),
     "fb_uvs": (POINTER(c_float), [c_void_p]),
     "fb_uv_corners": (POINTER(c_uint32), [c_void_p]),
+    "fb_tangent_signs": (POINTER(c_float), [c_void_p]),
     "fb_runtime_bytes": (c_uint64, [c_void_p]),
     "fb_scratch_create": (c_int32, [c_void_p, c_uint32, POINTER(c_void_p)]),
     "fb_scratch_destroy": (None, [c_void_p]),

@@ -174,6 +174,10 @@ FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
 FB_API uint32_t fb_uv_count(const fb_model* model);
 FB_API const float* fb_uvs(const fb_model* model);
 FB_API const uint32_t* fb_uv_corners(const fb_model* model);
+/* For shading with the tangents of fb_evaluate_batch: one a vertex, in the source's order, -1 where the picture lies
+ * mirrored on the mesh and 1 elsewhere. Times the cross product of normal and tangent it points to where v grows. Null
+ * without texture coordinates. */
+FB_API const float* fb_tangent_signs(const fb_model* model);
 /* Bytes the model keeps in memory to evaluate poses, without scratches. */
 FB_API uint64_t fb_runtime_bytes(const fb_model* model);
 /* The instruction set that poses are evaluated with, such as "avx2". Static storage. */
@@ -254,7 +258,8 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;      /* size of that buffer, in floats */
   uint64_t control_stride;      /* in floats; 0: fb_control_count */
   void* positions;              /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                                   null if normals are wanted */
+                                   null if normals or tangents are
+                                   wanted */
   uint64_t position_floats;     /* size of that buffer, in numbers */
   uint64_t pose_stride;         /* in numbers; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;       /* in numbers, >= 3; 0: 3. What lies between vertices is not touched. */
@@ -273,6 +278,12 @@ typedef struct fb_batch_desc {
   const uint32_t* regions; /* indices of the regions whose networks run; the others give what they give at rest.
                               Null: all of them. */
   uint64_t region_count;   /* of that list; with a list, 0 is none */
+  void* tangents; /* unit tangents of the posed mesh, 3 numbers a vertex like positions: the direction in which u
+                     grows, perpendicular to the normal; see fb_tangent_signs. Null where there is none. Refused
+                     for a model without texture coordinates. Null: not wanted. */
+  uint64_t tangent_numbers;     /* size of that buffer, in numbers */
+  uint64_t tangent_pose_stride; /* as for positions */
+  uint64_t tangent_vertex_stride;
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
