@@ -86,9 +86,20 @@ TEST_CASE("rest positions come to lie on a grid a millionth of the diagonal wide
   CHECK(packed.polygon_corners == model.rest.polygon_corners);
 }
 
+TEST_CASE("rest positions are rounded by an eighth of a coarser basis at most") {
+  const FaceModel model = full_model(1);
+  const double basis_step = 1e-3, diagonal = model.rest.diagonal();
+  const Mesh packed = pack_model(model, {8, 8, 8, 1e-5, {}, 0, basis_step}).rest;
+  double worst = 0;
+  for (std::size_t i = 0; i < packed.points.size(); ++i)
+    worst = std::max(worst, std::fabs(double(packed.points[i]) - model.rest.points[i]));
+  CHECK(worst <= basis_step / 8 * diagonal);
+  CHECK(worst > basis_step / 40 * diagonal);
+}
+
 TEST_CASE("weights are rounded to the nearest step of their row") {
   const FaceModel model = full_model(1);
-  for (const int bits : {8, 16}) {
+  for (const int bits : {2, 6, 8, 16}) {
     const PackedModel packed = pack_model(model, {bits, bits, bits, 1e-5, {}, 0});
     for (std::size_t r = 0; r < 2; ++r)
       for (std::size_t l = 0; l < 3; ++l) {
@@ -105,13 +116,13 @@ TEST_CASE("weights are rounded to the nearest step of their row") {
         for (std::size_t o = 0; o < layer.outputs; ++o) {
           const auto row = whole.weights.begin() + o * layer.inputs;
           const auto [low, high] = std::minmax_element(row, row + layer.inputs);
-          const int most = bits == 16 ? largest_wide : largest_narrow;
+          const int most = bits == 16 ? largest_wide : (1 << (bits - 1)) - 1;
           CHECK(std::max<int>(-*low, *high) <= most);
           CHECK(std::max<int>(-*low, *high) >= most * 127 / 128 - 1);  // scales are in few bits, too
         }
       }
   }
-  CHECK_THROWS_AS(pack_model(model, {8, 12, 8, 1e-5, {}, 0}), Error);
+  for (const int bits : {1, 9, 12, 17}) CHECK_THROWS_AS(pack_model(model, {8, bits, 8, 1e-5, {}, 0}), Error);
 }
 
 TEST_CASE("first, hidden and last layers have the bits asked for") {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "bake/quantize/economise.h"
 #include "base/status.h"
 
 namespace fb {
@@ -43,13 +42,14 @@ float append_rounded(const float* values, std::size_t count, int largest, float 
 }
 
 PackedLayer pack_layer(const DenseLayer& layer, int bits) {
-  if (bits != 8 && bits != 16) fail(Status::invalid_argument, "weights of %d bits; there are 8 and 16", bits);
+  if (bits != 16 && (bits < 2 || bits > 8))
+    fail(Status::invalid_argument, "weights of %d bits; there are 2 to 8, and 16", bits);
   PackedLayer packed{layer.inputs, layer.outputs, layer.activation, layer.skip, bits == 16, {}, {}, {}};
   for (const float bias : layer.bias) packed.bias.push_back(with_few_bits(bias, packed.wide ? 24 : 16, false));
   packed.weights.reserve(layer.weights.size());
   for (std::size_t o = 0; o < layer.outputs; ++o)
     packed.scales.push_back(append_rounded(layer.weights.data() + o * layer.inputs, layer.inputs,
-                                           packed.wide ? largest_wide : largest_narrow, 0, packed.weights));
+                                           packed.wide ? largest_wide : (1 << (bits - 1)) - 1, 0, packed.weights));
   return packed;
 }
 
@@ -70,11 +70,15 @@ struct Allowance {
   double rounding, drop, step;
 };
 
-// The coordinates as multiples of a power of two of at most 2^-20 D: what archives keep in a third of the bytes, and no
-// position is off by more than 2^-21 D for it. Those that a float could not hold so stay as they are.
-Mesh on_grid(const Mesh& mesh) {
+// The coordinates as multiples of a power of two of at most 2^-20 D, or a quarter of what the basis is rounded by: what
+// archives keep in a third of the bytes or less, and no position is off by more than half of it. Those that a float
+// could not hold so stay as they are.
+Mesh on_grid(const Mesh& mesh, double basis_step) {
   Mesh out = mesh;
-  const float step = std::ldexp(1.0f, std::ilogb(mesh.diagonal()) - 20);
+  const double diagonal = mesh.diagonal();
+  const int finest = std::ilogb(diagonal) - 20;
+  const float step =
+      std::ldexp(1.0f, basis_step > 0 ? std::max(finest, std::ilogb(basis_step / 4 * diagonal)) : finest);
   const bool fits = std::isnormal(step) && std::all_of(mesh.points.begin(), mesh.points.end(),
                                                        [&](float x) { return std::fabs(double(x)) < 0x1p23 * step; });
   if (fits)
@@ -112,7 +116,7 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
          model.basis.columns);
   PackedModel packed;
   packed.schema = model.schema;
-  packed.rest = on_grid(model.rest);
+  packed.rest = on_grid(model.rest, options.step);
   packed.features = model.network.features;
   packed.direct = model.network.direct;
   for (const Region& region : model.network.regions) packed.regions.push_back(pack_region(region, options));
@@ -132,7 +136,7 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
   std::vector<std::vector<float>> exact;
   for (const RowGroup& group : model.basis.groups)
     packed.groups.push_back(pack_group(group, allowances, exact.emplace_back()));
-  if (options.step > 0) economise(packed, exact, worth_of_a_step);
+  if (options.step > 0) economise(packed, exact, options.step_worth);
   check(packed);
   return packed;
 }

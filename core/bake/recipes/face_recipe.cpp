@@ -111,14 +111,20 @@ Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
                  Progress& progress) {
   LearntFace face = learn_face(recipe, poses, rig, options, progress);
   const double finest = face.adds_up ? std::min(recipe.finest, 5e-6) : recipe.finest;
-  const Precision precision{std::max(recipe.precision * face.rms, finest)};
+  const Precision precision{std::max(recipe.precision * face.rms, finest), recipe.weight_bits};
   LocalizeOptions localize;
   localize.threshold = precision.scale;
-  // Without networks there is nothing to merge a rotation into, and shapes are kept best in short columns with a scale
-  // each.
-  if (face.model.network.regions.empty()) localize.chunk_vertices = 21;
+  PackOptions packing = precision.pack();
+  // Without networks, whose columns are chosen by how much they move, shapes take fewest bytes for an error where more
+  // of them is kept and rounded in larger steps, but nearer to them.
+  if (face.model.network.regions.empty()) {
+    localize.chunk_vertices = 100;
+    packing.drop *= 0.5;
+    packing.step *= 1.31;
+    packing.step_worth = 13;
+  }
   Learnt learnt =
-      finish_face(face.model, face.moments, localize, precision.pack(), poses, options, progress, recipe.touched_bytes);
+      finish_face(face.model, face.moments, localize, packing, poses, options, progress, recipe.touched_bytes);
   learnt.diary = std::move(face.diary);
   return learnt;
 }

@@ -22,6 +22,7 @@ struct FaceRecipe {
   std::size_t parameters = 0, parameters_per_pose = 2000;
   std::uint32_t hidden_layers = 3;
   std::uint32_t widest = 512;
+  int weight_bits = 7;    // of a number, as archived; training that reckons with as many instead of 8 leaves no less
   double operations = 0;  // floating-point operations that training may take, about
   // What localizing, rounding and dropping may lose: a share of the networks' own error (root mean square over poses
   // kept back), but never less than `finest` of the diagonal; where single controls add up, no more than 5e-6 of it.

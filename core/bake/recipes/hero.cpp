@@ -22,6 +22,7 @@ FaceRecipe compact_recipe() {
   recipe.term_bytes = 150'000;
   recipe.parameters = 500'000;
   recipe.operations = 1.5e13;
+  recipe.weight_bits = 6;
   recipe.precision = 0.05;
   recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.25e6;
