@@ -20,7 +20,8 @@ Mesh read_obj(const std::filesystem::path& path);
 Mesh read_glb(const std::filesystem::path& path);
 
 // The files of a dataset's arrays: points [V,3], faces [F,n] whose unused corners are -1; and texture coordinates [U,2]
-// with those of each corner, shaped like faces, or no names for no texture coordinates.
+// with those of each corner, shaped like faces, or no names for no texture coordinates. In dataset.json they are the
+// fields of "rest": { "points", "faces", "uvs", "uv_faces" }.
 struct MeshArrays {
   std::string points, faces, uvs, uv_faces;
 };
