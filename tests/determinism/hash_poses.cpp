@@ -1,6 +1,7 @@
-// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals and coefficients, which must be the same on every
-// machine, with every compiler and at every level of optimisation. Fails if this machine's instruction sets, batches,
-// orders, strides, threads or modes of rounding disagree among themselves, or with HASH.
+// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals, coefficients and, of a face with texture
+// coordinates, tangents, which must be the same on every machine, with every compiler and at every level of
+// optimisation. Fails if this machine's instruction sets, batches, orders, strides, threads or modes of rounding
+// disagree among themselves, or with HASH.
 #include <cfenv>
 #include <cstdio>
 #include <cstdlib>
@@ -27,7 +28,8 @@ struct Hash {  // FNV-1a
 std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& controls) {
   std::vector<Workspace> one;
   one.emplace_back(face);
-  std::vector<float> positions(3 * face.vertex_count()), normals = positions, weights(face.coefficient_count());
+  std::vector<float> positions(3 * face.vertex_count()), normals = positions, weights(face.coefficient_count()),
+                                                         tangents(face.tangent_signs().empty() ? 0 : positions.size());
   Hash hash;
   for (std::size_t at = 0; at < controls.size(); at += face.control_count()) {
     Batch batch;
@@ -35,10 +37,12 @@ std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& cont
     batch.controls = {controls.data() + at, face.control_count()};
     batch.positions = {positions.data(), positions.size()};
     batch.normals = {normals.data(), normals.size()};
+    if (!tangents.empty()) batch.tangents = {tangents.data(), tangents.size()};
     face.evaluate_batch(batch, one, {1});
     face.coefficients(controls.data() + at, weights.data(), one[0]);
     hash.add(positions);
     hash.add(normals);
+    hash.add(tangents);
     hash.add(weights);
   }
   return hash.value;
@@ -49,25 +53,30 @@ std::uint64_t in_a_batch(const Evaluator& face, const std::vector<float>& contro
   const std::size_t poses = controls.size() / face.control_count(), stride = 3 + std::size_t(threads % 3);
   std::vector<Workspace> some;
   for (int t = 0; t < threads; ++t) some.emplace_back(face);
-  std::vector<float> positions(poses * stride * face.vertex_count()), normals = positions;
+  std::vector<float> positions(poses * stride * face.vertex_count()),
+      normals = positions, tangents(face.tangent_signs().empty() ? 0 : positions.size());
   Batch batch;
   batch.poses = poses;
   batch.controls = controls;
   batch.positions = {positions.data(), positions.size(), 0, stride};
   batch.normals = {normals.data(), normals.size(), 0, stride};
+  if (!tangents.empty()) batch.tangents = {tangents.data(), tangents.size(), 0, stride};
   face.evaluate_batch(batch, some, {threads});
-  std::vector<float> weights(face.coefficient_count()), position, normal;
+  std::vector<float> weights(face.coefficient_count()), position, normal, tangent;
   Hash hash;
   for (std::size_t pose = 0; pose < poses; ++pose) {
-    position.clear(), normal.clear();
+    position.clear(), normal.clear(), tangent.clear();
     for (std::size_t v = 0; v < face.vertex_count(); ++v)
       for (std::size_t a = 0; a < 3; ++a) {
-        position.push_back(positions[(pose * face.vertex_count() + v) * stride + a]);
-        normal.push_back(normals[(pose * face.vertex_count() + v) * stride + a]);
+        const std::size_t at = (pose * face.vertex_count() + v) * stride + a;
+        position.push_back(positions[at]);
+        normal.push_back(normals[at]);
+        if (!tangents.empty()) tangent.push_back(tangents[at]);
       }
     face.coefficients(controls.data() + pose * face.control_count(), weights.data(), some[0]);
     hash.add(position);
     hash.add(normal);
+    hash.add(tangent);
     hash.add(weights);
   }
   return hash.value;

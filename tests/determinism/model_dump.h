@@ -25,7 +25,7 @@ class Dump {
 
   void all(PackedModel& m, std::vector<float>& controls) {
     list(m.schema.controls, [this](Control& c) { each(c.name, c.minimum, c.maximum, c.rest, c.group); });
-    each(m.rest.points, m.rest.polygon_sizes, m.rest.polygon_corners);
+    each(m.rest.points, m.rest.polygon_sizes, m.rest.polygon_corners, m.rest.uvs, m.rest.uv_corners);
     list(m.features, [this](Feature& f) { each(f.kind, f.control, f.scale, f.threshold, f.fall, f.first, f.second); });
     item(m.direct);
     list(m.regions, [this](PackedRegion& r) {

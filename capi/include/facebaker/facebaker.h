@@ -258,8 +258,7 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;      /* size of that buffer, in floats */
   uint64_t control_stride;      /* in floats; 0: fb_control_count */
   void* positions;              /* vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                                   null if normals or tangents are
-                                   wanted */
+                                   null if normals or tangents are wanted */
   uint64_t position_floats;     /* size of that buffer, in numbers */
   uint64_t pose_stride;         /* in numbers; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;       /* in numbers, >= 3; 0: 3. What lies between vertices is not touched. */
@@ -280,7 +279,7 @@ typedef struct fb_batch_desc {
   uint64_t region_count;   /* of that list; with a list, 0 is none */
   void* tangents; /* unit tangents of the posed mesh, 3 numbers a vertex like positions: the direction in which u
                      grows, perpendicular to the normal; see fb_tangent_signs. Null where there is none. Refused
-                     for a model without texture coordinates. Null: not wanted. */
+                     for a model without texture coordinates. The same bits on every machine. Null: not wanted. */
   uint64_t tangent_numbers;     /* size of that buffer, in numbers */
   uint64_t tangent_pose_stride; /* as for positions */
   uint64_t tangent_vertex_stride;
