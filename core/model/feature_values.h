@@ -34,20 +34,11 @@ inline FourFloats either(bool first, FourFloats a, FourFloats b) {
   return either(FourMasks{mask, mask, mask, mask}, a, b);
 }
 
-// FORMAT.md, "Features", of one pose or of four. max(a, 0) is 0 where a is not a number.
-template <class Number>
-Number control_feature(const Feature& feature, Number control, float rest) {
-  const Number u = zero_unless(control != rest, (control - rest) * feature.scale);
-  if (feature.kind == Feature::Kind::identity) return u;
-  Number value = u - feature.threshold;
-  if (feature.kind == Feature::Kind::hat) {
-    const Number falling = 1.0f + (1.0f - value) * feature.fall;
-    value = either(value < falling, value, falling);
-  }
-  return zero_unless(value > 0.0f, value);
+inline float control_feature(const Feature& feature, float control, float rest) {
+  return control_feature(feature.kind, feature.scale, feature.threshold, feature.fall, control - rest);
 }
 
-// A product or minimum of features of these values.
+// A product or minimum of features of these values, of one pose or of four.
 template <class Number>
 Number combined_feature(Feature::Kind kind, Number first, Number second) {
   const Number product = zero_unless((first != 0.0f) & (second != 0.0f), first * second);

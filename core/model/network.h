@@ -7,20 +7,14 @@
 #include <vector>
 
 #include "model/activation.h"
+#include "model/control_feature.h"
 
 namespace fb {
 
 // A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names (see
-// feature_values.h):
+// control_feature.h):
 struct Feature {
-  enum class Kind : std::uint32_t {
-    identity = 0,  // u
-    ramp = 1,      // max(u - threshold, 0); a negative scale makes the ramp of the other side
-    hat = 2,       // max(min(t, 1 + (1 - t) * fall), 0), t = u - threshold: 0 up to one knot of a curve, 1 at the next,
-                   // and 0 again from the one after; with fall 0 it stays 1: the last knot of a range
-    product = 3,   // of the features `first` and `second`
-    minimum = 4,   // of the features `first` and `second`
-  };
+  using Kind = FeatureKind;
   Kind kind = Kind::identity;
   std::uint32_t control = 0;  // identity, ramp, hat
   float scale = 1;

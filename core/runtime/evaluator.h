@@ -37,31 +37,20 @@ class Workspace {
 
  private:
   friend class Evaluator;
-  // Numbers of one pose, or of each pose of a block side by side, and the places they belong to, for each of several
-  // lists.
-  struct Lists {
-    Lists(std::size_t total, std::size_t lists, std::pmr::memory_resource& memory)
-        : values(total * block_poses, &memory), places(total, &memory), counts(lists, &memory) {}
-    PoseNumbers list(std::size_t first, std::size_t count, std::size_t poses) {
-      return {values.data() + first * poses, count, places.data() + first};
-    }
-    std::pmr::vector<float> values;
-    std::pmr::vector<std::uint32_t> places, counts;
-  };
-  struct Watch {  // what a gate looks at, in each pose
-    float sum[block_poses], most[block_poses];
-    bool moved[block_poses];  // whether any input of the region is not 0
-  };
   FeatureState features_;
-  Lists inputs_, summands_;  // of regions, of chunks
-  std::pmr::vector<Watch> watches_;
-  std::pmr::vector<std::uint8_t> open_;   // by region: whether it gives anything but 0 in any pose
-  std::pmr::vector<float> coefficients_;  // those of poses side by side
+  // The evaluator's lists: numbers of one pose, or of each pose of a block side by side, the places they belong to, and
+  // where each list ends.
+  std::pmr::vector<float> values_;
+  std::pmr::vector<std::uint32_t> places_, ends_;
+  std::pmr::vector<std::int16_t> wholes_;  // of chunks' summands
+  std::pmr::vector<Quantized> summands_;   // of chunks
+  std::pmr::vector<std::uint8_t> open_;    // by region: whether it gives anything but 0 in any pose
+  std::pmr::vector<float> coefficients_;   // those of poses side by side
   // Pose after pose. Rows are those at rest but for chunks that moved_ says are not.
   std::pmr::vector<float> layers_, rows_;
   std::pmr::vector<std::uint8_t> moved_;
   std::pmr::vector<std::uint16_t> halves_;
-  Quantized quantized_;
+  LayerInputs layer_inputs_;
   VertexNormals::State normals_;
   VertexTangents::State tangents_;
   std::uint64_t clamped_ = 0, poses_ = 0;
@@ -136,31 +125,33 @@ class Evaluator {
 
  private:
   friend class Workspace;
-  // Of features.
-  struct InputUse {
-    std::uint32_t region, place;
-  };
-  struct SummandUse {
-    std::uint32_t chunk, place;
+  // What active features are used for is written to lists: the inputs of each region, then what each region's gate
+  // looks at, then the summands of each chunk. Of a list, the numbers in a pose begin at first_in_list_.
+  struct Use {
+    std::uint32_t list, place;
     float scale;
   };
-  // Where those of a feature begin in inputs_, gates_ and summands_.
-  struct Uses {
-    std::uint32_t inputs, gates, summands;
-  };
+  std::size_t gate_list(std::size_t region) const { return nets_.size() + region; }
+  std::size_t chunk_list(std::size_t chunk) const { return 2 * nets_.size() + chunk; }
   // A region's summands in a chunk.
   struct ChunkRegion {
     std::uint32_t region, begin, end;
   };
 
+  void lay_out_lists(const PackedModel& model);
   void lay_out_uses(const PackedModel& model);
+  // A list in a workspace.
+  PoseNumbers numbers(std::size_t list, std::size_t poses, Workspace& workspace) const {
+    const std::uint32_t first = first_in_list_[list];
+    return {workspace.values_.data() + first * poses, workspace.ends_[list] - first, workspace.places_.data() + first};
+  }
   // The arithmetic, under a FloatState the caller holds, of one pose or of block_poses of them at once.
   template <std::size_t poses>
-  void gather_inputs(Workspace& workspace) const;
+  void gather_lists(Workspace& workspace) const;
   template <std::size_t poses>
   void run_regions(RegionMask regions, Workspace& workspace) const;
   template <std::size_t poses>
-  void gather_summands(Workspace& workspace) const;
+  void round_summands(Workspace& workspace) const;
   template <std::size_t poses>
   void run_chunks(float* const* rows, Workspace& workspace) const;
   template <std::size_t poses>
@@ -185,12 +176,10 @@ class Evaluator {
   std::pmr::vector<float> slopes_;  // of the regions' gates; 0: no gate
   std::pmr::vector<RowChunk> chunks_;
   std::pmr::vector<std::uint32_t> direct_;
-  std::pmr::vector<std::uint32_t> first_coefficient_, first_input_, first_summand_;  // of regions and of chunks
-  // What features are used for, feature after feature.
-  std::pmr::vector<InputUse> inputs_;
-  std::pmr::vector<std::uint32_t> gates_;  // the regions that watch a feature
-  std::pmr::vector<SummandUse> summands_;
-  std::pmr::vector<Uses> uses_;  // one more than features
+  std::pmr::vector<std::uint32_t> first_coefficient_;  // of regions
+  std::pmr::vector<std::uint32_t> first_in_list_;      // one more than lists
+  std::pmr::vector<Use> uses_;                         // feature after feature
+  std::pmr::vector<std::uint32_t> uses_begin_;         // one more than features
   // What chunks use of regions, chunk after chunk.
   std::pmr::vector<ChunkRegion> chunk_regions_;
   std::pmr::vector<std::uint32_t> chunk_regions_begin_;
@@ -198,7 +187,7 @@ class Evaluator {
   std::pmr::vector<std::uint32_t> order_, place_of_;  // empty: rows are in the order of vertices
   VertexNormals normals_;
   VertexTangents tangents_;
-  std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0, longest_list_ = 0;
+  std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0;
 };
 
 }  // namespace fb

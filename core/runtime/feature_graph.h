@@ -1,4 +1,4 @@
-// From controls to the features that are not 0: what rests costs nothing.
+// From controls to the features that are not 0: what rests costs next to nothing.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace fb {
 
 class FeatureGraph;
 
-// The features of one pose, or of the poses of a block. Values of those not listed are 0.
+// The features of one pose, or of the poses of a block, by the graph's own numbers. Those not listed are 0.
 class FeatureState {
  public:
   FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory);
@@ -28,46 +28,45 @@ class FeatureState {
  private:
   friend class FeatureGraph;
   std::pmr::vector<float> values_;
-  std::pmr::vector<std::uint32_t> active_, moved_controls_;
-  std::pmr::vector<std::uint8_t> is_active_;    // by feature
+  std::pmr::vector<std::uint32_t> active_;
   std::pmr::vector<std::uint32_t> candidates_;  // combined features that may be other than 0
-  std::pmr::vector<float> controls_;            // within their ranges, pose after pose
-  std::pmr::vector<std::uint32_t> is_moved_;    // by control, in any pose
-  std::size_t count_ = 0, moved_count_ = 0, poses_ = 1;
+  std::pmr::vector<float> moves_;               // of controls, within their ranges, those of poses side by side
+  std::size_t count_ = 0, of_controls_ = 0;     // of those listed
+  std::size_t moved_count_ = 0, poses_ = 1;
 };
 
-// The features of a model, arranged so that controls at rest, and what is made of them, are not looked at.
+// The features of a model, arranged so that those of controls are computed side by side, and what is made of features
+// that are 0 is not looked at.
 class FeatureGraph {
  public:
   FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory);
 
   std::size_t control_count() const { return rest_.size(); }
-  std::size_t feature_count() const { return feature_count_; }
+  std::size_t feature_count() const { return numbers_.size(); }
+  // The number that one of the model's features has here: those of controls come first, control after control.
+  std::uint32_t number(std::size_t feature) const { return numbers_[feature]; }
 
   // FORMAT.md, "Clamp" and "Features": leaves in `state` the features that are not 0, those of controls first and in
   // the order of controls. Pose p's controls are at controls + p * stride; `poses` is 1 or block_poses. Returns how
   // many controls were beyond their range.
-  std::uint64_t run(const float* controls, std::size_t stride, std::size_t poses, FeatureState& state) const;
+  std::uint64_t run(const PoseKernels& kernels, const float* controls, std::size_t stride, std::size_t poses,
+                    FeatureState& state) const;
 
  private:
-  // One pose's controls within their ranges; sets is_moved to 1 where they are not at rest. Returns how many were
-  // beyond.
-  std::uint64_t clamp(const float* controls, float* within, std::uint32_t* is_moved) const;
   template <std::size_t poses>
-  std::uint64_t run_poses(const float* controls, std::size_t stride, FeatureState& state) const;
-  struct ControlFeature {
-    Feature feature;
-    std::uint32_t index;
-  };
+  std::uint64_t run_poses(const PoseKernels& kernels, const float* controls, std::size_t stride,
+                          FeatureState& state) const;
   struct Combined {
     std::uint32_t index, first, second;
     Feature::Kind kind;
   };
 
-  std::size_t feature_count_;
+  std::pmr::vector<std::uint32_t> numbers_;
   std::pmr::vector<float> minimum_, maximum_, rest_;  // of controls
-  std::pmr::vector<ControlFeature> of_controls_;      // control after control
-  std::pmr::vector<std::uint32_t> control_begin_;     // in of_controls_; one more than controls
+  // Of controls' features.
+  std::pmr::vector<std::uint32_t> controls_;
+  std::pmr::vector<Feature::Kind> kinds_;
+  std::pmr::vector<float> scales_, thresholds_, falls_;
   // A combined feature can only be other than 0 if the one it is listed under is: of its two the one that is itself
   // combined more deeply.
   std::pmr::vector<Combined> combined_;             // feature after feature

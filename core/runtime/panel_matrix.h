@@ -1,4 +1,4 @@
-// The one matrix form of the runtime: dense layers and the basis are both multiplied with a vector through it.
+// The matrices of the runtime: dense layers and the basis are multiplied with vectors through them.
 #pragma once
 
 #include <algorithm>
@@ -14,49 +14,66 @@
 
 namespace fb {
 
-// A matrix of digits, -128 to 127, in panels of at most panel_rows rows. A panel's digits lie column after column, rows
-// side by side, so that a loop over rows is a loop over lanes and a column whose input is 0 is never read.
+// A matrix of digits, -128 to 127, cut into panels of rows. In a panel rows lie side by side, so that a loop over rows
+// is a loop over lanes.
 class PanelMatrix {
  public:
+  enum class Form {
+    columns,  // column after column: those whose input is 0 are not read
+    quads,    // quad_columns columns interleaved: every column is multiplied with an input
+  };
+
   // A whole number is 256 * high + low; one of 8 bits is its own low digit.
   enum class Digit { low, high };
 
-  // Digits are -128 until they are set, all of them by whole columns or by whole rows; then find_limit() is called.
-  PanelMatrix(std::uint32_t rows, std::size_t columns, std::pmr::memory_resource& memory)
-      : rows_(rows), columns_(columns), lines_(&memory) {
-    std::size_t stored = 0;
-    for (std::uint32_t first = 0; first < rows; first += panel_rows) stored += stored_rows(first);
-    lines_.resize((checked_multiply(stored, columns, "a matrix") + sizeof(Line) - 1) / sizeof(Line));
+  // Digits are 0 until they are set, all of them by whole columns or by whole rows; then find_limit() is called.
+  PanelMatrix(Form form, std::uint32_t rows, std::size_t columns, std::pmr::memory_resource& memory)
+      : form_(form), rows_(rows), columns_(columns), lines_((columns + width() - 1) / width()), blocks_(&memory) {
+    const std::uint32_t last = rows > 0 ? (rows - 1) / panel_rows() * panel_rows() : 0;
+    const std::size_t stored = last + stored_rows(last);
+    const std::size_t bytes = checked_multiply(checked_multiply(stored, lines_, "a matrix"), width(), "a matrix");
+    Block zeros;
+    std::fill(std::begin(zeros.digit), std::end(zeros.digit), std::uint8_t(128));
+    blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
   }
 
   // To the digits of these numbers, one a row.
   void set_column(std::size_t column, const std::int16_t* numbers, Digit digit) {
-    for (std::uint32_t first = 0; first < rows_; first += panel_rows, numbers += panel_rows) {
-      std::uint8_t* const to = const_cast<std::uint8_t*>(digits(first, column));
-      set(to, 1, numbers, rows_at(first), digit);
+    for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
+      const std::size_t step = width();
+      std::uint8_t* const to = at(first, column);
+      for (std::size_t r = 0; r < panel_rows_at(first); ++r) to[r * step] = stored(numbers[first + r], digit);
     }
   }
   // One a column.
   void set_row(std::uint32_t row, const std::int16_t* numbers, Digit digit) {
-    const std::uint32_t first = row / panel_rows * panel_rows;
-    set(const_cast<std::uint8_t*>(digits(first, 0)) + (row - first), stored_rows(first), numbers, columns_, digit);
+    const std::size_t step = stored_rows(row / panel_rows() * panel_rows()) * width();
+    for (std::size_t within = 0; within < std::min(width(), columns_); ++within) {
+      std::uint8_t* to = at(row, within);
+      for (std::size_t c = within; c < columns_; c += width(), to += step) *to = stored(numbers[c], digit);
+    }
   }
 
   void find_limit() {
     std::uint32_t heaviest = 0;
-    for (std::uint32_t first = 0; first < rows_; first += panel_rows) {
-      std::uint32_t weights[panel_rows] = {};  // at most most_summands times 128
-      const std::size_t stored = stored_rows(first);
+    for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
+      constexpr std::size_t longest = std::max(column_rows, quad_rows * quad_columns);  // line
+      std::uint32_t weights[longest] = {};  // at most most_summands times 128
+      const std::size_t length = stored_rows(first) * width();
       constexpr std::size_t few = 256;  // whose sum fits 16 bits
-      for (std::size_t begin = 0; begin < columns_; begin += few) {
-        std::uint16_t some[panel_rows] = {};
-        for (std::size_t c = begin; c < std::min(columns_, begin + few); ++c) {
-          const std::uint8_t* const column = digits(first, c);
-          for (std::size_t r = 0; r < stored; ++r) some[r] += static_cast<std::uint16_t>(std::abs(column[r] - 128));
+      for (std::size_t begin = 0; begin < lines_; begin += few) {
+        std::uint16_t some[longest] = {};
+        for (std::size_t l = begin; l < std::min(lines_, begin + few); ++l) {
+          const std::uint8_t* const line = panel(first) + l * length;
+          for (std::size_t i = 0; i < length; ++i) some[i] += static_cast<std::uint16_t>(std::abs(line[i] - 128));
         }
-        for (std::size_t r = 0; r < stored; ++r) weights[r] += some[r];
+        for (std::size_t i = 0; i < length; ++i) weights[i] += some[i];
       }
-      heaviest = std::max(heaviest, *std::max_element(weights, weights + rows_at(first)));
+      for (std::size_t r = 0; r < panel_rows_at(first); ++r) {
+        std::uint32_t weight = 0;
+        for (std::size_t i = 0; i < width(); ++i) weight += weights[r * width() + i];
+        heaviest = std::max(heaviest, weight);
+      }
     }
     if (heaviest > 0) limit_ = static_cast<std::int32_t>(std::min<std::uint32_t>(limit_, INT32_MAX / heaviest));
   }
@@ -68,45 +85,58 @@ class PanelMatrix {
   // is at most most_summands.
   std::int32_t limit() const { return limit_; }
 
-  // How many rows the panel has that begins at row `first`, a multiple of panel_rows.
-  std::uint32_t rows_at(std::uint32_t first) const { return std::min(std::uint32_t(panel_rows), rows_ - first); }
+  // Sums are taken of so many rows at a time,
+  std::uint32_t step() const { return form_ == Form::quads ? quad_rows : most_rows; }
+  // or of fewer, if these are all from row `first` on, a multiple of step().
+  std::uint32_t rows_at(std::uint32_t first) const { return std::min(step(), rows_ - first); }
 
-  // Where that panel's digits begin; null beyond the last.
-  const std::uint8_t* panel(std::uint32_t first) const { return first < rows_ ? digits(first, 0) : nullptr; }
-
-  // The sums of that panel: panel_rows numbers a pose.
-  void sum(const PoseKernels& kernels, std::uint32_t first, const ActiveColumns& active, std::int32_t* sums) const {
-    kernels.panel_sums(digits(first, 0), stored_rows(first), active, sums);
+  // The sums of rows_at(first) rows: most_rows numbers a pose, of which those beyond are anything.
+  void sum(const PoseKernels& kernels, std::uint32_t first, const PanelInputs& inputs, std::int32_t* sums) const {
+    const std::size_t rows = whole_vectors(rows_at(first));
+    if (form_ == Form::quads)
+      kernels.quad_sums(panel(first), rows, inputs, sums);
+    else
+      kernels.column_sums(panel(first), column_rows * lines_, rows, inputs, sums);
   }
 
-  void fetch(std::uint32_t first, std::size_t column) const { __builtin_prefetch(digits(first, column)); }
+  // Asks for the digits of a column, in that form, in the panel that begins at row 0.
+  void fetch(std::size_t column) const { __builtin_prefetch(panel(0) + column_rows * column); }
 
   int digit(std::uint32_t row, std::size_t column) const {
-    const auto first = static_cast<std::uint32_t>(row / panel_rows * panel_rows);
-    return digits(first, column)[row - first] - 128;
+    return *const_cast<PanelMatrix*>(this)->at(row, column) - 128;
   }
 
  private:
-  struct alignas(64) Line {
+  struct alignas(64) Block {
     std::uint8_t digit[64];
   };
-  // Every `step` bytes.
-  static void set(std::uint8_t* to, std::size_t step, const std::int16_t* numbers, std::size_t count, Digit digit) {
-    if (digit == Digit::low)
-      for (std::size_t i = 0; i < count; ++i) to[i * step] = static_cast<std::uint8_t>(numbers[i] + 128);
-    else
-      for (std::size_t i = 0; i < count; ++i) to[i * step] = static_cast<std::uint8_t>(((numbers[i] + 128) >> 8) + 128);
+  static std::uint8_t stored(std::int16_t number, Digit digit) {
+    return static_cast<std::uint8_t>((digit == Digit::low ? number : (number + 128) >> 8) + 128);
   }
-  std::size_t stored_rows(std::uint32_t first) const { return (rows_at(first) + 15) / 16 * 16; }
-  // Of a panel's column. All panels before this one are full.
-  const std::uint8_t* digits(std::uint32_t first, std::size_t column) const {
-    return reinterpret_cast<const std::uint8_t*>(lines_.data()) + first * columns_ + stored_rows(first) * column;
+  static std::uint32_t whole_vectors(std::uint32_t rows) { return (rows + 15) / 16 * 16; }
+  // Of a line, which is a column or a quad.
+  std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }
+  std::uint32_t panel_rows() const { return form_ == Form::quads ? quad_rows : column_rows; }
+  std::uint32_t panel_rows_at(std::uint32_t first) const { return std::min(panel_rows(), rows_ - first); }
+  std::size_t stored_rows(std::uint32_t first) const {
+    return form_ == Form::quads ? whole_vectors(panel_rows_at(first)) : column_rows;
+  }
+  // All panels before this one are full.
+  const std::uint8_t* panel(std::uint32_t first) const {
+    return reinterpret_cast<const std::uint8_t*>(blocks_.data()) + first * lines_ * width();
+  }
+  std::uint8_t* at(std::uint32_t row, std::size_t column) {
+    const std::uint32_t first = row / panel_rows() * panel_rows();
+    const std::size_t place = column / width() * stored_rows(first) + (row - first);
+    return const_cast<std::uint8_t*>(panel(first)) + place * width() +
+           (form_ == Form::quads ? place_in_quad(column) : 0);
   }
 
+  Form form_;
   std::uint32_t rows_;
-  std::size_t columns_;
+  std::size_t columns_, lines_;
   std::int32_t limit_ = largest_wide;
-  std::pmr::vector<Line> lines_;
+  std::pmr::vector<Block> blocks_;
 };
 
 }  // namespace fb

@@ -24,38 +24,39 @@ struct PoseRows {
   std::size_t stride, count;
 };
 
-// Up to `longest` numbers of each of up to `poses` poses, ready to be multiplied with the columns of a matrix.
-class Quantized {
+// Numbers of 1 or block_poses poses, ready to be multiplied with the columns of a matrix; those of columns not named
+// are 0. Refers to where they were put.
+struct Quantized {
+  const std::uint32_t* places = nullptr;
+  const std::int16_t* inputs = nullptr;
+  std::size_t count = 0, poses = 1;
+  // Of each pose: an input times the step is about the number it stands for; 0 if all numbers are.
+  float steps[block_poses] = {};
+  std::uint32_t starts[block_poses] = {};
+
+  PanelInputs panel_inputs() const { return {places, inputs, count, poses, starts}; }
+};
+
+// FORMAT.md, "Quantise". x's room is filled up, and `wholes` has as much. `limit` is the largest input. Returns whether
+// any input is not 0.
+bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses, std::int16_t* wholes,
+              Quantized& quantized);
+
+// Does the same with what layers give, of which none is left out.
+class LayerInputs {
  public:
-  Quantized(std::size_t longest, std::size_t poses, std::pmr::memory_resource& memory);
+  // Of up to `longest` numbers of each of up to `poses` poses.
+  LayerInputs(std::size_t longest, std::size_t poses, std::pmr::memory_resource& memory);
 
-  // FORMAT.md, "Whole numbers", of x, whose room is filled up; columns not named are 0. `limit` is the largest input.
-  // `poses`: 1 or block_poses. Returns whether any input is not 0. x's places are referred to until the next time.
-  bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses);
-  // The same of rows, whose number i belongs to column i.
-  bool quantize(const PoseKernels& kernels, const PoseRows& x, float limit, std::size_t poses);
+  // Where a list may be quantised to.
+  std::int16_t* wholes() { return wholes_.data(); }
 
-  // An input times step() is about the number it stands for; 0 if all numbers of the pose are.
-  float step(std::size_t pose) const { return steps_[pose]; }
-  // `ahead`: see ActiveColumns.
-  ActiveColumns columns(const std::uint8_t* ahead = nullptr) const {
-    return {places_, inputs_, count_, poses_, starts_, ahead};
-  }
+  // What is returned has no places and is good until the next time.
+  const Quantized& quantize(const PoseKernels& kernels, const PoseRows& x, float limit, std::size_t poses);
 
  private:
-  // Places are null where number i belongs to column i.
-  bool quantize_one(const PoseKernels& kernels, const PoseNumbers& x, float limit);
-  bool use_block(const Rounded (&rounded)[block_poses], std::uint32_t* places, std::size_t count);
-  void fill_up(std::uint32_t* places, std::size_t count);
-  void list_what_counts(const std::uint32_t* places, std::size_t count);
-
-  std::pmr::vector<std::int16_t> wholes_, kept_inputs_;
-  std::pmr::vector<std::uint32_t> in_order_, kept_places_;  // in_order_: 0, 1, 2, ...
-  const std::uint32_t* places_ = nullptr;
-  const std::int16_t* inputs_ = nullptr;
-  std::size_t count_ = 0, poses_ = 1;
-  std::uint32_t starts_[block_poses] = {};
-  float steps_[block_poses] = {};
+  Quantized quantized_;
+  std::pmr::vector<std::int16_t> row_, wholes_;
 };
 
 }  // namespace fb

@@ -9,8 +9,9 @@
 namespace fb {
 namespace {
 
-PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Digit digit, std::pmr::memory_resource& memory) {
-  PanelMatrix digits(layer.outputs, layer.inputs, memory);
+PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Form form, PanelMatrix::Digit digit,
+                      std::pmr::memory_resource& memory) {
+  PanelMatrix digits(form, layer.outputs, layer.inputs, memory);
   for (std::uint32_t o = 0; o < layer.outputs; ++o)
     digits.set_row(o, layer.weights.data() + std::size_t(o) * layer.inputs, digit);
   digits.find_limit();
@@ -19,31 +20,29 @@ PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Digit digit, std::p
 
 }  // namespace
 
-RegionNet::Layer::Layer(const PackedLayer& layer, std::pmr::memory_resource& memory)
+RegionNet::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory)
     : inputs(layer.inputs),
       outputs(layer.outputs),
       activation(layer.activation),
       skip(layer.skip),
-      low(digits_of(layer, PanelMatrix::Digit::low, memory)),
+      low(digits_of(layer, form, PanelMatrix::Digit::low, memory)),
       limit(static_cast<float>(low.limit())),
       scales(layer.scales.begin(), layer.scales.end(), &memory),
       bias(layer.bias.begin(), layer.bias.end(), &memory) {
   if (!layer.wide) return;
-  high.emplace(digits_of(layer, PanelMatrix::Digit::high, memory));
+  high.emplace(digits_of(layer, form, PanelMatrix::Digit::high, memory));
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 
 void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride,
-                           const float* input, float* output, const Layer* next) const {
-  for (std::uint32_t first = 0; first < outputs; first += panel_rows) {
-    const std::uint8_t* ahead = low.panel(first + panel_rows);
-    if (!ahead && next) ahead = next->low.panel(0);
-    std::int32_t low_sums[block_poses * panel_rows], high_sums[block_poses * panel_rows];
-    low.sum(kernels, first, x.columns(high ? high->panel(first) : ahead), low_sums);
-    if (high) high->sum(kernels, first, x.columns(ahead), high_sums);
+                           const float* input, float* output) const {
+  for (std::uint32_t first = 0; first < outputs; first += low.step()) {
+    std::int32_t low_sums[block_poses * most_rows], high_sums[block_poses * most_rows];
+    low.sum(kernels, first, x.panel_inputs(), low_sums);
+    if (high) high->sum(kernels, first, x.panel_inputs(), high_sums);
     for (std::size_t pose = 0; pose < poses; ++pose)
-      kernels.finish_layer(low_sums + panel_rows * pose, high ? high_sums + panel_rows * pose : nullptr,
-                           scales.data() + first, x.step(pose), bias.data() + first, activation,
+      kernels.finish_layer(low_sums + most_rows * pose, high ? high_sums + most_rows * pose : nullptr,
+                           scales.data() + first, x.steps[pose], bias.data() + first, activation,
                            output + pose * stride + first, low.rows_at(first));
   }
   if (!skip) return;
@@ -54,7 +53,8 @@ void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::
 RegionNet::RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory)
     : layers_(&memory), at_rest_(region.layers.back().outputs, &memory) {
   layers_.reserve(region.layers.size());
-  for (const PackedLayer& layer : region.layers) layers_.emplace_back(layer, memory);
+  for (const PackedLayer& layer : region.layers)
+    layers_.emplace_back(layer, layers_.empty() ? PanelMatrix::Form::columns : PanelMatrix::Form::quads, memory);
 }
 
 std::size_t RegionNet::widest() const {
@@ -64,10 +64,11 @@ std::size_t RegionNet::widest() const {
 }
 
 [[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses,
-                                      float* work, Quantized& quantized, float* outputs) const {
+                                      float* work, LayerInputs& layer_inputs, float* outputs) const {
   const std::size_t stride = work_size();
   float *before = work, *after = work + stride / 2;
-  quantized.quantize(kernels, input, layers_.front().limit, poses);
+  Quantized list;
+  quantize(kernels, input, layers_.front().limit, poses, layer_inputs.wholes(), list);
   if (layers_.front().skip)
     for (std::size_t pose = 0; pose < poses; ++pose) {
       std::fill_n(before + pose * stride, input_count(), 0.0f);
@@ -75,9 +76,10 @@ std::size_t RegionNet::widest() const {
         before[pose * stride + input.places[i]] = input.values[i * poses + pose];
     }
   for (const Layer& layer : layers_) {
-    if (&layer != &layers_.front())
-      quantized.quantize(kernels, PoseRows{before, stride, layer.inputs}, layer.limit, poses);
-    layer.run(kernels, quantized, poses, stride, before, after, &layer == &layers_.back() ? nullptr : &layer + 1);
+    const Quantized& x = &layer == &layers_.front()
+                             ? list
+                             : layer_inputs.quantize(kernels, {before, stride, layer.inputs}, layer.limit, poses);
+    layer.run(kernels, x, poses, stride, before, after);
     std::swap(before, after);
   }
   for (std::size_t pose = 0; pose < poses; ++pose)
@@ -87,9 +89,9 @@ std::size_t RegionNet::widest() const {
 
 void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
   std::vector<float> work(work_size()), outputs(output_count());
-  Quantized quantized(widest(), 1, *std::pmr::get_default_resource());
+  LayerInputs layer_inputs(widest(), 1, *std::pmr::get_default_resource());
   std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
-  run(kernels, {nullptr, 0, nullptr}, 1, work.data(), quantized, outputs.data());
+  run(kernels, {nullptr, 0, nullptr}, 1, work.data(), layer_inputs, outputs.data());
   std::copy(outputs.begin(), outputs.end(), at_rest_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);

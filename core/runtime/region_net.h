@@ -29,19 +29,18 @@ class RegionNet {
   // FORMAT.md, "Regions", without the gate: output_count() numbers for each pose, those of poses side by side. The
   // input of the first layer is a list of numbers and their places; all others are 0. `work` are poses * work_size()
   // floats.
-  void run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses, float* work, Quantized& quantized,
-           float* outputs) const;
+  void run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses, float* work,
+           LayerInputs& layer_inputs, float* outputs) const;
 
   // Finds what the layers give at rest, which run() subtracts. Fails with not_finite.
   void find_rest(const PoseKernels& kernels, const char* name);
 
  private:
   struct Layer {
-    Layer(const PackedLayer& layer, std::pmr::memory_resource& memory);
-    // Of quantised numbers; `input` are those numbers, for layers that skip. Poses lie `stride` apart. `next` is the
-    // layer that is run next, if any.
+    Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory);
+    // Of quantised numbers; `input` are those numbers, for layers that skip. Poses lie `stride` apart.
     void run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride, const float* input,
-             float* output, const Layer* next) const;
+             float* output) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;

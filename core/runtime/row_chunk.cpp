@@ -7,7 +7,8 @@ namespace {
 
 PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& memory) {
   const auto wide = std::count_if(group.columns.begin(), group.columns.end(), [](const auto& c) { return c.wide; });
-  PanelMatrix digits(group.row_count, group.columns.size() + static_cast<std::size_t>(wide), memory);
+  PanelMatrix digits(PanelMatrix::Form::columns, group.row_count, group.columns.size() + static_cast<std::size_t>(wide),
+                     memory);
   std::size_t high = group.columns.size();
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
     const std::int16_t* values = group.values.data() + c * group.row_count;
@@ -48,18 +49,15 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
   return {part(0, column_count_), part(column_count_, columns_.size())};
 }
 
-void RowChunk::run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
-                   const float* rest, float* const* rows, bool* moved) const {
-  if (!quantized.quantize(kernels, summands, static_cast<float>(digits_.limit()), poses)) return;
-  for (std::uint32_t first = 0; first < row_count(); first += panel_rows) {
-    std::int32_t sums[block_poses * panel_rows];
-    digits_.sum(kernels, first, quantized.columns(digits_.panel(first + panel_rows)), sums);
-    for (std::size_t pose = 0; pose < poses; ++pose)
-      if (quantized.step(pose) != 0)
-        kernels.move_rows(sums + panel_rows * pose, quantized.step(pose), rest + first, rows[pose] + first,
+void RowChunk::run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const {
+  for (std::uint32_t first = 0; first < row_count(); first += digits_.step()) {
+    std::int32_t sums[block_poses * most_rows];
+    digits_.sum(kernels, first, summands.panel_inputs(), sums);
+    for (std::size_t pose = 0; pose < summands.poses; ++pose)
+      if (summands.steps[pose] != 0)
+        kernels.move_rows(sums + most_rows * pose, summands.steps[pose], rest + first, rows[pose] + first,
                           digits_.rows_at(first));
   }
-  for (std::size_t pose = 0; pose < poses; ++pose) moved[pose] = quantized.step(pose) != 0;
 }
 
 void RowChunk::displacements(std::size_t place, float* moved) const {

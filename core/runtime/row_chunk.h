@@ -42,19 +42,14 @@ class RowChunk {
   // Asks the processor for the digits of these summands in the first panel: which are needed next no prefetcher can
   // guess.
   void fetch(const std::uint32_t* places, std::size_t count) const {
-    for (std::size_t i = 0; i < count; ++i) digits_.fetch(0, places[i]);
+    for (std::size_t i = 0; i < count; ++i) digits_.fetch(places[i]);
   }
 
-  // And for what weigh() needs from that summand on.
-  void fetch_scales(std::size_t summand) const {
-    __builtin_prefetch(columns_.data() + summand);
-    __builtin_prefetch(scales_.data() + summand);
-  }
+  // The largest number that summands may be rounded to.
+  float limit() const { return static_cast<float>(digits_.limit()); }
 
-  // rows[pose] = rest + what the pose's summands, those at their places, move; and moved[pose] = true where any of them
-  // counts. Rows are left alone where not.
-  void run(const PoseKernels& kernels, const PoseNumbers& summands, std::size_t poses, Quantized& quantized,
-           const float* rest, float* const* rows, bool* moved) const;
+  // rows[pose] = rest + what the pose's summands, those at their places, move. Rows are left alone where all are 0.
+  void run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const;
 
   // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.
   void displacements(std::size_t place, float* moved) const;

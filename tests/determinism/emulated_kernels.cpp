@@ -11,24 +11,36 @@ namespace {
 
 using namespace fb;
 
-bool agree(const PoseKernels& kernels, Random& random, std::size_t poses, std::size_t rows, std::size_t columns,
-           std::size_t count, bool extreme) {
-  const auto digits = std::make_unique<std::uint8_t[]>(rows * columns);
-  for (std::size_t i = 0; i < rows * columns; ++i)
+bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t poses, std::size_t rows,
+           std::size_t columns, std::size_t count, bool extreme) {
+  const std::size_t panels = (rows + column_rows - 1) / column_rows;
+  const std::size_t bytes = quads ? rows * columns : panels * column_rows * columns;
+  const auto digits = std::make_unique<std::uint8_t[]>(bytes);
+  for (std::size_t i = 0; i < bytes; ++i)
     digits[i] = static_cast<std::uint8_t>(extreme ? 255 * random.below(2) : random.below(256));
+  if (quads) count = columns;
   std::vector<std::uint32_t> places, starts(poses);
   for (std::size_t i = 0; i < count; ++i) places.push_back(random.below(static_cast<std::uint32_t>(columns)));
-  std::vector<std::int16_t> inputs;
+  std::vector<std::int16_t> numbers;
   for (std::size_t i = 0; i < count * poses; ++i) {
     const int any = int(random.below(65025)) - 32512;
-    inputs.push_back(static_cast<std::int16_t>(extreme ? (any < 0 ? -32512 : 32512) : any));
-    starts[i / 4 % poses] -= 128 * static_cast<std::uint32_t>(inputs.back());
+    numbers.push_back(static_cast<std::int16_t>(extreme ? (any < 0 ? -32512 : 32512) : any));
+    starts[i / 4 % poses] -= 128 * static_cast<std::uint32_t>(numbers.back());
   }
-  const ActiveColumns active = {places.data(), inputs.data(), count, poses, starts.data()};
-  std::int32_t expected[block_poses * panel_rows] = {}, found[block_poses * panel_rows] = {};
-  scalar_kernels.panel_sums(digits.get(), rows, active, expected);
-  kernels.panel_sums(digits.get(), rows, active, found);
-  return std::memcmp(expected, found, sizeof expected) == 0;
+  const PanelInputs inputs = {places.data(), numbers.data(), count, poses, starts.data()};
+  std::int32_t expected[block_poses * most_rows] = {}, found[block_poses * most_rows] = {};
+  const auto sum = [&](const PoseKernels& with, std::int32_t* sums) {
+    if (quads)
+      with.quad_sums(digits.get(), rows, inputs, sums);
+    else
+      with.column_sums(digits.get(), column_rows * columns, rows, inputs, sums);
+  };
+  sum(scalar_kernels, expected);
+  sum(kernels, found);
+  for (std::size_t pose = 0; pose < poses; ++pose)
+    if (std::memcmp(expected + most_rows * pose, found + most_rows * pose, rows * sizeof(std::int32_t)) != 0)
+      return false;
+  return true;
 }
 
 }  // namespace
@@ -37,16 +49,18 @@ int main() {
   Random random(3);
   int wrong = 0, all = 0;
   for (const PoseKernels* kernels : {&avx_vnni_kernels, &avx512_vnni_kernels})
-    for (const std::size_t poses : {std::size_t{1}, block_poses})
-      for (const std::size_t rows : {16, 32, 48, 64})
-        for (const std::size_t columns : {1, 3, 40})
-          for (const std::size_t count : {0, 4, 8, 60})
-            for (const bool extreme : {false, true}) {
-              ++all;
-              if (agree(*kernels, random, poses, rows, columns, count, extreme)) continue;
-              ++wrong;
-              std::printf("%s: %zu poses, %zu x %zu, %zu columns\n", kernels->name, poses, rows, columns, count);
-            }
+    for (const bool quads : {false, true})
+      for (const std::size_t poses : {std::size_t{1}, block_poses})
+        for (std::size_t rows = 16; rows <= (quads ? quad_rows : most_rows); rows += 16)
+          for (const std::size_t columns : {4, 40})
+            for (const std::size_t count : {0, 4, 8, 60})
+              for (const bool extreme : {false, true}) {
+                ++all;
+                if (agree(*kernels, random, quads, poses, rows, columns, count, extreme)) continue;
+                ++wrong;
+                std::printf("%s, %s: %zu poses, %zu x %zu, %zu columns\n", kernels->name, quads ? "quads" : "columns",
+                            poses, rows, columns, count);
+              }
   std::printf("%d of %d wrong\n", wrong, all);
   return wrong == 0 ? 0 : 1;
 }

@@ -24,17 +24,22 @@ struct Inputs {
   std::vector<std::uint32_t> places = {};
   std::vector<std::int16_t> numbers = {};
   std::vector<std::uint32_t> starts = {};
-  ActiveColumns columns() const { return {places.data(), numbers.data(), places.size(), poses, starts.data()}; }
+  PanelInputs panel_inputs() const { return {places.data(), numbers.data(), places.size(), poses, starts.data()}; }
   std::int16_t at(std::size_t column, std::size_t pose) const {
     return numbers[(column / 4 * poses + pose) * 4 + column % 4];
   }
 };
 
-// `count` of the columns, filled up to fours; kind 0: the largest inputs, 1: the smallest, 2: about 0, else any.
-Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, int kind) {
+// `count` of the columns, or of quads all, filled up to fours; kind 0: the largest inputs, 1: the smallest, 2: about 0,
+// else any.
+Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, PanelMatrix::Form form,
+                   int kind) {
+  const bool quads = form == PanelMatrix::Form::quads;
+  if (quads) count = columns;
   Inputs inputs{poses};
   inputs.numbers.reserve(4 * poses);
-  for (std::size_t i = 0; i < (count + 3) / 4 * 4; ++i) inputs.places.push_back(i < count ? random.below(columns) : 0);
+  for (std::uint32_t i = 0; i < (count + 3) / 4 * 4; ++i)
+    inputs.places.push_back(i >= count ? 0 : quads ? i : random.below(columns));
   inputs.numbers.resize(inputs.places.size() * poses);
   for (std::size_t pose = 0; pose < poses; ++pose) {
     std::uint32_t sum = 0;
@@ -54,46 +59,119 @@ Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::ui
 
 }  // namespace
 
-TEST_CASE("kernels give exact sums, for panels of all sizes and inputs of all kinds") {
+TEST_CASE("kernels give exact sums, for matrices of both forms and all sizes and inputs of all kinds") {
+  using enum PanelMatrix::Form;
   Random random(4);
-  for (const std::uint32_t rows : {1u, 16u, 17u, 32u, 40u, 48u, 63u, 64u, 65u, 150u, 192u})
-    for (const std::uint32_t columns : {1u, 5u, 60u}) {
-      std::vector<int> digits(std::size_t(rows) * columns);
-      for (int& digit : digits) digit = int(random.below(256)) - 128;
-      digits[0] = -128;
-      digits[digits.size() - 1] = 127;
-      PanelMatrix matrix(rows, columns, *std::pmr::get_default_resource());
-      for (std::uint32_t r = 0; r < rows; ++r) {
-        const std::vector<std::int16_t> row(digits.begin() + r * columns, digits.begin() + (r + 1) * columns);
-        matrix.set_row(r, row.data(), PanelMatrix::Digit::low);
-      }
-      matrix.find_limit();
-      for (int kind = 0; kind < 4; ++kind)
-        for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u})
-          for (const std::size_t poses : {std::size_t{1}, block_poses}) {
-            const Inputs inputs = some_inputs(random, poses, count, columns, kind);
-            for (std::uint32_t first = 0; first < rows; first += panel_rows) {
-              const std::uint32_t there = matrix.rows_at(first);
-              std::vector<std::int32_t> expected(poses * panel_rows);
-              for (std::size_t pose = 0; pose < poses; ++pose)
-                for (std::uint32_t r = 0; r < there; ++r) {
-                  std::int64_t sum = 0;
-                  for (std::size_t k = 0; k < inputs.places.size(); ++k)
-                    sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * columns + inputs.places[k]];
-                  expected[panel_rows * pose + r] = static_cast<std::int32_t>(sum);
-                }
-              for (const PoseKernels* kernels : runnable_kernels()) {
-                std::int32_t sums[block_poses * panel_rows];
-                matrix.sum(*kernels, first, inputs.columns(), sums);
-                bool same = true;
+  for (const PanelMatrix::Form form : {columns, quads})
+    for (const std::uint32_t rows : {1u, 16u, 17u, 32u, 40u, 48u, 63u, 64u, 65u, 96u, 112u, 150u, 192u, 250u, 300u})
+      for (const std::uint32_t width : {1u, 5u, 60u}) {
+        std::vector<int> digits(std::size_t(rows) * width);
+        for (int& digit : digits) digit = int(random.below(256)) - 128;
+        digits[0] = -128;
+        digits[digits.size() - 1] = 127;
+        PanelMatrix matrix(form, rows, width, *std::pmr::get_default_resource());
+        for (std::uint32_t r = 0; r < rows; ++r) {
+          const std::vector<std::int16_t> row(digits.begin() + r * width, digits.begin() + (r + 1) * width);
+          matrix.set_row(r, row.data(), PanelMatrix::Digit::low);
+        }
+        matrix.find_limit();
+        bool kept = true;
+        for (std::uint32_t r = 0; r < rows; ++r)
+          for (std::uint32_t c = 0; c < width; ++c) kept = kept && matrix.digit(r, c) == digits[r * width + c];
+        CHECK(kept);
+        for (int kind = 0; kind < 4; ++kind)
+          for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u})
+            for (const std::size_t poses : {std::size_t{1}, block_poses}) {
+              if (form == quads && count > 0) continue;
+              const Inputs inputs = some_inputs(random, poses, count, width, form, kind);
+              for (std::uint32_t first = 0; first < rows; first += matrix.step()) {
+                const std::uint32_t there = matrix.rows_at(first);
+                std::vector<std::int32_t> expected(poses * most_rows);
                 for (std::size_t pose = 0; pose < poses; ++pose)
-                  same = same && std::memcmp(sums + panel_rows * pose, expected.data() + panel_rows * pose,
-                                             there * sizeof(int)) == 0;
-                CHECK_MESSAGE(same, kernels->name << ": " << rows << " x " << columns << ", kind " << kind << ", "
-                                                  << poses << " poses");
+                  for (std::uint32_t r = 0; r < there; ++r) {
+                    std::int64_t sum = 0;
+                    for (std::size_t k = 0; k < inputs.places.size(); ++k)
+                      sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * width + inputs.places[k]];
+                    expected[most_rows * pose + r] = static_cast<std::int32_t>(sum);
+                  }
+                for (const PoseKernels* kernels : runnable_kernels()) {
+                  std::int32_t sums[block_poses * most_rows];
+                  matrix.sum(*kernels, first, inputs.panel_inputs(), sums);
+                  bool same = true;
+                  for (std::size_t pose = 0; pose < poses; ++pose)
+                    same = same && std::memcmp(sums + most_rows * pose, expected.data() + most_rows * pose,
+                                               there * sizeof(int)) == 0;
+                  CHECK_MESSAGE(same, kernels->name << (form == quads ? ", quads: " : ", columns: ") << rows << " x "
+                                                    << width << ", kind " << kind << ", " << poses << " poses");
+                }
               }
             }
-          }
+      }
+}
+
+TEST_CASE("kernels clamp controls, compute their features and list those that are not 0 as the scalar ones do") {
+  Random random(6);
+  for (const std::size_t controls : {std::size_t(1), std::size_t(15), std::size_t(70)}) {
+    std::vector<float> minimum, maximum, rest;
+    for (std::size_t c = 0; c < controls; ++c) {
+      minimum.push_back(random.uniform(-2, 0));
+      maximum.push_back(random.uniform(0, 2));
+      rest.push_back(random.below(2) ? 0 : minimum.back());
+    }
+    std::vector<std::uint32_t> of;
+    std::vector<FeatureKind> kinds;
+    std::vector<float> scales, thresholds, falls;
+    for (std::size_t f = 0; f < 3 * controls; ++f) {
+      of.push_back(static_cast<std::uint32_t>(f / 3));
+      kinds.push_back(static_cast<FeatureKind>(random.below(3)));
+      scales.push_back(f % 7 == 0 ? 3e38f : random.uniform(-3, 3));
+      thresholds.push_back(random.uniform(0, 1));
+      falls.push_back(random.uniform(0, 2));
+    }
+    const ControlFeatures features = {of.data(),         kinds.data(), scales.data(),
+                                      thresholds.data(), falls.data(), of.size()};
+    for (const std::size_t poses : {std::size_t{1}, block_poses}) {
+      std::vector<float> values(controls * poses);
+      for (float& value : values) value = random.below(4) ? random.uniform(-3, 3) : 0;
+      values[0] = INFINITY;
+      const auto run = [&](const PoseKernels& kernels) {
+        std::vector<float> results(controls * poses + of.size() * poses);
+        float* const moves = results.data();
+        std::uint32_t clamped = 0;
+        for (std::size_t p = 0; p < poses; ++p)
+          clamped += kernels.clamp_controls(values.data() + p * controls, minimum.data(), maximum.data(), rest.data(),
+                                            controls, moves + p, poses);
+        float* const found = moves + controls * poses;
+        kernels.control_features(features, moves, poses, found);
+        std::vector<std::uint32_t> places(of.size() * poses + 16);
+        const std::size_t moved = kernels.list_moved(found, of.size() * poses, places.data());
+        places.resize(moved);
+        places.push_back(clamped);
+        return std::pair(results, places);
+      };
+      const auto [expected, listed] = run(scalar_kernels);
+      CHECK(listed.back() > 0);
+      for (std::size_t i = 0, next = 0; i < of.size() * poses; ++i)
+        if (expected[controls * poses + i] != 0) CHECK(listed[next++] == i);
+      for (const PoseKernels* kernels : runnable_kernels()) {
+        const auto [results, places] = run(*kernels);
+        const bool same = std::memcmp(results.data(), expected.data(), expected.size() * sizeof(float)) == 0;
+        CHECK_MESSAGE((same && places == listed), kernels->name << ": " << controls << " controls, " << poses);
+      }
+    }
+  }
+}
+
+TEST_CASE("kernels see what is not a number") {
+  for (const PoseKernels* kernels : runnable_kernels())
+    for (const std::size_t count : {std::size_t(1), std::size_t(16), std::size_t(37)}) {
+      std::vector<float> numbers(count, INFINITY);
+      CHECK(!kernels->any_nan(numbers.data(), count));
+      for (const std::size_t at : {std::size_t(0), count / 2, count - 1}) {
+        numbers[at] = -NAN;
+        CHECK(kernels->any_nan(numbers.data(), count));
+        numbers[at] = 0;
+      }
     }
 }
 

@@ -19,7 +19,6 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 }  // namespace
 
-const PoseKernels avx2_kernels = {"avx2",    panel_sums,   round_all, round_block,
-                                  move_rows, finish_layer, to_halves, normalise};
+const PoseKernels avx2_kernels = with_passes("avx2", column_sums, quad_sums);
 
 }  // namespace fb

@@ -20,19 +20,17 @@ __m256i interleave(const std::uint8_t* a, const std::uint8_t* b, int piece) {
 // two columns interleaved, even bytes are pairs of one column's even row and the other's, odd bytes of odd rows. So
 // sums lie in a wrong order until they are stored. Registers are too few for more than eight vectors of sums.
 template <int first, int pieces, bool last, int poses>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            const std::uint8_t* ahead, std::int32_t* sums) {
+void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   const __m256i even = _mm256_set1_epi16(255);
   __m256i sum[poses][pieces + last][2];
   for (int p = 0; p < poses; ++p)
     for (auto& piece : sum[p])
-      for (__m256i& s : piece) s = _mm256_set1_epi32(static_cast<int>(active.start[first_pose + p]));
-  const std::uint32_t* place = active.places;
-  const std::int16_t* inputs = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, place += 4, inputs += 4 * active.poses) {
-    const std::size_t at[4] = {place[0] * rows, place[1] * rows, place[2] * rows, place[3] * rows};
-    if (ahead)
-      for (const std::size_t offset : at) __builtin_prefetch(ahead + offset);
+      for (__m256i& s : piece) s = _mm256_set1_epi32(static_cast<int>(panel.start[first_pose + p]));
+  const std::uint32_t* place = panel.places;
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, place += 4, inputs += 4 * panel.poses) {
+    const std::size_t at[4] = {place[0] * column_rows, place[1] * column_rows, place[2] * column_rows,
+                               place[3] * column_rows};
     for (int pair = 0; pair < 4; pair += 2) {
       const std::uint8_t *a = digits + at[pair], *b = digits + at[pair + 1];
       const auto add = [&](int i, __m256i both) {
@@ -55,29 +53,84 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
       const __m256i low = _mm256_unpacklo_epi32(sum[p][i][0], sum[p][i][1]);
       const __m256i high = _mm256_unpackhi_epi32(sum[p][i][0], sum[p][i][1]);
       const int row = i == pieces ? 16 * pieces : 32 * (piece / 2) + 8 * (piece % 2);
-      auto* to = reinterpret_cast<__m256i*>(sums + panel_rows * (first_pose + p) + row);
+      auto* to = reinterpret_cast<__m256i*>(sums + most_rows * (first_pose + p) + row);
       _mm256_storeu_si256(to, _mm256_permute2x128_si256(low, high, 0x20));
       _mm256_storeu_si256(to + (i == pieces ? 1 : 2), _mm256_permute2x128_si256(low, high, 0x31));
     }
 }
 
+// Eight rows of a quad are a vector. Of `vectors` of them, of some poses.
+template <int vectors, int poses>
+void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+                  std::int32_t* sums) {
+  const __m256i even = _mm256_set1_epi16(255);
+  __m256i sum[poses][vectors];
+  for (int p = 0; p < poses; ++p)
+    for (__m256i& s : sum[p]) s = _mm256_set1_epi32(static_cast<int>(panel.start[first_pose + p]));
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows) {
+    const auto* const weights = reinterpret_cast<const __m256i*>(quads);
+    for (int p = 0; p < poses; ++p) {
+      int numbers[2];
+      __builtin_memcpy(numbers, inputs + 4 * p, sizeof numbers);
+      const __m256i x = _mm256_set1_epi32(numbers[0]), y = _mm256_set1_epi32(numbers[1]);
+      for (int v = 0; v < vectors; ++v) {
+        const __m256i both = _mm256_loadu_si256(weights + v);
+        sum[p][v] = multiply_add(sum[p][v], _mm256_and_si256(both, even), x);
+        sum[p][v] = multiply_add(sum[p][v], _mm256_srli_epi16(both, 8), y);
+      }
+    }
+  }
+  for (int p = 0; p < poses; ++p)
+    for (int v = 0; v < vectors; ++v)
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(sums + most_rows * (first_pose + p)) + v, sum[p][v]);
+}
+
 // All poses of a block, four at once, piece after piece.
-void block_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
-  const std::uint8_t* ahead = active.ahead;
+void block_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 32)
-    for (std::size_t pose = 0; pose < block_poses; pose += 4, ahead = nullptr)
+    for (std::size_t pose = 0; pose < block_poses; pose += 4)
       if (r + 32 <= rows) {
-        add_up<0, 1, false, 4>(digits + r, rows, active, pose, ahead, sums + r);
-        add_up<1, 1, false, 4>(digits + r, rows, active, pose, nullptr, sums + r);
+        add_up<0, 1, false, 4>(digits + r, panel, pose, sums + r);
+        add_up<1, 1, false, 4>(digits + r, panel, pose, sums + r);
       } else {
-        add_up<0, 0, true, 4>(digits + r, rows, active, pose, ahead, sums + r);
+        add_up<0, 0, true, 4>(digits + r, panel, pose, sums + r);
       }
 }
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
-  if (active.poses == block_poses) return block_sums(digits, rows, active, sums);
-  if (rows == 64) return add_up<0, 4, false, 1>(digits, 64, active, 0, active.ahead, sums);
-  if (rows == 48) return add_up<0, 2, true, 1>(digits, 48, active, 0, active.ahead, sums);
-  if (rows == 32) return add_up<0, 2, false, 1>(digits, 32, active, 0, active.ahead, sums);
-  add_up<0, 0, true, 1>(digits, 16, active, 0, active.ahead, sums);
+void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
+                 std::int32_t* sums) {
+  for (; rows > 0; digits += panel_bytes, sums += column_rows) {
+    const std::size_t here = rows < column_rows ? rows : column_rows;
+    rows -= here;
+    if (panel.poses == block_poses)
+      block_sums(digits, here, panel, sums);
+    else if (here == 64)
+      add_up<0, 4, false, 1>(digits, panel, 0, sums);
+    else if (here == 48)
+      add_up<0, 2, true, 1>(digits, panel, 0, sums);
+    else if (here == 32)
+      add_up<0, 2, false, 1>(digits, panel, 0, sums);
+    else
+      add_up<0, 0, true, 1>(digits, panel, 0, sums);
+  }
+}
+
+void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  if (panel.poses == block_poses) {
+    for (std::size_t r = 0; r < rows; r += 16)
+      for (std::size_t pose = 0; pose < block_poses; pose += 4)
+        add_up_quads<2, 4>(quads + 4 * r, rows, panel, pose, sums + r);
+    return;
+  }
+  std::size_t r = 0;
+  for (; r + 64 <= rows; r += 64) add_up_quads<8, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+  switch (rows - r) {
+    case 48:
+      return add_up_quads<6, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+    case 32:
+      return add_up_quads<4, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+    case 16:
+      return add_up_quads<2, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+  }
 }

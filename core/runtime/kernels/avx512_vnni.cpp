@@ -7,83 +7,225 @@ namespace {
 
 #include "runtime/kernels/vector_passes.h"
 
-// A column's digits, 16 rows a block, and anything up to 64. Masked loads would be slower.
-template <int blocks>
-__m512i load(const std::uint8_t* digits) {
-  const auto quarter = [&](int q) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(digits) + q); };
-  if constexpr (blocks == 1) return _mm512_castsi128_si512(quarter(0));
-  if constexpr (blocks == 4) return _mm512_loadu_si512(digits);
-  const __m256i half = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(digits));
-  if constexpr (blocks == 2) return _mm512_castsi256_si512(half);
-  return _mm512_inserti32x4(_mm512_castsi256_si512(half), quarter(2), 2);
+__m512i broadcast_pair(const std::int16_t* inputs) {
+  int numbers;
+  __builtin_memcpy(&numbers, inputs, sizeof numbers);
+  return _mm512_set1_epi32(numbers);
 }
 
-// Of sums as add_up() has them: even and odd rows of what was interleaved first, and of what was last, within quarters.
-template <int blocks>
-void store(const __m512i (&pairs)[4], std::int32_t* sums) {
-  const __m512i sum[4] = {_mm512_unpacklo_epi32(pairs[0], pairs[1]), _mm512_unpackhi_epi32(pairs[0], pairs[1]),
-                          _mm512_unpacklo_epi32(pairs[2], pairs[3]), _mm512_unpackhi_epi32(pairs[2], pairs[3])};
-  const __m512i even[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0x88), _mm512_shuffle_i32x4(sum[2], sum[3], 0x88)};
-  const __m512i odd[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0xdd), _mm512_shuffle_i32x4(sum[2], sum[3], 0xdd)};
-  _mm512_storeu_si512(sums, _mm512_shuffle_i32x4(even[0], even[1], 0x88));
-  if constexpr (blocks > 1) _mm512_storeu_si512(sums + 16, _mm512_shuffle_i32x4(odd[0], odd[1], 0x88));
-  if constexpr (blocks > 2) _mm512_storeu_si512(sums + 32, _mm512_shuffle_i32x4(even[0], even[1], 0xdd));
-  if constexpr (blocks > 3) _mm512_storeu_si512(sums + 48, _mm512_shuffle_i32x4(odd[0], odd[1], 0xdd));
+// sum += weights x inputs, of pairs of 16 bits and of fours of bytes. The assembler is one instruction the compiler
+// could choose itself, were it not to move sums about.
+__m512i add_pairs(__m512i sum, __m512i weights, __m512i inputs) {
+#if defined(FB_EMULATED)
+  return _mm512_dpwssd_epi32(sum, weights, inputs);
+#else
+  asm("vpdpwssd %2, %1, %0" : "+v"(sum) : "v"(weights), "v"(inputs));
+  return sum;
+#endif
+}
+__m512i add_fours(__m512i sum, __m512i weights, __m512i inputs) {
+#if defined(FB_EMULATED)
+  return _mm512_dpbusd_epi32(sum, weights, inputs);
+#else
+  asm("vpdpbusd %2, %1, %0" : "+v"(sum) : "v"(weights), "v"(inputs));
+  return sum;
+#endif
 }
 
-// Sums of some poses. Two columns become pairs of 16 bits, interleaved by two rows at a time, of which even bytes are
-// the one row's and odd bytes the other's. Where poses are few, columns take turns between `turns` sums, so that none
-// waits for the one before.
-template <int blocks, int poses>
-void add_up(const std::uint8_t* digits, const ActiveColumns& active, std::size_t first_pose, std::int32_t* sums) {
-  constexpr std::size_t rows = 16 * blocks;
-  constexpr int turns = poses == 1 ? 2 : 1;
-  const __m512i even = _mm512_set1_epi16(255);
-  __m512i sum[poses * turns][4];
-  for (int p = 0; p < poses * turns; ++p)
-    for (__m512i& s : sum[p])
-      s = p < poses ? _mm512_set1_epi32(static_cast<int>(active.start[first_pose + p])) : _mm512_setzero_si512();
-  const std::int16_t* inputs = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, inputs += 4 * active.poses)
-    for (int pair = 0; pair < 4; pair += 2) {
-      const std::size_t at[2] = {active.places[k + pair] * rows, active.places[k + pair + 1] * rows};
-      if (active.ahead && first_pose == 0)
-        for (const std::size_t offset : at) __builtin_prefetch(active.ahead + offset);
-      const __m512i a = load<blocks>(digits + at[0]), b = load<blocks>(digits + at[1]);
-      const __m512i first = _mm512_unpacklo_epi16(a, b), last = _mm512_unpackhi_epi16(a, b);
-      const __m512i pairs[4] = {_mm512_and_si512(first, even), _mm512_srli_epi16(first, 8),
-                                _mm512_and_si512(last, even), _mm512_srli_epi16(last, 8)};
-      for (int p = 0; p < poses; ++p) {
-        int numbers;
-        __builtin_memcpy(&numbers, inputs + 4 * p + pair, sizeof numbers);
-        const __m512i input = _mm512_set1_epi32(numbers);
-        __m512i(&s)[4] = sum[p + pair / 2 % turns * poses];
-        for (int i = 0; i < 4; ++i) s[i] = _mm512_dpwssd_epi32(s[i], pairs[i], input);
-      }
+// Sums of 64 rows. Two columns become pairs of 16 bits, interleaved by two rows at a time, of which even bytes are the
+// one row's and odd bytes the other's: of what is interleaved first, and of what is last, within quarters.
+struct Strip {
+  __m512i first_even, first_odd, last_even, last_odd;
+
+  void begin(std::uint32_t start) {
+    first_even = first_odd = last_even = last_odd = _mm512_set1_epi32(static_cast<int>(start));
+  }
+  void add(const std::uint8_t* a, const std::uint8_t* b, __m512i input) {
+    const __m512i x = _mm512_loadu_si512(a), y = _mm512_loadu_si512(b), even = _mm512_set1_epi16(255);
+    const __m512i first = _mm512_unpacklo_epi16(x, y), last = _mm512_unpackhi_epi16(x, y);
+    first_even = add_pairs(first_even, _mm512_and_si512(first, even), input);
+    first_odd = add_pairs(first_odd, _mm512_srli_epi16(first, 8), input);
+    last_even = add_pairs(last_even, _mm512_and_si512(last, even), input);
+    last_odd = add_pairs(last_odd, _mm512_srli_epi16(last, 8), input);
+  }
+  void store(std::int32_t* sums) const {
+    const __m512i sum[4] = {_mm512_unpacklo_epi32(first_even, first_odd), _mm512_unpackhi_epi32(first_even, first_odd),
+                            _mm512_unpacklo_epi32(last_even, last_odd), _mm512_unpackhi_epi32(last_even, last_odd)};
+    const __m512i even[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0x88), _mm512_shuffle_i32x4(sum[2], sum[3], 0x88)};
+    const __m512i odd[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0xdd), _mm512_shuffle_i32x4(sum[2], sum[3], 0xdd)};
+    _mm512_storeu_si512(sums, _mm512_shuffle_i32x4(even[0], even[1], 0x88));
+    _mm512_storeu_si512(sums + 16, _mm512_shuffle_i32x4(odd[0], odd[1], 0x88));
+    _mm512_storeu_si512(sums + 32, _mm512_shuffle_i32x4(even[0], even[1], 0xdd));
+    _mm512_storeu_si512(sums + 48, _mm512_shuffle_i32x4(odd[0], odd[1], 0xdd));
+  }
+};
+
+// Those of so many panels.
+template <int panels>
+struct Strips {
+  Strips<panels - 1> before;
+  Strip strip;
+
+  void begin(std::uint32_t start) {
+    before.begin(start);
+    strip.begin(start);
+  }
+  void add(const std::uint8_t* a, const std::uint8_t* b, std::size_t panel, __m512i input) {
+    before.add(a, b, panel, input);
+    strip.add(a + (panels - 1) * panel, b + (panels - 1) * panel, input);
+  }
+  void store(std::int32_t* sums) const {
+    before.store(sums);
+    strip.store(sums + 64 * (panels - 1));
+  }
+};
+template <>
+struct Strips<0> {
+  void begin(std::uint32_t) {}
+  void add(const std::uint8_t*, const std::uint8_t*, std::size_t, __m512i) {}
+  void store(std::int32_t*) const {}
+};
+
+template <int panels>
+void add_up(const std::uint8_t* digits, std::size_t panel_bytes, const PanelInputs& panel, std::int32_t* sums) {
+  Strips<panels> sum;
+  sum.begin(*panel.start);
+  const std::uint32_t* place = panel.places;
+  const std::int16_t* input = panel.inputs;
+  for (std::size_t k = 0; k < panel.count; k += 2, place += 2, input += 2)
+    sum.add(digits + column_rows * place[0], digits + column_rows * place[1], panel_bytes, broadcast_pair(input));
+  sum.store(sums);
+}
+
+// Of four poses of a block.
+void add_up_four(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+  Strip sum[4];
+  for (int p = 0; p < 4; ++p) sum[p].begin(panel.start[first_pose + p]);
+  const std::uint32_t* place = panel.places;
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, place += 4, inputs += 4 * block_poses)
+    for (int pair = 0; pair < 4; pair += 2)
+      for (int p = 0; p < 4; ++p)
+        sum[p].add(digits + column_rows * place[pair], digits + column_rows * place[pair + 1],
+                   broadcast_pair(inputs + 4 * p + pair));
+  for (int p = 0; p < 4; ++p) sum[p].store(sums + most_rows * (first_pose + p));
+}
+
+void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
+                 std::int32_t* sums) {
+  if (panel.poses == 1) {
+    if (rows > 128) return add_up<3>(digits, panel_bytes, panel, sums);
+    if (rows > 64) return add_up<2>(digits, panel_bytes, panel, sums);
+    return add_up<1>(digits, panel_bytes, panel, sums);
+  }
+  for (std::size_t row = 0; row < rows; row += column_rows, digits += panel_bytes)
+    for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up_four(digits, panel, pose, sums + row);
+}
+
+// Of 16 times `vectors` rows: low and high digits of the inputs apart.
+template <int vectors>
+void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  const __m512i low_digits = _mm512_set1_epi32(0x06020400), high_digits = _mm512_set1_epi32(0x07030501);
+  const __m512i carry = _mm512_set1_epi16(128);
+  __m512i low[vectors], high[vectors];
+  for (int v = 0; v < vectors; ++v) low[v] = high[v] = _mm512_setzero_si512();
+  const std::int16_t* inputs = panel.inputs;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4, quads += 4 * rows) {
+    long long numbers;
+    __builtin_memcpy(&numbers, inputs, sizeof numbers);
+    const __m512i four = _mm512_set1_epi64(numbers);
+    const __m512i x = _mm512_shuffle_epi8(four, low_digits);
+    const __m512i y = _mm512_shuffle_epi8(_mm512_add_epi16(four, carry), high_digits);
+    for (int v = 0; v < vectors; ++v) {
+      const __m512i weights = _mm512_loadu_si512(quads + 64 * v);
+      low[v] = add_fours(low[v], weights, x);
+      high[v] = add_fours(high[v], weights, y);
     }
-  for (int p = 0; p < poses; ++p) {
-    if constexpr (turns == 2)
-      for (int i = 0; i < 4; ++i) sum[p][i] = _mm512_add_epi32(sum[p][i], sum[p + poses][i]);
-    store<blocks>(sum[p], sums + panel_rows * (first_pose + p));
+  }
+  const __m512i start = _mm512_set1_epi32(static_cast<int>(*panel.start));
+  for (int v = 0; v < vectors; ++v) {
+    const __m512i sum = _mm512_add_epi32(low[v], _mm512_slli_epi32(high[v], 8));
+    _mm512_storeu_si512(sums + 16 * v, _mm512_add_epi32(sum, start));
   }
 }
 
-template <int blocks>
-void add_up_all(const std::uint8_t* digits, const ActiveColumns& active, std::int32_t* sums) {
-  if (active.poses == 1) return add_up<blocks, 1>(digits, active, 0, sums);
-  for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up<blocks, 4>(digits, active, pose, sums);
+// Of 16 times `vectors` rows of a block of poses.
+template <int vectors>
+void add_up_block(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  const __m512i even = _mm512_set1_epi16(255);
+  __m512i sum[vectors * block_poses];
+  for (std::size_t p = 0; p < block_poses; ++p)
+    for (int v = 0; v < vectors; ++v) sum[vectors * p + v] = _mm512_set1_epi32(static_cast<int>(panel.start[p]));
+  const std::int16_t* inputs = panel.inputs;
+  for (std::size_t k = 0; k < panel.count; k += 4, quads += 4 * rows) {
+    __m512i first[vectors], last[vectors];
+    for (int v = 0; v < vectors; ++v) {
+      const __m512i weights = _mm512_loadu_si512(quads + 64 * v);
+      first[v] = _mm512_and_si512(weights, even);
+      last[v] = _mm512_srli_epi16(weights, 8);
+    }
+    for (std::size_t p = 0; p < block_poses; ++p, inputs += 4) {
+      const __m512i x = broadcast_pair(inputs), y = broadcast_pair(inputs + 2);
+      for (int v = 0; v < vectors; ++v) {
+        sum[vectors * p + v] = add_pairs(sum[vectors * p + v], first[v], x);
+        sum[vectors * p + v] = add_pairs(sum[vectors * p + v], last[v], y);
+      }
+    }
+  }
+  for (std::size_t p = 0; p < block_poses; ++p)
+    for (int v = 0; v < vectors; ++v) _mm512_storeu_si512(sums + most_rows * p + 16 * v, sum[vectors * p + v]);
 }
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
-  if (rows == 64) return add_up_all<4>(digits, active, sums);
-  if (rows == 48) return add_up_all<3>(digits, active, sums);
-  if (rows == 32) return add_up_all<2>(digits, active, sums);
-  add_up_all<1>(digits, active, sums);
+void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  if (panel.poses == 1) switch (rows / 16) {
+      case 8:
+        return add_up_quads<8>(quads, rows, panel, sums);
+      case 7:
+        return add_up_quads<7>(quads, rows, panel, sums);
+      case 6:
+        return add_up_quads<6>(quads, rows, panel, sums);
+      case 5:
+        return add_up_quads<5>(quads, rows, panel, sums);
+      case 4:
+        return add_up_quads<4>(quads, rows, panel, sums);
+      case 3:
+        return add_up_quads<3>(quads, rows, panel, sums);
+      case 2:
+        return add_up_quads<2>(quads, rows, panel, sums);
+      default:
+        return add_up_quads<1>(quads, rows, panel, sums);
+    }
+  std::size_t row = 0;
+  for (; row + 32 <= rows; row += 32) add_up_block<2>(quads + 4 * row, rows, panel, sums + row);
+  if (row < rows) add_up_block<1>(quads + 4 * row, rows, panel, sums + row);
+}
+
+#if !defined(FB_EMULATED)
+std::size_t list_moved_compressed(const float* values, std::size_t count, std::uint32_t* places) {
+  __m512i place = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < count; i += 16) {
+    const auto there = static_cast<__mmask16>(count - i < 16 ? 0xffff >> (16 - (count - i)) : 0xffff);
+    const __m512i bits = _mm512_maskz_loadu_epi32(there, values + i);
+    const __mmask16 mask = _mm512_test_epi32_mask(bits, _mm512_set1_epi32(0x7fffffff));
+    _mm512_storeu_si512(places + moved, _mm512_maskz_compress_epi32(mask, place));
+    moved += static_cast<std::size_t>(__builtin_popcount(mask));
+    place = _mm512_add_epi32(place, _mm512_set1_epi32(16));
+  }
+  return moved;
+}
+#endif
+
+constexpr PoseKernels kernels() {
+  PoseKernels kernels = with_passes("avx512-vnni", column_sums, quad_sums);
+#if !defined(FB_EMULATED)
+  kernels.list_moved = list_moved_compressed;
+#endif
+  return kernels;
 }
 
 }  // namespace
 
-const PoseKernels avx512_vnni_kernels = {"avx512-vnni", panel_sums,   round_all, round_block,
-                                         move_rows,     finish_layer, to_halves, normalise};
+const PoseKernels avx512_vnni_kernels = kernels();
 
 }  // namespace fb

@@ -9,15 +9,14 @@ namespace {
 
 // 16 rows of some poses, a column after the other: digits + 128 fit 16 signed bits.
 template <int poses>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            std::int32_t* sums) {
+void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   int32x4_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
-    for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(active.start[first_pose + p]));
-  const std::int16_t* inputs = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, inputs += 4 * active.poses)
+    for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(panel.start[first_pose + p]));
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int i = 0; i < 4; ++i) {
-      const uint8x16_t column = vld1q_u8(digits + active.places[k + i] * rows);
+      const uint8x16_t column = vld1q_u8(digits + panel.places[k + i] * column_rows);
       const int16x8_t first = vreinterpretq_s16_u16(vmovl_u8(vget_low_u8(column)));
       const int16x8_t last = vreinterpretq_s16_u16(vmovl_u8(vget_high_u8(column)));
       for (int p = 0; p < poses; ++p) {
@@ -29,20 +28,61 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) vst1q_s32(sums + panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4; ++i) vst1q_s32(sums + most_rows * (first_pose + p) + 4 * i, sum[p][i]);
 }
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+// 16 rows of a quad are four vectors. Products of a row's first two columns, and of its last two, are added to each
+// other at the end.
+template <int poses>
+void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+                  std::int32_t* sums) {
+  int32x4_t sum[poses][8];
+  for (int p = 0; p < poses; ++p)
+    for (int32x4_t& s : sum[p]) s = vdupq_n_s32(0);
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
+    for (int v = 0; v < 4; ++v) {
+      const uint16x8_t weights = vreinterpretq_u16_u8(vld1q_u8(quads + 16 * v));
+      const int16x8_t first = vreinterpretq_s16_u16(vandq_u16(weights, vdupq_n_u16(255)));
+      const int16x8_t last = vreinterpretq_s16_u16(vshrq_n_u16(weights, 8));
+      for (int p = 0; p < poses; ++p) {
+        const int32x2_t four = vreinterpret_s32_s16(vld1_s16(inputs + 4 * p));
+        const int16x4_t x = vreinterpret_s16_s32(vdup_lane_s32(four, 0));
+        const int16x4_t y = vreinterpret_s16_s32(vdup_lane_s32(four, 1));
+        int32x4_t* const s = sum[p] + 2 * v;
+        s[0] = vmlal_s16(vmlal_s16(s[0], vget_low_s16(first), x), vget_low_s16(last), y);
+        s[1] = vmlal_s16(vmlal_s16(s[1], vget_high_s16(first), x), vget_high_s16(last), y);
+      }
+    }
+  for (int p = 0; p < poses; ++p) {
+    const int32x4_t start = vreinterpretq_s32_u32(vdupq_n_u32(panel.start[first_pose + p]));
+    for (int v = 0; v < 4; ++v)
+      vst1q_s32(sums + most_rows * (first_pose + p) + 4 * v,
+                vaddq_s32(start, vpaddq_s32(sum[p][2 * v], sum[p][2 * v + 1])));
+  }
+}
+
+void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
+                 std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 16)
-    if (active.poses == 1)
-      add_up<1>(digits + r, rows, active, 0, sums + r);
+    if (panel.poses == 1)
+      add_up<1>(digits + r / column_rows * panel_bytes + r % column_rows, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up<4>(digits + r, rows, active, pose, sums + r);
+      for (std::size_t pose = 0; pose < block_poses; pose += 4)
+        add_up<4>(digits + r / column_rows * panel_bytes + r % column_rows, panel, pose, sums + r);
+}
+
+void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  for (std::size_t r = 0; r < rows; r += 16)
+    if (panel.poses == 1)
+      add_up_quads<1>(quads + 4 * r, rows, panel, 0, sums + r);
+    else
+      for (std::size_t pose = 0; pose < block_poses; pose += 2)
+        add_up_quads<2>(quads + 4 * r, rows, panel, pose, sums + r);
 }
 
 }  // namespace
 
-const PoseKernels neon_kernels = {"neon",    panel_sums,   round_all, round_block,
-                                  move_rows, finish_layer, to_halves, normalise};
+const PoseKernels neon_kernels = with_passes("neon", column_sums, quad_sums);
 
 }  // namespace fb

@@ -15,16 +15,15 @@ int8x16_t load(const std::uint8_t* bytes) {
 // digits of the four inputs and again with the high ones. It takes signed bytes, so digits lose their offset first, and
 // `start` with it.
 template <int poses>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            std::int32_t* sums) {
+void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4; ++i) low_sum[p][i] = high_sum[p][i] = vdupq_n_s32(0);
-  const std::int16_t* numbers = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, numbers += 4 * active.poses) {
-    const std::uint32_t* place = active.places + k;
-    const int8x16_t a = load(digits + place[0] * rows), b = load(digits + place[1] * rows);
-    const int8x16_t c = load(digits + place[2] * rows), d = load(digits + place[3] * rows);
+  const std::int16_t* numbers = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses) {
+    const std::uint32_t* place = panel.places + k;
+    const int8x16_t a = load(digits + place[0] * column_rows), b = load(digits + place[1] * column_rows);
+    const int8x16_t c = load(digits + place[2] * column_rows), d = load(digits + place[3] * column_rows);
     const int16x8_t ab[2] = {vreinterpretq_s16_s8(vzip1q_s8(a, b)), vreinterpretq_s16_s8(vzip2q_s8(a, b))};
     const int16x8_t cd[2] = {vreinterpretq_s16_s8(vzip1q_s8(c, d)), vreinterpretq_s16_s8(vzip2q_s8(c, d))};
     const int8x16_t fours[4] = {
@@ -43,20 +42,57 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
   }
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4; ++i)
-      vst1q_s32(sums + panel_rows * (first_pose + p) + 4 * i, vaddq_s32(low_sum[p][i], vshlq_n_s32(high_sum[p][i], 8)));
+      vst1q_s32(sums + most_rows * (first_pose + p) + 4 * i, vaddq_s32(low_sum[p][i], vshlq_n_s32(high_sum[p][i], 8)));
 }
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+// Four rows of a quad are a vector.
+template <int poses>
+void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+                  std::int32_t* sums) {
+  static constexpr std::uint8_t low_digits[8] = {0, 4, 2, 6, 0, 4, 2, 6}, high_digits[8] = {1, 5, 3, 7, 1, 5, 3, 7};
+  int32x4_t low_sum[poses][4], high_sum[poses][4];
+  for (int p = 0; p < poses; ++p)
+    for (int v = 0; v < 4; ++v) low_sum[p][v] = high_sum[p][v] = vdupq_n_s32(0);
+  const std::int16_t* numbers = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses, quads += 4 * rows) {
+    const int8x16_t weights[4] = {load(quads), load(quads + 16), load(quads + 32), load(quads + 48)};
+    for (int p = 0; p < poses; ++p) {
+      const int16x4_t inputs = vld1_s16(numbers + 4 * p);
+      const int8x8_t carried = vreinterpret_s8_s16(vadd_s16(inputs, vdup_n_s16(128)));  // low digits are signed
+      const int8x8_t low = vtbl1_s8(vreinterpret_s8_s16(inputs), vreinterpret_s8_u8(vld1_u8(low_digits)));
+      const int8x8_t high = vtbl1_s8(carried, vreinterpret_s8_u8(vld1_u8(high_digits)));
+      for (int v = 0; v < 4; ++v) {
+        low_sum[p][v] = vdotq_lane_s32(low_sum[p][v], weights[v], low, 0);
+        high_sum[p][v] = vdotq_lane_s32(high_sum[p][v], weights[v], high, 0);
+      }
+    }
+  }
+  for (int p = 0; p < poses; ++p)
+    for (int v = 0; v < 4; ++v)
+      vst1q_s32(sums + most_rows * (first_pose + p) + 4 * v, vaddq_s32(low_sum[p][v], vshlq_n_s32(high_sum[p][v], 8)));
+}
+
+void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
+                 std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 16)
-    if (active.poses == 1)
-      add_up<1>(digits + r, rows, active, 0, sums + r);
+    if (panel.poses == 1)
+      add_up<1>(digits + r / column_rows * panel_bytes + r % column_rows, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2) add_up<2>(digits + r, rows, active, pose, sums + r);
+      for (std::size_t pose = 0; pose < block_poses; pose += 2)
+        add_up<2>(digits + r / column_rows * panel_bytes + r % column_rows, panel, pose, sums + r);
+}
+
+void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  for (std::size_t r = 0; r < rows; r += 16)
+    if (panel.poses == 1)
+      add_up_quads<1>(quads + 4 * r, rows, panel, 0, sums + r);
+    else
+      for (std::size_t pose = 0; pose < block_poses; pose += 2)
+        add_up_quads<2>(quads + 4 * r, rows, panel, pose, sums + r);
 }
 
 }  // namespace
 
-const PoseKernels neon_dot_kernels = {"neon-dot", panel_sums,   round_all, round_block,
-                                      move_rows,  finish_layer, to_halves, normalise};
+const PoseKernels neon_dot_kernels = with_passes("neon-dot", column_sums, quad_sums);
 
 }  // namespace fb

@@ -6,50 +6,77 @@
 #include <cstdint>
 
 #include "model/activation.h"
+#include "model/control_feature.h"
 
 namespace fb {
 
 // How many poses go through the runtime together where there are many: digits are read and unpacked once for all.
 inline constexpr std::size_t block_poses = 8;
 
-// Rows of a panel at most.
-inline constexpr std::size_t panel_rows = 64;
+// Rows of a panel of columns, each of which has room for as many if there are fewer, and of quads at most.
+inline constexpr std::size_t column_rows = 64, quad_rows = 128;
 
-// The columns of a panel that are multiplied with something.
-struct ActiveColumns {
-  const std::uint32_t* places;  // which column each is
-  // What it is multiplied with, -32512..32512: four columns after four, and of each four pose after pose. Not null.
+// Rows whose sums are taken at once, at most.
+inline constexpr std::size_t most_rows = 3 * column_rows;
+
+// Columns of a quad, which lie in this order, so that of each row even bytes are the first two and odd bytes the last.
+inline constexpr std::size_t quad_columns = 4;
+[[gnu::always_inline]] inline std::size_t place_in_quad(std::size_t column) {
+  return column % 2 * 2 + column / 2 % 2;
+}
+
+// What the columns of a panel are multiplied with, in 1 or block_poses poses.
+struct PanelInputs {
+  const std::uint32_t* places;  // which column each input is for; not looked at where they are for quads
+  // -32512..32512: four after four, and of each four pose after pose. Not null.
   const std::int16_t* inputs;
-  std::size_t count;           // a multiple of 4: filled up with inputs of 0 at places there are
+  std::size_t count;           // a multiple of 4: filled up with inputs of 0, for columns there are
   std::size_t poses;           // 1 or block_poses
   const std::uint32_t* start;  // of each pose: -128 x the sum of its inputs, modulo 2^32
-  // Where the digits begin that are needed next, probably of the same columns; asked for meanwhile. May be null, and
-  // columns may be beyond what is there.
-  const std::uint8_t* ahead = nullptr;
 };
 
-// sums[panel_rows * p + r] = sum over the active columns of pose p's input x digit r of the column, for r < rows: 16,
-// 32, 48 or 64. Columns lie one after the other in `digits`, `rows` bytes each, each holding a digit + 128, of which
-// `start` is the undoing. The caller sees to it that no sum leaves 32 bits; on the way sums may, modulo 2^32.
-using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active,
-                           std::int32_t* sums);
+// sums[most_rows * p + r] = sum over the columns of pose p's input x digit r of the column, for r < rows, a multiple of
+// 16 up to most_rows. Each byte of `digits` holds a digit + 128, of which `start` is the undoing. The caller sees to it
+// that no sum leaves 32 bits; on the way sums may, modulo 2^32.
+// Of columns: these lie one after the other, column_rows bytes each; panels lie `panel_bytes` apart.
+using ColumnSums = void (*)(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows,
+                            const PanelInputs& inputs, std::int32_t* sums);
+// Of one panel of quads, which lie one after the other, 4 x rows bytes each; rows up to quad_rows.
+using QuadSums = void (*)(const std::uint8_t* quads, std::size_t rows, const PanelInputs& inputs, std::int32_t* sums);
 
 // Lists of floats have room up to the next multiple of this.
 inline constexpr std::size_t padding = 16;
 
-// What became of numbers that were rounded to multiples of one step, and their sum and how many are 0 in steps.
+// What became of numbers that were rounded to multiples of one step, and their sum in steps.
 struct Rounded {
   float step = 0;  // 0: all numbers are, and none is written
-  std::uint32_t sum = 0, zeros = 0;
+  std::uint32_t sum = 0;
+};
+
+// Features of controls, as arrays.
+struct ControlFeatures {
+  const std::uint32_t* controls;
+  const FeatureKind* kinds;
+  const float *scales, *thresholds, *falls;
+  std::size_t count;
 };
 
 struct PoseKernels {
   const char* name;
-  PanelSums panel_sums;
+  ColumnSums column_sums;
+  QuadSums quad_sums;
   // The loops of vector_passes.h.
-  Rounded (*round_all)(float* x, std::size_t count, float limit, std::int16_t* wholes);
-  // The same for each pose of a block, whose numbers lie side by side; wholes lie as ActiveColumns::inputs do, zeros
-  // are not counted, and those of poses that are all zeros are written.
+  bool (*any_nan)(const float* x, std::size_t count);
+  // moves[i * step] = control i, within its range, minus what it is at rest. Returns how many were beyond their range.
+  std::uint32_t (*clamp_controls)(const float* controls, const float* minimum, const float* maximum, const float* rest,
+                                  std::size_t count, float* moves, std::size_t step);
+  // The values of all features, of 1 or block_poses poses side by side, as the controls' moves are.
+  void (*control_features)(const ControlFeatures& features, const float* moves, std::size_t poses, float* values);
+  // Lists the places of values that are not 0 in one pose; there is room for all and 16 more. Returns how many.
+  std::size_t (*list_moved)(const float* values, std::size_t count, std::uint32_t* places);
+  Rounded (*round_all)(const float* x, std::size_t count, float limit, std::int16_t* wholes);
+  // The same for each pose of a block, whose numbers lie side by side; wholes lie as PanelInputs::inputs do, and
+  // those of poses that are all zeros are written.
   void (*round_block)(float* x, std::size_t count, float limit, std::int16_t* wholes, Rounded* rounded);
   // rows = rest + step * sums
   void (*move_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);

@@ -9,6 +9,55 @@ std::int32_t size_of(float x) {
   return bits & 0x7fffffff;
 }
 
+bool any_nan(const float* x, std::size_t count) {
+  std::int32_t most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t size = size_of(x[i]);
+    most = size > most ? size : most;
+  }
+  return most > 0x7f800000;
+}
+
+std::uint32_t clamp_controls(const float* __restrict controls, const float* __restrict minimum,
+                             const float* __restrict maximum, const float* __restrict rest, std::size_t count,
+                             float* __restrict moves, std::size_t step) {
+  std::uint32_t clamped = 0;
+  const auto clamp = [&](std::size_t i, float& move) {
+    const float low = controls[i] < minimum[i] ? minimum[i] : controls[i];
+    const float within = low > maximum[i] ? maximum[i] : low;
+    clamped += within != controls[i];
+    move = within - rest[i];
+  };
+  if (step == 1)
+    for (std::size_t i = 0; i < count; ++i) clamp(i, moves[i]);
+  else
+    for (std::size_t i = 0; i < count; ++i) clamp(i, moves[i * step]);
+  return clamped;
+}
+
+void control_features(const ControlFeatures& f, const float* __restrict moves, std::size_t poses,
+                      float* __restrict values) {
+  if (poses == 1) {
+    for (std::size_t i = 0; i < f.count; ++i)
+      values[i] = control_feature(f.kinds[i], f.scales[i], f.thresholds[i], f.falls[i], moves[f.controls[i]]);
+    return;
+  }
+  for (std::size_t i = 0; i < f.count; ++i)
+    for (std::size_t p = 0; p < block_poses; ++p)
+      values[i * block_poses + p] =
+          control_feature(f.kinds[i], f.scales[i], f.thresholds[i], f.falls[i], moves[f.controls[i] * block_poses + p]);
+}
+
+// Written whether listed or not, because which features are 0 is a coin toss that no branch predictor wins.
+std::size_t list_moved(const float* values, std::size_t count, std::uint32_t* places) {
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    places[moved] = static_cast<std::uint32_t>(i);
+    moved += size_of(values[i]) != 0;
+  }
+  return moved;
+}
+
 // What the largest size of some numbers counts as; 0 if they all count as 0.
 float largest_of(std::int32_t size) {
   constexpr std::int32_t largest = 0x71800000;  // 2^100
@@ -26,26 +75,28 @@ std::int32_t whole_of(float x, float limit) {
   return static_cast<std::int32_t>(q == q ? q : 0);
 }
 
-// FORMAT.md, "Quantise". x is filled up with zeros.
-Rounded round_all(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes) {
+// FORMAT.md, "Quantise". What lies beyond the numbers is read, since whole vectors are, but counts as 0: setting it to
+// 0 first would make the reading wait for it.
+Rounded round_all(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes) {
+  const auto end = static_cast<std::int32_t>(count);
   const std::size_t padded = (count + padding - 1) / padding * padding;
-  for (std::size_t i = count; i < padded; ++i) x[i] = 0;
   std::int32_t most = 0;
   for (std::size_t i = 0; i < padded; ++i) {
     const std::int32_t size = size_of(x[i]);
-    most = size > most ? size : most;
+    const std::int32_t counted = static_cast<std::int32_t>(i) < end ? size : 0;
+    most = counted > most ? counted : most;
   }
   const float m = largest_of(most);
   if (m == 0) return {};
   const float inverse = limit / m;
-  std::uint32_t sum = 0, zeros = 0;
+  std::uint32_t sum = 0;
   for (std::size_t i = 0; i < padded; ++i) {
-    const std::int32_t whole = whole_of(x[i] * inverse, limit);
+    const std::int32_t all = whole_of(x[i] * inverse, limit);
+    const std::int32_t whole = static_cast<std::int32_t>(i) < end ? all : 0;
     wholes[i] = static_cast<std::int16_t>(whole);
     sum += static_cast<std::uint32_t>(whole);
-    zeros += whole == 0;
   }
-  return {m / limit, sum, zeros - static_cast<std::uint32_t>(padded - count)};
+  return {m / limit, sum};
 }
 
 // Of eight poses.
@@ -162,4 +213,9 @@ void normalise(float* __restrict x, float* __restrict y, float* __restrict z, st
     y[i] = sound ? y[i] * scale : 0;
     z[i] = sound ? z[i] * scale : 0;
   }
+}
+
+constexpr PoseKernels with_passes(const char* name, ColumnSums column_sums, QuadSums quad_sums) {
+  return {name,      column_sums, quad_sums, any_nan,      clamp_controls, control_features, list_moved,
+          round_all, round_block, move_rows, finish_layer, to_halves,      normalise};
 }

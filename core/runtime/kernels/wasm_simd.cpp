@@ -9,16 +9,15 @@ namespace {
 
 // 16 rows of some poses: two columns become pairs of 16-bit numbers, which one instruction multiplies and adds.
 template <int poses>
-void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::size_t first_pose,
-            std::int32_t* sums) {
+void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   v128_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
-    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(active.start[first_pose + p]));
-  const std::int16_t* inputs = active.inputs + 4 * first_pose;
-  for (std::size_t k = 0; k < active.count; k += 4, inputs += 4 * active.poses)
+    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.start[first_pose + p]));
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const v128_t a = wasm_v128_load(digits + active.places[k + pair] * rows);
-      const v128_t b = wasm_v128_load(digits + active.places[k + pair + 1] * rows);
+      const v128_t a = wasm_v128_load(digits + panel.places[k + pair] * column_rows);
+      const v128_t b = wasm_v128_load(digits + panel.places[k + pair + 1] * column_rows);
       const v128_t first = wasm_i8x16_shuffle(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
       const v128_t last = wasm_i8x16_shuffle(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
       const v128_t weights[4] = {wasm_u16x8_extend_low_u8x16(first), wasm_u16x8_extend_high_u8x16(first),
@@ -29,20 +28,53 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& a
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) wasm_v128_store(sums + panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4; ++i) wasm_v128_store(sums + most_rows * (first_pose + p) + 4 * i, sum[p][i]);
 }
 
-void panel_sums(const std::uint8_t* digits, std::size_t rows, const ActiveColumns& active, std::int32_t* sums) {
+// Four rows of a quad are a vector.
+template <int poses>
+void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+                  std::int32_t* sums) {
+  const v128_t even = wasm_i16x8_const_splat(255);
+  v128_t sum[poses][4];
+  for (int p = 0; p < poses; ++p)
+    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.start[first_pose + p]));
+  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
+    for (int v = 0; v < 4; ++v) {
+      const v128_t weights = wasm_v128_load(quads + 16 * v);
+      const v128_t first = wasm_v128_and(weights, even), last = wasm_u16x8_shr(weights, 8);
+      for (int p = 0; p < poses; ++p) {
+        const v128_t x = wasm_v128_load32_splat(inputs + 4 * p), y = wasm_v128_load32_splat(inputs + 4 * p + 2);
+        sum[p][v] = wasm_i32x4_add(sum[p][v], wasm_i32x4_dot_i16x8(first, x));
+        sum[p][v] = wasm_i32x4_add(sum[p][v], wasm_i32x4_dot_i16x8(last, y));
+      }
+    }
+  for (int p = 0; p < poses; ++p)
+    for (int v = 0; v < 4; ++v) wasm_v128_store(sums + most_rows * (first_pose + p) + 4 * v, sum[p][v]);
+}
+
+void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
+                 std::int32_t* sums) {
   for (std::size_t r = 0; r < rows; r += 16)
-    if (active.poses == 1)
-      add_up<1>(digits + r, rows, active, 0, sums + r);
+    if (panel.poses == 1)
+      add_up<1>(digits + r / column_rows * panel_bytes + r % column_rows, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2) add_up<2>(digits + r, rows, active, pose, sums + r);
+      for (std::size_t pose = 0; pose < block_poses; pose += 2)
+        add_up<2>(digits + r / column_rows * panel_bytes + r % column_rows, panel, pose, sums + r);
+}
+
+void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  for (std::size_t r = 0; r < rows; r += 16)
+    if (panel.poses == 1)
+      add_up_quads<1>(quads + 4 * r, rows, panel, 0, sums + r);
+    else
+      for (std::size_t pose = 0; pose < block_poses; pose += 2)
+        add_up_quads<2>(quads + 4 * r, rows, panel, pose, sums + r);
 }
 
 }  // namespace
 
-const PoseKernels wasm_simd_kernels = {"wasm-simd", panel_sums,   round_all, round_block,
-                                       move_rows,   finish_layer, to_halves, normalise};
+const PoseKernels wasm_simd_kernels = with_passes("wasm-simd", column_sums, quad_sums);
 
 }  // namespace fb
