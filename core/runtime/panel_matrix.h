@@ -42,7 +42,7 @@ class PanelMatrix {
     for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
       const std::size_t step = width();
       std::uint8_t* const to = at(first, column);
-      for (std::size_t r = 0; r < panel_rows_at(first); ++r) to[r * step] = stored(numbers[first + r], digit);
+      for (std::size_t r = 0; r < rows_at(first); ++r) to[r * step] = stored(numbers[first + r], digit);
     }
   }
   // One a column.
@@ -69,7 +69,7 @@ class PanelMatrix {
         }
         for (std::size_t i = 0; i < length; ++i) weights[i] += some[i];
       }
-      for (std::size_t r = 0; r < panel_rows_at(first); ++r) {
+      for (std::size_t r = 0; r < rows_at(first); ++r) {
         std::uint32_t weight = 0;
         for (std::size_t i = 0; i < width(); ++i) weight += weights[r * width() + i];
         heaviest = std::max(heaviest, weight);
@@ -85,21 +85,17 @@ class PanelMatrix {
   // is at most most_summands.
   std::int32_t limit() const { return limit_; }
 
-  // Sums are taken of so many rows at a time,
-  std::uint32_t step() const { return form_ == Form::quads ? quad_rows : most_rows; }
-  // or of fewer, if these are all from row `first` on, a multiple of step().
-  std::uint32_t rows_at(std::uint32_t first) const { return std::min(step(), rows_ - first); }
+  std::uint32_t panel_rows() const { return form_ == Form::quads ? quad_rows : column_rows; }
+  // How many rows the panel has that begins at row `first`, a multiple of panel_rows().
+  std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows(), rows_ - first); }
 
-  // The sums of rows_at(first) rows: most_rows numbers a pose, of which those beyond are anything.
+  // The sums of that panel: most_rows numbers a pose, of which those beyond its rows are anything.
   void sum(const PoseKernels& kernels, std::uint32_t first, const PanelInputs& inputs, std::int32_t* sums) const {
-    const std::size_t rows = whole_vectors(rows_at(first));
-    if (form_ == Form::quads)
-      kernels.quad_sums(panel(first), rows, inputs, sums);
-    else
-      kernels.column_sums(panel(first), column_rows * lines_, rows, inputs, sums);
+    (form_ == Form::quads ? kernels.quad_sums : kernels.column_sums)(panel(first), whole_vectors(rows_at(first)),
+                                                                     inputs, sums);
   }
 
-  // Asks for the digits of a column, in that form, in the panel that begins at row 0.
+  // Asks for the digits of a column, in that form, in the first panel.
   void fetch(std::size_t column) const { __builtin_prefetch(panel(0) + column_rows * column); }
 
   int digit(std::uint32_t row, std::size_t column) const {
@@ -116,10 +112,8 @@ class PanelMatrix {
   static std::uint32_t whole_vectors(std::uint32_t rows) { return (rows + 15) / 16 * 16; }
   // Of a line, which is a column or a quad.
   std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }
-  std::uint32_t panel_rows() const { return form_ == Form::quads ? quad_rows : column_rows; }
-  std::uint32_t panel_rows_at(std::uint32_t first) const { return std::min(panel_rows(), rows_ - first); }
   std::size_t stored_rows(std::uint32_t first) const {
-    return form_ == Form::quads ? whole_vectors(panel_rows_at(first)) : column_rows;
+    return form_ == Form::quads ? whole_vectors(rows_at(first)) : column_rows;
   }
   // All panels before this one are full.
   const std::uint8_t* panel(std::uint32_t first) const {

@@ -36,7 +36,7 @@ RegionNet::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::p
 
 void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride,
                            const float* input, float* output) const {
-  for (std::uint32_t first = 0; first < outputs; first += low.step()) {
+  for (std::uint32_t first = 0; first < outputs; first += low.panel_rows()) {
     std::int32_t low_sums[block_poses * most_rows], high_sums[block_poses * most_rows];
     low.sum(kernels, first, x.panel_inputs(), low_sums);
     if (high) high->sum(kernels, first, x.panel_inputs(), high_sums);

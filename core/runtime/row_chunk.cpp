@@ -50,7 +50,7 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
 }
 
 void RowChunk::run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const {
-  for (std::uint32_t first = 0; first < row_count(); first += digits_.step()) {
+  for (std::uint32_t first = 0; first < row_count(); first += digits_.panel_rows()) {
     std::int32_t sums[block_poses * most_rows];
     digits_.sum(kernels, first, summands.panel_inputs(), sums);
     for (std::size_t pose = 0; pose < summands.poses; ++pose)

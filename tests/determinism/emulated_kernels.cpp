@@ -13,8 +13,7 @@ using namespace fb;
 
 bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t poses, std::size_t rows,
            std::size_t columns, std::size_t count, bool extreme) {
-  const std::size_t panels = (rows + column_rows - 1) / column_rows;
-  const std::size_t bytes = quads ? rows * columns : panels * column_rows * columns;
+  const std::size_t bytes = (quads ? rows : column_rows) * columns;
   const auto digits = std::make_unique<std::uint8_t[]>(bytes);
   for (std::size_t i = 0; i < bytes; ++i)
     digits[i] = static_cast<std::uint8_t>(extreme ? 255 * random.below(2) : random.below(256));
@@ -30,10 +29,7 @@ bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t p
   const PanelInputs inputs = {places.data(), numbers.data(), count, poses, starts.data()};
   std::int32_t expected[block_poses * most_rows] = {}, found[block_poses * most_rows] = {};
   const auto sum = [&](const PoseKernels& with, std::int32_t* sums) {
-    if (quads)
-      with.quad_sums(digits.get(), rows, inputs, sums);
-    else
-      with.column_sums(digits.get(), column_rows * columns, rows, inputs, sums);
+    (quads ? with.quad_sums : with.column_sums)(digits.get(), rows, inputs, sums);
   };
   sum(scalar_kernels, expected);
   sum(kernels, found);

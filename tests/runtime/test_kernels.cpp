@@ -84,7 +84,7 @@ TEST_CASE("kernels give exact sums, for matrices of both forms and all sizes and
             for (const std::size_t poses : {std::size_t{1}, block_poses}) {
               if (form == quads && count > 0) continue;
               const Inputs inputs = some_inputs(random, poses, count, width, form, kind);
-              for (std::uint32_t first = 0; first < rows; first += matrix.step()) {
+              for (std::uint32_t first = 0; first < rows; first += matrix.panel_rows()) {
                 const std::uint32_t there = matrix.rows_at(first);
                 std::vector<std::int32_t> expected(poses * most_rows);
                 for (std::size_t pose = 0; pose < poses; ++pose)

@@ -98,21 +98,17 @@ void block_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs&
       }
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
-                 std::int32_t* sums) {
-  for (; rows > 0; digits += panel_bytes, sums += column_rows) {
-    const std::size_t here = rows < column_rows ? rows : column_rows;
-    rows -= here;
-    if (panel.poses == block_poses)
-      block_sums(digits, here, panel, sums);
-    else if (here == 64)
-      add_up<0, 4, false, 1>(digits, panel, 0, sums);
-    else if (here == 48)
-      add_up<0, 2, true, 1>(digits, panel, 0, sums);
-    else if (here == 32)
-      add_up<0, 2, false, 1>(digits, panel, 0, sums);
-    else
-      add_up<0, 0, true, 1>(digits, panel, 0, sums);
+void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  if (panel.poses == block_poses) return block_sums(digits, rows, panel, sums);
+  std::size_t r = 0;
+  for (; r + 64 <= rows; r += 64) add_up<0, 4, false, 1>(digits + r, panel, 0, sums + r);
+  switch (rows - r) {
+    case 48:
+      return add_up<0, 2, true, 1>(digits + r, panel, 0, sums + r);
+    case 32:
+      return add_up<0, 2, false, 1>(digits + r, panel, 0, sums + r);
+    case 16:
+      return add_up<0, 0, true, 1>(digits + r, panel, 0, sums + r);
   }
 }
 

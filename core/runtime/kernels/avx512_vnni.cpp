@@ -60,40 +60,40 @@ struct Strip {
   }
 };
 
-// Those of so many panels.
-template <int panels>
+// So many side by side.
+template <int strips>
 struct Strips {
-  Strips<panels - 1> before;
+  Strips<strips - 1> before;
   Strip strip;
 
   void begin(std::uint32_t start) {
     before.begin(start);
     strip.begin(start);
   }
-  void add(const std::uint8_t* a, const std::uint8_t* b, std::size_t panel, __m512i input) {
-    before.add(a, b, panel, input);
-    strip.add(a + (panels - 1) * panel, b + (panels - 1) * panel, input);
+  void add(const std::uint8_t* a, const std::uint8_t* b, __m512i input) {
+    before.add(a, b, input);
+    strip.add(a + 64 * (strips - 1), b + 64 * (strips - 1), input);
   }
   void store(std::int32_t* sums) const {
     before.store(sums);
-    strip.store(sums + 64 * (panels - 1));
+    strip.store(sums + 64 * (strips - 1));
   }
 };
 template <>
 struct Strips<0> {
   void begin(std::uint32_t) {}
-  void add(const std::uint8_t*, const std::uint8_t*, std::size_t, __m512i) {}
+  void add(const std::uint8_t*, const std::uint8_t*, __m512i) {}
   void store(std::int32_t*) const {}
 };
 
-template <int panels>
-void add_up(const std::uint8_t* digits, std::size_t panel_bytes, const PanelInputs& panel, std::int32_t* sums) {
-  Strips<panels> sum;
+template <int strips>
+void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::int32_t* sums) {
+  Strips<strips> sum;
   sum.begin(*panel.start);
   const std::uint32_t* place = panel.places;
   const std::int16_t* input = panel.inputs;
   for (std::size_t k = 0; k < panel.count; k += 2, place += 2, input += 2)
-    sum.add(digits + column_rows * place[0], digits + column_rows * place[1], panel_bytes, broadcast_pair(input));
+    sum.add(digits + column_rows * place[0], digits + column_rows * place[1], broadcast_pair(input));
   sum.store(sums);
 }
 
@@ -111,15 +111,14 @@ void add_up_four(const std::uint8_t* digits, const PanelInputs& panel, std::size
   for (int p = 0; p < 4; ++p) sum[p].store(sums + most_rows * (first_pose + p));
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
-                 std::int32_t* sums) {
+void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
   if (panel.poses == 1) {
-    if (rows > 128) return add_up<3>(digits, panel_bytes, panel, sums);
-    if (rows > 64) return add_up<2>(digits, panel_bytes, panel, sums);
-    return add_up<1>(digits, panel_bytes, panel, sums);
+    if (rows > 128) return add_up<3>(digits, panel, sums);
+    if (rows > 64) return add_up<2>(digits, panel, sums);
+    return add_up<1>(digits, panel, sums);
   }
-  for (std::size_t row = 0; row < rows; row += column_rows, digits += panel_bytes)
-    for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up_four(digits, panel, pose, sums + row);
+  for (std::size_t row = 0; row < rows; row += 64)
+    for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up_four(digits + row, panel, pose, sums + row);
 }
 
 // Of 16 times `vectors` rows: low and high digits of the inputs apart.

@@ -13,11 +13,9 @@ namespace fb {
 // How many poses go through the runtime together where there are many: digits are read and unpacked once for all.
 inline constexpr std::size_t block_poses = 8;
 
-// Rows of a panel of columns, each of which has room for as many if there are fewer, and of quads at most.
-inline constexpr std::size_t column_rows = 64, quad_rows = 128;
-
-// Rows whose sums are taken at once, at most.
-inline constexpr std::size_t most_rows = 3 * column_rows;
+// Rows of a panel at most: of columns, each of which has room for as many if there are fewer, and of quads.
+inline constexpr std::size_t column_rows = 192, quad_rows = 128;
+inline constexpr std::size_t most_rows = column_rows;
 
 // Columns of a quad, which lie in this order, so that of each row even bytes are the first two and odd bytes the last.
 inline constexpr std::size_t quad_columns = 4;
@@ -36,13 +34,10 @@ struct PanelInputs {
 };
 
 // sums[most_rows * p + r] = sum over the columns of pose p's input x digit r of the column, for r < rows, a multiple of
-// 16 up to most_rows. Each byte of `digits` holds a digit + 128, of which `start` is the undoing. The caller sees to it
-// that no sum leaves 32 bits; on the way sums may, modulo 2^32.
-// Of columns: these lie one after the other, column_rows bytes each; panels lie `panel_bytes` apart.
-using ColumnSums = void (*)(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows,
-                            const PanelInputs& inputs, std::int32_t* sums);
-// Of one panel of quads, which lie one after the other, 4 x rows bytes each; rows up to quad_rows.
-using QuadSums = void (*)(const std::uint8_t* quads, std::size_t rows, const PanelInputs& inputs, std::int32_t* sums);
+// 16. Each byte of `digits` holds a digit + 128, of which `start` is the undoing. Columns lie one after the other,
+// column_rows bytes each; or quads do, 4 x rows bytes each. The caller sees to it that no sum leaves 32 bits; on the
+// way sums may, modulo 2^32.
+using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const PanelInputs& inputs, std::int32_t* sums);
 
 // Lists of floats have room up to the next multiple of this.
 inline constexpr std::size_t padding = 16;
@@ -63,8 +58,7 @@ struct ControlFeatures {
 
 struct PoseKernels {
   const char* name;
-  ColumnSums column_sums;
-  QuadSums quad_sums;
+  PanelSums column_sums, quad_sums;
   // The loops of vector_passes.h.
   bool (*any_nan)(const float* x, std::size_t count);
   // moves[i * step] = control i, within its range, minus what it is at rest. Returns how many were beyond their range.

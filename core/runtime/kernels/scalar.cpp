@@ -19,11 +19,8 @@ void add_up(const std::uint8_t* digits, std::size_t rows, const PanelInputs& pan
     }
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
-                 std::int32_t* sums) {
-  add_up(digits, rows, panel, sums, [&](std::size_t k, std::size_t r) {
-    return r / column_rows * panel_bytes + panel.places[k] * column_rows + r % column_rows;
-  });
+void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+  add_up(digits, rows, panel, sums, [&](std::size_t k, std::size_t r) { return panel.places[k] * column_rows + r; });
 }
 
 void quad_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {

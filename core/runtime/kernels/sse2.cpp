@@ -68,18 +68,15 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
       _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + most_rows * (first_pose + p) + 4 * v), sum[p][v]);
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t panel_bytes, std::size_t rows, const PanelInputs& panel,
-                 std::int32_t* sums) {
+void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
   std::size_t r = 0;
   if (panel.poses == 1)
-    for (; r + 32 <= rows; r += 32)
-      add_up<2, 1>(digits + r / column_rows * panel_bytes + r % column_rows, panel, 0, sums + r);
+    for (; r + 32 <= rows; r += 32) add_up<2, 1>(digits + r, panel, 0, sums + r);
   for (; r < rows; r += 16)
     if (panel.poses == 1)
-      add_up<1, 1>(digits + r / column_rows * panel_bytes + r % column_rows, panel, 0, sums + r);
+      add_up<1, 1>(digits + r, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2)
-        add_up<1, 2>(digits + r / column_rows * panel_bytes + r % column_rows, panel, pose, sums + r);
+      for (std::size_t pose = 0; pose < block_poses; pose += 2) add_up<1, 2>(digits + r, panel, pose, sums + r);
 }
 
 void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {

@@ -215,7 +215,7 @@ void normalise(float* __restrict x, float* __restrict y, float* __restrict z, st
   }
 }
 
-constexpr PoseKernels with_passes(const char* name, ColumnSums column_sums, QuadSums quad_sums) {
+constexpr PoseKernels with_passes(const char* name, PanelSums column_sums, PanelSums quad_sums) {
   return {name,      column_sums, quad_sums, any_nan,      clamp_controls, control_features, list_moved,
           round_all, round_block, move_rows, finish_layer, to_halves,      normalise};
 }
