@@ -70,15 +70,15 @@ struct Allowance {
   double rounding, drop, step;
 };
 
-// The coordinates as multiples of a power of two of at most 2^-20 D, or a quarter of what the basis is rounded by: what
-// archives keep in a third of the bytes or less, and no position is off by more than half of it. Those that a float
-// could not hold so stay as they are.
+// The coordinates as multiples of a power of two of at most 2^-20 D, or a quarter of what the basis is rounded by, but
+// never above 2^-16 D: what archives keep in a third of the bytes or less, and no position is off by more than half of
+// it. Those that a float could not hold so stay as they are.
 Mesh on_grid(const Mesh& mesh, double basis_step) {
   Mesh out = mesh;
   const double diagonal = mesh.diagonal();
-  const int finest = std::ilogb(diagonal) - 20;
+  const int finest = std::ilogb(diagonal) - 20, coarsest = std::ilogb(diagonal) - 16;
   const float step =
-      std::ldexp(1.0f, basis_step > 0 ? std::max(finest, std::ilogb(basis_step / 4 * diagonal)) : finest);
+      std::ldexp(1.0f, basis_step > 0 ? std::clamp(std::ilogb(basis_step / 4 * diagonal), finest, coarsest) : finest);
   const bool fits = std::isnormal(step) && std::all_of(mesh.points.begin(), mesh.points.end(),
                                                        [&](float x) { return std::fabs(double(x)) < 0x1p23 * step; });
   if (fits)

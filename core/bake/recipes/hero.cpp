@@ -21,9 +21,9 @@ FaceRecipe compact_recipe() {
   recipe.basis.max_components = 96;
   recipe.term_bytes = 150'000;
   recipe.parameters = 500'000;
-  recipe.operations = 1.5e13;
+  recipe.operations = 2.5e13;
   recipe.weight_bits = 6;
-  recipe.precision = 0.05;
+  recipe.precision = 0.1;
   recipe.finest = 1.5e-5;
   recipe.touched_bytes = 1.25e6;
   return recipe;

@@ -115,7 +115,10 @@ Networks train_networks(const FaceRecipe& recipe, std::span<const FaceRegion> re
     const std::vector<TrainedLayers> first = course.run(narrow, epochs, "first", "training narrow networks", progress);
     for (std::size_t r = 0; r < count; ++r) course.demands[r].error *= left_by(first[r], course.sets[r]);
   }
-  const std::size_t parameters = std::min(recipe.parameters, recipe.parameters_per_pose * poses.size());
+  const double share =
+      std::clamp(std::cbrt(double(poses.size()) / double(recipe.ample_poses)), recipe.least_share, 1.0);
+  const std::size_t parameters =
+      std::min(static_cast<std::size_t>(share * double(recipe.parameters)), recipe.parameters_per_pose * poses.size());
   const std::vector<std::uint32_t> widths =
       network_widths(course.demands, recipe.hidden_layers, recipe.widest, parameters);
   const std::uint32_t epochs =
