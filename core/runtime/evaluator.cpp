@@ -234,8 +234,6 @@ void Evaluator::run_chunks(float* const* rows, Workspace& workspace) const {
   for (std::size_t c = 0; c < chunks_.size(); ++c) {
     const RowChunk& chunk = chunks_[c];
     const Quantized& summands = workspace.summands_[c];
-    if (c + 1 < chunks_.size())
-      chunks_[c + 1].fetch(workspace.summands_[c + 1].places, workspace.summands_[c + 1].count);
     const float* rest = rest_rows_.data() + chunk.first_row();
     float* to[poses];
     for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();

@@ -95,9 +95,6 @@ class PanelMatrix {
                                                                      inputs, sums);
   }
 
-  // Asks for the digits of a column, in that form, in the first panel.
-  void fetch(std::size_t column) const { __builtin_prefetch(panel(0) + column_rows * column); }
-
   int digit(std::uint32_t row, std::size_t column) const {
     return *const_cast<PanelMatrix*>(this)->at(row, column) - 128;
   }

@@ -175,6 +175,25 @@ TEST_CASE("kernels see what is not a number") {
     }
 }
 
+TEST_CASE("kernels round numbers as the scalar ones do, whatever lies beyond them") {
+  Random random(7);
+  for (const std::size_t count : {0u, 1u, 15u, 16u, 17u, 50u, 64u})
+    for (const float limit : {1.0f, 77.0f, 32512.0f})
+      for (const bool wild : {false, true}) {
+        std::vector<float> numbers(count + padding, 1e30f);
+        for (std::size_t i = 0; i < count; ++i) numbers[i] = random.uniform(-3, 3);
+        if (wild && count > 15) numbers[3] = INFINITY, numbers[4] = -NAN, numbers[5] = -1e-38f, numbers[6] = -INFINITY;
+        std::vector<std::int16_t> expected(count + padding, -1), found(count + padding, -1);
+        const Rounded one = scalar_kernels.round_all(numbers.data(), count, limit, expected.data());
+        for (const PoseKernels* kernels : runnable_kernels()) {
+          std::fill(found.begin(), found.end(), std::int16_t(-1));
+          const Rounded other = kernels->round_all(numbers.data(), count, limit, found.data());
+          CHECK_MESSAGE((other.step == one.step && other.sum == one.sum && found == expected),
+                        kernels->name << ": " << count << " numbers, limit " << limit);
+        }
+      }
+}
+
 TEST_CASE("kernels round a block of poses as they do one") {
   Random random(5);
   for (const PoseKernels* kernels : runnable_kernels())

@@ -215,10 +215,38 @@ std::size_t list_moved_compressed(const float* values, std::size_t count, std::u
 }
 #endif
 
+#if !defined(FB_EMULATED)
+// round_all() with masks: most lists are short.
+Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_t* wholes) {
+  const auto there = [&](std::size_t i) {
+    return static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xffff);
+  };
+  const __m512i no_sign = _mm512_set1_epi32(0x7fffffff);
+  __m512i sizes = _mm512_setzero_si512();
+  for (std::size_t i = 0; i < count; i += 16)
+    sizes = _mm512_max_epi32(sizes, _mm512_and_si512(_mm512_maskz_loadu_epi32(there(i), x + i), no_sign));
+  const float m = largest_of(_mm512_reduce_max_epi32(sizes));
+  if (m == 0) return {};
+  const __m512 inverse = _mm512_set1_ps(limit / m), most = _mm512_set1_ps(limit), least = _mm512_set1_ps(-limit);
+  const __m512 magic = _mm512_set1_ps(12582912.0f);
+  __m512i sum = _mm512_setzero_si512();
+  for (std::size_t i = 0; i < count; i += 16) {
+    __m512 q = _mm512_mul_ps(_mm512_maskz_loadu_ps(there(i), x + i), inverse);
+    q = _mm512_sub_ps(_mm512_add_ps(q, magic), magic);
+    q = _mm512_max_ps(least, _mm512_min_ps(most, q));
+    const __m512i whole = _mm512_maskz_cvttps_epi32(_mm512_cmp_ps_mask(q, q, _CMP_ORD_Q), q);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(wholes + i), _mm512_cvtepi32_epi16(whole));
+    sum = _mm512_add_epi32(sum, whole);
+  }
+  return {m / limit, static_cast<std::uint32_t>(_mm512_reduce_add_epi32(sum))};
+}
+#endif
+
 constexpr PoseKernels kernels() {
   PoseKernels kernels = with_passes("avx512-vnni", column_sums, quad_sums);
 #if !defined(FB_EMULATED)
   kernels.list_moved = list_moved_compressed;
+  kernels.round_all = round_masked;
 #endif
   return kernels;
 }
