@@ -44,8 +44,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       values_(evaluator.first_in_list_.back() * block_poses, &memory),
       places_(evaluator.first_in_list_.back(), &memory),
       ends_(evaluator.first_in_list_.size() - 1, &memory),
-      wholes_(evaluator.first_in_list_.back() * block_poses, &memory),
-      summands_(evaluator.chunks_.size(), &memory),
+      wholes_(evaluator.most_summands_ * block_poses, &memory),
       open_(evaluator.nets_.size(), &memory),
       coefficients_(evaluator.coefficient_count() * block_poses, &memory),
       layers_(evaluator.work_size_ * block_poses, &memory),
@@ -118,6 +117,11 @@ void Evaluator::lay_out_lists(const PackedModel& model) {
   for (const PackedRegion& region : model.regions) add(region.gate.features.size());
   for (const RowChunk& chunk : chunks_) add(chunk.summand_count());
   first_in_list_.push_back(checked_u32(numbers, "the numbers of all lists"));
+  for (std::size_t first = 0; first < chunks_.size(); first += some_chunks) {
+    const std::size_t end = std::min(first + some_chunks, chunks_.size());
+    most_summands_ =
+        std::max<std::size_t>(most_summands_, first_in_list_[chunk_list(end)] - first_in_list_[chunk_list(first)]);
+  }
 }
 
 void Evaluator::lay_out_uses(const PackedModel& model) {
@@ -209,40 +213,45 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
   }
 }
 
-// All chunks' before any is multiplied, so that the processor need not wait for one to begin the next.
 template <std::size_t poses>
-void Evaluator::round_summands(Workspace& workspace) const {
-  for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    const RowChunk& chunk = chunks_[c];
-    PoseNumbers list = numbers(chunk_list(c), poses, workspace);
-    for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
-      const auto [region, begin, end] = chunk_regions_[u];
-      if (!workspace.open_[region]) continue;
-      chunk.weigh<poses>({begin, end}, workspace.coefficients_.data(), list.values + list.count * poses);
-      for (std::uint32_t s = begin; s < end; ++s) list.places[list.count++] = s;
-    }
-    workspace.summands_[c].count = 0;
-    if (list.count > 0)
-      quantize(kernels_, list, chunk.limit(), poses, workspace.wholes_.data() + first_in_list_[chunk_list(c)] * poses,
-               workspace.summands_[c]);
+void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t* wholes, Quantized& summands) const {
+  const RowChunk& chunk = chunks_[c];
+  PoseNumbers list = numbers(chunk_list(c), poses, workspace);
+  for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
+    const auto [region, begin, end] = chunk_regions_[u];
+    if (!workspace.open_[region]) continue;
+    chunk.weigh<poses>({begin, end}, workspace.coefficients_.data(), list.values + list.count * poses);
+    for (std::uint32_t s = begin; s < end; ++s) list.places[list.count++] = s;
   }
+  summands.count = 0;
+  if (list.count > 0) quantize(kernels_, list, chunk.limit(), poses, wholes, summands);
 }
 
+// Some chunks' summands are rounded before any of these are multiplied, so that the processor need not wait for one to
+// begin the next, and not more than its caches hold.
 template <std::size_t poses>
 void Evaluator::run_chunks(float* const* rows, Workspace& workspace) const {
   const bool kept = rows[0] == workspace.rows_.data();
-  for (std::size_t c = 0; c < chunks_.size(); ++c) {
-    const RowChunk& chunk = chunks_[c];
-    const Quantized& summands = workspace.summands_[c];
-    const float* rest = rest_rows_.data() + chunk.first_row();
-    float* to[poses];
-    for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();
-    if (summands.count > 0) chunk.run(kernels_, summands, rest, to);
-    for (std::size_t p = 0; p < poses; ++p) {
-      std::uint8_t& was_moved = workspace.moved_[p * chunks_.size() + c];
-      const bool moved = summands.count > 0 && summands.steps[p] != 0;
-      if (!moved && !(kept && !was_moved)) std::copy_n(rest, chunk.row_count(), to[p]);
-      if (kept) was_moved = moved;
+  Quantized rounded[some_chunks];
+  for (std::size_t first = 0; first < chunks_.size(); first += some_chunks) {
+    const std::size_t end = std::min(first + some_chunks, chunks_.size());
+    for (std::size_t c = first; c < end; ++c) {
+      const std::size_t place = first_in_list_[chunk_list(c)] - first_in_list_[chunk_list(first)];
+      round_summands<poses>(c, workspace, workspace.wholes_.data() + place * poses, rounded[c - first]);
+    }
+    for (std::size_t c = first; c < end; ++c) {
+      const RowChunk& chunk = chunks_[c];
+      const Quantized& summands = rounded[c - first];
+      const float* rest = rest_rows_.data() + chunk.first_row();
+      float* to[poses];
+      for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + chunk.first_row();
+      if (summands.count > 0) chunk.run(kernels_, summands, rest, to);
+      for (std::size_t p = 0; p < poses; ++p) {
+        std::uint8_t& was_moved = workspace.moved_[p * chunks_.size() + c];
+        const bool moved = summands.count > 0 && summands.steps[p] != 0;
+        if (!moved && !(kept && !was_moved)) std::copy_n(rest, chunk.row_count(), to[p]);
+        if (kept) was_moved = moved;
+      }
     }
   }
 }
@@ -251,7 +260,6 @@ template <std::size_t poses>
 void Evaluator::run_features_on(const PoseOutput* outputs, RegionMask regions, Workspace& workspace) const {
   gather_lists<poses>(workspace);
   run_regions<poses>(regions, workspace);
-  round_summands<poses>(workspace);
   const VertexOutput& first = outputs[0].positions;  // the others are alike
   const bool in_place = first.first && first.vertex_stride == 3 && !first.streamed &&
                         first.format == NumberFormat::float32 && !outputs[0].normals.first &&

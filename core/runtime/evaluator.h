@@ -42,8 +42,7 @@ class Workspace {
   // where each list ends.
   std::pmr::vector<float> values_;
   std::pmr::vector<std::uint32_t> places_, ends_;
-  std::pmr::vector<std::int16_t> wholes_;  // of chunks' summands
-  std::pmr::vector<Quantized> summands_;   // of chunks
+  std::pmr::vector<std::int16_t> wholes_;  // of some chunks' summands
   std::pmr::vector<std::uint8_t> open_;    // by region: whether it gives anything but 0 in any pose
   std::pmr::vector<float> coefficients_;   // those of poses side by side
   // Pose after pose. Rows are those at rest but for chunks that moved_ says are not.
@@ -133,6 +132,7 @@ class Evaluator {
   };
   std::size_t gate_list(std::size_t region) const { return nets_.size() + region; }
   std::size_t chunk_list(std::size_t chunk) const { return 2 * nets_.size() + chunk; }
+  static constexpr std::size_t some_chunks = 16;  // see run_chunks()
   // A region's summands in a chunk.
   struct ChunkRegion {
     std::uint32_t region, begin, end;
@@ -151,7 +151,7 @@ class Evaluator {
   template <std::size_t poses>
   void run_regions(RegionMask regions, Workspace& workspace) const;
   template <std::size_t poses>
-  void round_summands(Workspace& workspace) const;
+  void round_summands(std::size_t chunk, Workspace& workspace, std::int16_t* wholes, Quantized& summands) const;
   template <std::size_t poses>
   void run_chunks(float* const* rows, Workspace& workspace) const;
   template <std::size_t poses>
@@ -187,7 +187,7 @@ class Evaluator {
   std::pmr::vector<std::uint32_t> order_, place_of_;  // empty: rows are in the order of vertices
   VertexNormals normals_;
   VertexTangents tangents_;
-  std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0;
+  std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0, most_summands_ = 0;
 };
 
 }  // namespace fb
