@@ -224,6 +224,7 @@ void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t
     for (std::uint32_t s = begin; s < end; ++s) list.places[list.count++] = s;
   }
   summands.count = 0;
+  chunk.fetch(list.places, list.count);
   if (list.count > 0) quantize(kernels_, list, chunk.limit(), poses, wholes, summands);
 }
 

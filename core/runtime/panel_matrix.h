@@ -95,6 +95,13 @@ class PanelMatrix {
                                                                      inputs, sums);
   }
 
+  // Asks for a column's digits, in that form.
+  void fetch(std::size_t column) const {
+    for (std::uint32_t first = 0; first < rows_; first += column_rows)
+      for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block))
+        __builtin_prefetch(panel(first) + column_rows * column + r);
+  }
+
   int digit(std::uint32_t row, std::size_t column) const {
     return *const_cast<PanelMatrix*>(this)->at(row, column) - 128;
   }

@@ -39,6 +39,11 @@ class RowChunk {
       for (std::size_t p = 0; p < poses; ++p) summands[p] = coefficients[columns_[s] * poses + p] * scales_[s];
   }
 
+  // Asks the processor for the digits of these summands: which are needed next no prefetcher can guess.
+  void fetch(const std::uint32_t* places, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) digits_.fetch(places[i]);
+  }
+
   // The largest number that summands may be rounded to.
   float limit() const { return static_cast<float>(digits_.limit()); }
 

@@ -199,6 +199,7 @@ void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
   if (row < rows) add_up_block<1>(quads + 4 * row, rows, panel, sums + row);
 }
 
+// SIMDe lacks some of what these need.
 #if !defined(FB_EMULATED)
 std::size_t list_moved_compressed(const float* values, std::size_t count, std::uint32_t* places) {
   __m512i place = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -213,9 +214,7 @@ std::size_t list_moved_compressed(const float* values, std::size_t count, std::u
   }
   return moved;
 }
-#endif
 
-#if !defined(FB_EMULATED)
 // round_all() with masks: most lists are short.
 Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_t* wholes) {
   const auto there = [&](std::size_t i) {
