@@ -151,8 +151,7 @@ Speed measure_speed(std::span<const std::byte> archive, std::span<const float> c
   progress.begin("measuring warm poses", options.rounds);
   for (std::size_t round = 0; round < options.rounds; ++round) {
     for (Timed& timed : warm) {
-      const std::size_t untimed = std::min<std::size_t>(poses, 8);  // until its model is in the caches
-      for (std::size_t pose = 0; pose < untimed; ++pose) timed.run(pose);
+      for (std::size_t pose = 0; pose < poses; ++pose) timed.run(pose);  // until all it reads is in the caches
       for (std::size_t pose = 0; pose < poses; ++pose) timed.take(pose);
     }
     progress.step(round + 1);
