@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <type_traits>
 
 #include "base/checked.h"
 #include "model/feature_values.h"
@@ -92,26 +91,20 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
 
 namespace {
 
-// Of one pose, or of four of a block.
-template <std::size_t poses>
-using Number = std::conditional_t<poses == 1, float, FourFloats>;
-
-template <std::size_t poses>
-Number<poses> load(const float* from) {
-  Number<poses> number;
-  std::memcpy(&number, from, sizeof number);
-  return number;
+FourFloats load_four(const float* from) {
+  FourFloats four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
 }
 
-// Which of a feature's values are not 0: 0 where one is, else -1; of four poses together those of poses that lie four
-// apart.
+// Minus how many of a feature's values are not 0: of one pose, or in each of four lanes those of poses four apart.
 template <std::size_t poses>
 auto moved(const float* values) {
   if constexpr (poses == 1) {
     return -std::int32_t((std::bit_cast<std::uint32_t>(*values) & 0x7fffffff) != 0);
   } else {
     FourMasks masks = {};
-    for (std::size_t p = 0; p < poses; p += 4) masks += load<poses>(values + p) != 0.0f;
+    for (std::size_t p = 0; p < poses; p += 4) masks += load_four(values + p) != 0.0f;
     return masks;
   }
 }
@@ -168,13 +161,12 @@ std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* c
       const float first = values[c.first], second = values[c.second];
       const float least = first < second ? first : second, product = first * second;
       values[c.index] = c.kind == Feature::Kind::minimum ? least : product;
-      list(c.index);
-      return;
-    }
-    for (std::size_t p = 0; p < poses; p += poses == 1 ? 1 : 4) {
-      const auto value = combined_feature(c.kind, load<poses>(values + c.first * poses + p),
-                                          load<poses>(values + c.second * poses + p));
-      std::memcpy(values + c.index * poses + p, &value, sizeof value);
+    } else {
+      for (std::size_t p = 0; p < poses; p += 4) {
+        const FourFloats value =
+            combined_feature(c.kind, load_four(values + c.first * poses + p), load_four(values + c.second * poses + p));
+        std::memcpy(values + c.index * poses + p, &value, sizeof value);
+      }
     }
     list(c.index);
   };

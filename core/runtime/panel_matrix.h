@@ -95,7 +95,7 @@ class PanelMatrix {
                                                                      inputs, sums);
   }
 
-  // Asks for a column's digits, in that form.
+  // Asks the processor for a column's digits, of a matrix in the form of columns.
   void fetch(std::size_t column) const {
     for (std::uint32_t first = 0; first < rows_; first += column_rows)
       for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block))

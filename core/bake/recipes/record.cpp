@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "bake/probe/probe.h"
 #include "bake/recipes/committee.h"
+#include "bake/probe/probe.h"
 #include "bake/sampling/choose_poses.h"
 
 namespace fb {

@@ -62,25 +62,10 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
   }
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  for (std::size_t r = 0; r < rows; r += 16)
-    if (panel.poses == 1)
-      add_up<1>(digits + r, panel, 0, sums + r);
-    else
-      for (std::size_t pose = 0; pose < block_poses; pose += 4) add_up<4>(digits + r, panel, pose, sums + r);
-}
-
-void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  for (std::size_t r = 0; r < rows; r += 16)
-    if (panel.poses == 1)
-      add_up_quads<1>(quads + 4 * r, rows, panel, 0, sums + r);
-    else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2)
-        add_up_quads<2>(quads + 4 * r, rows, panel, pose, sums + r);
-}
+#include "runtime/kernels/sixteen_rows.h"
 
 }  // namespace
 
-const PoseKernels neon_kernels = with_passes("neon", column_sums, quad_sums);
+const PoseKernels neon_kernels = with_passes("neon", column_sums<4>, quad_sums<2>);
 
 }  // namespace fb

@@ -2,6 +2,7 @@
 // and one that SIMDe lacks.
 #pragma once
 
+#define FB_EMULATED  // so that kernels keep to intrinsics, and to those there are here
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #define SIMDE_NO_NATIVE
 #include <simde/x86/avx512.h>
