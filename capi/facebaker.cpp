@@ -5,10 +5,10 @@
 #include <memory>
 #include <span>
 
+#include "abi_guard.h"
 #include "archive/reader.h"
 #include "base/mapped_file.h"
 #include "base/parallel.h"
-#include "crossing.h"
 #include "host_memory.h"
 #include "runtime/evaluator.h"
 #include "runtime/float_state.h"

@@ -4,10 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "bake/recipes/bake.h"
+#include "abi_guard.h"
+#include "bake/dataset/open_source.h"
+#include "bake/pipeline/bake.h"
 #include "bake/rig/rig_source.h"
 #include "bake/sampling/sampling.h"
-#include "crossing.h"
 
 using fb::fail;
 using fb::Status;

@@ -9,8 +9,8 @@
 #include <system_error>
 
 #include "base/status.h"
-#include "interrupt.h"
-#include "verbs.h"
+#include "commands/commands.h"
+#include "commands/interrupt.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "archive/reader.h"
 
-#include "archive/container.h"
+#include "archive/container/container.h"
 #include "archive/section_reader.h"
 
 namespace fb {

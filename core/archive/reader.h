@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "archive/container/container.h"
 #include "archive/proof.h"
 #include "model/packed_model.h"
 
@@ -32,13 +33,6 @@ constexpr bool has(Layers layers, Layers one) {
 constexpr Layers operator|(Layers a, Layers b) {
   return static_cast<Layers>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
 }
-
-// One row of the section table.
-struct SectionInfo {
-  std::string name;
-  std::uint64_t offset = 0, stored_bytes = 0, raw_bytes = 0;
-  bool required = false;
-};
 
 struct Archive {
   PackedModel model;

@@ -1,6 +1,6 @@
 #include "archive/section_reader.h"
 
-#include "archive/layout.h"
+#include "archive/container/layout.h"
 
 namespace fb {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "archive/byte_reader.h"
-#include "archive/layout.h"
+#include "archive/container/byte_reader.h"
+#include "archive/container/layout.h"
 #include "archive/proof.h"
 #include "model/packed_model.h"
 

@@ -1,6 +1,6 @@
 #include "archive/section_writer.h"
 
-#include "archive/layout.h"
+#include "archive/container/layout.h"
 #include "base/checked.h"
 
 namespace fb {

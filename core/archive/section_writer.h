@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "archive/byte_writer.h"
+#include "archive/container/byte_writer.h"
 #include "archive/proof.h"
 #include "model/packed_model.h"
 

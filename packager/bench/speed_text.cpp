@@ -1,6 +1,6 @@
 #include "base/status.h"
 #include "bench/speed.h"
-#include "table.h"
+#include "commands/table.h"
 
 namespace fb {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "model/surface.h"
+#include "render/ambient_occlusion.h"
 #include "render/colour_map.h"
-#include "render/exposure.h"
 #include "render/shading.h"
 
 namespace fb {

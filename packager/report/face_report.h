@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "bake/recipes/compare.h"
+#include "bake/pipeline/compare.h"
 
 namespace fb {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "archive/container.h"
+#include "archive/container/container.h"
 #include "base/hash.h"
 
 namespace fb {

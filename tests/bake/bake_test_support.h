@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "bake/dataset/open_source.h"
 #include "bake/rig/source.h"
 #include "base/status.h"
 #include "temporary_folder.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bake/measure/evaluate.h"
-#include "bake/recipes/bake.h"
+#include "bake/pipeline/bake.h"
 #include "memory_source.h"
 
 struct WorkFolder {

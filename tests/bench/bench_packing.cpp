@@ -13,11 +13,12 @@
 #include <vector>
 
 #include "archive/writer.h"
+#include "bake/dataset/open_source.h"
+#include "bake/face/face_recipe.h"
+#include "bake/face/finish_face.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/float_face.h"
-#include "bake/recipes/face_recipe.h"
-#include "bake/recipes/finish_face.h"
-#include "bake/recipes/recipe.h"
+#include "bake/recipe/recipe.h"
 #include "bake/sampling/validation_split.h"
 #include "base/status.h"
 
@@ -111,10 +112,11 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   const LearntFace face = learn_face(settings.recipe, poses, rig, settings.options, progress);
   std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms);
   for (const RegionDiary& region : face.diary.regions)
-    std::printf("%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained %.2e)\n",
-                region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
-                100 * region.energy, region.validation,
-                region.epochs.empty() ? 0.0 : region.epochs.back().training);
+    std::printf(
+        "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained "
+        "%.2e)\n",
+        region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
+        100 * region.energy, region.validation, region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
   const PoseSet kept =
       poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).thinned(settings.measured);

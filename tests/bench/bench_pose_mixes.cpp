@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "bake/dataset/open_source.h"
 #include "bake/sampling/coverage.h"
 #include "bake/sampling/sampling.h"
 #include "quick_method.h"

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "bake/probe/probe.h"
+#include "bake/analysis/rig_analysis.h"
+#include "bake/dataset/open_source.h"
 #include "bake/regions/local_basis.h"
 #include "base/status.h"
 

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "archive/layout.h"
+#include "archive/container/layout.h"
 #include "archive/reader.h"
 #include "base/hash.h"
 #include "base/status.h"

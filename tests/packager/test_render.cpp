@@ -6,8 +6,8 @@
 
 #include "base/random.h"
 #include "model/surface.h"
+#include "render/ambient_occlusion.h"
 #include "render/colour_map.h"
-#include "render/exposure.h"
 #include "render/panels.h"
 #include "render/png_file.h"
 #include "render/portrait.h"

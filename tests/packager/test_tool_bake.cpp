@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/dataset/npy.h"
+#include "bake/dataset/open_source.h"
 #include "bake/measure/evaluate.h"
 #include "base/file.h"
 #include "tool_files.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "archive/writer.h"
+#include "bake/dataset/open_source.h"
 #include "bake/rig/source.h"
 #include "base/file.h"
 #include "glb_reading.h"

@@ -1,7 +1,7 @@
 #include <tiny_gltf.h>
 
-#include "bake/dataset/gltf_file.h"
 #include "bake/dataset/rest_mesh.h"
+#include "bake/rig/gltf_file.h"
 #include "base/file.h"
 #include "base/status.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "bake/probe/curve_base.h"
+#include "bake/analysis/sparse_blendshapes.h"
 #include "bake/rig/pose_rows.h"
 #include "base/parallel.h"
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <set>
 
-#include "bake/dataset/gltf_file.h"
+#include "bake/rig/gltf_file.h"
 #include "bake/rig/key_frames.h"
 #include "bake/rig/rig_source.h"
 #include "base/checked.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/sampling/rig_probe.h"
+#include "bake/sampling/control_responses.h"
 #include "base/parallel.h"
 #include "model/rig_schema.h"
 

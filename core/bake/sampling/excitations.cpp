@@ -2,7 +2,7 @@
 #include <queue>
 #include <tuple>
 
-#include "bake/sampling/pose_kinds.h"
+#include "bake/sampling/pose_generators.h"
 
 namespace fb {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/sampling/pose_kinds.h"
+#include "bake/sampling/pose_generators.h"
 
 namespace fb {
 

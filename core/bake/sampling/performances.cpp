@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "bake/sampling/mirror_partners.h"
-#include "bake/sampling/pose_kinds.h"
+#include "bake/sampling/pose_generators.h"
 
 namespace fb {
 namespace {

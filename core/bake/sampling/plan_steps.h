@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "bake/sampling/rig_probe.h"
+#include "bake/sampling/control_responses.h"
 #include "bake/sampling/sampling.h"
 
 namespace fb {

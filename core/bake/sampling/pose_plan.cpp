@@ -3,7 +3,7 @@
 
 #include "bake/dataset/npy.h"
 #include "bake/sampling/plan_steps.h"
-#include "bake/sampling/pose_kinds.h"
+#include "bake/sampling/pose_generators.h"
 
 namespace fb {
 namespace {

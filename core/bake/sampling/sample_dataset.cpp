@@ -7,8 +7,8 @@
 #include "bake/dataset/npy.h"
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/evaluate_parallel.h"
+#include "bake/rig/rig_meter.h"
 #include "bake/sampling/plan_steps.h"
-#include "bake/sampling/rig_meter.h"
 #include "base/file.h"
 #include "base/hash.h"
 

@@ -1,0 +1,14 @@
+// From which of its neighbours each vertex is foretold best.
+#pragma once
+
+#include <vector>
+
+#include "archive/coding/basis_pieces.h"
+
+namespace fb {
+
+// The pieces of a model's groups in the order they are coded (see basis_pieces), with those guesses by which the
+// numbers of all columns take fewest bits, about.
+std::vector<std::vector<BasisPiece>> best_pieces(const PackedModel& model);
+
+}  // namespace fb

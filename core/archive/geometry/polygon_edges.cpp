@@ -1,0 +1,30 @@
+#include "archive/geometry/polygon_edges.h"
+
+#include <algorithm>
+
+#include "archive/container/layout.h"
+
+namespace fb {
+
+TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices)
+    : first_(std::size_t(vertices) + 1), edges_(triangles.size()) {
+  for (const std::uint32_t corner : triangles) ++first_[corner];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& first : first_) first = sum += first;
+  for (std::size_t t = 0; t + 3 <= triangles.size(); t += 3)
+    for (std::size_t k = 0; k < 3; ++k)
+      edges_[--first_[triangles[t + k]]] = {triangles[t + (k + 1) % 3], triangles[t + (k + 2) % 3]};
+}
+
+std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex, std::uint32_t guess) {
+  const auto from = edges.from(vertex);
+  if (from.size() > most_edges) return {};
+  std::vector<TriangleEdges::Edge> sorted(from.begin(), from.end());
+  std::sort(sorted.begin(), sorted.end(),
+            [&](const auto& a, const auto& b) { return to_zigzag(a.to - guess) < to_zigzag(b.to - guess); });
+  const auto same = [](const auto& a, const auto& b) { return a.to == b.to; };
+  if (std::adjacent_find(sorted.begin(), sorted.end(), same) != sorted.end()) return {};
+  return sorted;
+}
+
+}  // namespace fb

@@ -1,0 +1,93 @@
+#include "bake/analysis/holdout_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace fb {
+namespace {
+
+std::vector<std::uint32_t> moved_by(const CurveBase& part) {
+  std::vector<std::uint32_t> moved;
+  for (const SparseShape& shape : part.shapes) moved.insert(moved.end(), shape.vertices.begin(), shape.vertices.end());
+  std::sort(moved.begin(), moved.end());
+  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+  return moved;
+}
+
+}  // namespace
+
+HeldPoses::HeldPoses(std::vector<float> controls, std::vector<float> left, std::vector<float> rest,
+                     const Parallel& parallel)
+    : controls_(std::move(controls)),
+      left_(std::move(left)),
+      rest_(std::move(rest)),
+      parallel_(parallel),
+      poses_(controls_.size() / rest_.size()),
+      size_(poses_ ? left_.size() / poses_ : 0),
+      scratch_(worker_count(parallel), std::vector<float>(size_)) {}
+
+template <class Use>
+void HeldPoses::for_moved(const CurveBase& part, const Use& use) {
+  const std::vector<std::uint32_t> moved = moved_by(part);
+  parallel_for(parallel_, poses_, [&](std::size_t p, std::size_t worker) {
+    const std::span<const float> pose = std::span(controls_).subspan(p * rest_.size(), rest_.size());
+    std::vector<float> values(part.features.size());
+    evaluate_features(part.features, pose, rest_, values);
+    float* move = scratch_[worker].data();
+    bool any = false;
+    for (const SparseShape& shape : part.shapes) {
+      if (values[shape.feature] == 0) continue;
+      if (!any)
+        for (const std::uint32_t v : moved) std::fill_n(move + 3 * v, 3, 0.0f);
+      add_scaled(shape, values[shape.feature], scratch_[worker]);
+      any = true;
+    }
+    float* left = left_.data() + p * size_;
+    if (any)
+      for (const std::uint32_t v : moved) use(p, left + 3 * v, move + 3 * v);
+  });
+}
+
+void HeldPoses::add(const CurveBase& part, float sign) {
+  for_moved(part, [&](std::size_t, float* left, const float* move) {
+    for (int axis = 0; axis < 3; ++axis) left[axis] -= sign * move[axis];
+  });
+}
+
+double HeldPoses::change_without(const CurveBase& part) {
+  std::vector<double> change(poses_);
+  for_moved(part, [&](std::size_t p, const float* left, const float* move) {
+    for (int axis = 0; axis < 3; ++axis)
+      change[p] += double(move[axis]) * (double(move[axis]) + 2 * double(left[axis]));
+  });
+  return std::accumulate(change.begin(), change.end(), 0.0);
+}
+
+std::vector<bool> HeldPoses::judge(std::span<const CurveBase* const> parts) {
+  std::vector<bool> kept(parts.size(), true);
+  // What was worth its place beside a part that has gone since may no longer be.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if (kept[p] && change_without(*parts[p]) < 0) {
+        add(*parts[p], -1);
+        kept[p] = false;
+        changed = true;
+      }
+  }
+  return kept;
+}
+
+HeldPoses::Error HeldPoses::error() const {
+  double sum = 0, largest = 0;
+  for (std::size_t i = 0; i < left_.size(); i += 3) {
+    const double squares =
+        double(left_[i]) * left_[i] + double(left_[i + 1]) * left_[i + 1] + double(left_[i + 2]) * left_[i + 2];
+    sum += squares;
+    largest = std::max(largest, squares);
+  }
+  return {left_.empty() ? 0 : std::sqrt(3 * sum / double(left_.size())), std::sqrt(largest)};
+}
+
+}  // namespace fb

@@ -1,0 +1,140 @@
+#include "bake/analysis/live/finite_differences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "bake/analysis/blendshape_parts.h"
+#include "base/random.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::size_t most_rounds = 16;  // toggles of each control
+
+// Streams of the random numbers drawn here.
+enum class Draw : std::uint64_t { order = 1, pose = 2, toggle = 3 };
+
+Random open_stream(std::uint64_t seed, Draw use, std::uint64_t item) {
+  return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
+}
+
+float draw_value(const Control& control, Random& random) {
+  return std::clamp(random.uniform(control.minimum, control.maximum), control.minimum, control.maximum);
+}
+
+// For every control in every round the number of its pose: controls in random order, a few to a pose.
+std::vector<Toggle> plan_toggles(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,
+                                 std::size_t together) {
+  const std::size_t width = schema.control_count(), poses = (width + together - 1) / together;
+  std::vector<Toggle> toggles;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    Random random = open_stream(seed, Draw::order, round);
+    std::vector<std::uint32_t> order(width);
+    std::iota(order.begin(), order.end(), 0u);
+    for (std::size_t i = width; i > 1; --i) std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
+    for (std::size_t i = 0; i < width; ++i) {
+      Toggle& toggle = toggles.emplace_back();
+      toggle.pose = static_cast<std::uint32_t>(round * poses + i / together);
+      toggle.control = order[i];
+      Random value = open_stream(seed, Draw::toggle, round * width + order[i]);
+      toggle.value = draw_value(schema.controls[order[i]], value);
+    }
+  }
+  return toggles;
+}
+
+}  // namespace
+
+DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
+  const RigSchema& schema = rig.schema();
+  const std::size_t width = schema.control_count(), size = rig.size();
+  const std::size_t together = std::clamp<std::size_t>(width / 16, 2, 16), poses = (width + together - 1) / together;
+  // A quarter of what is left at most: interactions cost more.
+  const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.left() / 4 / (width + poses));
+  if (rounds < most_rounds)
+    rig.progress().note(
+        format("the budget of rig calls allows %zu of %zu tries of each control among many", rounds, most_rounds));
+  DenseProbe dense;
+  dense.poses = rounds * poses;
+  dense.toggles = plan_toggles(schema, seed, rounds, together);
+  for (std::size_t p = 0; p < dense.poses; ++p) {
+    Random random = open_stream(seed, Draw::pose, p);
+    const float density = random.uniform(0.1f, 0.5f);
+    for (const Control& control : schema.controls) {
+      const bool on = random.uniform() < density;
+      const float value = draw_value(control, random);
+      dense.controls.push_back(on ? value : control.rest);
+    }
+  }
+  const auto controls_of = [&](std::size_t p) { return std::span(dense.controls).subspan(p * width, width); };
+  dense.displacements.resize(dense.poses * size);
+  rig.begin("probing many controls", dense.poses + dense.toggles.size());
+  rig.ask(
+      dense.poses,
+      [&](std::size_t p, std::span<float> pose) {
+        std::copy(controls_of(p).begin(), controls_of(p).end(), pose.begin());
+      },
+      [&](std::size_t p, std::span<const float>, std::span<float> displacement) {
+        std::copy(displacement.begin(), displacement.end(), dense.displacements.begin() + p * size);
+      });
+  const double drop = 2e-6 * rig.diagonal();
+  rig.ask(
+      dense.toggles.size(),
+      [&](std::size_t i, std::span<float> pose) {
+        Toggle& toggle = dense.toggles[i];
+        const std::span<const float> from = controls_of(toggle.pose);
+        std::copy(from.begin(), from.end(), pose.begin());
+        if (from[toggle.control] != rig.rest()[toggle.control])
+          pose[toggle.control] = rig.rest()[toggle.control];
+        else
+          pose[toggle.control] = toggle.value;
+      },
+      [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
+        Toggle& toggle = dense.toggles[i];
+        const float* base = dense.displacements.data() + toggle.pose * size;
+        const bool was_on = pose[toggle.control] == rig.rest()[toggle.control];
+        const float sign = was_on ? -1.0f : 1.0f;
+        for (std::size_t k = 0; k < size; ++k) displacement[k] = sign * (displacement[k] - base[k]);
+        if (was_on) toggle.value = controls_of(toggle.pose)[toggle.control];
+        toggle.moved = make_sparse(0, displacement, drop);
+      });
+  return dense;
+}
+
+std::vector<float> toggled_motion(const DenseProbe& dense, const CurveBase& base, Over over, const RigAsker& rig) {
+  const std::size_t width = rig.rest().size(), size = rig.size(), vertices = size / 3;
+  std::vector<std::vector<const Toggle*>> of_control(width);
+  for (const Toggle& toggle : dense.toggles) of_control[toggle.control].push_back(&toggle);
+  std::vector<float> motion(width * vertices);
+  parallel_for(rig.parallel(), width, [&](std::size_t c, std::size_t) {
+    std::vector<float> moved(size), pose(width), on(base.features.size()), off(base.features.size());
+    std::vector<double> sums(vertices);
+    for (const Toggle* toggle : of_control[c]) {
+      std::fill(moved.begin(), moved.end(), 0.0f);
+      for (std::size_t k = 0; k < toggle->moved.vertices.size(); ++k)
+        std::copy_n(toggle->moved.offsets.data() + 3 * k, 3, moved.data() + 3 * toggle->moved.vertices[k]);
+      std::copy_n(dense.controls.data() + toggle->pose * width, width, pose.data());
+      pose[c] = toggle->value;
+      evaluate_features(base.features, pose, rig.rest(), on);
+      pose[c] = rig.rest()[c];
+      evaluate_features(base.features, pose, rig.rest(), off);
+      for (const SparseShape& shape : base.shapes) {
+        const float change = on[shape.feature] - off[shape.feature];
+        if (change != 0) add_scaled(shape, -change, moved);
+      }
+      for (std::size_t v = 0; v < vertices; ++v) {
+        const float* d = moved.data() + 3 * v;
+        const double squares = double(d[0]) * d[0] + double(d[1]) * d[1] + double(d[2]) * d[2];
+        sums[v] = over == Over::largest ? std::max(sums[v], squares) : sums[v] + squares;
+      }
+    }
+    const double share = over == Over::largest || of_control[c].empty() ? 1 : double(of_control[c].size());
+    for (std::size_t v = 0; v < vertices; ++v)
+      motion[c * vertices + v] = static_cast<float>(std::sqrt(sums[v] / share) / rig.diagonal());
+  });
+  return motion;
+}
+
+}  // namespace fb

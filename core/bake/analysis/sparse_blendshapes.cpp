@@ -1,0 +1,56 @@
+#include "bake/analysis/sparse_blendshapes.h"
+
+#include <algorithm>
+
+#include "base/status.h"
+#include "model/feature_values.h"
+
+namespace fb {
+namespace {
+
+// Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
+constexpr std::size_t tile_poses = 8;
+
+}  // namespace
+
+// Vertices that follow each other, as they mostly do, are one contiguous loop.
+void add_scaled(const SparseShape& shape, float value, std::span<float> displacement) {
+  const std::size_t count = shape.vertices.size();
+  for (std::size_t first = 0; first < count;) {
+    const std::uint32_t start = shape.vertices[first];
+    std::size_t last = first + 1;
+    while (last < count && shape.vertices[last] - start == last - first) ++last;
+    const float* from = shape.offsets.data() + 3 * first;
+    float* to = displacement.data() + std::size_t{3} * start;
+    for (std::size_t i = 0; i < 3 * (last - first); ++i) to[i] += value * from[i];
+    first = last;
+  }
+}
+
+void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
+                       std::span<float> values) {
+  feature_values(features, controls.data(), rest.data(), values.data());
+}
+
+void CurveBase::add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
+                    std::span<float> displacements) const {
+  if (count == 0) return;
+  if (controls.size() != count * rest.size() || displacements.size() % count != 0)
+    fail(Status::invalid_argument, "%zu poses of %zu controls need %zu values, not %zu", count, rest.size(),
+         count * rest.size(), controls.size());
+  const std::size_t size = displacements.size() / count;
+  std::vector<float> values(std::min(count, tile_poses) * features.size());
+  for (std::size_t first = 0; first < count; first += tile_poses) {
+    const std::size_t poses = std::min(tile_poses, count - first);
+    for (std::size_t i = 0; i < poses; ++i)
+      evaluate_features(features, controls.subspan((first + i) * rest.size(), rest.size()), rest,
+                        std::span(values).subspan(i * features.size(), features.size()));
+    for (const SparseShape& shape : shapes)
+      for (std::size_t i = 0; i < poses; ++i) {
+        const float value = values[i * features.size() + shape.feature];
+        if (value != 0) add_scaled(shape, sign * value, displacements.subspan((first + i) * size, size));
+      }
+  }
+}
+
+}  // namespace fb

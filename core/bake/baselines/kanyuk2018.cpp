@@ -1,0 +1,92 @@
+// A skeleton with correctives, after Kanyuk, Coleman, Laird, "Mobilizing Mocap, Motion Blending, and Mayhem", SIGGRAPH
+// 2018 Talks, as far as two pages tell: a skeleton is extracted from the poses, linear blend skinning weights are
+// solved with a smoothing term, and what skinning misses is corrected by shapes that controls drive through a sparse
+// interpolant.
+//
+// Here 32 bones with up to four a vertex; each control's ramp moves them as fits its limit best, and the moves of
+// several controls add up. One corrective a ramp makes its limit exact; up to 256 more fire where two controls meet or
+// half-way along one.
+#include <numeric>
+
+#include "bake/baselines/baselines.h"
+#include "bake/baselines/model_residual.h"
+#include "bake/baselines/pose_correctives.h"
+#include "bake/baselines/ramp_blendshapes.h"
+#include "bake/baselines/skinned_model.h"
+#include "bake/baselines/skinning/bone_fitter.h"
+#include "base/checked.h"
+
+namespace fb {
+namespace {
+
+constexpr double negligible = 1e-5;  // of the diagonal: what a corrective leaves out
+constexpr std::uint32_t sweeps = 6;
+
+// Ramps in, all numbers of all bones out: one linear layer without bias.
+Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::vector<float>& shapes, std::size_t ramps,
+                       const Parallel& parallel) {
+  const BoneFitter fitter(skeleton, rest);
+  const std::size_t rows = rest.points.size(), numbers = skeleton.numbers();
+  std::vector<float> transforms(ramps * numbers);
+  parallel_for(parallel, ramps, [&](std::size_t r, std::size_t) {
+    fitter.fit(std::span(shapes).subspan(r * rows, rows), std::span(transforms).subspan(r * numbers, numbers), false,
+               sweeps);
+  });
+  DenseLayer layer;
+  layer.inputs = checked_u32(ramps, "ramps");
+  layer.outputs = checked_u32(numbers, "transforms");
+  for (std::size_t n = 0; n < numbers; ++n)
+    for (std::size_t r = 0; r < ramps; ++r) layer.weights.push_back(transforms[r * numbers + n]);
+  layer.bias.assign(numbers, 0.0f);
+  Region region{"skeleton", {}, {std::move(layer)}};
+  region.features.resize(ramps);
+  std::iota(region.features.begin(), region.features.end(), 0u);
+  return region;
+}
+
+}  // namespace
+
+Learnt make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  Learnt learnt;
+  FaceModel& model = learnt.model;
+  model.schema = poses.source().schema();
+  model.rest = poses.source().rest();
+  const std::vector<Feature> ramps = ramp_features(model.schema);
+  std::vector<float> correctives = ramp_shapes(poses, rig, ramps, options.parallel, progress);
+  const Skeleton skeleton = extract_skeleton(poses, {}, options.parallel, progress);
+  model.network.features = ramps;
+  model.network.regions = {skeleton_region(skeleton, model.rest, correctives, ramps.size(), options.parallel)};
+
+  // What bones do not do of each ramp's shape.
+  const std::size_t rows = model.rest.points.size(), numbers = skeleton.numbers();
+  for (std::size_t r = 0; r < ramps.size(); ++r) {
+    std::vector<float> transforms(numbers);
+    for (std::size_t n = 0; n < numbers; ++n)
+      transforms[n] = model.network.regions[0].layers[0].weights[n * ramps.size() + r];
+    add_skinned(skeleton, model.rest, transforms, -1, std::span(correctives).subspan(r * rows, rows));
+  }
+
+  // The basis: correctives, then bones.
+  const std::vector<float> bones = skinning_shapes(skeleton, model.rest);
+  const auto set_correctives = [&] {
+    drop_below(correctives, model.rest, negligible);
+    model.network.direct.resize(model.network.features.size());
+    std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
+    std::vector<float> all = correctives;
+    all.insert(all.end(), bones.begin(), bones.end());
+    model.basis = basis_by_bone(skeleton, all);
+  };
+  set_correctives();
+  const PoseCorrectives more = find_correctives(ModelResidual(poses, model), ramps, {}, options.parallel, progress);
+  model.network.features.insert(model.network.features.end(), more.features.begin(), more.features.end());
+  correctives.insert(correctives.end(), more.shapes.begin(), more.shapes.end());
+  set_correctives();
+  learnt.packing.output_bits = 16;
+  learnt.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
+  learnt.diary.notes = {format("%zu correctives at the limits of single controls, %zu where controls meet or half-way",
+                               ramps.size(), more.features.size())};
+  learnt.diary.bones = skeleton.bone_count();
+  return learnt;
+}
+
+}  // namespace fb

@@ -1,0 +1,35 @@
+// Linear blendshapes: each control's shape at its limit, one for either side of rest, scaled by how far the control is
+// and added up. What a rig exports to an engine today, and what every method is compared with.
+#include <numeric>
+
+#include "bake/baselines/baselines.h"
+#include "bake/baselines/ramp_blendshapes.h"
+#include "bake/face/finish_face.h"
+#include "base/checked.h"
+
+namespace fb {
+namespace {
+
+constexpr double negligible = 1e-7;         // of the diagonal: what a shape leaves out
+constexpr double packing_tolerance = 1e-6;  // over the diagonal: there is no other error to hide a larger one in
+
+}  // namespace
+
+Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  Learnt learnt;
+  FaceModel& model = learnt.model;
+  model.schema = poses.source().schema();
+  model.rest = poses.source().rest();
+  model.network.features = ramp_features(model.schema);
+  std::vector<float> shapes = ramp_shapes(poses, rig, model.network.features, options.parallel, progress);
+  drop_below(shapes, model.rest, negligible);
+  model.network.direct.resize(model.network.features.size());
+  std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
+  model.basis = make_basis(checked_u32(model.rest.points.size(), "coordinates"),
+                           checked_u32(model.network.direct.size(), "blendshapes"), shapes);
+  learnt.packing.basis_tolerance = packing_tolerance;
+  if (asks_target(options)) return finish_face(model, {}, {}, learnt.packing, poses, options, progress);
+  return learnt;
+}
+
+}  // namespace fb

@@ -1,0 +1,122 @@
+#include "bake/baselines/pca.h"
+
+#include <algorithm>
+
+#include "bake/linalg/gemm.h"
+#include "bake/linalg/spectrum.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+using Matrix = Eigen::MatrixXf;  // column-major: a column is a pose or a component
+
+constexpr std::size_t block_poses = 256;
+constexpr std::size_t sample_poses = 1024;
+constexpr std::size_t tile = 1024;  // rows of a product one worker makes at a time
+
+// subspace^T * block, one column a pose.
+void project(const Matrix& subspace, const float* block, std::size_t poses, float* out, const Parallel& parallel) {
+  tiles(parallel, subspace.cols(), 64, [&](std::size_t first, std::size_t count) {
+    gemm(Op::transposed, Op::plain, count, poses, subspace.rows(), subspace.data() + first * subspace.rows(),
+         subspace.rows(), block, subspace.rows(), 0, out + first, subspace.cols());
+  });
+}
+
+// How many leading values sum to the target; all of them if they do not.
+std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < values.size(); ++k)
+    if ((sum += values[k]) >= target) return k + 1;
+  return values.size();
+}
+
+// Orthonormal columns that span nearly what the poses span: from the sample's own components, filled up with noise.
+Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& wanted) {
+  const std::unique_ptr<PoseRows> sample = poses.thinned(sample_poses);
+  const std::size_t rows = poses.rows(), samples = sample->size();
+  Matrix points(rows, samples);
+  sample->read(0, samples, std::span(points.data(), points.size()), parallel);
+  Matrix inner(samples, samples);
+  project(points, points.data(), samples, inner.data(), parallel);
+  const Spectrum spectrum = symmetric_spectrum(inner.cast<double>());
+  const double total = spectrum.values.sum();
+  const std::size_t needed = total > 0 ? count_reaching(spectrum.values, fraction * total) : 1;
+  wanted = std::min({needed + needed / 3 + 16, rows, poses.size()});
+  Matrix start(rows, wanted);
+  const std::size_t known = std::min<std::size_t>(wanted, samples);
+  tiles(parallel, known, 16, [&](std::size_t first, std::size_t count) {
+    gemm(Op::plain, Op::plain, rows, count, samples, points.data(), rows, spectrum.vectors.data() + first * samples,
+         samples, 0, start.data() + first * rows, rows);
+  });
+  for (std::size_t k = 0; k < known; ++k) {
+    const float norm = start.col(k).norm();
+    if (norm > 0) start.col(k) /= norm;
+  }
+  return start.leftCols(known);
+}
+
+// One step of subspace iteration over all poses: sum of x (x^T subspace).
+Matrix iterate(const PoseRows& poses, const Matrix& subspace, const Parallel& parallel, Progress& progress) {
+  Matrix sum = Matrix::Zero(subspace.rows(), subspace.cols());
+  Matrix weights(subspace.cols(), block_poses);
+  for_blocks(poses, block_poses, parallel, progress, [&](std::size_t, std::size_t n, const float* block) {
+    project(subspace, block, n, weights.data(), parallel);
+    tiles(parallel, sum.rows(), tile, [&](std::size_t row, std::size_t count) {
+      gemm(Op::plain, Op::transposed, count, sum.cols(), n, block + row, sum.rows(), weights.data(), subspace.cols(), 1,
+           sum.data() + row, sum.rows());
+    });
+  });
+  return sum;
+}
+
+}  // namespace
+
+PrincipalComponents principal_components(const PoseRows& poses, double fraction, const Parallel& parallel,
+                                         Progress& progress) {
+  const std::size_t rows = poses.rows();
+  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find components of");
+  std::size_t width = 0;
+  Matrix subspace = starting_subspace(poses, fraction, parallel, width);
+  for (;;) {
+    subspace = orthonormal(subspace, width);
+    progress.begin("finding blendshapes", poses.size());
+    subspace = orthonormal(iterate(poses, subspace, parallel, progress), width);
+
+    PrincipalComponents result;
+    std::vector<float> projected(poses.size() * width);
+    progress.begin("projecting poses", poses.size());
+    double squares = 0;
+    for_blocks(poses, block_poses, parallel, progress, [&](std::size_t first, std::size_t n, const float* block) {
+      project(subspace, block, n, projected.data() + first * width, parallel);
+      const Eigen::Map<const Matrix> columns(block, rows, n);
+      for (Eigen::Index i = 0; i < columns.cols(); ++i) squares += columns.col(i).cast<double>().squaredNorm();
+    });
+    if (!(squares > 0)) fail(Status::bad_data, "no pose moves any vertex: there is nothing to bake");
+
+    const Spectrum spectrum = symmetric_spectrum(gram_of(projected.data(), width, poses.size(), parallel));
+    const double target = fraction * squares;
+    const bool enough = spectrum.values.sum() >= target;
+    if (!enough && width < std::min(rows, poses.size())) {
+      width = std::min({width + width / 2 + 16, rows, poses.size()});
+      continue;
+    }
+    result.rows = rows;
+    result.count = count_reaching(spectrum.values, target);
+    result.total = squares / poses.size();
+    result.captured = spectrum.values.head(result.count).sum() / poses.size();
+    result.components.resize(result.count * rows);
+    tiles(parallel, rows, tile, [&](std::size_t row, std::size_t count) {
+      gemm(Op::plain, Op::plain, count, result.count, width, subspace.data() + row, rows, spectrum.vectors.data(),
+           width, 0, result.components.data() + row, rows);
+    });
+    result.coefficients.resize(poses.size() * result.count);
+    tiles(parallel, poses.size(), tile, [&](std::size_t first, std::size_t count) {
+      gemm(Op::transposed, Op::plain, result.count, count, width, spectrum.vectors.data(), width,
+           projected.data() + first * width, width, 0, result.coefficients.data() + first * result.count, result.count);
+    });
+    return result;
+  }
+}
+
+}  // namespace fb

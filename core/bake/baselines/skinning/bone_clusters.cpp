@@ -1,0 +1,119 @@
+// Clusters that fit worst are split in two, and vertices move to the cluster whose motion fits them best, as in vector
+// quantisation (Linde, Buzo, Gray, IEEE Trans. Comm. 28, 1980), with rigid motions in place of means.
+#include "bake/baselines/skinning/bone_clusters.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <numeric>
+
+namespace fb {
+namespace {
+
+constexpr int moves_a_round = 3;           // of vertices between clusters
+constexpr std::size_t least_vertices = 8;  // of a cluster worth splitting
+
+struct Clusters {
+  std::uint32_t count = 1;
+  std::vector<std::uint32_t> labels;  // of vertices
+  std::vector<double> errors;         // of vertices: squared distances, over all poses
+};
+
+Skeleton skeleton_of(const Clusters& clusters, const std::array<float, 3>& centre) {
+  Skeleton skeleton;
+  skeleton.centres.assign(clusters.count, centre);
+  for (const std::uint32_t label : clusters.labels) {
+    skeleton.bones.push_back({label, label, label, label});
+    skeleton.weights.push_back({1, 0, 0, 0});
+  }
+  return skeleton;
+}
+
+// Renumbers clusters without those that lost all vertices.
+void drop_empty(Clusters& clusters) {
+  std::vector<std::uint32_t> number(clusters.count, 0), sizes(clusters.count, 0);
+  for (const std::uint32_t label : clusters.labels) ++sizes[label];
+  std::uint32_t kept = 0;
+  for (std::uint32_t c = 0; c < clusters.count; ++c) {
+    number[c] = kept;
+    kept += sizes[c] > 0;
+  }
+  for (std::uint32_t& label : clusters.labels) label = number[label];
+  clusters.count = kept;
+}
+
+void move_vertices(Clusters& clusters, const Mesh& rest, const HeldPoses& poses, const std::array<float, 3>& centre,
+                   const Parallel& parallel) {
+  const Skeleton skeleton = skeleton_of(clusters, centre);
+  std::vector<float> transforms;
+  fit_poses(skeleton, rest, poses, 0, transforms, parallel);
+  const BoneMotion motion(skeleton, rest, poses, transforms, parallel);
+  parallel_for(parallel, rest.vertex_count(), [&](std::size_t v, std::size_t) {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::uint32_t b = 0; b < clusters.count; ++b)
+      if (const double misfit = motion.misfit(v, b); misfit < best) {
+        best = misfit;
+        clusters.labels[v] = b;
+      }
+    clusters.errors[v] = std::max(0.0, best + double(poses.trajectories.col(v).squaredNorm()));
+  });
+  drop_empty(clusters);
+}
+
+// Splits the worse half of the clusters: vertices nearer, in the rest pose, to a badly fitting vertex far from the
+// middle than to the middle go.
+bool split_worst(Clusters& clusters, const Mesh& rest, std::uint32_t most) {
+  std::vector<double> errors(clusters.count, 0.0);
+  std::vector<std::vector<std::uint32_t>> members(clusters.count);
+  for (std::uint32_t v = 0; v < clusters.labels.size(); ++v) {
+    errors[clusters.labels[v]] += clusters.errors[v];
+    members[clusters.labels[v]].push_back(v);
+  }
+  std::vector<std::uint32_t> order(clusters.count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return errors[a] > errors[b]; });
+  const std::uint32_t before = clusters.count, wanted = std::max(1u, (before + 1) / 2);
+  for (std::uint32_t i = 0; i < wanted && clusters.count < most; ++i) {
+    const std::vector<std::uint32_t>& cluster = members[order[i]];
+    if (cluster.size() < least_vertices || !(errors[order[i]] > 0)) continue;
+    const auto point = [&](std::uint32_t v) { return Eigen::Map<const Eigen::Vector3f>(rest.points.data() + 3 * v); };
+    Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+    for (const std::uint32_t v : cluster) middle += point(v) / static_cast<float>(cluster.size());
+    std::uint32_t seed = cluster[0];
+    double worst = -1;
+    for (const std::uint32_t v : cluster)
+      if (const double badness = clusters.errors[v] * (point(v) - middle).squaredNorm(); badness > worst) {
+        worst = badness;
+        seed = v;
+      }
+    for (const std::uint32_t v : cluster)
+      if ((point(v) - point(seed)).squaredNorm() < (point(v) - middle).squaredNorm())
+        clusters.labels[v] = clusters.count;
+    clusters.labels[seed] = clusters.count++;
+  }
+  return clusters.count > before;
+}
+
+}  // namespace
+
+Skeleton cluster_vertices(const Mesh& rest, const HeldPoses& poses, std::uint32_t bones, const Parallel& parallel,
+                          Progress& progress) {
+  const std::size_t vertices = rest.vertex_count();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (std::size_t v = 0; v < vertices; ++v)
+    middle += Eigen::Map<const Eigen::Vector3f>(rest.points.data() + 3 * v).cast<double>() / double(vertices);
+  const std::array<float, 3> centre = {float(middle[0]), float(middle[1]), float(middle[2])};
+
+  Clusters clusters{1, std::vector<std::uint32_t>(vertices, 0), std::vector<double>(vertices, 0.0)};
+  const int rounds =
+      4 + 2 * static_cast<int>(std::bit_width(bones));  // half as many again each round, and some to spare
+  progress.begin("clustering vertices", rounds);
+  for (int round = 0; round < rounds; ++round) {
+    for (int move = 0; move < moves_a_round; ++move) move_vertices(clusters, rest, poses, centre, parallel);
+    progress.step(round + 1);
+    if (round + 1 == rounds || clusters.count >= bones || !split_worst(clusters, rest, bones)) break;
+  }
+  return skeleton_of(clusters, centre);
+}
+
+}  // namespace fb

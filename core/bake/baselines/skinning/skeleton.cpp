@@ -1,0 +1,58 @@
+#include "bake/baselines/skinning/skeleton.h"
+
+#include "bake/regions/surface_graph.h"
+
+namespace fb {
+
+double weight_roughness(const Skeleton& skeleton, const Mesh& rest) {
+  std::vector<double> difference(skeleton.bone_count());
+  double sum = 0;
+  const SurfaceGraph graph(rest, {});
+  for (std::uint32_t a = 0; a < graph.size(); ++a)
+    for (const auto& [b, length] : graph.edges(a)) {
+      for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+        difference[skeleton.bones[a][i]] += skeleton.weights[a][i];
+        difference[skeleton.bones[b][i]] -= skeleton.weights[b][i];
+      }
+      for (const std::uint32_t v : {a, b})
+        for (const std::uint32_t bone : skeleton.bones[v]) {
+          sum += difference[bone] * difference[bone];
+          difference[bone] = 0;
+        }
+    }
+  return sum / 2;  // every edge was met from both ends
+}
+
+std::vector<float> skinning_shapes(const Skeleton& skeleton, const Mesh& rest) {
+  const std::size_t rows = rest.points.size();
+  std::vector<float> shapes(skeleton.numbers() * rows);
+  for (std::size_t v = 0; v < rest.vertex_count(); ++v)
+    for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+      const std::size_t bone = skeleton.bones[v][i];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t k = 0; k < 4; ++k) {
+          const float place = k < 3 ? rest.points[3 * v + k] - skeleton.centres[bone][k] : 1.0f;
+          shapes[(12 * bone + 4 * axis + k) * rows + 3 * v + axis] += skeleton.weights[v][i] * place;
+        }
+    }
+  return shapes;
+}
+
+void add_skinned(const Skeleton& skeleton, const Mesh& rest, std::span<const float> transforms, float sign,
+                 std::span<float> displacements) {
+  for (std::size_t v = 0; v < rest.vertex_count(); ++v)
+    for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+      const float weight = sign * skeleton.weights[v][i];
+      if (weight == 0) continue;
+      const std::size_t bone = skeleton.bones[v][i];
+      const float* point = rest.points.data() + 3 * v;
+      const auto& centre = skeleton.centres[bone];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float* row = transforms.data() + 12 * bone + 4 * axis;
+        displacements[3 * v + axis] += weight * (row[0] * (point[0] - centre[0]) + row[1] * (point[1] - centre[1]) +
+                                                 row[2] * (point[2] - centre[2]) + row[3]);
+      }
+    }
+}
+
+}  // namespace fb

@@ -1,0 +1,284 @@
+#include "bake/compress/blockwise_pca.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bake/compress/vertex_blocks.h"
+#include "bake/linalg/spectrum.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+using Matrix = Eigen::MatrixXf;
+using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// The columns a region has in the basis, and the square root of its covariance: root x root^T.
+struct RegionColumns {
+  std::uint32_t first = 0, count = 0;
+  Matrix root;
+};
+
+RegionColumns region_columns(const Region& region, std::uint32_t first, const std::vector<float>& covariance) {
+  const std::uint32_t n = region.layers.back().outputs;
+  if (covariance.size() != std::size_t(n) * n)
+    fail(Status::invalid_argument, "region \"%s\" has %u coefficients and a covariance of %zu numbers",
+         region.name.c_str(), n, covariance.size());
+  for (const float value : covariance)
+    if (!std::isfinite(value))
+      fail(Status::not_finite, "the covariance of region \"%s\" is not finite", region.name.c_str());
+  const Eigen::MatrixXd given = Eigen::Map<const Matrix>(covariance.data(), n, n).cast<double>();
+  const Spectrum spectrum = symmetric_spectrum((given + given.transpose()) / 2);
+  return {first, n, spectrum.vectors * spectrum.values.cwiseSqrt().cast<float>().asDiagonal()};
+}
+
+// Columns [first, first + count) of a group: begin and end in its list.
+std::pair<std::size_t, std::size_t> listed(const RowGroup& group, std::uint32_t first, std::uint32_t count) {
+  const auto begin = std::lower_bound(group.columns.begin(), group.columns.end(), first);
+  const auto end = std::lower_bound(begin, group.columns.end(), first + count);
+  return {std::size_t(begin - group.columns.begin()), std::size_t(end - group.columns.begin())};
+}
+
+// Some columns on the rows of some vertices.
+struct Columns {
+  std::vector<std::uint32_t> numbers;  // ascending
+  Matrix values;                       // 3 x vertices, a column each
+};
+
+// Finds the rows of vertices in a block-sparse basis.
+class RowFinder {
+ public:
+  explicit RowFinder(const Basis& basis) : basis_(&basis), row_of_(basis.rows / 3), group_of_(basis.rows) {
+    for (std::uint32_t i = 0; i < row_of_.size(); ++i) row_of_[basis.order.empty() ? i : basis.order[i]] = 3 * i;
+    for (std::uint32_t g = 0; g < basis.groups.size(); ++g)
+      std::fill_n(group_of_.begin() + basis.groups[g].first_row, basis.groups[g].row_count, g);
+  }
+
+  // Those of columns [first, first + count) that are not 0 on all of these vertices.
+  Columns gather(std::span<const std::uint32_t> vertices, std::uint32_t first, std::uint32_t count) const {
+    Matrix values = Matrix::Zero(3 * Eigen::Index(vertices.size()), count);
+    for (std::size_t i = 0; i < 3 * vertices.size(); ++i) {
+      const std::uint32_t row = row_of_[vertices[i / 3]] + std::uint32_t(i % 3);
+      const RowGroup& group = basis_->groups[group_of_[row]];
+      const auto [begin, end] = listed(group, first, count);
+      for (std::size_t c = begin; c < end; ++c)
+        values(Eigen::Index(i), group.columns[c] - first) = group.values[c * group.row_count + row - group.first_row];
+    }
+    Columns columns;
+    for (std::uint32_t c = 0; c < count; ++c)
+      if (!values.col(c).isZero(0)) columns.numbers.push_back(first + c);
+    columns.values.resize(values.rows(), Eigen::Index(columns.numbers.size()));
+    for (std::size_t c = 0; c < columns.numbers.size(); ++c)
+      columns.values.col(Eigen::Index(c)) = values.col(columns.numbers[c] - first);
+    return columns;
+  }
+
+ private:
+  const Basis* basis_;
+  std::vector<std::uint32_t> row_of_, group_of_;  // of a vertex, of a row
+};
+
+// The region whose coefficients move a vertex most, or the number of regions.
+std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vector<RegionColumns>& parts,
+                                             const Parallel& parallel) {
+  std::vector<float> strength(basis.rows * parts.size(), 0);  // squared motion by row and region
+  parallel_for(parallel, basis.groups.size(), [&](std::size_t g, std::size_t) {
+    const RowGroup& group = basis.groups[g];
+    for (std::size_t r = 0; r < parts.size(); ++r) {
+      const auto [begin, end] = listed(group, parts[r].first, parts[r].count);
+      Matrix motion = Matrix::Zero(group.row_count, parts[r].count);
+      const Eigen::Map<const Matrix> values(group.values.data(), group.row_count, Eigen::Index(group.columns.size()));
+      for (std::size_t c = begin; c < end; ++c)
+        motion += values.col(Eigen::Index(c)) * parts[r].root.row(group.columns[c] - parts[r].first);
+      for (std::uint32_t i = 0; i < group.row_count; ++i)
+        strength[(group.first_row + i) * parts.size() + r] = motion.row(i).squaredNorm();
+    }
+  });
+  std::vector<std::uint32_t> labels(basis.rows / 3, std::uint32_t(parts.size()));
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    float most = 0;
+    for (std::size_t r = 0; r < parts.size(); ++r) {
+      float sum = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) sum += strength[(3 * i + axis) * parts.size() + r];
+      if (sum <= most) continue;
+      most = sum;
+      labels[basis.order.empty() ? i : basis.order[i]] = std::uint32_t(r);
+    }
+  }
+  return labels;
+}
+
+// A region's columns in a chunk, and the principal directions of what they do there.
+struct Local {
+  Columns old;
+  Matrix directions;                // 3 x vertices, orthonormal columns by falling motion
+  std::vector<double> motion = {};  // root mean square length of each, rig's units
+  std::size_t moved = 0;            // vertices
+
+  // How many move the vertices moved by more than this, root mean square a vertex.
+  Eigen::Index kept(double threshold) const {
+    const double least = threshold * std::sqrt(double(moved));
+    return std::partition_point(motion.begin(), motion.end(), [&](double m) { return m > least; }) - motion.begin();
+  }
+};
+
+struct Chunk {
+  std::vector<std::uint32_t> vertices;
+  Columns direct;
+  std::vector<Local> regions;
+};
+
+Local make_local(Columns old, const RegionColumns& region) {
+  Local local{std::move(old), {}};
+  const Matrix& values = local.old.values;
+  local.directions.resize(values.rows(), 0);
+  if (values.cols() == 0) return local;
+  std::vector<Eigen::Index> rows;  // of vertices that are moved
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+    if (!values.middleRows(row / 3 * 3, 3).isZero(0)) rows.push_back(row);
+  local.moved = rows.size() / 3;
+  Matrix root(values.cols(), region.count);
+  for (Eigen::Index c = 0; c < values.cols(); ++c)
+    root.row(c) = region.root.row(local.old.numbers[std::size_t(c)] - region.first);
+  const Matrix part = values(rows, Eigen::all);
+  const Eigen::MatrixXd motion = (part * root).cast<double>();
+  const Spectrum spectrum = symmetric_spectrum(motion * motion.transpose());
+  // What is smaller than the rounding of the largest motion is no direction.
+  constexpr double rounding = 1e-14;
+  Eigen::Index count = 0;
+  while (count < std::min(part.rows(), part.cols()) && spectrum.values[count] > spectrum.values[0] * rounding) ++count;
+  local.directions = Matrix::Zero(values.rows(), count);
+  local.directions(rows, Eigen::all) = spectrum.vectors.leftCols(count);
+  for (Eigen::Index k = 0; k < count; ++k) local.motion.push_back(std::sqrt(spectrum.values[k]));
+  return local;
+}
+
+// Whether a region's new columns and output layer hold fewer numbers than the old.
+bool pays(const std::vector<Chunk>& chunks, std::size_t r, const DenseLayer& last, double threshold) {
+  if (last.activation != Activation::linear || last.skip) return false;
+  const std::size_t row = std::size_t(last.inputs) + 1;  // weights and bias of one output
+  std::size_t before = row * last.outputs, after = 0;
+  for (const Chunk& chunk : chunks) {
+    const Local& local = chunk.regions[r];
+    before += std::size_t(local.old.values.size());
+    after += std::size_t(local.kept(threshold)) * (3 * chunk.vertices.size() + row);
+  }
+  return after < before;
+}
+
+// The last layer giving every chunk's own coefficients, chunk after chunk.
+DenseLayer merged(const DenseLayer& last, const std::vector<Chunk>& chunks, std::size_t r, std::uint32_t first,
+                  double threshold) {
+  DenseLayer layer = last;
+  layer.outputs = 0;
+  layer.weights.clear();
+  layer.bias.clear();
+  const Eigen::Map<const RowMatrix> weights(last.weights.data(), last.outputs, last.inputs);
+  for (const Chunk& chunk : chunks) {
+    const Local& local = chunk.regions[r];
+    RowMatrix rows(local.old.values.cols(), last.inputs);
+    Eigen::VectorXf bias(rows.rows());
+    for (Eigen::Index c = 0; c < rows.rows(); ++c) {
+      const std::uint32_t output = local.old.numbers[std::size_t(c)] - first;
+      rows.row(c) = weights.row(output);
+      bias[c] = last.bias[output];
+    }
+    const Matrix projection = local.directions.leftCols(local.kept(threshold)).transpose() * local.old.values;
+    const RowMatrix turned = projection * rows;
+    const Eigen::VectorXf turned_bias = projection * bias;
+    layer.outputs += std::uint32_t(turned.rows());
+    layer.weights.insert(layer.weights.end(), turned.data(), turned.data() + turned.size());
+    layer.bias.insert(layer.bias.end(), turned_bias.data(), turned_bias.data() + turned_bias.size());
+  }
+  return layer;
+}
+
+void append(RowGroup& group, std::uint32_t column, const Matrix& values, Eigen::Index c) {
+  group.columns.push_back(column);
+  group.values.insert(group.values.end(), values.col(c).data(), values.col(c).data() + values.rows());
+}
+
+}  // namespace
+
+struct Localizer::Parts {
+  FaceModel model;
+  std::vector<float> direct_sizes;
+  std::vector<RegionColumns> regions;
+  std::vector<Chunk> chunks;
+};
+
+Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                     std::uint32_t chunk_vertices, const Parallel& parallel, std::span<const float> direct_sizes) {
+  check(model);
+  const Network& network = model.network;
+  if (covariance.size() != network.regions.size())
+    fail(Status::invalid_argument, "%zu covariances for %zu regions", covariance.size(), network.regions.size());
+  const auto direct = std::uint32_t(network.direct.size());
+  auto parts = std::make_unique<Parts>(Parts{model, {direct_sizes.begin(), direct_sizes.end()}, {}, {}});
+  if (direct_sizes.empty()) parts->direct_sizes.assign(direct, 1.0f);
+  if (parts->direct_sizes.size() != direct)
+    fail(Status::invalid_argument, "%zu sizes for %u direct coefficients", direct_sizes.size(), direct);
+  std::uint32_t next = direct;
+  for (std::size_t r = 0; r < covariance.size(); next += parts->regions[r].count, ++r)
+    parts->regions.push_back(region_columns(network.regions[r], next, covariance[r]));
+
+  const std::vector<std::uint32_t> labels = strongest_regions(model.basis, parts->regions, parallel);
+  for (auto& vertices : vertex_chunks(model.rest, labels, chunk_vertices))
+    parts->chunks.push_back({std::move(vertices), {}, {}});
+  const RowFinder finder(model.basis);
+  parallel_for(parallel, parts->chunks.size(), [&](std::size_t i, std::size_t) {
+    Chunk& chunk = parts->chunks[i];
+    chunk.direct = finder.gather(chunk.vertices, 0, direct);
+    for (const RegionColumns& region : parts->regions)
+      chunk.regions.push_back(make_local(finder.gather(chunk.vertices, region.first, region.count), region));
+  });
+  parts_ = std::move(parts);
+}
+
+Localizer::~Localizer() = default;
+
+LocalizedModel Localizer::localized(double threshold_over_diagonal) const {
+  const auto& [model, direct_sizes, regions, chunks] = *parts_;
+  const double threshold = threshold_over_diagonal * model.rest.diagonal();
+  const auto direct = std::uint32_t(model.network.direct.size());
+  LocalizedModel result{model, direct_sizes};
+  Basis& basis = result.model.basis;
+  basis = {model.basis.rows, direct, {}, {}};
+  for (const Chunk& chunk : chunks) {
+    const auto rows = 3 * std::uint32_t(chunk.vertices.size());
+    RowGroup& group = basis.groups.emplace_back(RowGroup{3 * std::uint32_t(basis.order.size()), rows, {}, {}});
+    basis.order.insert(basis.order.end(), chunk.vertices.begin(), chunk.vertices.end());
+    for (std::size_t c = 0; c < chunk.direct.numbers.size(); ++c)
+      append(group, chunk.direct.numbers[c], chunk.direct.values, Eigen::Index(c));
+  }
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    DenseLayer& last = result.model.network.regions[r].layers.back();
+    const bool local = pays(chunks, r, last, threshold);
+    if (local) last = merged(last, chunks, r, regions[r].first, threshold);
+    std::uint32_t own = basis.columns;  // the next chunk's first
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      const Local& part = chunks[i].regions[r];
+      for (Eigen::Index c = 0; local && c < part.kept(threshold); ++c) {
+        append(basis.groups[i], own++, part.directions, c);
+        result.coefficient_sizes.push_back(float(part.motion[std::size_t(c)]));
+      }
+      for (std::size_t c = 0; !local && c < part.old.numbers.size(); ++c)
+        append(basis.groups[i], basis.columns + part.old.numbers[c] - regions[r].first, part.old.values,
+               Eigen::Index(c));
+    }
+    for (Eigen::Index c = 0; !local && c < regions[r].root.rows(); ++c)
+      result.coefficient_sizes.push_back(regions[r].root.row(c).norm());
+    basis.columns += last.outputs;
+  }
+  std::erase_if(result.model.network.regions, [](const Region& region) { return region.layers.back().outputs == 0; });
+  check(result.model);
+  return result;
+}
+
+LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                              const LocalizeOptions& options, const Parallel& parallel) {
+  return Localizer(model, covariance, options.chunk_vertices, parallel).localized(options.threshold);
+}
+
+}  // namespace fb

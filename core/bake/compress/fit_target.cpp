@@ -1,0 +1,167 @@
+#include "bake/compress/fit_target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <ranges>
+#include <utility>
+
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr int rungs = 24;
+constexpr double finest_scale = 2.5e-7;
+
+Precision precision_at(int rung, int weight_bits) {
+  return {finest_scale * std::exp2(rung / 2.0), weight_bits};
+}
+
+// The first number of [first, last) for which `before` is false, taking it to be false from there on.
+template <class Before>
+int boundary(int first, int last, const Before& before) {
+  return first + int(std::ranges::partition_point(std::views::iota(first, last), before) -
+                     std::views::iota(first, last).begin());
+}
+
+// Precisions of equal weights that keep to the bytes: this one and coarser ones.
+struct Ladder {
+  int weight_bits, finest;
+  double error;  // of the finest
+};
+
+// Builds candidates, and measures each once.
+class Candidates {
+ public:
+  using Error = std::function<double(const PackedModel&)>;
+  using Bytes = std::function<std::uint64_t(const PackedModel&)>;
+
+  Candidates(const FaceModel& model, std::span<const std::vector<float>> covariance, const Error& error,
+             const Bytes& bytes, const Parallel& parallel, Progress& progress, std::span<const float> direct_sizes)
+      : localizer_(model, covariance, LocalizeOptions{}.chunk_vertices, parallel, direct_sizes),
+        measure_error_(&error),
+        measure_bytes_(&bytes),
+        progress_(&progress) {}
+
+  double error(const Precision& precision) { return recall(errors_, precision, *measure_error_); }
+  std::uint64_t bytes(const Precision& precision) { return recall(bytes_, precision, *measure_bytes_); }
+
+  Fitted fitted(const FitChoice& choice) {
+    build(choice.precision);
+    return {localized_.model, packing(choice.precision), choice};
+  }
+
+ private:
+  using Key = std::pair<double, int>;
+  static Key key_of(const Precision& precision) { return {precision.scale, precision.weight_bits}; }
+
+  PackOptions packing(const Precision& precision) const {
+    PackOptions options = precision.pack();
+    options.coefficient_sizes = localized_.coefficient_sizes;
+    return options;
+  }
+
+  const PackedModel& build(const Precision& precision) {
+    const Key key = key_of(precision);
+    if (built_ == key) return packed_;
+    if (built_.first != key.first) localized_ = localizer_.localized(precision.scale);
+    packed_ = pack_model(localized_.model, packing(precision));
+    built_ = key;
+    return packed_;
+  }
+
+  template <class Number, class Measure>
+  Number recall(std::map<Key, Number>& known, const Precision& precision, const Measure& measure) {
+    const auto found = known.find(key_of(precision));
+    if (found != known.end()) return found->second;
+    const Number number = measure(build(precision));
+    known[key_of(precision)] = number;
+    progress_->step(++measured_);
+    return number;
+  }
+
+  Localizer localizer_;
+  const Error* measure_error_;
+  const Bytes* measure_bytes_;
+  Progress* progress_;
+  std::map<Key, double> errors_;
+  std::map<Key, std::uint64_t> bytes_;
+  std::uint64_t measured_ = 0;
+  Key built_{};  // what localized_ and packed_ are of
+  LocalizedModel localized_;
+  PackedModel packed_;
+};
+
+}  // namespace
+
+PackOptions Precision::pack() const {
+  PackOptions options;
+  options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
+  options.basis_tolerance = 2 * scale;
+  options.drop = scale;
+  options.step = 1.25 * scale;
+  return options;
+}
+
+FitChoice choose_precision(const FitTarget& target, const std::function<std::uint64_t(const Precision&)>& bytes,
+                           const std::function<double(const Precision&)>& error) {
+  if (target.max_bytes == 0 && target.max_error <= 0)
+    fail(Status::invalid_argument, "neither bytes nor an error is asked for");
+  const auto chosen = [&](const Precision& precision) {
+    return FitChoice{precision, bytes(precision), error(precision)};
+  };
+
+  std::vector<Ladder> ladders;
+  for (const int bits : {8, 16}) {
+    const auto too_large = [&](int rung) {
+      return target.max_bytes > 0 && bytes(precision_at(rung, bits)) > target.max_bytes;
+    };
+    const int finest = boundary(0, rungs, too_large);
+    if (finest < rungs) ladders.push_back({bits, finest, error(precision_at(finest, bits))});
+  }
+  if (ladders.empty()) return chosen(precision_at(rungs - 1, 8));
+  const Ladder& best = *std::ranges::min_element(ladders, {}, &Ladder::error);
+  if (target.max_error <= 0) return chosen(precision_at(best.finest, best.weight_bits));
+
+  const double allowed = std::max(target.max_error, 1.01 * best.error);
+  std::optional<FitChoice> smallest;
+  for (const Ladder& ladder : ladders) {
+    if (ladder.error > allowed) continue;
+    const int beyond = boundary(ladder.finest + 1, rungs,
+                                [&](int rung) { return error(precision_at(rung, ladder.weight_bits)) <= allowed; });
+    const FitChoice choice = chosen(precision_at(beyond - 1, ladder.weight_bits));
+    if (!smallest || choice.bytes < smallest->bytes) smallest = choice;
+  }
+  return *smallest;
+}
+
+Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
+                  const std::function<double(const PackedModel&)>& error,
+                  const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
+                  Progress& progress, std::span<const float> direct_sizes) {
+  constexpr std::uint64_t most_measured = 24;  // both measures along both ladders
+  progress.begin("fitting bytes and error", most_measured);
+  Candidates candidates(model, covariance, error, bytes, parallel, progress, direct_sizes);
+  const FitChoice choice = choose_precision(
+      target, [&](const Precision& precision) { return candidates.bytes(precision); },
+      [&](const Precision& precision) { return candidates.error(precision); });
+  progress.step(most_measured);
+  progress.note(
+      format("fitted: %llu bytes, largest error %.3g of the diagonal on validation poses (basis precise to "
+             "%.2g of it, weights of %d bits)",
+             static_cast<unsigned long long>(choice.bytes), choice.error, choice.precision.scale,
+             choice.precision.weight_bits));
+  if (target.max_bytes > 0 && choice.bytes > target.max_bytes)
+    progress.note(format("asked for %llu bytes, the smallest reached is %llu",
+                         static_cast<unsigned long long>(target.max_bytes),
+                         static_cast<unsigned long long>(choice.bytes)));
+  if (target.max_error > 0 && choice.error > target.max_error)
+    progress.note(format("asked for an error of %.3g of the diagonal, the smallest reached is %.3g", target.max_error,
+                         choice.error));
+  return candidates.fitted(choice);
+}
+
+}  // namespace fb

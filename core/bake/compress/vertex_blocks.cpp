@@ -1,0 +1,58 @@
+#include "bake/compress/vertex_blocks.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+std::size_t longest_axis(const Mesh& rest, std::span<const std::uint32_t> vertices) {
+  std::array<float, 3> extent{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = rest.points[3 * std::size_t(vertices[0]) + axis], high = low;
+    for (const std::uint32_t v : vertices) {
+      low = std::min(low, rest.points[3 * std::size_t(v) + axis]);
+      high = std::max(high, rest.points[3 * std::size_t(v) + axis]);
+    }
+    extent[axis] = high - low;
+  }
+  return std::size_t(std::max_element(extent.begin(), extent.end()) - extent.begin());
+}
+
+void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t largest,
+            std::vector<std::vector<std::uint32_t>>& chunks) {
+  const std::size_t pieces = (vertices.size() + largest - 1) / largest;
+  if (pieces <= 1) {
+    chunks.emplace_back(vertices.begin(), vertices.end());
+    std::sort(chunks.back().begin(), chunks.back().end());
+    return;
+  }
+  const std::size_t axis = longest_axis(rest, vertices), half = vertices.size() * (pieces / 2) / pieces;
+  std::nth_element(vertices.begin(), vertices.begin() + std::ptrdiff_t(half), vertices.end(),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return std::pair(rest.points[3 * std::size_t(a) + axis], a) <
+                            std::pair(rest.points[3 * std::size_t(b) + axis], b);
+                   });
+  bisect(rest, vertices.first(half), largest, chunks);
+  bisect(rest, vertices.subspan(half), largest, chunks);
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> vertex_chunks(const Mesh& rest, std::span<const std::uint32_t> labels,
+                                                      std::uint32_t largest) {
+  if (labels.size() != rest.vertex_count() || largest == 0)
+    fail(Status::invalid_argument, "chunks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
+         rest.vertex_count());
+  std::map<std::uint32_t, std::vector<std::uint32_t>> of_label;
+  for (std::size_t v = 0; v < labels.size(); ++v) of_label[labels[v]].push_back(std::uint32_t(v));
+  std::vector<std::vector<std::uint32_t>> chunks;
+  for (auto& [label, vertices] : of_label) bisect(rest, vertices, largest, chunks);
+  return chunks;
+}
+
+}  // namespace fb

@@ -1,0 +1,82 @@
+#include "bake/dataset/open_source.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "bake/dataset/dataset_index.h"
+#include "bake/dataset/dataset_source.h"
+#include "bake/dataset/merged_source.h"
+#include "bake/rig/gltf_rig.h"
+#include "bake/rig/rig_source.h"
+#include "bake/rig/source.h"
+
+namespace fs = std::filesystem;
+
+namespace fb {
+namespace {
+
+// Where the built-in face may lie, most specific first: folders named by FACEBAKER_RIG_PATH, beside the program (in a
+// build, or installed under any prefix), beside the library this code is part of, and where `install` puts it.
+std::vector<fs::path> rig_folders() {
+  std::vector<fs::path> folders;
+  if (const char* list = std::getenv("FACEBAKER_RIG_PATH")) {
+    std::istringstream stream(list);
+    for (std::string folder; std::getline(stream, folder, ':');)
+      if (!folder.empty()) folders.emplace_back(folder);
+  }
+  std::error_code error;
+  if (const fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
+    const fs::path prefix = program.parent_path().parent_path();
+    folders.push_back(prefix / "lib" / "rigs");
+    folders.push_back(prefix / FB_INSTALL_LIBDIR / "facebaker" / "rigs");
+  }
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&open_source), &info) && info.dli_fname) {
+    const fs::path here = fs::absolute(info.dli_fname).parent_path();
+    folders.push_back(here / "rigs");
+    folders.push_back(here / "facebaker" / "rigs");
+  }
+  folders.emplace_back(FB_INSTALL_RIG_DIR);
+  return folders;
+}
+
+std::unique_ptr<Source> open_sample() {
+  std::string looked;
+  for (const fs::path& folder : rig_folders()) {
+    const fs::path file = folder / "librig_sample.so";
+    if (fs::is_regular_file(file)) return open_rig_plugin(file.string());
+    looked += "\n  " + folder.string();
+  }
+  fail(Status::not_found, "the sample face (librig_sample.so) is in none of%s", looked.c_str());
+}
+
+}  // namespace
+
+std::unique_ptr<Source> open_source(const std::string& source) {
+  if (source == "sample") return open_sample();
+  const fs::path path(source);
+  if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", source.c_str());
+  if (fs::is_directory(path)) {
+    if (!fs::exists(path / dataset_file))
+      fail(Status::not_found, "%s: is no dataset folder: it holds no %s", source.c_str(), dataset_file);
+    return std::make_unique<DatasetSource>(path);
+  }
+  const std::string extension = path.extension().string();
+  if (extension == ".glb" || extension == ".gltf") return open_gltf_rig(source);
+  if (extension == ".so") return open_rig_plugin(source);
+  fail(Status::invalid_argument, "%s: neither a dataset folder, a rig plugin (.so) nor a glTF file (.glb, .gltf)",
+       source.c_str());
+}
+
+std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources) {
+  if (sources.empty()) fail(Status::invalid_argument, "no source is given");
+  if (sources.size() == 1) return open_source(sources[0]);
+  std::vector<std::unique_ptr<Source>> opened;
+  for (const std::string& source : sources) opened.push_back(open_source(source));
+  return std::make_unique<MergedSource>(std::move(opened), sources);
+}
+
+}  // namespace fb

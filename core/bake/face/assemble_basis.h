@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bake/analysis/sparse_blendshapes.h"
+#include "bake/regions/find_regions.h"
+#include "bake/regions/local_basis.h"
+#include "model/face_model.h"
+
+namespace fb {
+
+// The block-sparse basis of a face: a column for each shape of the base, then one for each component of every region.
+Basis assemble_basis(std::size_t vertices, const CurveBase& base, std::span<const FaceRegion> regions,
+                     std::span<const LocalBasis> bases);
+
+}  // namespace fb

@@ -1,0 +1,91 @@
+#include "bake/pipeline/bake_cache.h"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "bake/pipeline/recipe_table.h"
+#include "base/file.h"
+#include "base/hash.h"
+
+namespace fb {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Errors, frames, mse, rms, mean, p99, max, mfm, worst_frame)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EpochLoss, training, validation)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionDiary, name, vertices, inputs, coefficients, parameters, energy, validation,
+                                   epochs, restarts)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningPoint, poses, mse, max)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTime, name, seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeDiary, notes, bones, rig_calls, regions, learning, coverage, stages)
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* archive_name = "face.fbk";
+constexpr const char* figures_name = "bake.json";
+
+// Of everything that decides what a bake gives: options that change only how fast it is are left out.
+std::uint64_t key_of(Source& data, const Source* rig, const BakeOptions& options) {
+  const PoseSet poses = training_poses(data, options.use), some = poses.thinned(16);
+  std::vector<float> points(some.size() * data.rest().points.size());
+  some.read_points(0, some.size(), points);
+  const std::uint64_t budget = recipe_named(options.recipe).asks_rig ? options.rig_budget : 0;
+  const Json words = {FB_VERSION,        options.recipe, name_of(options.use),
+                      options.seed,      options.epochs, options.max_bytes,
+                      options.max_error, budget,         rig != nullptr};
+  const std::uint64_t seen = hash64_of<float>(poses.controls(), hash64_of<float>(points));
+  const Mesh& rest = data.rest();
+  const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, seen));
+  return hash64_of<char>(words.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
+}
+
+// What is missing or damaged is baked again.
+std::optional<Baked> kept(const std::filesystem::path& folder, std::uint64_t key) {
+  if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
+    return std::nullopt;
+  const std::vector<std::byte> text = read_file(folder / figures_name);
+  try {
+    const Json json = Json::parse(reinterpret_cast<const char*>(text.data()),
+                                  reinterpret_cast<const char*>(text.data()) + text.size());
+    Baked baked;
+    baked.archive = read_file(folder / archive_name);
+    if (json.at("key") != key || json.at("archive") != hash64(baked.archive)) return std::nullopt;
+    json.at("poses").get_to(baked.poses);
+    json.at("coefficients").get_to(baked.coefficients);
+    json.at("parameters").get_to(baked.parameters);
+    json.at("train_seconds").get_to(baked.train_seconds);
+    json.at("quantisation").get_to(baked.quantisation);
+    json.at("diary").get_to(baked.diary);
+    return baked;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& baked) {
+  const Json json = {{"key", key},
+                     {"archive", hash64(baked.archive)},
+                     {"poses", baked.poses},
+                     {"coefficients", baked.coefficients},
+                     {"parameters", baked.parameters},
+                     {"train_seconds", baked.train_seconds},
+                     {"quantisation", baked.quantisation},
+                     {"diary", baked.diary}};
+  write_file(folder / archive_name, baked.archive);
+  write_file(folder / figures_name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+Baked bake_or_keep(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+  const std::uint64_t key = key_of(data, rig, options);
+  if (std::optional<Baked> earlier = kept(options.work, key)) {
+    progress.note("taken from " + options.work.string() + ", where it was baked before");
+    return std::move(*earlier);
+  }
+  Baked baked = bake_recorded(data, rig, options, progress);
+  keep(options.work, key, baked);
+  return baked;
+}
+
+}  // namespace fb

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "bake/pipeline/bake.h"
+
+namespace fb {
+
+// bake_recorded, unless the work folder holds the whole of an earlier call's result for the same poses, options and
+// version: then that, so that an interrupted comparison goes on where it stopped.
+Baked bake_or_keep(Source& data, Source* rig, const BakeOptions& options, Progress& progress);
+
+}  // namespace fb

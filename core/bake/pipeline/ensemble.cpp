@@ -1,0 +1,86 @@
+#include "bake/pipeline/ensemble.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <numeric>
+
+#include "bake/analysis/rig_analysis.h"
+#include "bake/baselines/paper_network.h"
+#include "bake/recipe/recipe.h"
+#include "bake/regions/local_basis.h"
+#include "bake/regions/residual.h"
+#include "bake/train/trainer.h"
+
+namespace fb {
+namespace {
+
+constexpr std::uint32_t width = 128, steps = 4000;
+constexpr std::size_t most_components = 64;
+
+TrainingSet set_of(std::size_t poses, std::size_t controls, std::size_t outputs, std::span<const float> inputs,
+                   std::span<const float> targets) {
+  TrainingSet set;
+  set.poses = poses;
+  set.inputs = controls;
+  set.outputs = outputs;
+  set.features = inputs;
+  set.targets = targets;
+  return set;
+}
+
+}  // namespace
+
+Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& progress) {
+  return [=, &progress](Source& recorded, std::uint32_t round) -> Disagreement {
+    const PoseSet poses = training_poses(recorded, Use::variant);
+    const RigSchema schema = recorded.schema();
+    ProbeOptions curves;
+    curves.max_pairs = curves.max_triples = 0;
+    const Probe probe = probe_poses(poses, curves, parallel, progress);
+    FaceRegion face{"face", {}, {}, {}, 1};
+    face.vertices.resize(recorded.rest().vertex_count());
+    std::iota(face.vertices.begin(), face.vertices.end(), 0u);
+    face.weights.assign(face.vertices.size(), 1.0f);
+    const Residual residual(poses, probe.base);
+    LocalBasisOptions options;
+    options.max_components = most_components;
+    const LocalBasis basis = local_bases(residual, {face}, options, parallel, progress).front();
+    const std::size_t outputs = basis.count;
+    const bool nothing = std::ranges::all_of(basis.coefficients, [](float c) { return c == 0; });
+    if (outputs == 0 || nothing)
+      return [](std::span<const float>, std::size_t count) { return std::vector<float>(count); };
+
+    const std::vector<float> inputs = identity_values(poses.controls(), schema);
+    std::array<std::vector<DenseLayer>, 2> networks;
+    for (std::size_t n = 0; n < networks.size(); ++n) {
+      TrainingPlan plan;
+      plan.widths = {width, width};
+      plan.activation = Activation::silu;
+      plan.schedule = Schedule::linger;
+      plan.learning_rate = 4e-3f;
+      plan.output_scaling = 0.75f;
+      plan.epochs = std::max<std::uint32_t>(1, steps * plan.batch / static_cast<std::uint32_t>(poses.size()));
+      plan.seed = seed + 2 * round + n;
+      plan.parallel = parallel;
+      networks[n] = train_layers(set_of(poses.size(), schema.control_count(), outputs, inputs, basis.coefficients),
+                                 plan, progress)
+                        .layers;
+    }
+    const double size = static_cast<double>(recorded.rest().vertex_count());
+    const double unit = 1 / (recorded.rest().diagonal() * recorded.rest().diagonal() * size);
+    return [=](std::span<const float> controls, std::size_t count) {
+      const std::vector<float> asked = identity_values({controls.begin(), controls.end()}, schema);
+      const std::vector<float> unknown(count * outputs);
+      const TrainingSet set = set_of(count, schema.control_count(), outputs, asked, unknown);
+      const std::vector<float> one = run_layers(networks[0], set, parallel),
+                               other = run_layers(networks[1], set, parallel);
+      std::vector<float> apart(count);
+      for (std::size_t i = 0; i < one.size(); ++i)
+        apart[i / outputs] += static_cast<float>(unit) * (one[i] - other[i]) * (one[i] - other[i]);
+      return apart;
+    };
+  };
+}
+
+}  // namespace fb

@@ -1,0 +1,39 @@
+#include "bake/pipeline/record.h"
+#include "bake/dataset/open_source.h"
+
+#include <algorithm>
+
+#include "bake/analysis/rig_analysis.h"
+#include "bake/pipeline/ensemble.h"
+#include "bake/sampling/active_sampling.h"
+
+namespace fb {
+
+std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
+                               Progress& progress) {
+  SamplingOptions sampling;
+  sampling.poses = options.poses;
+  sampling.seed = options.seed;
+  sampling.mix = options.mix;
+  sampling.held_out = what == Recording::with_test;
+  const std::uint64_t third = options.rig_budget / 3;
+  sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_probe(rig.schema(), third) ? third : 0);
+  // A variant learns from no shot; where poses are dear none is asked for.
+  if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
+  const std::filesystem::path folder = options.work / "poses";
+  if (options.rig_budget > 0 && recipes_ask)
+    sample_by_disagreement(rig, sampling, {}, two_networks(options.seed, options.parallel, progress), folder,
+                           options.parallel, progress);
+  else
+    sample(rig, sampling, folder, options.parallel, progress);
+  return open_source(folder.string());
+}
+
+BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::size_t recipes) {
+  if (options.rig_budget == 0) return options;
+  const std::uint64_t left = options.rig_budget - std::min(spent.calls(), options.rig_budget);
+  options.rig_budget = std::max<std::uint64_t>(1, left / std::max<std::size_t>(1, recipes));
+  return options;
+}
+
+}  // namespace fb

@@ -1,0 +1,137 @@
+#include "bake/sampling/control_responses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/rig/evaluate_parallel.h"
+
+namespace fb {
+namespace {
+
+// A spread of vertices is enough to tell whether motions oppose each other, and fits in memory for every control.
+constexpr std::size_t most_vertices = 1000;
+
+// Pairs below this cosine work against each other.
+constexpr double opposition = -0.5;
+
+// Displacement of spread vertices, scaled to length 1; empty if they do not move.
+std::vector<float> direction(const std::vector<float>& rest, const float* points) {
+  const std::size_t vertices = rest.size() / 3, stride = (vertices + most_vertices - 1) / most_vertices;
+  std::vector<float> direction;
+  double squares = 0;
+  for (std::size_t v = 0; v < vertices; v += stride)
+    for (std::size_t i = 3 * v; i < 3 * v + 3; ++i) {
+      direction.push_back(points[i] - rest[i]);
+      squares += double(direction.back()) * direction.back();
+    }
+  if (squares == 0) return {};
+  for (float& d : direction) d = static_cast<float>(d / std::sqrt(squares));
+  return direction;
+}
+
+}  // namespace
+
+std::vector<ControlGroup> control_groups(const RigSchema& schema) {
+  std::vector<ControlGroup> groups;
+  for (std::size_t c = 0; c < schema.control_count(); ++c) {
+    const std::string& name = schema.controls[c].group;
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const ControlGroup& g) { return g.name == name; });
+    if (group == groups.end()) group = groups.insert(group, ControlGroup{name, {}, 0});
+    group->controls.push_back(c);
+  }
+  for (ControlGroup& group : groups) group.energy = 1 / static_cast<double>(groups.size());
+  return groups;
+}
+
+RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : diagonal_(rig.rest().diagonal()) {
+  const RigSchema& schema = rig.schema();
+  const std::size_t width = schema.control_count(), size = rig.rest().points.size();
+  motion_.resize(width);
+  bend_.resize(width);
+  directions_.resize(2 * width);
+  progress.begin("probing controls", width);
+  const std::size_t batch = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
+  std::vector<float> controls, points;
+  for (std::size_t first = 0; first < width; first += batch) {
+    const std::size_t count = std::min(batch, width - first);
+    controls.clear();
+    for (std::size_t pose = 0; pose < count * values; ++pose) {
+      std::vector<float> values_of = schema.rest_pose();
+      const Control& control = schema.controls[first + pose / values];
+      const float t = static_cast<float>(pose % values) / (values - 1);
+      values_of[first + pose / values] = control.minimum * (1 - t) + control.maximum * t;
+      controls.insert(controls.end(), values_of.begin(), values_of.end());
+    }
+    points.resize(count * values * size);
+    try {
+      evaluate_parallel(rig, controls, count * values, points, parallel);
+    } catch (const PoseError& error) {
+      fail(error.status(), "control \"%s\" moved alone, value %zu of %zu: %s",
+           schema.controls[first + error.pose() / values].name.c_str(), error.pose() % values + 1, values,
+           error.reason().c_str());
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      measure(rig, first + i, points.data() + i * values * size);
+      if (motion_[first + i] == 0)
+        progress.note(format("control \"%s\" alone moves nothing", schema.controls[first + i].name.c_str()));
+    }
+    progress.step(first + count);
+  }
+  find_regions(schema);
+  find_opposed();
+}
+
+void RigProbe::measure(const Source& rig, std::size_t control, const float* responses) {
+  const std::vector<float>& rest = rig.rest().points;
+  const std::size_t size = rest.size();
+  const auto root_mean = [&](double squares) { return std::sqrt(3 * squares / static_cast<double>(size)) / diagonal_; };
+  for (std::size_t k = 0; k < values; ++k) {
+    const float* here = responses + k * size;
+    double moved = 0, bent = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double d = double(here[i]) - rest[i];
+      moved += d * d;
+      if (k == 0 || k + 1 == values) continue;
+      const double second = double(here[i - size]) - 2 * double(here[i]) + here[i + size];
+      bent += second * second;
+    }
+    motion_[control] = std::max(motion_[control], root_mean(moved));
+    if (k > 0 && k + 1 < values) bend_[control][k - 1] = root_mean(bent);
+  }
+  const Control& c = rig.schema().controls[control];
+  for (const bool up : {false, true})
+    if ((up ? c.maximum : c.minimum) != c.rest)
+      directions_[2 * control + up] = direction(rest, responses + (up ? values - 1 : 0) * size);
+}
+
+void RigProbe::find_regions(const RigSchema& schema) {
+  regions_ = control_groups(schema);
+  double total = 0;
+  for (const double motion : motion_) total += motion * motion;
+  if (total == 0) return;
+  for (ControlGroup& region : regions_) {
+    region.energy = 0;
+    for (const std::size_t c : region.controls) region.energy += motion_[c] * motion_[c] / total;
+  }
+}
+
+void RigProbe::find_opposed() {
+  const std::size_t ends = directions_.size();
+  opposed_.assign(ends * ends, 0);
+  for (const ControlGroup& region : regions_)
+    for (const std::size_t a : region.controls)
+      for (const std::size_t b : region.controls) {
+        if (b <= a) continue;
+        for (std::size_t i = 2 * a; i < 2 * a + 2; ++i)
+          for (std::size_t j = 2 * b; j < 2 * b + 2; ++j) {
+            const std::vector<float>&x = directions_[i], &y = directions_[j];
+            if (x.empty() || y.empty()) continue;
+            double cosine = 0;
+            for (std::size_t k = 0; k < x.size(); ++k) cosine += double(x[k]) * y[k];
+            opposed_[i * ends + j] = opposed_[j * ends + i] = cosine < opposition;
+          }
+      }
+  directions_.clear();
+}
+
+}  // namespace fb

@@ -1,0 +1,53 @@
+#include <algorithm>
+
+#include "bake/sampling/pose_generators.h"
+#include "bake/sampling/sampling.h"
+
+namespace fb {
+namespace {
+
+std::vector<float> random_poses(const RigSchema& schema, std::uint64_t seed, Stream use, float probability,
+                                std::size_t poses) {
+  std::vector<float> all;
+  for (std::size_t i = 0; i < poses; ++i) {
+    Random random = open_stream(seed, use, i);
+    for (const Control& control : schema.controls) {
+      const bool on = random.uniform() < probability;
+      const float value = random.uniform(control.minimum, control.maximum);
+      all.push_back(on ? std::clamp(value, control.minimum, control.maximum) : control.rest);
+    }
+  }
+  return all;
+}
+
+// In each shot two controls of five are alive: each swings between keys of its own size toward one end of its range.
+std::vector<float> synthetic_shots(const RigSchema& schema, std::uint64_t seed, std::size_t shots, std::size_t frames) {
+  constexpr std::size_t step = 10;
+  std::vector<float> all;
+  for (std::size_t shot = 0; shot < shots; ++shot) {
+    Random random = open_stream(seed, Stream::synthetic_shots, shot);
+    const std::size_t width = schema.control_count(), keys = frames / step + 2;
+    std::vector<float> poses(keys * width);
+    for (std::size_t c = 0; c < width; ++c) {
+      const Control& control = schema.controls[c];
+      const bool alive = random.uniform() < 0.4f, up = draw_end(control, random);
+      const float size = random.uniform(0.2f, 1.0f);
+      for (std::size_t key = 0; key < keys; ++key)
+        poses[key * width + c] = alive ? toward_end(control, up, size * random.uniform()) : control.rest;
+    }
+    const std::vector<float> walk = walk_through(poses, width, step, frames);
+    all.insert(all.end(), walk.begin(), walk.end());
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Clip> make_held_out(const RigSchema& schema, std::uint64_t seed) {
+  return {
+      {"random_15", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_15, 0.15f, 600)},
+      {"random_35", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_35, 0.35f, 600)},
+      {"synthetic_shots", ClipKind::shot, Split::test, 30, 800, synthetic_shots(schema, seed, 20, 40)}};
+}
+
+}  // namespace fb

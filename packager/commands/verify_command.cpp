@@ -1,0 +1,41 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "bake/measure/verify.h"
+#include "base/file.h"
+#include "commands/command_options.h"
+#include "commands/commands.h"
+#include "commands/report_json.h"
+
+namespace fb {
+namespace {
+
+struct VerifyVerb {
+  std::string archive;
+  bool json = false;
+
+  void run() const {
+    const auto bytes = read_file(archive);
+    const VerifyReport report = naming(archive, [&] { return verify_archive(bytes); });
+    if (json)
+      std::fputs(verify_json(archive, report).c_str(), stdout);
+    else if (report.poses == 0)
+      std::printf("%s: whole; it carries no poses to check\n", archive.c_str());
+    else
+      std::printf("%s: whole; %zu poses of %zu vertices evaluate as archived, bit for bit\n", archive.c_str(),
+                  report.poses, report.vertices);
+  }
+};
+
+}  // namespace
+
+void add_verify(CLI::App& tool) {
+  auto verb = std::make_shared<VerifyVerb>();
+  CLI::App* app = tool.add_subcommand("verify", "Check that an archive is whole and still computes what was archived");
+  add_archive(*app, verb->archive);
+  add_json_flag(*app, verb->json);
+  app->callback([verb] { verb->run(); });
+}
+
+}  // namespace fb

@@ -1,0 +1,277 @@
+#include "bake/analysis/rig_analysis.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <thread>
+
+#include "base/file.h"
+#include "base/status.h"
+#include "memory_source.h"
+#include "temporary_folder.h"
+
+using namespace fb;
+
+namespace {
+
+constexpr std::size_t side = 6, vertices = side * side;
+
+// A rig of 6 controls in [0, 1], but the last two in [-1, 1]. Each moves a row of the grid, all of it or more:
+// 0 straight; 1 with corners at .3 and .7; 2 straight; 3 straight; 4 turns its row; 5 straight, the same both ways.
+// Together: 0 x 2 on row 0, min(2, 3) on row 1, 0 x 2 x 3 on row 2, and 0 x (tent of 1 at .3) on row 3.
+void formula(const float* c, std::span<float> p) {
+  const auto move = [&](std::size_t row, double x, double y, double z) {
+    for (std::size_t v = row * side; v < (row + 1) * side; ++v) {
+      const double amount = 1 + 0.1 * double(v % side);
+      p[3 * v] += float(amount * x), p[3 * v + 1] += float(amount * y), p[3 * v + 2] += float(amount * z);
+    }
+  };
+  const double tent = std::max(0.0, std::min(c[1] / 0.3, (0.7 - c[1]) / 0.4));
+  move(0, c[0], 0, 0);
+  move(3, 0, 0, c[0]);
+  move(1, 0.5 * c[1], tent, 0.2 * std::max(0.0, c[1] - 0.7));
+  move(3, 0, c[1], 0);
+  move(0, 0, 0, 0.4 * c[2]);
+  move(1, 0.3 * c[2], 0, 0);
+  move(2, c[2], 0, 0);
+  move(1, 0, 0, c[3]);
+  move(2, 0, c[3], 0);
+  move(4, std::sin(0.3 * c[4]), 1 - std::cos(0.3 * c[4]), 0);
+  move(5, 0, 0.7 * c[5], 0);
+  move(0, 0, 0.5 * c[0] * c[2], 0);
+  move(1, 0, 0.4 * std::min(c[2], c[3]), 0);
+  move(2, 0, 0, 0.6 * c[0] * c[2] * c[3]);
+  move(3, 0.3 * c[0] * tent, 0, 0);
+  // 0 has to reach row 2 for the triple to have a row in common.
+  move(2, 0, 0, 0.1 * c[0]);
+}
+
+MemorySource make_rig() {
+  MemorySource rig(6, side, formula, true);
+  for (std::size_t c = 0; c < 4; ++c) rig.edit_schema().controls[c].minimum = 0;
+  return rig;
+}
+
+double worst_error(MemorySource& rig, const CurveBase& base, const std::vector<float>& pose) {
+  std::vector<float> points(3 * vertices);
+  rig.evaluate(pose, 1, points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] -= rig.rest().points[i];
+  base.add(pose, rig.schema().rest_pose(), 1, -1, points);
+  double worst = 0;
+  for (std::size_t i = 0; i < points.size(); i += 3)
+    worst = std::max(worst, std::hypot(double(points[i]), points[i + 1], points[i + 2]));
+  return worst / rig.rest().diagonal();
+}
+
+struct Notes final : Progress {
+  void begin(std::string_view, std::uint64_t) override {}
+  void update(std::uint64_t) override {}
+  bool cancelled() const override { return false; }
+  void note(std::string_view sentence) override { all += std::string(sentence) + "\n"; }
+  std::string all;
+};
+
+Probe probe_with(ProbeOptions options, int threads = 2) {
+  MemorySource rig = make_rig();
+  Parallel parallel;
+  parallel.threads = threads;
+  return probe_rig(rig, options, parallel, silent_progress());
+}
+
+std::size_t shapes_of_control(const Probe& probe, std::uint32_t control) {
+  return static_cast<std::size_t>(
+      std::count_if(probe.base.shapes.begin(), probe.base.shapes.end(), [&](const SparseShape& shape) {
+        std::uint32_t f = shape.feature;
+        std::set<std::uint32_t> seen;
+        std::vector<std::uint32_t> open = {f};
+        while (!open.empty()) {
+          const Feature feature = probe.base.features[open.back()];
+          open.pop_back();
+          if (feature.kind >= Feature::Kind::product)
+            open.insert(open.end(), {feature.first, feature.second});
+          else
+            seen.insert(feature.control);
+        }
+        return seen == std::set<std::uint32_t>{control};
+      }));
+}
+
+}  // namespace
+
+TEST_CASE("curves have a shape for every corner, and straight controls have one") {
+  const Probe probe = probe_with({});
+  for (const std::uint32_t straight : {0u, 2u, 3u, 5u}) CHECK(shapes_of_control(probe, straight) == 1);
+  CHECK(probe.linear_controls == 4);
+  CHECK(shapes_of_control(probe, 1) == 3);
+  CHECK(shapes_of_control(probe, 4) <= 4);  // a turn: powers hold both sides in fewer shapes than corners
+  CHECK(probe.curve_error <= 1e-4);
+  MemorySource rig = make_rig();
+  for (std::size_t c = 0; c < 6; ++c)
+    for (const float value : {-1.0f, -0.61f, -0.3f, 0.07f, 0.15f, 0.3f, 0.42f, 0.7f, 0.9f, 1.0f}) {
+      std::vector<float> pose(6);
+      if (value < rig.schema().controls[c].minimum) continue;
+      pose[c] = value;
+      CHECK(worst_error(rig, probe.base, pose) <= (c == 4 ? 1e-4 : 1e-6));
+    }
+}
+
+TEST_CASE("products, minima and triples are found, and hold poses nobody asked for") {
+  const Probe probe = probe_with({});
+  std::set<std::vector<std::uint32_t>> found;
+  for (std::size_t i = 0; i < probe.interactions.size(); ++i) {
+    found.insert(probe.interactions[i].controls);
+    CHECK(probe.interactions[i].features.size() == 1);
+    if (i > 0) CHECK(probe.interactions[i].energy <= probe.interactions[i - 1].energy);
+  }
+  CHECK(found == std::set<std::vector<std::uint32_t>>{{0, 1}, {0, 2}, {2, 3}, {0, 2, 3}});
+  for (const Interaction& interaction : probe.interactions)
+    if (interaction.controls == std::vector<std::uint32_t>{2, 3})
+      CHECK(probe.base.features[interaction.features[0]].kind == Feature::Kind::minimum);
+  MemorySource rig = make_rig();
+  rig.add_clip("unseen", ClipKind::dense, Split::test, 50, 0.8f, 77);
+  for (std::size_t f = 0; f < 50; ++f) {
+    const auto first = rig.clips()[0].controls.begin() + static_cast<std::ptrdiff_t>(6 * f);
+    CHECK(worst_error(rig, probe.base, {first, first + 6}) <= 1e-4);
+  }
+}
+
+TEST_CASE("motion says which vertices a control moves, and what the base leaves over") {
+  const Probe all = probe_with({}), curves = probe_with({.max_pairs = 0, .max_triples = 0});
+  const auto moves = [](const std::vector<float>& motion, std::size_t control) {
+    std::set<std::size_t> rows;
+    for (std::size_t v = 0; v < vertices; ++v)
+      if (motion[control * vertices + v] > 1e-5f) rows.insert(v / side);
+    return rows;
+  };
+  REQUIRE(all.motion.size() == 6 * vertices);
+  // Together with 2, control 0 moves no further rows; 3 reaches row 2 alone.
+  CHECK(moves(all.motion, 0) == std::set<std::size_t>{0, 2, 3});
+  CHECK(moves(all.motion, 1) == std::set<std::size_t>{1, 3});
+  CHECK(moves(all.motion, 4) == std::set<std::size_t>{4});
+  CHECK(moves(curves.residual_motion, 0) == std::set<std::size_t>{0, 2, 3});
+  CHECK(moves(curves.residual_motion, 3) == std::set<std::size_t>{1, 2});
+  CHECK(moves(curves.residual_motion, 5).empty());
+  CHECK(moves(all.residual_motion, 0).empty());
+  CHECK(moves(all.residual_motion, 2).empty());
+  CHECK(curves.interactions.empty());
+}
+
+TEST_CASE("probing is the same for any number of threads") {
+  const Probe one = probe_with({}, 1), two = probe_with({}, 2);
+  CHECK(one.rig_calls == two.rig_calls);
+  CHECK(one.motion == two.motion);
+  CHECK(one.residual_motion == two.residual_motion);
+  REQUIRE(one.base.shapes.size() == two.base.shapes.size());
+  for (std::size_t s = 0; s < one.base.shapes.size(); ++s) {
+    CHECK(one.base.shapes[s].feature == two.base.shapes[s].feature);
+    CHECK(one.base.shapes[s].vertices == two.base.shapes[s].vertices);
+    CHECK(one.base.shapes[s].offsets == two.base.shapes[s].offsets);
+  }
+}
+
+TEST_CASE("a probing of a slow rig that was interrupted asks nothing twice") {
+  struct SlowRig final : MemorySource {
+    SlowRig() : MemorySource(make_rig()) {}
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(count));
+      MemorySource::evaluate(poses, count, points);
+      asked += count;
+    }
+    std::atomic<std::size_t> asked = 0;
+  };
+  struct Impatient final : Progress {
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t) override {}
+    bool cancelled() const override { return rig->asked > 200; }
+    void note(std::string_view) override {}
+    const SlowRig* rig;
+  };
+  const test::Folder folder;
+  ProbeOptions options;
+  options.answers = folder / "answers";
+  const Probe whole = probe_with({});
+  const auto probe_again = [&] {
+    SlowRig rig;
+    const Probe probe = probe_rig(rig, options, {}, silent_progress());
+    CHECK(probe.rig_calls == whole.rig_calls);
+    CHECK(probe.residual_motion == whole.residual_motion);
+    REQUIRE(probe.base.shapes.size() == whole.base.shapes.size());
+    CHECK(probe.base.shapes.back().offsets == whole.base.shapes.back().offsets);
+    return rig.asked.load();
+  };
+
+  SlowRig rig;
+  Impatient progress;
+  progress.rig = &rig;
+  CHECK_THROWS_AS(probe_rig(rig, options, {}, progress), Error);
+  const std::size_t done = rig.asked;
+  REQUIRE(done > 200);
+  REQUIRE(done < whole.rig_calls);
+  CHECK(probe_again() == whole.rig_calls - done);
+  CHECK(probe_again() == 0);
+  std::vector<std::byte> answers = read_file(options.answers);
+  answers[answers.size() / 2] ^= std::byte{1};
+  write_file(options.answers, answers);
+  const std::size_t asked = probe_again();
+  CHECK(asked > 0);
+  CHECK(asked < whole.rig_calls);
+  CHECK(probe_again() == 0);
+}
+
+TEST_CASE("a budget is kept to, and what it cut is told") {
+  const std::uint64_t plenty = probe_with({}).rig_calls;
+  for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {
+    MemorySource rig = make_rig();
+    Notes notes;
+    ProbeOptions options;
+    options.rig_budget = budget;
+    const Probe probe = probe_rig(rig, options, {}, notes);
+    CHECK(probe.rig_calls <= budget);
+    CHECK(probe.rig_calls < plenty);
+    CHECK(notes.all.find("budget") != std::string::npos);
+    std::vector<float> pose(6);
+    pose[5] = 1;
+    CHECK(worst_error(rig, probe.base, pose) <= 1e-6);  // ends of ranges come first
+  }
+}
+
+TEST_CASE("what four controls do together is found by way of three") {
+  const auto four = [](const float* c, std::span<float> p) {
+    for (std::size_t v = 0; v < vertices; ++v) {
+      p[3 * v] += c[0] + c[1] * c[2];
+      p[3 * v + 1] += c[2] + c[3] + 0.5f * c[0] * c[1] * c[2];
+      p[3 * v + 2] += c[1] + 0.5f * c[0] * c[1] * c[2] * c[3];
+    }
+  };
+  MemorySource rig(4, side, four, true);
+  for (Control& control : rig.edit_schema().controls) control.minimum = 0;
+  const Probe probe = probe_rig(rig, {}, {}, silent_progress());
+  std::set<std::vector<std::uint32_t>> found;
+  for (const Interaction& interaction : probe.interactions) found.insert(interaction.controls);
+  CHECK(found == std::set<std::vector<std::uint32_t>>{{1, 2}, {0, 1, 2}, {0, 1, 2, 3}});
+  CHECK(worst_error(rig, probe.base, {0.7f, 0.4f, 0.9f, 0.6f}) < 1e-6);
+}
+
+TEST_CASE("a recording cannot be probed, and a rig's failure names the controls") {
+  MemorySource recording(6, side, formula, false);
+  CHECK_THROWS_AS(probe_rig(recording, {}, {}, silent_progress()), Error);
+  struct FailingRig final : MemorySource {
+    FailingRig() : MemorySource(6, side, formula, true) {}
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      for (std::size_t i = 0; i < count; ++i)
+        if (poses[6 * i + 3] > 0.9f) throw PoseError(Status::not_finite, i, "vertex 7 is not a number");
+      MemorySource::evaluate(poses, count, points);
+    }
+  } rig;
+  try {
+    probe_rig(rig, {}, {}, silent_progress());
+    FAIL("a failing rig was probed");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::not_finite);
+    CHECK(std::string(error.what()) == "control \"control3\" at 1: vertex 7 is not a number");
+  }
+}

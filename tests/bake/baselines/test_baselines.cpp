@@ -1,0 +1,161 @@
+// The earlier systems: what they learn of a toy face, and that they bear whatever a rig is.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "archive/reader.h"
+#include "bake/baselines/pose_correctives.h"
+#include "bake/pipeline/compare.h"
+#include "bake/pipeline/recipe_table.h"
+#include "base/file.h"
+#include "base/status.h"
+#include "toy_faces.h"
+
+using namespace fb;
+
+namespace {
+
+struct Heard final : Progress {
+  void begin(std::string_view stage, std::uint64_t) override { stages += std::string(stage) + "; "; }
+  void update(std::uint64_t) override {}
+  bool cancelled() const override { return false; }
+  void note(std::string_view sentence) override { notes += std::string(sentence) + "; "; }
+  bool did(const char* stage) const { return stages.find(stage) != std::string::npos; }
+  std::string stages, notes;
+};
+
+Baked bake_quickly(Source& source, const WorkFolder& folder, const std::string& recipe, std::uint32_t epochs) {
+  BakeOptions options = options_in(folder, recipe);
+  options.work /= recipe;
+  options.epochs = epochs;
+  options.poses = 60;
+  return bake(source, options, silent_progress());
+}
+
+}  // namespace
+
+TEST_CASE("every earlier system beats linear blendshapes on a face with a corrective") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  const double linear = unseen_mse(bake_quickly(source, folder, "linear", 0).archive, source);
+  const Baked kanyuk = bake_quickly(source, folder, "kanyuk2018", 0);
+  CHECK(unseen_mse(kanyuk.archive, source) < 0.1 * linear);
+  CHECK(kanyuk.diary.bones > 1);
+  const Baked bailey = bake_quickly(source, folder, "bailey2018", 80);
+  CHECK(unseen_mse(bailey.archive, source) < 0.5 * linear);
+  CHECK(bailey.diary.bones > 1);
+  CHECK(unseen_mse(bake_quickly(source, folder, "paper-gradients", 50).archive, source) < 0.5 * linear);
+  CHECK(unseen_mse(bake_quickly(source, folder, "paper-tuned", 40).archive, source) < 0.2 * linear);
+}
+
+TEST_CASE("skinning with correctives is exact where one control is at its limit") {
+  WorkFolder folder;
+  MemorySource rig = face_of(curved_formula, true);
+  const Baked baked = bake_quickly(rig, folder, "kanyuk2018", 0);
+  MemorySource limits = face_of(curved_formula);
+  limits.add_clip("limits", ClipKind::excitation, Split::test, 8, 0, 1);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Control& control = rig.schema().controls[i / 2];
+    limits.edit_clip(0).controls[i * 4 + i / 2] = i % 2 ? control.maximum : control.minimum;
+  }
+  CHECK(evaluate_archive(baked.archive, limits, Split::test, {}, silent_progress()).total.max < 1e-4);
+}
+
+TEST_CASE("the corrective of two controls is found among all pairs") {
+  MemorySource source(4, 6, [](const float* c, std::span<float> points) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] += std::max(c[1], 0.0f) * std::max(-c[2], 0.0f) * std::cos(float(i)) +
+                   0.5f * std::min(std::max(c[0], 0.0f), std::max(c[3], 0.0f)) * std::sin(float(i));
+  });
+  source.add_clip("poses", ClipKind::dense, Split::train, 400, 0.8f, 1);
+  const PoseSet poses(source, [](const Clip&) { return true; });
+  std::vector<Feature> ramps;
+  for (std::uint32_t c = 0; c < 4; ++c)
+    for (const float side : {1.0f, -1.0f}) ramps.push_back({Feature::Kind::ramp, c, side, 0});
+  const PoseCorrectives found =
+      find_correctives(Displacements(poses), ramps, {.most = 2, .rounds = 2}, {}, silent_progress());
+  REQUIRE(found.features.size() == 2);
+  CHECK(found.features[0].kind == Feature::Kind::product);
+  CHECK(found.features[0].first == 2);
+  CHECK(found.features[0].second == 5);
+  CHECK(found.features[1].kind == Feature::Kind::minimum);
+  CHECK(found.features[1].first == 0);
+  CHECK(found.features[1].second == 6);
+  for (std::size_t i = 0; i < source.rest().points.size(); ++i) {
+    CHECK(std::abs(found.shapes[i] - std::cos(float(i))) < 0.05f);
+    CHECK(std::abs(found.shapes[source.rest().points.size() + i] - 0.5f * std::sin(float(i))) < 0.05f);
+  }
+}
+
+TEST_CASE("every method bakes one control, no polygons, three poses and a live rig") {
+  for (const std::string& recipe : recipe_names()) {
+    CAPTURE(recipe);
+    WorkFolder folder;
+    MemorySource single(1, 6, [](const float* c, std::span<float> points) {
+      for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[0] * std::sin(float(i));
+    });
+    single.add_clip("poses", ClipKind::dense, Split::train, 40, 1, 1);
+    CHECK(bake_quickly(single, folder, recipe, 1).archive.size() > 0);
+
+    WorkFolder loose_folder;
+    MemorySource loose = face_of(curved_formula, false, 6);
+    loose.edit_rest().polygon_sizes.clear();
+    loose.edit_rest().polygon_corners.clear();
+    loose.add_clip("poses", ClipKind::dense, Split::train, 40, 0.6f, 1);
+    CHECK(bake_quickly(loose, loose_folder, recipe, 1).poses == 40);
+
+    WorkFolder few_folder;
+    MemorySource few = face_of(curved_formula, false, 6);
+    few.add_clip("poses", ClipKind::dense, Split::train, 3, 0.6f, 1);
+    CHECK(bake_quickly(few, few_folder, recipe, 1).poses == 3);
+
+    WorkFolder live_folder;
+    MemorySource live = face_of(curved_formula, true, 6);
+    CHECK(bake_quickly(live, live_folder, recipe, 1).poses >= 60);
+  }
+}
+
+TEST_CASE("a comparison that is repeated bakes nothing again, unless the poses are others") {
+  WorkFolder folder;
+  MemorySource source = curved_face();
+  Heard first, again, other;
+  const std::vector<std::string> methods = {"linear", "paper"};
+  BakeOptions options = options_in(folder);
+  options.epochs = 1;
+  const CompareReport before = compare(source, methods, options, first);
+  CHECK(first.did("training"));
+  const CompareReport after = compare(source, methods, options, again);
+  CHECK_FALSE(again.did("training"));
+  CHECK(again.notes.find("baked before") != std::string::npos);
+  REQUIRE(after.methods.size() == before.methods.size());
+  for (std::size_t m = 0; m < after.methods.size(); ++m) {
+    CHECK(after.methods[m].independent.total.mse == before.methods[m].independent.total.mse);
+    CHECK(after.methods[m].parameters == before.methods[m].parameters);
+    CHECK(after.methods[m].bytes == before.methods[m].bytes);
+  }
+  std::filesystem::remove(folder.path / "linear.variant" / "face.fbk");
+  write_file(folder.path / "paper.backlot" / "bake.json", std::string("{\"key\": 1"));
+  Heard damaged;
+  CHECK(compare(source, methods, options, damaged).methods.size() == before.methods.size());
+  CHECK(damaged.did("training"));
+  source.edit_clip(0).controls[4] = 0.125f;
+  compare(source, methods, options, other);
+  CHECK(other.did("training"));
+}
+
+TEST_CASE("a method that fails does not lose the others") {
+  WorkFolder folder;
+  MemorySource still(2, 4, [](const float*, std::span<float>) {});
+  still.add_clip("dense", ClipKind::dense, Split::train, 30, 1, 1);
+  still.add_clip("unseen", ClipKind::shot, Split::test, 30, 1, 2);
+  Heard heard;
+  const CompareReport report = compare(still, {"paper", "linear"}, options_in(folder), heard);
+  REQUIRE(report.methods.size() == 1);
+  CHECK(report.methods[0].name == "linear");
+  REQUIRE(report.failures.size() == 1);
+  CHECK(report.failures[0].name == "paper");
+  CHECK(report.failures[0].reason.find("no pose moves any vertex") != std::string::npos);
+  CHECK(heard.notes.find("\"paper\" failed") != std::string::npos);
+  CHECK_THROWS_WITH(compare(still, {"paper"}, options_in(folder), silent_progress()),
+                    doctest::Contains("no pose moves any vertex"));
+}

@@ -1,0 +1,88 @@
+#include "bake/compress/rate_distortion.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "archive/section_writer.h"
+#include "base/random.h"
+
+using namespace fb;
+
+namespace {
+
+constexpr std::uint32_t side = 24, columns = 12, group_rows = 3 * 96;
+
+struct Rounded {
+  PackedModel model;
+  std::vector<std::vector<float>> exact;  // see economise
+
+  double squares() const {  // mean, in steps of `exact`
+    double sum = 0;
+    for (std::size_t g = 0; g < exact.size(); ++g)
+      for (std::size_t i = 0; i < exact[g].size(); ++i) {
+        const double off = model.groups[g].values[i] - exact[g][i];
+        sum += off * off;
+      }
+    return sum / (3.0 * side * side * columns);
+  }
+  std::size_t bytes() const { return write_basis_values(model).bytes.size(); }
+};
+
+// A square of quads in row groups of a few of its rows; smooth columns with a little noise, rounded to the nearest
+// multiple of `step`.
+Rounded rounded(float step) {
+  Rounded made;
+  PackedModel& model = made.model;
+  model.columns = columns;
+  for (std::uint32_t v = 0; v < side * side; ++v)
+    for (const std::uint32_t x : {v % side, v / side, 0u}) model.rest.points.push_back(static_cast<float>(x));
+  for (std::uint32_t y = 0; y + 1 < side; ++y)
+    for (std::uint32_t x = 0; x + 1 < side; ++x) {
+      const std::uint32_t v = y * side + x;
+      model.rest.polygon_sizes.push_back(4);
+      for (const std::uint32_t corner : {v, v + 1, v + side + 1, v + side})
+        model.rest.polygon_corners.push_back(corner);
+    }
+  Random random(3);
+  for (std::uint32_t row = 0; row < 3 * side * side; row += group_rows) {
+    PackedRowGroup& group = model.groups.emplace_back();
+    group.first_row = row;
+    group.row_count = group_rows;
+    std::vector<float>& exact = made.exact.emplace_back();
+    for (std::uint32_t c = 0; c < columns; ++c) {
+      group.columns.push_back({c, false, step});
+      for (std::uint32_t r = row; r < row + group_rows; ++r) {
+        const float x = float(r / 3 % side) / side, y = float(r / 3) / (side * side);
+        const float wave = 12 * std::sin(3 * x + float(c)) * std::sin(4 * y + float(r % 3));
+        exact.push_back((wave + random.uniform(-0.7f, 0.7f)) / step);
+        group.values.push_back(static_cast<std::int16_t>(std::nearbyint(exact.back())));
+      }
+    }
+  }
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("the same error takes fewer bytes where rounding knows what they cost") {
+  const Rounded nearest = rounded(1.2f);
+  Rounded thrifty = rounded(1);
+  const std::size_t before = thrifty.bytes();
+  economise(thrifty.model, thrifty.exact, worth_of_a_step);
+  CHECK(thrifty.bytes() < before);
+  CHECK(thrifty.squares() < 1.44 * nearest.squares());
+  CHECK(double(thrifty.bytes()) < 0.97 * double(nearest.bytes()));
+  for (std::size_t g = 0; g < thrifty.exact.size(); ++g)
+    for (std::size_t i = 0; i < thrifty.exact[g].size(); ++i)
+      CHECK(std::fabs(thrifty.model.groups[g].values[i] - thrifty.exact[g][i]) < 1);
+}
+
+TEST_CASE("what is worth any number of bytes is rounded to the nearest") {
+  Rounded precise = rounded(1);
+  const PackedModel before = precise.model;
+  economise(precise.model, precise.exact, 1e6);
+  for (std::size_t g = 0; g < before.groups.size(); ++g)
+    CHECK(precise.model.groups[g].values == before.groups[g].values);
+}

@@ -1,0 +1,112 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "bake/face/assemble_basis.h"
+#include "bake/face/live_features.h"
+#include "bake/face/network_inputs.h"
+#include "bake/face/network_sizes.h"
+#include "memory_source.h"
+
+using namespace fb;
+
+TEST_CASE("networks share the numbers there are, wider where more is left to learn") {
+  const std::vector<NetworkDemand> demands = {{40, 60, 1.0}, {10, 12, 1e-2}, {10, 12, 1e-8}};
+  for (const std::size_t parameters : {60'000u, 200'000u, 600'000u}) {
+    const std::vector<std::uint32_t> widths = network_widths(demands, 4, 512, parameters);
+    std::size_t total = 0;
+    for (std::size_t r = 0; r < demands.size(); ++r) {
+      CHECK(widths[r] % 16 == 0);
+      CHECK(widths[r] >= 32);
+      total += network_parameters(demands[r], 4, widths[r]);
+    }
+    CHECK(total <= parameters);
+    CHECK(total > parameters / 2);
+    CHECK(widths[0] > widths[1]);
+    CHECK(widths[1] >= widths[2]);
+  }
+  CHECK(network_parameters({3, 2, 1}, 2, 5) == 3 * 5 + 5 + 5 * 5 + 5 + 5 * 2 + 2);
+  CHECK(network_widths(demands, 4, 512, 1) == std::vector<std::uint32_t>{32, 32, 32});
+}
+
+TEST_CASE("the basis of a face moves each vertex by shape and components, and lists nothing else") {
+  CurveBase base;
+  base.features = {{Feature::Kind::identity, 0, 1, 0}};
+  base.shapes = {{0, {1, 40}, {1, 2, 3, 4, 5, 6}}};
+  const std::vector<FaceRegion> regions = {{"left", {0, 1}, {1, 1}, {0}, 1}};
+  LocalBasis local;
+  local.rows = 6;
+  local.count = 1;
+  local.components = {10, 11, 12, 13, 14, 15};
+  const Basis basis = assemble_basis(50, base, regions, std::vector{local});
+  check(basis);
+  CHECK(basis.rows == 150);
+  CHECK(basis.columns == 2);
+  std::vector<float> moved(150, 0.0f);
+  for (const RowGroup& group : basis.groups)
+    for (std::size_t c = 0; c < group.columns.size(); ++c)
+      for (std::size_t row = 0; row < group.row_count; ++row)
+        moved[group.first_row + row] += group.values[c * group.row_count + row] * (group.columns[c] == 0 ? 1 : 100);
+  CHECK(moved[0] == 1000);
+  CHECK(moved[3] == 1301);
+  CHECK(moved[5] == 1503);
+  CHECK(moved[120] == 4);
+  CHECK(std::accumulate(moved.begin(), moved.end(), 0.0f) == 21 + 100 * (10 + 11 + 12 + 13 + 14 + 15));
+  CHECK(basis.value_count() == 2 * 63 + 63);  // both columns on the first 21 vertices, the shape where vertex 40 is
+}
+
+TEST_CASE("a region is given its controls, and the strongest of the terms they make, about as many") {
+  Probe probe;
+  for (std::uint32_t c = 0; c < 4; ++c) probe.base.features.push_back({Feature::Kind::identity, c});
+  const auto interact = [&](std::uint32_t a, std::uint32_t b) {
+    Feature product{Feature::Kind::product};
+    product.first = a;
+    product.second = b;
+    const auto feature = static_cast<std::uint32_t>(probe.base.features.size());
+    probe.base.features.push_back(product);
+    probe.interactions.push_back({{a, b}, 1, {feature}});
+    return feature;
+  };
+  const std::uint32_t first = interact(0, 1), elsewhere = interact(2, 3), second = interact(1, 2);
+  const std::uint32_t third = interact(0, 2), weakest = interact(0, 1);
+  RigSchema schema;
+  for (const char* name : {"a", "b", "c", "d"}) {
+    Control control;
+    control.name = name;
+    control.minimum = 0;
+    control.maximum = 1;
+    schema.controls.push_back(control);
+  }
+  const FaceRegion region{"lips", {0}, {1}, {0, 1, 2}, 1};
+  const RegionInputs inputs = region_inputs(probe, schema, std::vector{region}, true);
+  REQUIRE(inputs.of_region.size() == 1);
+  const std::vector<std::uint32_t>& mine = inputs.of_region[0];
+  CHECK(mine.size() == 6);
+  for (const std::uint32_t feature : {first, second, third}) CHECK(std::ranges::count(mine, feature) == 1);
+  for (const std::uint32_t feature : {elsewhere, weakest}) CHECK(std::ranges::count(mine, feature) == 0);
+  CHECK(inputs.gates[0].features.size() == 3);
+}
+
+TEST_CASE("features that nothing needs leave the network, and those that stay mean the same") {
+  Network network;
+  for (std::uint32_t c = 0; c < 4; ++c) network.features.push_back({Feature::Kind::identity, c});
+  Feature product{Feature::Kind::product};
+  product.first = 1;
+  product.second = 3;
+  network.features.push_back(product);
+  product.first = 0;
+  network.features.push_back(product);
+  network.direct = {4};
+  Region region;
+  region.features = {2};
+  region.gate.features = {2, 3};
+  network.regions.push_back(region);
+  keep_used_features(network);
+  REQUIRE(network.features.size() == 4);
+  CHECK(network.direct == std::vector<std::uint32_t>{3});
+  CHECK(network.features[network.features[3].first].control == 1);
+  CHECK(network.features[network.features[3].second].control == 3);
+  CHECK(network.features[network.regions[0].features[0]].control == 2);
+  CHECK(network.features[network.regions[0].gate.features[1]].control == 3);
+}

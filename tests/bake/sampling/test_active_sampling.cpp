@@ -1,0 +1,262 @@
+#include "bake/dataset/open_source.h"
+#include "bake/sampling/active_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "bake/rig/pose_set.h"
+#include "bake/rig/rig_meter.h"
+#include "bake_test_support.h"
+#include "memory_source.h"
+
+using namespace fb;
+using namespace fb::test;
+
+namespace {
+
+constexpr std::size_t width = 30;
+
+MemorySource live_face() {
+  return MemorySource(
+      width, 6,
+      [](const float* c, std::span<float> points) {
+        for (std::size_t k = 0; k < width; ++k) points[3 * k] += c[k] * (1 + 0.2f * c[(k + 1) % width]);
+      },
+      true);
+}
+
+// Far along with control 0 is what this committee knows nothing about.
+std::vector<float> unsure_of_0(std::span<const float> controls, std::size_t count) {
+  std::vector<float> scores;
+  for (std::size_t i = 0; i < count; ++i) scores.push_back(std::abs(controls[i * width]));
+  return scores;
+}
+
+std::vector<float> random_pool(std::size_t poses) {
+  MemorySource rig = live_face();
+  rig.add_clip("pool", ClipKind::dense, Split::train, poses, 0.8f, 5);
+  return rig.clips()[0].controls;
+}
+
+std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(in), {});
+  }
+  return files;
+}
+
+struct StopAt final : Progress {
+  void begin(std::string_view, std::uint64_t) override { ++stages; }
+  void update(std::uint64_t) override {}
+  bool cancelled() const override { return stages >= stop_at; }
+  void note(std::string_view) override {}
+  std::size_t stages = 0, stop_at = SIZE_MAX;
+};
+
+}  // namespace
+
+TEST_CASE("the poses of most disagreement are chosen, and some others") {
+  const MemorySource rig = live_face();
+  const std::vector<float> pool = random_pool(2500);
+  const std::vector<float> scores = unsure_of_0(pool, 2500);
+  const auto mean_of = [&](const std::vector<std::uint32_t>& poses) {
+    double sum = 0;
+    for (const std::uint32_t pose : poses) sum += scores[pose];
+    return sum / double(poses.size());
+  };
+  const auto chosen = choose_poses(rig.schema(), pool, 200, 0, unsure_of_0, 1);
+  REQUIRE(chosen.size() == 200);
+  CHECK(std::is_sorted(chosen.begin(), chosen.end()));
+  CHECK(std::set<std::uint32_t>(chosen.begin(), chosen.end()).size() == 200);
+  CHECK(mean_of(chosen) > 0.85);  // 0.4 in the pool
+  // Of poses about as far from rest none with a larger score is left.
+  const auto travel = [&](std::uint32_t pose) {
+    double sum = 0;
+    for (std::size_t c = 0; c < width; ++c) sum += std::abs(pool[pose * width + c]);
+    return sum;
+  };
+  std::vector<double> travels;
+  for (std::uint32_t pose = 0; pose < 2500; ++pose) travels.push_back(travel(pose));
+  std::sort(travels.begin(), travels.end());
+  for (std::size_t tenth = 0; tenth < 10; ++tenth) {
+    std::vector<float> taken, left;
+    for (std::uint32_t pose = 0; pose < 2500; ++pose) {
+      if (travel(pose) < travels[tenth * 250] || travel(pose) > travels[tenth * 250 + 249]) continue;
+      if (std::binary_search(chosen.begin(), chosen.end(), pose)) {
+        taken.push_back(scores[pose]);
+      } else {
+        left.push_back(scores[pose]);
+      }
+    }
+    CHECK(taken.size() >= 15);
+    CHECK(taken.size() <= 30);
+    CHECK(*std::max_element(left.begin(), left.end()) <= *std::min_element(taken.begin(), taken.end()));
+  }
+
+  const auto mixed = choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1);
+  const auto low = std::count_if(mixed.begin(), mixed.end(), [&](std::uint32_t p) { return scores[p] < 0.7f; });
+  CHECK(low > 25);
+  CHECK(low <= 60);
+  CHECK(choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1) == mixed);
+  CHECK(choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 2) != mixed);
+  CHECK(choose_poses(rig.schema(), pool, 2500, 0.25, unsure_of_0, 2).size() == 2500);
+}
+
+TEST_CASE("near-duplicates do not crowd out other poses") {
+  const MemorySource rig = live_face();
+  std::vector<float> pool = random_pool(600);
+  Random random(9);
+  for (std::size_t pose = 100; pose < 500; ++pose)  // one expression, the rest of the face a little different
+    for (std::size_t c = 0; c < width; ++c) pool[pose * width + c] = c < 3 ? 1 : random.uniform(-0.5f, 0.5f);
+  const auto chosen = choose_poses(rig.schema(), pool, 100, 0, unsure_of_0, 1);
+  CHECK(std::count_if(chosen.begin(), chosen.end(), [](std::uint32_t p) { return p >= 100 && p < 500; }) == 2);
+}
+
+TEST_CASE("choices that cannot be made are refused") {
+  const MemorySource rig = live_face();
+  const std::vector<float> pool = random_pool(20);
+  failure(Status::invalid_argument, [&] { choose_poses(rig.schema(), pool, 21, 0, unsure_of_0, 1); });
+  failure(Status::invalid_argument, [&] { choose_poses(rig.schema(), pool, 10, 1.5, unsure_of_0, 1); });
+  const auto broken = [](std::span<const float>, std::size_t count) { return std::vector<float>(count, NAN); };
+  failure(Status::not_finite, [&] { choose_poses(rig.schema(), pool, 10, 0, broken, 1); });
+  const auto short_of = [](std::span<const float>, std::size_t) { return std::vector<float>(1); };
+  failure(Status::internal, [&] { choose_poses(rig.schema(), pool, 10, 0, short_of, 1); });
+}
+
+TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on where they were stopped") {
+  MemorySource rig = live_face();
+  rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
+  SamplingOptions options{.held_out = false, .rig_budget = 1000};
+  const ChoiceOptions choice{.rounds = 3, .first_share = 0.4};
+  std::vector<std::size_t> seen;
+  const auto committee = [&](Source& recorded, std::uint32_t round) {
+    CHECK(round == seen.size());
+    seen.push_back(PoseSet(recorded, [](const Clip&) { return true; }).size());
+    return Disagreement(unsure_of_0);
+  };
+  const Folder whole, stopped;
+  const SampleReport report =
+      sample_by_disagreement(rig, options, choice, committee, whole.path(), {2}, silent_progress());
+  CHECK(report.rig_calls <= 1000);
+  CHECK(report.rig_calls > 850);
+  CHECK(report.poses == 1000 - 3 - 5 * width - 73);
+  CHECK(report.evaluated == report.poses);
+  REQUIRE(seen.size() == 3);
+  CHECK(seen[0] == 12 + std::size_t((report.poses - 12) * 0.4));
+  CHECK(seen[0] < seen[1]);
+  CHECK(seen[1] < seen[2]);
+
+  const auto recorded = open_source(whole.path());
+  const auto mean_of_0 = [&](const std::string& part) {
+    double sum = 0, frames = 0;
+    for (const Clip& clip : recorded->clips())
+      if (contains(clip.name, part))
+        for (std::size_t f = 0; f < clip.frames; ++f, ++frames) sum += std::abs(clip.controls[f * width]);
+    return sum / frames;
+  };
+  CHECK(recorded->clips().back().name == "chosen_2");
+  CHECK(recorded->clips().back().split == Split::train);
+  CHECK(mean_of_0("chosen") > 2 * mean_of_0("dense"));
+
+  std::size_t attempts = 0;
+  for (bool done = false; !done; ++attempts) {
+    REQUIRE(attempts < 20);
+    seen.clear();
+    StopAt stop;
+    stop.stop_at = attempts + 2;
+    try {
+      sample_by_disagreement(
+          rig, options, choice, [](Source&, std::uint32_t) { return Disagreement(unsure_of_0); }, stopped.path(), {1},
+          stop);
+      done = true;
+    } catch (const Error& error) {
+      REQUIRE(error.status() == Status::interrupted);
+    }
+  }
+  CHECK(attempts > 2);
+  const auto expected = files_of(whole.path()), files = files_of(stopped.path());
+  CHECK(files.size() == expected.size());
+  for (const auto& [name, bytes] : files)  // but for dataset.json, which says how fast the rig was
+    if (name != "dataset.json") CHECK_MESSAGE((expected.count(name) && expected.at(name) == bytes), name);
+  CHECK(contains(failure(Status::invalid_argument,
+                         [&] {
+                           sample_by_disagreement(rig, options, {.rounds = 2, .first_share = 0.4}, committee,
+                                                  whole.path(), {}, silent_progress());
+                         }),
+                 "options"));
+  failure(Status::invalid_argument,
+          [&] { sample_by_disagreement(rig, options, {.rounds = 0}, committee, whole.path(), {}, silent_progress()); });
+}
+
+TEST_CASE("a dataset is extended by clips and keeps its shards") {
+  MemorySource rig = live_face();
+  const Folder folder;
+  const PosePlan plan = {{"first", ClipKind::dense, Split::train, 30, 20, random_pool(20)}};
+  sample_to_dataset(rig, plan, folder.path(), {}, silent_progress());
+  const auto before = files_of(folder.path());
+  const Clip more = {"more", ClipKind::dense, Split::train, 30, 35, random_pool(35)};
+  const SampleReport report = extend_dataset(rig, {more}, folder.path(), {}, silent_progress());
+  CHECK(report.poses == 55);
+  CHECK(report.evaluated == 35);
+  CHECK(report.rig_calls == 36);
+  const auto after = files_of(folder.path());
+  for (const auto& [name, bytes] : before)
+    if (name != "dataset.json") CHECK_MESSAGE(after.at(name) == bytes, name);
+  const auto recorded = open_source(folder.path());
+  REQUIRE(recorded->clips().size() == 2);
+  CHECK(recorded->clips()[1].controls == more.controls);
+  CHECK(extend_dataset(rig, {more}, folder.path(), {}, silent_progress()).evaluated == 0);
+  CHECK(files_of(folder.path()) == after);
+  Clip other = more;
+  other.controls[0] = 0.123f;
+  CHECK(contains(
+      failure(Status::invalid_argument, [&] { extend_dataset(rig, {other}, folder.path(), {}, silent_progress()); }),
+      "\"more\" is there with other controls"));
+}
+
+TEST_CASE("a meter counts what a rig is asked for and stops at the budget") {
+  MemorySource rig = live_face();
+  rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
+  RigMeter meter(rig, 50);
+  std::vector<float> points(40 * 108);
+  meter.evaluate(random_pool(40), 40, points);
+  CHECK(meter.calls() == 40);
+  CHECK(contains(failure(Status::invalid_argument, [&] { meter.read(0, 0, 12, std::span(points).first(12 * 108)); }),
+                 "rig budget of 50"));
+  CHECK(meter.calls() == 40);
+  meter.read(0, 0, 10, std::span(points).first(10 * 108));
+  CHECK(meter.calls() == 50);
+  CHECK(meter.live());
+}
+
+TEST_CASE("a rig budget holds probing, clips and new poses, or is refused") {
+  const auto toy = open_toy();  // 6 controls, 24 frames of clips, of which 12 are a test
+  const auto frames = [&](Split split) {
+    std::size_t sum = 0;
+    for (const Clip& clip : toy->clips()) sum += clip.split == split ? clip.frames : 0;
+    return sum;
+  };
+  const std::size_t probing = 5 * 6 + 73;
+  CHECK(poses_to_draw(*toy, {.poses = 5000}) == 5000);
+  CHECK(poses_to_draw(*toy, {.poses = 5000, .rig_budget = 1000}) ==
+        1000 - probing - frames(Split::train) - frames(Split::test));
+  CHECK(poses_to_draw(*toy, {.poses = 5000, .held_out = false, .rig_budget = 1000}) ==
+        1000 - probing - frames(Split::train));
+  CHECK(poses_to_draw(*toy, {.poses = 5000, .shots = false, .held_out = false, .rig_budget = 1000}) == 1000 - probing);
+  CHECK(poses_to_draw(*toy, {.poses = 300, .rig_budget = 1000}) == 300);
+  CHECK(contains(failure(Status::invalid_argument, [&] { poses_to_draw(*toy, {.shots = false, .rig_budget = 1000}); }),
+                 "2000 frames"));
+  const Folder folder;
+  const SampleReport report = sample(*toy, {.rig_budget = 400}, folder.path(), {}, silent_progress());
+  CHECK(report.poses == 400 - probing);
+  CHECK(report.rig_calls <= 400);
+  CHECK(report.rig_calls >= 400 - 72);
+  const Folder tested;
+  sample(*toy, {.poses = 40, .held_out = false}, tested.path(), {}, silent_progress());
+  for (const Clip& clip : open_source(tested.path())->clips()) CHECK(clip.split != Split::test);
+}

@@ -1,0 +1,103 @@
+// Archives kept for ever: what was accepted once is accepted, and poses to the same bits; what was refused is refused.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "archive/migrate/version_0_2.h"
+#include "archive/reader.h"
+#include "archive/writer.h"
+#include "bake/measure/verify.h"
+#include "base/file.h"
+#include "base/status.h"
+
+using namespace fb;
+
+namespace {
+
+using Path = std::filesystem::path;
+
+// Those kept, and those written when building.
+const std::vector<Path> folders = {FB_GOLDEN "/1.0", FB_GOLDEN_NEW};
+
+std::vector<Path> files_of(const Path& folder) {
+  std::vector<Path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+const char* word_for(Status status) {
+  switch (status) {
+    case Status::not_an_archive:
+      return "not_an_archive";
+    case Status::corrupt:
+      return "corrupt";
+    case Status::unsupported:
+      return "unsupported";
+    default:
+      return "another status";
+  }
+}
+
+// What verifying says: "" if all is well, "unproven" if the file is sound and its proof does not hold.
+std::string verdict(const Path& file) {
+  const auto bytes = read_file(file);
+  try {
+    read_archive(bytes);
+  } catch (const Error& error) {
+    CHECK(std::string(error.what()).size() > 10);
+    return word_for(error.status());
+  }
+  try {
+    verify_archive(bytes);
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::corrupt);
+    return "unproven";
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("golden archives are accepted and pose as they did") {
+  for (const Path& folder : folders) {
+    const auto files = files_of(folder / "accepted");
+    CHECK(files.size() >= 16);
+    for (const Path& file : files) CHECK_MESSAGE(verdict(file) == "", file);
+  }
+}
+
+TEST_CASE("golden archives that were refused are refused, for the same kind of reason") {
+  for (const Path& folder : folders) {
+    const auto files = files_of(folder / "rejected");
+    CHECK(files.size() >= 40);
+    for (const Path& file : files) {
+      const std::string name = file.stem().string();
+      CHECK_MESSAGE(verdict(file) == name.substr(0, name.find('-')), file);
+    }
+  }
+}
+
+TEST_CASE("what is written anew of an accepted archive reads the same") {
+  for (const Path& file : files_of(folders[0] / "accepted")) {
+    const Archive first = read_archive(read_file(file));
+    const auto again = write_archive(first.model, first.proof, first.text);
+    CHECK_MESSAGE(again == write_archive(read_archive(again).model, first.proof, first.text), file);
+    verify_archive(again);
+  }
+}
+
+TEST_CASE("an archive of version 0.2 is told apart, and migrates") {
+  const auto old = read_file(FB_GOLDEN "/0.2/tri.fbk");
+  CHECK_THROWS_WITH_AS(read_archive(old), doctest::Contains("facebaker pack"), Error);
+  REQUIRE(is_version_0_2(old));
+  const Archive archive = read_version_0_2(old);
+  CHECK(archive.format_version == 2);
+  CHECK(archive.model.schema.controls[0].name == "up");
+  CHECK(archive.model.groups[0].values == std::vector<std::int16_t>{0, 0, 0, 0, 0, 0, 0, 127, 0});
+  const auto fresh = write_archive(archive.model, make_proof(archive.model, 1));
+  CHECK(verify_archive(fresh).poses == 11);
+  CHECK(!is_version_0_2(fresh));
+  for (std::size_t size = 0; size < old.size(); ++size) CHECK_THROWS_AS(read_version_0_2({old.data(), size}), Error);
+}
