@@ -19,7 +19,7 @@ fb_status report(Status status, const char* message) noexcept;
 
 // Runs body; any exception becomes a status and this thread's message.
 template <class Body>
-fb_status crossing(Body&& body) noexcept {
+fb_status abi_guard(Body&& body) noexcept {
   try {
     body();
     return FB_OK;

@@ -16,16 +16,16 @@
 
 using fb::fail;
 using fb::Status;
-using fb::capi::crossing;
+using fb::capi::abi_guard;
 using fb::capi::fill_struct;
 using fb::capi::read_struct;
 using fb::capi::require;
 
 struct fb_model {
-  fb_model(const fb::Archive& archive, const fb_load_desc& desc)
+  fb_model(const fb::archive::Archive& archive, const fb_load_desc& desc)
       : memory(desc.allocator),
         evaluator(archive.model, desc.allocator.allocate ? &memory : nullptr, desc.max_model_bytes,
-                  fb::choose_kernels(desc.instruction_set)),
+                  fb::runtime::choose_kernels(desc.instruction_set)),
         rest_pose(evaluator.schema().rest_pose()),
         polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
         polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),
@@ -36,7 +36,7 @@ struct fb_model {
 
   mutable std::atomic<std::uint32_t> references = 1;
   mutable fb::capi::HostMemory memory;
-  fb::Evaluator evaluator;
+  fb::runtime::Evaluator evaluator;
   std::vector<float> rest_pose;
   std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;
   std::pmr::vector<float> uvs;
@@ -77,7 +77,7 @@ struct fb_scratch {
   }
 
   Reference owner;  // outlives what is made of the model's memory
-  std::pmr::vector<fb::Workspace> workspaces;
+  std::pmr::vector<fb::runtime::Workspace> workspaces;
   std::pmr::vector<std::uint8_t> regions;  // which run, in a batch that says so
   std::uint64_t clamped = 0;
 };
@@ -88,8 +88,8 @@ fb_model* load(std::span<const std::byte> bytes, const fb_load_desc& desc) {
   std::unique_ptr<fb_model> model;
   std::vector<std::string> notes;
   {
-    const fb::FloatState state;  // unpacking rounds, whatever mode the host set
-    fb::Archive archive = fb::read_archive(bytes, {desc.max_model_bytes});
+    const fb::runtime::FloatState state;  // unpacking rounds, whatever mode the host set
+    fb::archive::Archive archive = fb::archive::read_archive(bytes, {desc.max_model_bytes});
     model = std::make_unique<fb_model>(archive, desc);
     notes = std::move(archive.notes);
   }
@@ -114,7 +114,7 @@ std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
   return desc.parallel_for ? workers : std::min(workers, fb::worker_count({}));
 }
 
-fb::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
+fb::runtime::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
   if (!desc.regions) return {};
   for (std::uint64_t i = 0; i < desc.region_count; ++i)
     if (desc.regions[i] >= mask.size())
@@ -124,7 +124,7 @@ fb::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint
   return mask;
 }
 
-fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
+fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
     if (!desc.normals && !desc.tangents) require(desc.positions, "fb_batch_desc: positions");
@@ -132,7 +132,7 @@ fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& 
   if (desc.vertex_order > FB_ORDER_BAKED)
     fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
   if (desc.format > FB_FLOAT16) fail(Status::invalid_argument, "fb_batch_desc: format %u", desc.format);
-  fb::Batch batch;
+  fb::runtime::Batch batch;
   batch.poses = desc.poses;
   batch.controls = {desc.controls, desc.control_floats};
   batch.control_stride = desc.control_stride;
@@ -141,13 +141,13 @@ fb::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& 
     batch.normals = {desc.normals, desc.normal_numbers, desc.normal_pose_stride, desc.normal_vertex_stride};
   if (desc.tangents)
     batch.tangents = {desc.tangents, desc.tangent_numbers, desc.tangent_pose_stride, desc.tangent_vertex_stride};
-  batch.order = static_cast<fb::VertexOrder>(desc.vertex_order);
-  batch.format = static_cast<fb::NumberFormat>(desc.format);
+  batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
+  batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
   batch.regions = region_mask(desc, mask);
   return batch;
 }
 
-const fb::RowChunk& group_at(const fb_model* model, std::uint32_t index) {
+const fb::runtime::RowBlock& group_at(const fb_model* model, std::uint32_t index) {
   require(model, "model");
   const auto& groups = model->evaluator.chunks();
   if (index >= groups.size()) fail(Status::invalid_argument, "group %u of %zu", index, groups.size());
@@ -218,7 +218,7 @@ uint32_t fb_version(void) {
 }
 
 uint32_t fb_format_version(void) {
-  return fb::archive_format_version();
+  return fb::archive::archive_format_version();
 }
 
 // ---- Loading ----
@@ -230,17 +230,17 @@ void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size) {
 }
 
 fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(path, "path");
     require(model, "model");
     const fb_load_desc known = read_load_desc(desc);
     const fb::MappedFile file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
-    *model = fb::naming(path, [&] { return load(file.bytes(), known); });
+    *model = fb::with_context(path, [&] { return load(file.bytes(), known); });
   });
 }
 
 fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(bytes, "bytes");
     require(model, "model");
     *model = load({static_cast<const std::byte*>(bytes), size}, read_load_desc(desc));
@@ -290,7 +290,7 @@ void fb_control_fill(fb_control* to, uint32_t struct_size) {
 }
 
 fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(control, "control");
     fb::capi::require_size(control->struct_size, "fb_control");
@@ -304,7 +304,7 @@ fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* contr
 }
 
 fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(name, "name");
     require(index, "index");
@@ -383,31 +383,31 @@ const uint32_t* fb_vertex_order(const fb_model* model) {
   return model && !model->evaluator.order().empty() ? model->evaluator.order().data() : nullptr;
 }
 
-void fb_basis_group_fill(fb_basis_group* to, uint32_t struct_size) {
+void fb_row_block_fill(fb_row_block* to, uint32_t struct_size) {
   fill_struct(to, struct_size, {});
 }
 
-uint32_t fb_basis_group_count(const fb_model* model) {
+uint32_t fb_row_block_count(const fb_model* model) {
   return model ? static_cast<uint32_t>(model->evaluator.chunks().size()) : 0;
 }
 
-fb_status fb_basis_group_at(const fb_model* model, uint32_t index, fb_basis_group* group) {
-  return crossing([&] {
+fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* group) {
+  return abi_guard([&] {
     require(group, "group");
-    fb::capi::require_size(group->struct_size, "fb_basis_group");
-    const fb::RowChunk& found = group_at(model, index);
-    const fb_basis_group full = {group->struct_size, found.first_row(), found.row_count(),
-                                 static_cast<std::uint32_t>(found.column_count())};
+    fb::capi::require_size(group->struct_size, "fb_row_block");
+    const fb::runtime::RowBlock& found = group_at(model, index);
+    const fb_row_block full = {group->struct_size, found.first_row(), found.row_count(),
+                               static_cast<std::uint32_t>(found.column_count())};
     std::memcpy(group, &full, std::min<std::size_t>(group->struct_size, sizeof full));
   });
 }
 
-fb_status fb_basis_group_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values) {
-  return crossing([&] {
+fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values) {
+  return abi_guard([&] {
     require(columns, "columns");
     require(values, "values");
-    const fb::RowChunk& found = group_at(model, index);
-    const fb::FloatState state;
+    const fb::runtime::RowBlock& found = group_at(model, index);
+    const fb::runtime::FloatState state;
     for (std::size_t c = 0; c < found.column_count(); ++c) {
       columns[c] = found.column(c);
       found.displacements(c, values + c * found.row_count());
@@ -418,7 +418,7 @@ fb_status fb_basis_group_values(const fb_model* model, uint32_t index, uint32_t*
 // ---- Posing ----
 
 fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(scratch, "scratch");
     if (workers == 0) fail(Status::invalid_argument, "workers is 0");
@@ -431,7 +431,7 @@ void fb_scratch_destroy(fb_scratch* scratch) {
 }
 
 fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(scratch, "scratch");
     require(controls, "controls");
@@ -444,7 +444,7 @@ fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* c
 
 fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, const float* controls,
                                    float* coefficients) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(scratch, "scratch");
     require(controls, "controls");
@@ -464,7 +464,7 @@ void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size) {
 }
 
 fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc) {
-  return crossing([&] {
+  return abi_guard([&] {
     require(model, "model");
     require(scratch, "scratch");
     require(desc, "desc");
@@ -474,7 +474,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
                                    known.parallel_for, known.parallel_user};
     model->evaluator.evaluate_batch(read_batch(known, scratch->regions), scratch->workspaces, parallel);
     scratch->clamped = 0;
-    for (const fb::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
+    for (const fb::runtime::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
   });
 }
 

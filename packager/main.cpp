@@ -24,18 +24,18 @@ void wait_without_spinning(char** argv) {
 }
 
 int complain(const CLI::App& tool, const std::string& message, int exit_code) {
-  const auto verbs = tool.get_subcommands();
-  std::fprintf(stderr, "facebaker%s%s: %s\n", verbs.empty() ? "" : " ",
-               verbs.empty() ? "" : verbs[0]->get_name().c_str(), message.c_str());
+  const auto commands = tool.get_subcommands();
+  std::fprintf(stderr, "facebaker%s%s: %s\n", commands.empty() ? "" : " ",
+               commands.empty() ? "" : commands[0]->get_name().c_str(), message.c_str());
   return exit_code;
 }
 
 // After Ctrl-C.
 std::string farewell(const CLI::App& tool) {
-  const CLI::App* verb = tool.get_subcommands().at(0);
-  const bool compares = verb->get_name() == "compare";
-  if (compares && verb->count("--work") == 0) return "interrupted; with --work DIR the same command could go on";
-  return compares || verb->get_name() == "sample" || verb->get_name() == "bake"
+  const CLI::App* command = tool.get_subcommands().at(0);
+  const bool compares = command->get_name() == "compare";
+  if (compares && command->count("--work") == 0) return "interrupted; with --work DIR the same command could go on";
+  return compares || command->get_name() == "sample" || command->get_name() == "bake"
              ? "interrupted; what is done is kept, run the same command to go on"
              : "interrupted";
 }
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   fb::add_pack(tool);
   fb::add_pose(tool);
   fb::add_bench(tool);
-  // Last, for verbs inherit it; only the tool itself has it.
+  // Last, for commands inherit it; only the tool itself has it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
       "or \"sample\", the built-in face.\n"
@@ -70,8 +70,8 @@ int main(int argc, char** argv) {
     return tool.exit(help);
   } catch (const CLI::ParseError& wrong) {
     if (!tool.get_subcommands().empty()) return complain(tool, wrong.what() + std::string(" (see --help)"), 2);
-    return complain(tool, argc > 1 ? fb::format("no verb \"%s\" (see --help)", argv[1]) : "give a verb (see --help)",
-                    2);
+    return complain(
+        tool, argc > 1 ? fb::format("no command \"%s\" (see --help)", argv[1]) : "give a command (see --help)", 2);
   } catch (const fb::Error& error) {
     return complain(tool, error.status() == fb::Status::interrupted ? farewell(tool) : error.what(), 1);
   } catch (const std::bad_alloc&) {

@@ -122,9 +122,9 @@ inline PackedLayer random_packed_layer(Random& random, std::uint32_t inputs, std
 }
 
 // A group that uses the columns given, about every other one wide, and moves by up to `reach` each.
-inline PackedRowGroup random_group(Random& random, std::uint32_t first_row, std::uint32_t row_count,
+inline PackedRowBlock random_group(Random& random, std::uint32_t first_row, std::uint32_t row_count,
                                    const std::vector<std::uint32_t>& columns, float reach) {
-  PackedRowGroup group{first_row, row_count, {}, {}};
+  PackedRowBlock group{first_row, row_count, {}, {}};
   for (const std::uint32_t column : columns) {
     const bool wide = random.uniform() < 0.5f;
     group.columns.push_back({column, wide, reach / float(wide ? largest_wide : largest_narrow)});

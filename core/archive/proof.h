@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace fb {
+namespace fb::archive {
 
 // Poses evaluated when the archive was made. Whoever doubts a reader, a machine or a file evaluates them again and
 // compares; see core/archive/FORMAT.md for what has to agree. All empty: the archive carries no proof.
@@ -21,4 +21,4 @@ struct ArchiveText {
   std::string certificate;  // a JSON object: the errors measured when the face was baked, see FORMAT.md
 };
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -3,7 +3,7 @@
 #include "archive/container/container.h"
 #include "archive/section_reader.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Unpacks one section and hands it to `read`; gives back what that returns.
@@ -85,4 +85,4 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   return archive;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

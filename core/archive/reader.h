@@ -11,7 +11,7 @@
 #include "archive/proof.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::archive {
 
 struct ReadLimits {
   // What reading may allocate in total: unpacked sections and the model made of them.
@@ -57,4 +57,4 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits 
 // The format version this library reads and writes, major * 1000 + minor.
 std::uint32_t archive_format_version();
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -2,7 +2,7 @@
 
 #include "archive/container/layout.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 Feature read_feature(ByteReader& in) {
@@ -113,4 +113,4 @@ std::string read_text(ByteReader& in) {
   return text;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

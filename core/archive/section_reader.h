@@ -10,7 +10,7 @@
 #include "archive/proof.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::archive {
 
 struct Definition {
   RigSchema schema;
@@ -50,4 +50,4 @@ void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& mode
 Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices);
 std::string read_text(ByteReader& in);
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -3,7 +3,7 @@
 #include "archive/container/layout.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 void write_count(ByteWriter& out, std::size_t count, const char* what) {
@@ -102,4 +102,4 @@ ByteWriter write_text(const std::string& text, const char* what) {
   return out;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -9,7 +9,7 @@
 #include "archive/proof.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::archive {
 
 ByteWriter write_definition(const PackedModel& model);
 struct WrittenGeometry {
@@ -31,4 +31,4 @@ ByteWriter write_basis_values(const PackedModel& model);
 ByteWriter write_proof(const Proof& proof, const PackedModel& model);
 ByteWriter write_text(const std::string& text, const char* what);
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -8,7 +8,7 @@
 #include "archive/section_writer.h"
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 struct Packed {
@@ -91,4 +91,4 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   return assemble(sections);
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -45,7 +45,7 @@ class Error : public std::exception {
 
 // Calls work() and puts "where: " before what it complains about: the file whose bytes were looked at.
 template <class Work>
-auto naming(const std::string& where, Work&& work) {
+auto with_context(const std::string& where, Work&& work) {
   try {
     return work();
   } catch (const Error& error) {

@@ -33,7 +33,7 @@ void check_values(const PackedLayer& layer, const char* where) {
     fail(Status::not_finite, "%s holds a scale or bias that is not finite", where);
 }
 
-void check_group(const PackedRowGroup& group, std::size_t g, std::uint32_t columns) {
+void check_group(const PackedRowBlock& group, std::size_t g, std::uint32_t columns) {
   std::size_t summands = 0;
   if (group.values.size() != checked_multiply(group.columns.size(), group.row_count, "basis row group"))
     fail(Status::bad_data, "basis: row group %zu has %zu values for %zu columns of %u rows", g, group.values.size(),
@@ -64,11 +64,11 @@ std::size_t PackedModel::parameter_count() const {
 
 std::size_t PackedModel::value_count() const {
   std::size_t count = 0;
-  for (const PackedRowGroup& group : groups) count += group.values.size();
+  for (const PackedRowBlock& group : groups) count += group.values.size();
   return count;
 }
 
-std::vector<float> displacements(const PackedRowGroup& group, std::size_t column) {
+std::vector<float> displacements(const PackedRowBlock& group, std::size_t column) {
   const auto first = group.values.begin() + column * group.row_count;
   std::vector<float> moved(first, first + group.row_count);
   for (float& value : moved) value *= group.columns[column].scale;
@@ -88,7 +88,7 @@ void check(const PackedModel& model) {
   const std::size_t rows = model.rest.points.size();
   std::size_t row = 0;
   for (std::size_t g = 0; g < model.groups.size(); ++g) {
-    const PackedRowGroup& group = model.groups[g];
+    const PackedRowBlock& group = model.groups[g];
     if (group.first_row != row || group.row_count == 0)
       fail(Status::bad_data, "basis: row group %zu begins at row %u, not %zu, or is empty", g, group.first_row, row);
     row += group.row_count;

@@ -52,7 +52,7 @@ struct PackedColumn {
   float scale = 0;
 };
 
-struct PackedRowGroup {
+struct PackedRowBlock {
   std::uint32_t first_row = 0, row_count = 0;
   std::vector<PackedColumn> columns;  // ascending
   std::vector<std::int16_t> values;   // column after column, row_count numbers each
@@ -66,7 +66,7 @@ struct PackedModel {
   std::vector<PackedRegion> regions;
   std::uint32_t columns = 0;           // of the basis: the number of coefficients
   std::vector<std::uint32_t> order;    // see Basis::order
-  std::vector<PackedRowGroup> groups;  // ascending, without gaps or overlaps, covering 3 x vertices rows
+  std::vector<PackedRowBlock> groups;  // ascending, without gaps or overlaps, covering 3 x vertices rows
   std::string provenance;              // a JSON object; read by people and `inspect`
 
   std::size_t parameter_count() const;  // weights and biases
@@ -78,7 +78,7 @@ struct PackedModel {
 };
 
 // The numbers of a column of a group multiplied out: what one unit of the coefficient moves, row by row.
-std::vector<float> displacements(const PackedRowGroup& group, std::size_t column);
+std::vector<float> displacements(const PackedRowBlock& group, std::size_t column);
 
 // Checks every part and that they fit each other; fails by name.
 void check(const PackedModel& model);

@@ -9,7 +9,7 @@
 #include "runtime/float_state.h"
 #include "runtime/grouped.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& order) {
@@ -20,7 +20,7 @@ std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& order) {
 
 std::vector<std::uint32_t> first_rows(const PackedModel& model) {
   std::vector<std::uint32_t> rows;
-  for (const PackedRowGroup& group : model.groups) rows.push_back(group.first_row);
+  for (const PackedRowBlock& group : model.groups) rows.push_back(group.first_row);
   rows.push_back(checked_u32(model.rest.points.size(), "the rows of the basis"));
   return rows;
 }
@@ -30,7 +30,7 @@ std::pmr::memory_resource& memory_for(const PackedModel& model, LargePages& page
   std::size_t bytes = 0;
   for (const PackedRegion& region : model.regions)
     for (const PackedLayer& layer : region.layers) bytes += layer.weights.size();
-  for (const PackedRowGroup& group : model.groups) bytes += group.values.size();
+  for (const PackedRowBlock& group : model.groups) bytes += group.values.size();
   return bytes < LargePages::page ? *std::pmr::get_default_resource() : pages;
 }
 
@@ -44,7 +44,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
       values_(evaluator.first_in_list_.back() * block_poses, &memory),
       places_(evaluator.first_in_list_.back(), &memory),
       ends_(evaluator.first_in_list_.size() - 1, &memory),
-      wholes_(evaluator.most_summands_ * block_poses, &memory),
+      quantised_(evaluator.most_summands_ * block_poses, &memory),
       open_(evaluator.nets_.size(), &memory),
       coefficients_(evaluator.coefficient_count() * block_poses, &memory),
       layers_(evaluator.work_size_ * block_poses, &memory),
@@ -102,7 +102,7 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource* memory
   }
   first_coefficient_.push_back(static_cast<std::uint32_t>(coefficient));
   chunks_.reserve(model.groups.size());
-  for (const PackedRowGroup& group : model.groups) chunks_.emplace_back(group, memory_);
+  for (const PackedRowBlock& group : model.groups) chunks_.emplace_back(group, memory_);
   lay_out_lists(model);
   lay_out_uses(model);
 }
@@ -115,7 +115,7 @@ void Evaluator::lay_out_lists(const PackedModel& model) {
   };
   for (const RegionNet& net : nets_) add(net.input_count());
   for (const PackedRegion& region : model.regions) add(region.gate.features.size());
-  for (const RowChunk& chunk : chunks_) add(chunk.summand_count());
+  for (const RowBlock& chunk : chunks_) add(chunk.summand_count());
   first_in_list_.push_back(checked_u32(numbers, "the numbers of all lists"));
   for (std::size_t first = 0; first < chunks_.size(); first += some_chunks) {
     const std::size_t end = std::min(first + some_chunks, chunks_.size());
@@ -135,13 +135,13 @@ void Evaluator::lay_out_uses(const PackedModel& model) {
   }
   Grouped<ChunkRegion> regions(chunks_.size());
   for (std::uint32_t c = 0; c < chunks_.size(); ++c) {
-    const RowChunk& chunk = chunks_[c];
+    const RowBlock& chunk = chunks_[c];
     for (std::uint32_t s = 0; s < chunk.summand_count(); ++s)
       if (chunk.column(s) < direct)
         uses.add(direct_[chunk.column(s)], {static_cast<std::uint32_t>(chunk_list(c)), s, chunk.scale(s)});
     for (std::uint32_t r = 0; r < nets_.size(); ++r) {
       const auto [low, high] = chunk.summands_of(first_coefficient_[r], first_coefficient_[r + 1]);
-      for (const RowChunk::Span span : {low, high})
+      for (const RowBlock::Span span : {low, high})
         if (span.begin < span.end) regions.add(c, {r, span.begin, span.end});
     }
   }
@@ -187,8 +187,8 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
     const PoseNumbers inputs = numbers(r, poses, workspace);
     workspace.open_[r] = 0;
     if (inputs.count == 0 || !(regions.empty() || regions[r] != 0)) continue;
-    float opening[poses];
-    std::fill_n(opening, poses, 1.0f);
+    float gate_value[poses];
+    std::fill_n(gate_value, poses, 1.0f);
     if (slopes_[r] != 0) {
       const PoseNumbers watched = numbers(gate_list(r), poses, workspace);
       float sum[poses] = {}, most[poses] = {};
@@ -200,22 +200,23 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
         }
       for (std::size_t p = 0; p < poses; ++p) {
         const float gate = slopes_[r] * (sum[p] - most[p]);
-        opening[p] = gate > 0 ? (gate < 1 ? gate : 1) : 0;
+        gate_value[p] = gate > 0 ? (gate < 1 ? gate : 1) : 0;
       }
     }
-    if (std::all_of(opening, opening + poses, [](float o) { return o == 0; })) continue;
+    if (std::all_of(gate_value, gate_value + poses, [](float o) { return o == 0; })) continue;
     workspace.open_[r] = 1;
     float* coefficients = workspace.coefficients_.data() + first_coefficient_[r] * poses;
     nets_[r].run(kernels_, inputs, poses, workspace.layers_.data(), workspace.layer_inputs_, coefficients);
     for (std::size_t i = 0; i < nets_[r].output_count(); ++i)
       for (std::size_t p = 0; p < poses; ++p, ++coefficients)
-        *coefficients = zero_unless(opening[p] != 0, *coefficients * opening[p]);
+        *coefficients = zero_unless(gate_value[p] != 0, *coefficients * gate_value[p]);
   }
 }
 
 template <std::size_t poses>
-void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t* wholes, Quantized& summands) const {
-  const RowChunk& chunk = chunks_[c];
+void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t* quantised,
+                               Quantized& summands) const {
+  const RowBlock& chunk = chunks_[c];
   PoseNumbers list = numbers(chunk_list(c), poses, workspace);
   for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
     const auto [region, begin, end] = chunk_regions_[u];
@@ -225,7 +226,7 @@ void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t
   }
   summands.count = 0;
   chunk.fetch(list.places, list.count);
-  if (list.count > 0) quantize(kernels_, list, chunk.limit(), poses, wholes, summands);
+  if (list.count > 0) quantize(kernels_, list, chunk.limit(), poses, quantised, summands);
 }
 
 // Some chunks' summands are rounded before any of these are multiplied, so that the processor need not wait for one to
@@ -238,10 +239,10 @@ void Evaluator::run_chunks(float* const* rows, Workspace& workspace) const {
     const std::size_t end = std::min(first + some_chunks, chunks_.size());
     for (std::size_t c = first; c < end; ++c) {
       const std::size_t place = first_in_list_[chunk_list(c)] - first_in_list_[chunk_list(first)];
-      round_summands<poses>(c, workspace, workspace.wholes_.data() + place * poses, rounded[c - first]);
+      round_summands<poses>(c, workspace, workspace.quantised_.data() + place * poses, rounded[c - first]);
     }
     for (std::size_t c = first; c < end; ++c) {
-      const RowChunk& chunk = chunks_[c];
+      const RowBlock& chunk = chunks_[c];
       const Quantized& summands = rounded[c - first];
       const float* rest = rest_rows_.data() + chunk.first_row();
       float* to[poses];
@@ -331,4 +332,4 @@ void Evaluator::coefficients(const float* controls, float* coefficients, Workspa
   run_coefficients(controls, regions, coefficients, workspace);
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -17,12 +17,12 @@
 #include "runtime/metered_memory.h"
 #include "runtime/quantized.h"
 #include "runtime/region_net.h"
-#include "runtime/row_chunk.h"
+#include "runtime/row_block.h"
 #include "runtime/vertex_normals.h"
 #include "runtime/vertex_output.h"
 #include "runtime/vertex_tangents.h"
 
-namespace fb {
+namespace fb::runtime {
 
 class Evaluator;
 
@@ -42,9 +42,9 @@ class Workspace {
   // where each list ends.
   std::pmr::vector<float> values_;
   std::pmr::vector<std::uint32_t> places_, ends_;
-  std::pmr::vector<std::int16_t> wholes_;  // of some chunks' summands
-  std::pmr::vector<std::uint8_t> open_;    // by region: whether it gives anything but 0 in any pose
-  std::pmr::vector<float> coefficients_;   // those of poses side by side
+  std::pmr::vector<std::int16_t> quantised_;  // of some chunks' summands
+  std::pmr::vector<std::uint8_t> open_;       // by region: whether it gives anything but 0 in any pose
+  std::pmr::vector<float> coefficients_;      // those of poses side by side
   // Pose after pose. Rows are those at rest but for chunks that moved_ says are not.
   std::pmr::vector<float> layers_, rows_;
   std::pmr::vector<std::uint8_t> moved_;
@@ -105,7 +105,7 @@ class Evaluator {
   std::uint64_t bytes() const { return memory_.bytes(); }
   const std::vector<std::string>& region_names() const { return region_names_; }
   // The basis: row 3 i + axis is coordinate `axis` of vertex order()[i], or of vertex i if it is empty.
-  const std::pmr::vector<RowChunk>& chunks() const { return chunks_; }
+  const std::pmr::vector<RowBlock>& chunks() const { return chunks_; }
   std::span<const std::uint32_t> order() const { return order_; }
   // See VertexTangents::signs.
   std::span<const float> tangent_signs() const { return tangents_.signs(); }
@@ -151,7 +151,7 @@ class Evaluator {
   template <std::size_t poses>
   void run_regions(RegionMask regions, Workspace& workspace) const;
   template <std::size_t poses>
-  void round_summands(std::size_t chunk, Workspace& workspace, std::int16_t* wholes, Quantized& summands) const;
+  void round_summands(std::size_t chunk, Workspace& workspace, std::int16_t* quantised, Quantized& summands) const;
   template <std::size_t poses>
   void run_chunks(float* const* rows, Workspace& workspace) const;
   template <std::size_t poses>
@@ -174,7 +174,7 @@ class Evaluator {
   std::vector<std::string> region_names_;
   std::pmr::vector<RegionNet> nets_;
   std::pmr::vector<float> slopes_;  // of the regions' gates; 0: no gate
-  std::pmr::vector<RowChunk> chunks_;
+  std::pmr::vector<RowBlock> chunks_;
   std::pmr::vector<std::uint32_t> direct_;
   std::pmr::vector<std::uint32_t> first_coefficient_;  // of regions
   std::pmr::vector<std::uint32_t> first_in_list_;      // one more than lists
@@ -190,4 +190,4 @@ class Evaluator {
   std::size_t coefficient_count_, widest_layer_ = 0, work_size_ = 0, most_summands_ = 0;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -6,7 +6,7 @@
 #include "runtime/evaluator.h"
 #include "runtime/float_state.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 // Beyond this, what was written first has left a core's caches before the last is written, and writing past them spares
@@ -116,4 +116,4 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
     fail(Status::invalid_argument, "the host's parallel_for ran %zu poses of %zu", done, batch.poses);
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -9,7 +9,7 @@
 #include "model/feature_values.h"
 #include "runtime/grouped.h"
 
-namespace fb {
+namespace fb::runtime {
 
 FeatureState::FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory)
     : values_(graph.feature_count() * block_poses, &memory),
@@ -30,8 +30,8 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
       combined_(&memory),
       combined_begin_(&memory),
       other_(&memory),
-      restless_(&memory),
-      restless_begin_(&memory) {
+      always_(&memory),
+      always_begin_(&memory) {
   for (std::pmr::vector<float>* ends : {&minimum_, &maximum_, &rest_}) ends->reserve(model.schema.control_count());
   for (const Control& c : model.schema.controls) {
     minimum_.push_back(c.minimum);
@@ -86,7 +86,7 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
   for (std::uint32_t f = 0; f < feature_count(); ++f)
     for (std::uint32_t c = combined_begin_[f]; c < combined_begin_[f + 1]; ++c)
       other_.push_back(combined_[c].first == f ? combined_[c].second : combined_[c].first);
-  by_level.move_to(restless_, restless_begin_);
+  by_level.move_to(always_, always_begin_);
 }
 
 namespace {
@@ -149,7 +149,7 @@ std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* c
     moved_counts += is_moved;
   };
   if constexpr (poses == 1) {
-    count = kernels.list_moved(values, controls_.size(), active);
+    count = kernels.compact_nonzeros(values, controls_.size(), active);
     moved_counts = -static_cast<std::int32_t>(count);
   } else {
     for (std::uint32_t f = 0; f < controls_.size(); ++f) list(f);
@@ -175,7 +175,7 @@ std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* c
   const std::uint32_t *const begin = combined_begin_.data(), *const other = other_.data();
   std::uint32_t* const candidates = state.candidates_.data();
   std::size_t done = 0;
-  for (std::size_t level = 1; level + 1 < restless_begin_.size(); ++level) {
+  for (std::size_t level = 1; level + 1 < always_begin_.size(); ++level) {
     const std::size_t end = count;
     std::size_t candidate_count = 0;
     for (; done < end; ++done) {
@@ -187,7 +187,7 @@ std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* c
       }
     }
     for (std::size_t i = 0; i < candidate_count; ++i) combine(combined_[candidates[i]]);
-    for (std::uint32_t c = restless_begin_[level]; c < restless_begin_[level + 1]; ++c) combine(restless_[c]);
+    for (std::uint32_t c = always_begin_[level]; c < always_begin_[level + 1]; ++c) combine(always_[c]);
   }
   state.count_ = count;
   state.moved_count_ = total(moved_counts);
@@ -207,4 +207,4 @@ std::uint64_t FeatureGraph::run(const PoseKernels& kernels, const float* control
                     : run_poses<block_poses>(kernels, controls, stride, state);
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -10,7 +10,7 @@
 #include "model/packed_model.h"
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 class FeatureGraph;
 
@@ -74,8 +74,8 @@ class FeatureGraph {
   std::pmr::vector<std::uint32_t> other_;           // of a combined feature's two the one it is not listed under
   // But for minima of features that may be below 0: those are taken in every pose, level after level. Level 0 are
   // features of controls, each other is one more than the deeper of its two.
-  std::pmr::vector<Combined> restless_;
-  std::pmr::vector<std::uint32_t> restless_begin_;  // in restless_, by level; one more than levels
+  std::pmr::vector<Combined> always_;
+  std::pmr::vector<std::uint32_t> always_begin_;  // in always_, by level; one more than levels
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -4,7 +4,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace fb {
+namespace fb::runtime {
 
 // While it lives, this thread rounds to nearest and keeps denormals, whatever mode the host set; then the host's mode
 // is back. Without it the same pose would give other bits in a game that flushes denormals. Arithmetic that relies on
@@ -42,4 +42,4 @@ class FloatState {
   FloatState& operator=(const FloatState&) = delete;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

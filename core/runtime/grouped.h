@@ -8,7 +8,7 @@
 
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // Collects items under keys, to lay them out key after key. Items of one key keep their order.
 template <class Item>
@@ -38,4 +38,4 @@ class Grouped {
   std::vector<std::uint32_t> counts_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -15,7 +15,7 @@
 #include <sys/auxv.h>
 #endif
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 // From the slowest to the fastest.
@@ -87,4 +87,4 @@ std::vector<const PoseKernels*> runnable_kernels() {
   return found;
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

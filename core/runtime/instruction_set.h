@@ -5,7 +5,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // The environment variable that caps them, for tests: the name of a PoseKernels, or empty.
 inline constexpr const char* instruction_set_variable = "FB_INSTRUCTION_SET";
@@ -17,4 +17,4 @@ std::vector<const PoseKernels*> runnable_kernels();
 // has, runnable or not; null or "": no cap. Fails with invalid_argument, listing the names, on any other.
 const PoseKernels& choose_kernels(const char* cap = nullptr);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // Memory with a meter and a limit: what lasting blocks are taken through, so that a model's footprint is known and a
 // hostile archive cannot exceed what its loader allowed. Fails with Status::limit. Not thread-safe.
@@ -33,4 +33,4 @@ class MeteredMemory final : public std::pmr::memory_resource {
   std::uint64_t limit_, bytes_ = 0;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

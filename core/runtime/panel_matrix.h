@@ -12,7 +12,7 @@
 #include "model/packed_model.h"
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // A matrix of digits, -128 to 127, cut into panels of rows. In a panel rows lie side by side, so that a loop over rows
 // is a loop over lanes.
@@ -137,4 +137,4 @@ class PanelMatrix {
   std::pmr::vector<Block> blocks_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -8,7 +8,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // A list of numbers of one pose, or of each pose of a block, side by side: number i of pose p lies at values[i * poses
 // + p]. There is room up to the next multiple of padding.
@@ -37,9 +37,9 @@ struct Quantized {
   PanelInputs panel_inputs() const { return {places, inputs, count, poses, starts}; }
 };
 
-// FORMAT.md, "Quantise". x's room is filled up, and `wholes` has as much. `limit` is the largest input. Returns whether
-// any input is not 0.
-bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses, std::int16_t* wholes,
+// FORMAT.md, "Quantise". x's room is filled up, and `quantised` has as much. `limit` is the largest input. Returns
+// whether any input is not 0.
+bool quantize(const PoseKernels& kernels, const PoseNumbers& x, float limit, std::size_t poses, std::int16_t* quantised,
               Quantized& quantized);
 
 // Does the same with what layers give, of which none is left out.
@@ -49,14 +49,14 @@ class LayerInputs {
   LayerInputs(std::size_t longest, std::size_t poses, std::pmr::memory_resource& memory);
 
   // Where a list may be quantised to.
-  std::int16_t* wholes() { return wholes_.data(); }
+  std::int16_t* quantised() { return quantised_.data(); }
 
   // What is returned has no places and is good until the next time.
   const Quantized& quantize(const PoseKernels& kernels, const PoseRows& x, float limit, std::size_t poses);
 
  private:
   Quantized quantized_;
-  std::pmr::vector<std::int16_t> row_, wholes_;
+  std::pmr::vector<std::int16_t> row_, quantised_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

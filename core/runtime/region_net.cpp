@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Form form, PanelMatrix::Digit digit,
@@ -68,7 +68,7 @@ std::size_t RegionNet::widest() const {
   const std::size_t stride = work_size();
   float *before = work, *after = work + stride / 2;
   Quantized list;
-  quantize(kernels, input, layers_.front().limit, poses, layer_inputs.wholes(), list);
+  quantize(kernels, input, layers_.front().limit, poses, layer_inputs.quantised(), list);
   if (layers_.front().skip)
     for (std::size_t pose = 0; pose < poses; ++pose) {
       std::fill_n(before + pose * stride, input_count(), 0.0f);
@@ -97,4 +97,4 @@ void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -12,7 +12,7 @@
 #include "runtime/panel_matrix.h"
 #include "runtime/quantized.h"
 
-namespace fb {
+namespace fb::runtime {
 
 class RegionNet {
  public:
@@ -53,4 +53,4 @@ class RegionNet {
   std::pmr::vector<float> at_rest_;  // what the last layer gives there
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -7,7 +7,7 @@
 #include "runtime/float_state.h"
 #include "runtime/grouped.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 using Vector = float __attribute__((vector_size(16)));
@@ -176,7 +176,7 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> pl
   }
 }
 
-// Without a branch on how many polygons a vertex has: most have four, and which do not cannot be foretold.
+// Without a branch on how many polygons a vertex has: most have four, and which do not cannot be predicted.
 [[gnu::noinline]] void VertexNormals::compute_normals(const PoseKernels& kernels, std::size_t chunk, const float* areas,
                                                       float* normals) const {
   constexpr std::uint32_t most = 64;
@@ -235,4 +235,4 @@ void VertexNormals::run(const PoseKernels& kernels, const float* rows, std::span
     if (state.moved_[c]) compute_normals(kernels, c, state.areas_.data(), state.normals_.data());
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -11,7 +11,7 @@
 #include "model/mesh.h"
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // A vertex' normal is the sum of the area vectors of the polygons around it, made one long; null where there is no
 // polygon, or no area. A polygon's area vector is that of the closed loop of its corners, flat or not: of a quad the
@@ -84,4 +84,4 @@ class VertexNormals {
   std::pmr::vector<float> at_rest_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -6,7 +6,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 // Without gaps, a number more than the three is copied, because that is one instruction; the next vertex sets it right.
@@ -70,4 +70,4 @@ void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t v
   in_order(static_cast<const std::uint16_t*>(halves));
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -7,7 +7,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 
 enum class VertexOrder : std::uint32_t { source = 0, baked = 1 };
 enum class NumberFormat : std::uint32_t { float32 = 0, float16 = 1 };
@@ -27,4 +27,4 @@ struct VertexOutput {
 void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
                     std::span<const std::uint32_t> place_of, std::uint16_t* halves, const VertexOutput& output);
 
-}  // namespace fb
+}  // namespace fb::runtime

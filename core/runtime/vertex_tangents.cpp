@@ -7,7 +7,7 @@
 #include "runtime/float_state.h"
 #include "runtime/grouped.h"
 
-namespace fb {
+namespace fb::runtime {
 
 VertexTangents::State::State(const VertexTangents& tangents, std::pmr::memory_resource& memory)
     : polygons_(3 * tangents.polygon_begin_.size(), &memory),
@@ -109,4 +109,4 @@ void VertexTangents::run(const float* rows, const VertexNormals& normals, const 
   }
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -9,7 +9,7 @@
 #include "model/mesh.h"
 #include "runtime/vertex_normals.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // A vertex' tangent is the direction in which u grows: the sum, over the polygons around it, of the integral of dP/du
 // over each polygon's part of the picture, made perpendicular to the normal and one long. By Green's theorem that
@@ -60,4 +60,4 @@ class VertexTangents {
   std::size_t chunks_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime

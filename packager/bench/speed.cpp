@@ -17,6 +17,9 @@
 #include "runtime/evaluator.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
+using namespace runtime;
 namespace {
 
 // What asking for the time takes by itself.

@@ -16,9 +16,10 @@
 #include "report/face_report.h"
 
 namespace fb {
+using namespace bake;
 namespace {
 
-struct BakeVerb {
+struct BakeCommand {
   std::vector<std::string> sources;
   std::string out, use = "backlot", work, report, licence;
   BakeOptions options;
@@ -44,13 +45,13 @@ std::string bake_text(const Baked& baked) {
 }
 
 // Measures the archive on clips it was not trained on, if the source has any, and writes the page.
-void BakeVerb::write_page(const Baked& baked, Source& source, Progress& progress) const {
+void BakeCommand::write_page(const Baked& baked, Source& source, Progress& progress) const {
   MethodReport face;
   face.name = options.recipe;
   face.use = options.use;
   face.bytes = baked.archive.size();
   face.archive = baked.archive;
-  face.diary = baked.diary;
+  face.stats = baked.stats;
   face.parameters = baked.parameters;
   face.coefficients = baked.coefficients;
   face.poses = baked.poses;
@@ -74,7 +75,7 @@ void BakeVerb::write_page(const Baked& baked, Source& source, Progress& progress
                     progress);
 }
 
-void BakeVerb::run() {
+void BakeCommand::run() {
   options.use = use_from(use);
   options.work = work;
   options.licence = licence_text(licence);
@@ -94,50 +95,50 @@ void BakeVerb::run() {
 }  // namespace
 
 void add_bake(CLI::App& tool) {
-  auto verb = std::make_shared<BakeVerb>();
+  auto command = std::make_shared<BakeCommand>();
   CLI::App* app = tool.add_subcommand("bake", "Learn a face from poses and write it as an archive");
-  add_sources(*app, verb->sources);
-  app->add_option("--out", verb->out, "The archive to write (.fbk); it appears complete or not at all")
+  add_sources(*app, command->sources);
+  app->add_option("--out", command->out, "The archive to write (.fbk); it appears complete or not at all")
       ->type_name("FACE.fbk")
       ->required();
-  app->add_option("--recipe", verb->options.recipe, "How to learn")
+  app->add_option("--recipe", command->options.recipe, "How to learn")
       ->check(CLI::IsMember(recipe_names()))
       ->capture_default_str();
-  app->add_option("--use", verb->use, "variant: shots are not trained on; backlot: they are")
+  app->add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
       ->check(CLI::IsMember({"variant", "backlot"}))
       ->capture_default_str();
-  add_poses(*app, verb->options.poses, verb->options.rig_budget);
-  add_mix(*app, verb->options.mix);
-  app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: the recipe's own number")
+  add_poses(*app, command->options.poses, command->options.rig_budget);
+  add_mix(*app, command->options.mix);
+  app->add_option("--epochs", command->options.epochs, "Passes over the training poses; 0: the recipe's own number")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--max-bytes", verb->options.max_bytes,
+  app->add_option("--max-bytes", command->options.max_bytes,
                   "Bytes the archive may have: as precise as they allow; 0: as precise as the recipe says")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--max-error", verb->options.max_error,
+  app->add_option("--max-error", command->options.max_error,
                   "Largest error wanted on poses kept back, over the diagonal: in as few bytes as it allows; 0: none")
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
-  add_licence(*app, verb->licence);
-  app->add_option("--created", verb->options.created, "A date to put into the archive; without it there is none")
+  add_licence(*app, command->licence);
+  app->add_option("--created", command->options.created, "A date to put into the archive; without it there is none")
       ->type_name("DATE");
-  app->add_option("--work", verb->work,
+  app->add_option("--work", command->work,
                   "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                   "removed once the archive is whole")
       ->type_name("DIR");
-  add_report(*app, verb->report, ", and a page of pictures, curves and tables (index.html)");
-  add_learning_curve(*app, verb->options.learning_curve);
-  add_seed(*app, verb->options.seed);
-  add_threads(*app, verb->options.parallel);
-  add_json_flag(*app, verb->json);
+  add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
+  add_learning_curve(*app, command->options.learning_curve);
+  add_seed(*app, command->options.seed);
+  add_threads(*app, command->options.parallel);
+  add_json_flag(*app, command->json);
   app->footer(
       "--poses and --mix are for rigs; a dataset is used as it is. Ctrl-C keeps what is done: the same command "
       "goes on from there.");
-  app->callback([verb] { verb->run(); });
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

@@ -14,9 +14,11 @@
 #include "commands/progress_bar.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
 namespace {
 
-struct BenchVerb {
+struct BenchCommand {
   std::string archive, csv;
   std::vector<std::string> sources;
   std::size_t poses = 400;
@@ -46,7 +48,7 @@ std::vector<float> made_up(const RigSchema& schema, std::size_t poses) {
   return controls;
 }
 
-std::vector<float> BenchVerb::recorded(const RigSchema& schema) const {
+std::vector<float> BenchCommand::recorded(const RigSchema& schema) const {
   const auto source = open_sources(sources);
   check_same_controls(schema, "the archive", source->schema(), "the source");
   const PoseSet shots(*source, [](const Clip& clip) { return clip.split == Split::test; });
@@ -55,9 +57,9 @@ std::vector<float> BenchVerb::recorded(const RigSchema& schema) const {
   return controls;
 }
 
-void BenchVerb::run() const {
+void BenchCommand::run() const {
   const std::vector<std::byte> bytes = read_file(archive);
-  const RigSchema schema = naming(archive, [&] { return read_archive(bytes).model.schema; });
+  const RigSchema schema = with_context(archive, [&] { return read_archive(bytes).model.schema; });
   const std::vector<float> controls = sources.empty() ? made_up(schema, poses) : recorded(schema);
   Speed speed;
   {
@@ -71,20 +73,20 @@ void BenchVerb::run() const {
 }  // namespace
 
 void add_bench(CLI::App& tool) {
-  auto verb = std::make_shared<BenchVerb>();
+  auto command = std::make_shared<BenchCommand>();
   CLI::App* app = tool.add_subcommand("bench", "Measure how long an archive's poses take, beside float networks");
-  add_archive(*app, verb->archive);
-  app->add_option("--source", verb->sources, "Whose test clips are posed, frame by frame; without, a made-up shot")
+  add_archive(*app, command->archive);
+  app->add_option("--source", command->sources, "Whose test clips are posed, frame by frame; without, a made-up shot")
       ->type_name("SOURCE");
   const CLI::Range count(std::size_t{1}, std::size_t{1} << 20);
   const auto add_count = [&](const char* name, std::size_t& number, const char* what) {
     app->add_option(name, number, what)->check(count)->type_name("N")->capture_default_str();
   };
-  add_count("--poses", verb->poses, "Frames that are posed, at most");
-  add_count("--rounds", verb->options.rounds, "How often each of them is");
-  add_count("--batch", verb->options.batch, "Poses of a batch");
-  app->add_option("--csv", verb->csv, "Write the figures to this file too, as comma-separated values");
-  app->callback([verb] { verb->run(); });
+  add_count("--poses", command->poses, "Frames that are posed, at most");
+  add_count("--rounds", command->options.rounds, "How often each of them is");
+  add_count("--batch", command->options.batch, "Poses of a batch");
+  app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

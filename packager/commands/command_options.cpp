@@ -12,38 +12,40 @@ std::string whole_number(const std::string& word) {
   return word.size() < 20 ? "" : word + " is too large";
 }
 
-void add_threads(CLI::App& verb, Parallel& parallel) {
-  verb.add_option("--threads", parallel.threads, "Threads to use; 0: all there are. Results do not depend on it.")
+void add_threads(CLI::App& command, Parallel& parallel) {
+  command.add_option("--threads", parallel.threads, "Threads to use; 0: all there are. Results do not depend on it.")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
 }
 
-void add_seed(CLI::App& verb, std::uint64_t& seed) {
-  verb.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
+void add_seed(CLI::App& command, std::uint64_t& seed) {
+  command.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
 }
 
-void add_poses(CLI::App& verb, std::uint64_t& poses, std::uint64_t& rig_budget) {
+void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget) {
   const CLI::Range count(std::uint64_t{1}, std::uint64_t{1} << 32);
-  const CLI::Option* given = verb.add_option("--poses", poses, "Poses to ask the rig for")
+  const CLI::Option* given = command.add_option("--poses", poses, "Poses to ask the rig for")
                                  ->check(count)
                                  ->type_name("N")
                                  ->capture_default_str();
-  verb.add_option("--rig-budget", rig_budget,
+  command
+      .add_option("--rig-budget", rig_budget,
                   "Poses to ask the rig for at most, for whatever reason: probing, its own clips, tests; new poses are "
                   "cut to what that leaves, and are as many as that without --poses")
       ->check(count)
       ->type_name("N");
-  verb.parse_complete_callback([given, &poses, &rig_budget] {
+  command.parse_complete_callback([given, &poses, &rig_budget] {
     if (rig_budget > 0 && given->empty()) poses = rig_budget;
   });
 }
 
-void add_mix(CLI::App& verb, std::string& mix) {
-  verb.add_option(
+void add_mix(CLI::App& command, std::string& mix) {
+  command
+      .add_option(
           "--mix", mix,
           "How poses are spread over the kinds: paper (excitations, regions, calisthenics) or dense (mostly many "
           "controls of many regions at once)")
@@ -51,20 +53,21 @@ void add_mix(CLI::App& verb, std::string& mix) {
       ->capture_default_str();
 }
 
-void add_sources(CLI::App& verb, std::vector<std::string>& sources) {
-  verb.add_option(
+void add_sources(CLI::App& command, std::vector<std::string>& sources) {
+  command
+      .add_option(
           "SOURCE", sources,
           "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or "
           "\"sample\" for the built-in face")
       ->required();
 }
 
-void add_archive(CLI::App& verb, std::string& archive) {
-  verb.add_option("FACE", archive, "The archive (.fbk)")->required();
+void add_archive(CLI::App& command, std::string& archive) {
+  command.add_option("FACE", archive, "The archive (.fbk)")->required();
 }
 
-void add_licence(CLI::App& verb, std::string& file) {
-  verb.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
+void add_licence(CLI::App& command, std::string& file) {
+  command.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
       ->type_name("FILE");
 }
 
@@ -74,17 +77,18 @@ std::string licence_text(const std::string& file) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void add_learning_curve(CLI::App& verb, bool& learning_curve) {
-  verb.add_flag("--learning-curve", learning_curve,
-                "Bake also on 1/8, 1/4 and 1/2 of the poses, for the report, and measure on clips not trained on");
+void add_learning_curve(CLI::App& command, bool& learning_curve) {
+  command.add_flag("--learning-curve", learning_curve,
+                   "Bake also on 1/8, 1/4 and 1/2 of the poses, for the report, and measure on clips not trained on");
 }
 
-void add_json_flag(CLI::App& verb, bool& json) {
-  verb.add_flag("--json", json, "Print the figures as JSON instead of text");
+void add_json_flag(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print the figures as JSON instead of text");
 }
 
-void add_report(CLI::App& verb, std::string& folder, const char* also) {
-  verb.add_option("--report", folder,
+void add_report(CLI::App& command, std::string& folder, const char* also) {
+  command
+      .add_option("--report", folder,
                   std::string("Folder to write the figures into, as JSON and as a readable table") + also)
       ->type_name("DIR");
 }

@@ -1,4 +1,4 @@
-// Options that several verbs share, declared the same way in each.
+// Options that several commands share, declared the same way in each.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ namespace fb {
 // and fits 64 bits.
 std::string whole_number(const std::string& word);
 
-void add_threads(CLI::App& verb, Parallel& parallel);
-void add_seed(CLI::App& verb, std::uint64_t& seed);
+void add_threads(CLI::App& command, Parallel& parallel);
+void add_seed(CLI::App& command, std::uint64_t& seed);
 // --poses and --rig-budget; a budget alone asks for as many poses as it allows.
-void add_poses(CLI::App& verb, std::uint64_t& poses, std::uint64_t& rig_budget);
-void add_mix(CLI::App& verb, std::string& mix);
-void add_sources(CLI::App& verb, std::vector<std::string>& sources);
-void add_archive(CLI::App& verb, std::string& archive);
+void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget);
+void add_mix(CLI::App& command, std::string& mix);
+void add_sources(CLI::App& command, std::vector<std::string>& sources);
+void add_archive(CLI::App& command, std::string& archive);
 // --licence: a text file that goes into the archive.
-void add_licence(CLI::App& verb, std::string& file);
+void add_licence(CLI::App& command, std::string& file);
 std::string licence_text(const std::string& file);  // "" of no file
-void add_learning_curve(CLI::App& verb, bool& learning_curve);
-void add_json_flag(CLI::App& verb, bool& json);
+void add_learning_curve(CLI::App& command, bool& learning_curve);
+void add_json_flag(CLI::App& command, bool& json);
 // `also` continues the sentence of the help: what is written besides.
-void add_report(CLI::App& verb, std::string& folder, const char* also = "");
+void add_report(CLI::App& command, std::string& folder, const char* also = "");
 
 }  // namespace fb

@@ -20,9 +20,10 @@
 #include "report/face_report.h"
 
 namespace fb {
+using namespace bake;
 namespace {
 
-struct CompareVerb {
+struct CompareCommand {
   std::vector<std::string> sources, methods = {"linear", "paper-tuned", "hero"};
   std::string work;
   FigureOutputs outputs;
@@ -78,7 +79,7 @@ std::string compare_text(const CompareReport& report) {
             [](const MethodReport& m) { return std::to_string(m.independent.touched.p95); });
   costs.row("poses trained on", [](const MethodReport& m) { return std::to_string(m.poses); });
   costs.row("bones",
-            [](const MethodReport& m) { return m.diary.bones ? std::to_string(m.diary.bones) : std::string("-"); });
+            [](const MethodReport& m) { return m.stats.bones ? std::to_string(m.stats.bones) : std::string("-"); });
   costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
   costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });
   costs.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
@@ -112,7 +113,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-void CompareVerb::run() {
+void CompareCommand::run() {
   if (std::find(methods.begin(), methods.end(), "all") != methods.end()) methods = recipe_names();
   const auto source = open_sources(sources);
   outputs.check();
@@ -141,29 +142,29 @@ void CompareVerb::run() {
 void add_compare(CLI::App& tool) {
   std::vector<std::string> names = recipe_names();
   names.push_back("all");
-  auto verb = std::make_shared<CompareVerb>();
+  auto command = std::make_shared<CompareCommand>();
   CLI::App* app = tool.add_subcommand("compare", "Bake and measure several methods side by side on the same data");
-  add_sources(*app, verb->sources);
-  app->add_option("--methods", verb->methods, "Methods, separated by commas; all: every one there is")
+  add_sources(*app, command->sources);
+  app->add_option("--methods", command->methods, "Methods, separated by commas; all: every one there is")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  add_poses(*app, verb->options.poses, verb->options.rig_budget);
-  add_mix(*app, verb->options.mix);
-  app->add_option("--epochs", verb->options.epochs, "Passes over the training poses; 0: each recipe's own number")
+  add_poses(*app, command->options.poses, command->options.rig_budget);
+  add_mix(*app, command->options.mix);
+  app->add_option("--epochs", command->options.epochs, "Passes over the training poses; 0: each recipe's own number")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--work", verb->work,
+  app->add_option("--work", command->work,
                   "Folder for intermediate files, kept so that the same command can go on; by default "
                   "a temporary one")
       ->type_name("DIR");
-  verb->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
-  add_learning_curve(*app, verb->options.learning_curve);
-  add_seed(*app, verb->options.seed);
-  add_threads(*app, verb->options.parallel);
-  app->callback([verb] { verb->run(); });
+  command->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
+  add_learning_curve(*app, command->options.learning_curve);
+  add_seed(*app, command->options.seed);
+  add_threads(*app, command->options.parallel);
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

@@ -17,9 +17,11 @@
 #include "report/face_report.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
 namespace {
 
-struct EvalVerb {
+struct EvalCommand {
   std::string archive, split = "test";
   std::vector<std::string> sources;
   FigureOutputs outputs;
@@ -48,7 +50,7 @@ std::string eval_text(const EvalReport& report) {
                 static_cast<unsigned long long>(touched.p95));
 }
 
-void EvalVerb::write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const {
+void EvalCommand::write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const {
   face.name = std::filesystem::path(archive).stem().string();
   face.bytes = bytes.size();
   face.archive = std::move(bytes);
@@ -59,9 +61,9 @@ void EvalVerb::write_page(MethodReport face, std::vector<std::byte> bytes, Sourc
   write_face_report(outputs.report, {faces.methods[0].name, measured, faces, source}, parallel, progress);
 }
 
-void EvalVerb::run() {
+void EvalCommand::run() {
   const std::vector<std::byte> bytes = read_file(archive);
-  naming(archive, [&] { return read_archive(bytes).format_version; });
+  with_context(archive, [&] { return read_archive(bytes).format_version; });
   const auto source = open_sources(sources);
   outputs.check();
   std::optional<Split> only;
@@ -86,16 +88,16 @@ void EvalVerb::run() {
 }  // namespace
 
 void add_eval(CLI::App& tool) {
-  auto verb = std::make_shared<EvalVerb>();
+  auto command = std::make_shared<EvalCommand>();
   CLI::App* app = tool.add_subcommand("eval", "Measure an archive against the true rig");
-  add_archive(*app, verb->archive);
-  add_sources(*app, verb->sources);
-  app->add_option("--split", verb->split, "Which clips to measure on")
+  add_archive(*app, command->archive);
+  add_sources(*app, command->sources);
+  app->add_option("--split", command->split, "Which clips to measure on")
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
-  verb->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
-  add_threads(*app, verb->parallel);
-  app->callback([verb] { verb->run(); });
+  command->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
+  add_threads(*app, command->parallel);
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

@@ -9,10 +9,10 @@
 
 namespace fb {
 
-void FigureOutputs::add_to(CLI::App& verb, const char* also) {
-  verb.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
+void FigureOutputs::add_to(CLI::App& command, const char* also) {
+  command.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
       ->type_name("FILE");
-  add_report(verb, report, also);
+  add_report(command, report, also);
 }
 
 void FigureOutputs::check() const {

@@ -9,12 +9,12 @@ class App;
 
 namespace fb {
 
-// Where the figures of a measuring verb go: --json FILE, --report DIR, standard output.
+// Where the figures of a measuring command go: --json FILE, --report DIR, standard output.
 struct FigureOutputs {
   std::string json, report;
 
   // Declares both options; `also` ends the description of --report.
-  void add_to(CLI::App& verb, const char* also = "");
+  void add_to(CLI::App& command, const char* also = "");
   // Fails if something could not be written: better before the work than after it.
   void check() const;
   // Writes what was asked for, the report as NAME.json and NAME.md; prints the table, or the JSON with --json -.

@@ -11,9 +11,11 @@
 #include "runtime/evaluator.h"
 
 namespace fb {
+using namespace archive;
+using namespace runtime;
 namespace {
 
-struct InspectVerb {
+struct InspectCommand {
   std::string archive;
   bool json = false, controls = false;
 
@@ -72,9 +74,9 @@ std::string inspect_text(const std::string& path, const Archive& archive, std::u
   return text;
 }
 
-void InspectVerb::run() const {
+void InspectCommand::run() const {
   const auto bytes = read_file(archive);
-  const Archive contents = naming(archive, [&] { return read_archive(bytes); });
+  const Archive contents = with_context(archive, [&] { return read_archive(bytes); });
   const std::uint64_t runtime_bytes = Evaluator(contents.model).bytes();
   if (json) {
     std::fputs(inspect_json(archive, contents, bytes.size(), runtime_bytes).c_str(), stdout);
@@ -87,12 +89,12 @@ void InspectVerb::run() const {
 }  // namespace
 
 void add_inspect(CLI::App& tool) {
-  auto verb = std::make_shared<InspectVerb>();
+  auto command = std::make_shared<InspectCommand>();
   CLI::App* app = tool.add_subcommand("inspect", "Show what is in an archive");
-  add_archive(*app, verb->archive);
-  app->add_flag("--controls", verb->controls, "List the controls too (--json always does)");
-  app->add_flag("--json", verb->json, "Print everything as JSON");
-  app->callback([verb] { verb->run(); });
+  add_archive(*app, command->archive);
+  app->add_flag("--controls", command->controls, "List the controls too (--json always does)");
+  app->add_flag("--json", command->json, "Print everything as JSON");
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

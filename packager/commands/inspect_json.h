@@ -6,6 +6,7 @@
 #include "archive/reader.h"
 
 namespace fb {
+using namespace archive;
 
 // Everything worth knowing of an archive as JSON text, indented, ending in a newline. Keys are an interface: they are
 // only ever added. total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.

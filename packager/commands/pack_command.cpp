@@ -13,9 +13,11 @@
 #include "commands/commands.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
 namespace {
 
-struct PackVerb {
+struct PackCommand {
   std::string archive, out, licence;
   std::uint64_t seed = 1, max_bytes = 0;
   double max_error = 0;
@@ -31,7 +33,7 @@ Archive read_any(std::span<const std::byte> bytes) {
 }
 
 // Rounds further, as the options ask; what it says is for people.
-std::string PackVerb::coarsen(Archive& face) const {
+std::string PackCommand::coarsen(Archive& face) const {
   constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses that the proof does not have
   std::vector<float> poses = make_proof(face.model, seed).controls;
   const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
@@ -43,13 +45,13 @@ std::string PackVerb::coarsen(Archive& face) const {
   const auto with = [&](double factor) {
     Coarser coarser{face, {}};
     if (factor <= 1) return coarser;
-    coarser.face.model = coarsened(face.model, factor);
+    coarser.face.model = with_scaled_steps(face.model, factor);
     coarser.moved = packing_errors(face.model, coarser.face.model, poses);
     note_repacking(coarser.face.text.certificate, coarser.moved);
     coarser.face.proof = make_proof(coarser.face.model, seed);
     return coarser;
   };
-  const Coarsening choice = choose_coarsening(
+  const StepScaling choice = choose_step_scaling(
       max_bytes, max_error,
       [&](double factor) {
         const Archive coarser = with(factor).face;
@@ -66,9 +68,9 @@ std::string PackVerb::coarsen(Archive& face) const {
       kept ? "" : "; what was asked for cannot be had");
 }
 
-void PackVerb::run() const {
+void PackCommand::run() const {
   const auto bytes = read_file(archive);
-  Archive face = naming(archive, [&] { return read_any(bytes); });
+  Archive face = with_context(archive, [&] { return read_any(bytes); });
   if (!licence.empty()) face.text.licence = licence_text(licence);
   if (face.proof.hashes.empty()) face.proof = make_proof(face.model, seed);
   const std::string said = max_bytes > 0 || max_error > 0 ? coarsen(face) : "";
@@ -83,28 +85,29 @@ void PackVerb::run() const {
 }  // namespace
 
 void add_pack(CLI::App& tool) {
-  auto verb = std::make_shared<PackVerb>();
+  auto command = std::make_shared<PackCommand>();
   CLI::App* app = tool.add_subcommand("pack", "Pack an archive anew, from this or an older version of the format");
-  add_archive(*app, verb->archive);
-  app->add_option("--out", verb->out, "The archive to write (.fbk); it appears complete or not at all")
+  add_archive(*app, command->archive);
+  app->add_option("--out", command->out, "The archive to write (.fbk); it appears complete or not at all")
       ->type_name("FACE.fbk")
       ->required();
-  add_licence(*app, verb->licence);
-  app->add_option("--max-bytes", verb->max_bytes, "Bytes the archive may have: rounded no more than they ask; 0: any")
+  add_licence(*app, command->licence);
+  app->add_option("--max-bytes", command->max_bytes,
+                  "Bytes the archive may have: rounded no more than they ask; 0: any")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
   app->add_option(
-         "--max-error", verb->max_error,
+         "--max-error", command->max_error,
          "How far a vertex may come to lie from where it was, over the diagonal: in as few bytes as it allows; "
          "after --max-bytes; 0: nowhere else")
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
-  add_seed(*app, verb->seed);
+  add_seed(*app, command->seed);
   app->footer(
       "Unless rounded, the face poses as it did, to the last bit; its proof is kept, or made where it has none.");
-  app->callback([verb] { verb->run(); });
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

@@ -7,6 +7,7 @@
 #include "runtime/evaluator.h"
 
 namespace fb {
+using namespace runtime;
 
 // A clip (frames x controls) as morph targets over the rest mesh: the frames themselves, or, where there are more of
 // them than coefficients, the columns of the basis weighted by the coefficients. Both give the evaluator's positions,

@@ -21,9 +21,11 @@
 #include "render/portrait.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
 namespace {
 
-struct PoseVerb {
+struct PoseCommand {
   std::string archive, out, beside, size = "640x800";
   PoseRequest request;
   std::optional<std::size_t> frame;
@@ -70,7 +72,7 @@ std::unique_ptr<Source> open_truth(const std::string& name, const PackedModel& m
   return source;
 }
 
-void PoseVerb::write_still_files(const PackedModel& model, const Evaluator& evaluator, const Poses& poses) {
+void PoseCommand::write_still_files(const PackedModel& model, const Evaluator& evaluator, const Poses& poses) {
   const std::size_t width = evaluator.control_count(), points = 3 * evaluator.vertex_count();
   const bool picture = out.ends_with(".png");
   const auto truth = beside.empty() ? nullptr : open_truth(beside, model, archive);
@@ -98,7 +100,7 @@ void PoseVerb::write_still_files(const PackedModel& model, const Evaluator& eval
   }
 }
 
-void PoseVerb::print(const Poses& poses) const {
+void PoseCommand::print(const Poses& poses) const {
   if (json) {
     nlohmann::ordered_json figures = {{"files", files_}, {"frames", poses.frames}, {"clamped", poses.clamped}};
     if (!beside.empty()) figures["max"] = worst_;
@@ -109,7 +111,7 @@ void PoseVerb::print(const Poses& poses) const {
   if (!beside.empty()) std::printf("largest distance from the true rig: %.2e of the diagonal\n", worst_);
 }
 
-void PoseVerb::run() {
+void PoseCommand::run() {
   const bool glb = out.ends_with(".glb"), png = out.ends_with(".png");
   if (!glb && !png && !out.ends_with(".obj"))
     fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", out.c_str());
@@ -117,7 +119,7 @@ void PoseVerb::run() {
   if (frame && request.clip.empty()) fail(Status::invalid_argument, "--frame needs --clip");
 
   const auto bytes = read_file(archive);
-  const PackedModel model = naming(archive, [&] { return read_archive(bytes).model; });
+  const PackedModel model = with_context(archive, [&] { return read_archive(bytes).model; });
   Poses poses = read_poses(request, model.schema);
   if (frame) {
     if (*frame >= poses.frames)
@@ -148,47 +150,48 @@ void PoseVerb::run() {
 }  // namespace
 
 void add_pose(CLI::App& tool) {
-  auto verb = std::make_shared<PoseVerb>();
+  auto command = std::make_shared<PoseCommand>();
   CLI::App* app = tool.add_subcommand("pose", "Pose a face and write it as .glb, .obj or .png");
-  add_archive(*app, verb->archive);
+  add_archive(*app, command->archive);
   app->add_option(
-         "--set", verb->request.set,
+         "--set", command->request.set,
          "A control's value (repeatable); all others are at rest, or as the clip has them. A value outside the "
          "control's range is clamped, and that is said")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  app->add_option("--clip", verb->request.clip, "Animation: a NumPy file of frames x controls")->type_name("FILE.npy");
-  app->add_option("--frame", verb->frame, "Only this frame of the clip, counted from 0")
+  app->add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
+      ->type_name("FILE.npy");
+  app->add_option("--frame", command->frame, "Only this frame of the clip, counted from 0")
       ->check(whole_number)
       ->type_name("N");
-  app->add_option("--beside", verb->beside,
+  app->add_option("--beside", command->beside,
                   "A rig plugin, a .glb or .gltf, or \"sample\": show the true rig, the archive and the error side by "
                   "side (.png)")
       ->type_name("SOURCE");
   app->add_option(
-         "--out", verb->out,
+         "--out", command->out,
          "File to write: .glb (mesh, or animation as morph targets), .obj (polygons in the rig's own order) or .png "
          "(shaded picture). The frames of a clip become NAME.0000.obj or .png and so on")
       ->type_name("FILE")
       ->required();
-  app->add_option("--fps", verb->fps, "Frames a second of the clip, for .glb")
+  app->add_option("--fps", command->fps, "Frames a second of the clip, for .glb")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
-  app->add_option("--yaw", verb->view.yaw, "Turn of the camera around the head, degrees, for .png")
+  app->add_option("--yaw", command->view.yaw, "Turn of the camera around the head, degrees, for .png")
       ->capture_default_str();
-  app->add_option("--pitch", verb->view.pitch, "Rise of the camera, degrees, for .png")
+  app->add_option("--pitch", command->view.pitch, "Rise of the camera, degrees, for .png")
       ->check(CLI::Range(-89.0, 89.0))
       ->capture_default_str();
-  app->add_option("--size", verb->size, "Size of a picture's panel, for .png")
+  app->add_option("--size", command->size, "Size of a picture's panel, for .png")
       ->type_name("WIDTHxHEIGHT")
       ->capture_default_str();
-  app->add_option("--error-scale", verb->full_scale,
+  app->add_option("--error-scale", command->full_scale,
                   "Error at the end of the error map's scale, over the diagonal; 0: a round number above the largest")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  add_threads(*app, verb->parallel);
-  add_json_flag(*app, verb->json);
-  app->callback([verb] { verb->run(); });
+  add_threads(*app, command->parallel);
+  add_json_flag(*app, command->json);
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

@@ -9,6 +9,7 @@
 #include "base/status.h"
 
 namespace fb {
+using namespace bake;
 namespace {
 
 struct Setting {

@@ -106,10 +106,10 @@ std::string compare_json(const CompareReport& report) {
                        {"touched_bytes", touched(method.independent.touched)},
                        {"parameters", method.parameters},
                        {"coefficients", method.coefficients},
-                       {"bones", method.diary.bones},
+                       {"bones", method.stats.bones},
                        {"poses", method.poses},
                        {"train_seconds", method.train_seconds},
-                       {"rig_calls", method.diary.rig_calls},
+                       {"rig_calls", method.stats.rig_calls},
                        {"quality", quality_of(method.independent)},
                        {"locality", locality_of(method.locality)}});
   Json failed = Json::array();

@@ -12,6 +12,7 @@
 #include "bake/pipeline/compare.h"
 
 namespace fb {
+using namespace bake;
 
 // "quality" and "locality" are null where they were not measured.
 std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality);

@@ -12,9 +12,10 @@
 #include "commands/progress_bar.h"
 
 namespace fb {
+using namespace bake;
 namespace {
 
-struct SampleVerb {
+struct SampleCommand {
   std::string source, out;
   SamplingOptions options;
   std::vector<std::string> clips;
@@ -24,7 +25,7 @@ struct SampleVerb {
   void run();
 };
 
-void SampleVerb::run() {
+void SampleCommand::run() {
   const auto rig = open_source(source);
   if (!rig->live())
     fail(Status::invalid_argument,
@@ -56,27 +57,27 @@ void SampleVerb::run() {
 }  // namespace
 
 void add_sample(CLI::App& tool) {
-  auto verb = std::make_shared<SampleVerb>();
+  auto command = std::make_shared<SampleCommand>();
   CLI::App* app = tool.add_subcommand("sample", "Ask a rig for training poses and write them as a dataset folder");
   app->add_option(
-         "SOURCE", verb->source,
+         "SOURCE", command->source,
          "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or \"sample\" for the built-in face")
       ->required();
-  app->add_option("--out", verb->out, "The dataset folder to write; one begun with the same options is continued")
+  app->add_option("--out", command->out, "The dataset folder to write; one begun with the same options is continued")
       ->type_name("DIR")
       ->required();
-  add_poses(*app, verb->options.poses, verb->options.rig_budget);
-  add_mix(*app, verb->options.mix);
-  app->add_option("--clip", verb->clips,
+  add_poses(*app, command->options.poses, command->options.rig_budget);
+  add_mix(*app, command->options.mix);
+  app->add_option("--clip", command->clips,
                   "A clip of your own to evaluate as well: controls in a NumPy file of frames x "
                   "controls (repeatable)")
       ->type_name("NAME=FILE.npy")
       ->allow_extra_args(false);
-  app->add_flag("--no-shots", verb->no_shots, "Leave the rig's own clips out");
-  add_seed(*app, verb->options.seed);
-  add_threads(*app, verb->parallel);
-  add_json_flag(*app, verb->json);
-  app->callback([verb] { verb->run(); });
+  app->add_flag("--no-shots", command->no_shots, "Leave the rig's own clips out");
+  add_seed(*app, command->options.seed);
+  add_threads(*app, command->parallel);
+  add_json_flag(*app, command->json);
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

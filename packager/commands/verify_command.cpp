@@ -9,15 +9,16 @@
 #include "commands/report_json.h"
 
 namespace fb {
+using namespace bake;
 namespace {
 
-struct VerifyVerb {
+struct VerifyCommand {
   std::string archive;
   bool json = false;
 
   void run() const {
     const auto bytes = read_file(archive);
-    const VerifyReport report = naming(archive, [&] { return verify_archive(bytes); });
+    const VerifyReport report = with_context(archive, [&] { return verify_archive(bytes); });
     if (json)
       std::fputs(verify_json(archive, report).c_str(), stdout);
     else if (report.poses == 0)
@@ -31,11 +32,11 @@ struct VerifyVerb {
 }  // namespace
 
 void add_verify(CLI::App& tool) {
-  auto verb = std::make_shared<VerifyVerb>();
+  auto command = std::make_shared<VerifyCommand>();
   CLI::App* app = tool.add_subcommand("verify", "Check that an archive is whole and still computes what was archived");
-  add_archive(*app, verb->archive);
-  add_json_flag(*app, verb->json);
-  app->callback([verb] { verb->run(); });
+  add_archive(*app, command->archive);
+  add_json_flag(*app, command->json);
+  app->callback([command] { command->run(); });
 }
 
 }  // namespace fb

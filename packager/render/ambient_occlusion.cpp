@@ -102,16 +102,16 @@ std::vector<float> vertex_exposure(std::span<const std::uint32_t> triangles, std
       if (facing > 0 && !map.hides(vector_at(points.data(), v) + normals[v] * lift)) light[index][v] = facing;
     }
   });
-  std::vector<float> exposure(vertices);
+  std::vector<float> ambient_occlusion(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     float reached = 0, whole = 0;
     for (int d = 0; d < directions; ++d) {
       reached += light[d][v];
       whole += std::max(0.0f, dot(normals[v], sky[d]));
     }
-    exposure[v] = whole > 0 ? reached / whole : 1.0f;
+    ambient_occlusion[v] = whole > 0 ? reached / whole : 1.0f;
   }
-  return exposure;
+  return ambient_occlusion;
 }
 
 }  // namespace fb

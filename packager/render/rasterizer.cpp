@@ -20,14 +20,14 @@ struct Prepared {
   const Scene& scene;
   std::vector<Projected> projected;
   std::vector<Vector3> eye_points, eye_normals;  // camera space
-  std::vector<float> exposure;
+  std::vector<float> ambient_occlusion;
 };
 
 Prepared prepare(const Scene& scene, const Camera& camera, int width, int height, const Parallel& parallel) {
   Prepared p{scene, {}, {}, {}, {}};
   const std::size_t vertices = scene.points.size() / 3;
   const auto normals = vertex_normals(scene.triangles, scene.points);
-  p.exposure = vertex_exposure(scene.triangles, scene.points, normals, parallel);
+  p.ambient_occlusion = vertex_exposure(scene.triangles, scene.points, normals, parallel);
   p.projected.resize(vertices);
   p.eye_points.resize(vertices);
   p.eye_normals.resize(vertices);
@@ -94,10 +94,10 @@ Vector3 shade(const Prepared& p, const Hit& hit) {
       cross(p.eye_points[corner[1]] - p.eye_points[corner[0]], p.eye_points[corner[2]] - p.eye_points[corner[0]]);
   const bool inside = dot(flat, to_eye) < 0;
   if (inside) normal = normal * -1.0f;
-  const float exposure = inside ? 0.1f : blend(p.exposure);
+  const float ambient_occlusion = inside ? 0.1f : blend(p.ambient_occlusion);
   if (!p.scene.scalars.empty())
-    return shade_map(normal, exposure, map_colour(blend(p.scene.scalars), p.scene.scalar_full));
-  return shade_clay(normal, to_eye, exposure, clay);
+    return shade_map(normal, ambient_occlusion, map_colour(blend(p.scene.scalars), p.scene.scalar_full));
+  return shade_clay(normal, to_eye, ambient_occlusion, clay);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ const Light lights[] = {
 
 }  // namespace
 
-Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float exposure, Vector3 colour) {
+Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float ambient_occlusion, Vector3 colour) {
   const float sky = 0.5f + 0.5f * normal.y;
   Vector3 diffuse = mix(Vector3{0.10f, 0.085f, 0.08f}, Vector3{0.19f, 0.21f, 0.24f}, sky);
   Vector3 gloss;
@@ -36,12 +36,12 @@ Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float exposure, Vector3 colou
     gloss = gloss + light.colour * (0.09f * h16 * h4 * facing);
   }
   // The lamps are large, so what sees little of the sky sees little of them too.
-  return (colour * diffuse + gloss) * (0.04f + 0.96f * exposure);
+  return (colour * diffuse + gloss) * (0.04f + 0.96f * ambient_occlusion);
 }
 
-Vector3 shade_map(Vector3 normal, float exposure, Vector3 colour) {
+Vector3 shade_map(Vector3 normal, float ambient_occlusion, Vector3 colour) {
   const float facing = std::max(0.0f, dot(normal, lights[0].direction));
-  return colour * (0.40f + 0.25f * exposure + 0.35f * facing);
+  return colour * (0.40f + 0.25f * ambient_occlusion + 0.35f * facing);
 }
 
 Vector3 backdrop(float t) {

@@ -7,10 +7,10 @@
 namespace fb {
 
 // Light that leaves a point towards the camera, linear. normal: unit, towards the camera; to_eye: unit;
-// exposure: of exposure.h; colour: the surface's own, linear.
-Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float exposure, Vector3 colour);
+// ambient_occlusion: of ambient_occlusion.h; colour: the surface's own, linear.
+Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float ambient_occlusion, Vector3 colour);
 // Flatter light that leaves the colour readable against a scale.
-Vector3 shade_map(Vector3 normal, float exposure, Vector3 colour);
+Vector3 shade_map(Vector3 normal, float ambient_occlusion, Vector3 colour);
 // The backdrop at height t, 0 at the top and 1 at the bottom of the picture.
 Vector3 backdrop(float t);
 

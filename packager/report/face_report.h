@@ -7,6 +7,7 @@
 #include "bake/pipeline/compare.h"
 
 namespace fb {
+using namespace bake;
 
 // Fails with io unless the folder is missing, empty or a report; then makes it one, so that whoever finds
 // it unfinished knows what it is.

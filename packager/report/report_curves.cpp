@@ -87,10 +87,10 @@ void add_controls(Html& page, const ReportView& view) {
   page.raw(draw_bars(names, colours, bars, names.size() > 1));
 }
 
-void add_training_curves(Html& page, const BakeDiary& diary) {
+void add_training_curves(Html& page, const BakeStats& stats) {
   Plot plot{"Squared coefficient error over squared coefficients", "epoch", "", {}};
-  for (std::size_t r = 0; r < diary.regions.size(); ++r) {
-    const RegionDiary& region = diary.regions[r];
+  for (std::size_t r = 0; r < stats.regions.size(); ++r) {
+    const RegionStats& region = stats.regions[r];
     const std::vector<double> epochs = numbers_to(region.epochs.size(), 1);
     Curve training{"", epochs, {}, static_cast<int>(r) + 1, true},
         validation{region.name, epochs, {}, static_cast<int>(r) + 1};
@@ -112,12 +112,12 @@ void add_training_curves(Html& page, const BakeDiary& diary) {
   page.raw(svg);
 }
 
-void add_region_table(Html& page, const BakeDiary& diary) {
-  if (diary.regions.empty()) return;
+void add_region_table(Html& page, const BakeStats& stats) {
+  if (stats.regions.empty()) return;
   page.subheading("Networks");
   std::vector<std::vector<std::string>> rows = {{"region", "vertices", "inputs", "coefficients", "numbers",
                                                  "share of the energy", "error held back", "restarts"}};
-  for (const RegionDiary& r : diary.regions)
+  for (const RegionStats& r : stats.regions)
     rows.push_back({r.name, std::to_string(r.vertices), std::to_string(r.inputs), std::to_string(r.coefficients),
                     std::to_string(r.parameters), format("%.1f %%", 100 * r.energy),
                     r.validation > 0 ? figure_text(r.validation) : "-", std::to_string(r.restarts)});
@@ -155,20 +155,20 @@ void add_parts(Html& page, const ReportView& view) {
 }
 
 void add_training(Html& page, const ReportView& view) {
-  const BakeDiary& diary = view.ours().diary;
+  const BakeStats& stats = view.ours().stats;
   const bool curves =
-      std::any_of(diary.regions.begin(), diary.regions.end(), [](const auto& r) { return !r.epochs.empty(); });
-  if (!curves && diary.regions.empty() && diary.learning.empty() && diary.coverage.empty() && diary.stages.empty())
+      std::any_of(stats.regions.begin(), stats.regions.end(), [](const auto& r) { return !r.epochs.empty(); });
+  if (!curves && stats.regions.empty() && stats.learning.empty() && stats.coverage.empty() && stats.stages.empty())
     return;
   page.heading("Training of " + view.label(view.ours()));
-  add_training_curves(page, diary);
-  add_region_table(page, diary);
-  if (!diary.learning.empty()) {
+  add_training_curves(page, stats);
+  add_region_table(page, stats);
+  if (!stats.learning.empty()) {
     page.subheading("Learning curve");
     page.paragraph("What more poses are worth: errors on poses held back.");
     Plot plot{"Error by the number of poses", "poses", "", {}, true, true};
     Curve mse{"mean squared error / D^2", {}, {}, 1}, max{"worst vertex / D", {}, {}, 2};
-    for (const LearningPoint& point : diary.learning) {
+    for (const LearningPoint& point : stats.learning) {
       mse.x.push_back(static_cast<double>(point.poses));
       max.x.push_back(static_cast<double>(point.poses));
       mse.y.push_back(point.mse);
@@ -177,14 +177,14 @@ void add_training(Html& page, const ReportView& view) {
     plot.curves = {mse, max};
     page.raw(draw_plot(plot));
   }
-  if (!diary.coverage.empty()) {
+  if (!stats.coverage.empty()) {
     page.subheading("Coverage");
-    page.preformatted(diary.coverage);
+    page.preformatted(stats.coverage);
   }
-  if (!diary.stages.empty()) {
+  if (!stats.stages.empty()) {
     page.subheading("Time");
     std::vector<std::vector<std::string>> rows = {{"stage", "seconds"}};
-    for (const StageTime& stage : diary.stages) rows.push_back({stage.name, format("%.1f", stage.seconds)});
+    for (const StageTime& stage : stats.stages) rows.push_back({stage.name, format("%.1f", stage.seconds)});
     page.table(rows);
   }
 }

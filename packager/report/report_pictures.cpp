@@ -14,6 +14,8 @@
 #include "runtime/evaluator.h"
 
 namespace fb {
+using namespace archive;
+using namespace runtime;
 namespace {
 
 constexpr Canvas canvas = {460, 575, 3};

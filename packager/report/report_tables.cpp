@@ -9,6 +9,7 @@
 #include "report/report_view.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -61,9 +62,9 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
   rows.push_back({"archive", bytes_text(static_cast<double>(ours.bytes))});
   if (ours.poses > 0) rows.push_back({"poses trained on", std::to_string(ours.poses)});
   if (ours.train_seconds > 0) rows.push_back({"training, seconds", format("%.1f", ours.train_seconds)});
-  if (ours.diary.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.diary.rig_calls)});
+  if (ours.stats.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.stats.rig_calls)});
   page.table(rows);
-  for (const std::string& note : ours.diary.notes) page.paragraph(note);
+  for (const std::string& note : ours.stats.notes) page.paragraph(note);
 }
 
 void add_table_1(Html& page, const ReportView& view) {

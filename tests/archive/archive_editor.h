@@ -11,6 +11,7 @@
 #include "base/hash.h"
 
 namespace fb {
+using namespace archive;
 
 using Bytes = std::vector<std::byte>;
 

@@ -11,6 +11,7 @@
 #include "base/file.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 // The model the example describes: one triangle, one control that moves its third corner up by 127 / 64.

@@ -12,6 +12,7 @@
 #include "test_models.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 struct Outcome {
@@ -288,7 +289,7 @@ TEST_CASE("contents that lie are refused by section") {
   lie("proof", 36, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
 }
 
-// A section of coded symbols whose one context gives this symbol for ever, with so many words of 0 in lane 0.
+// A section of coded symbols whose one context gives this symbol for ever, with so many words of 0 in stream 0.
 Bytes always(std::size_t contexts, std::size_t context, std::uint8_t symbol, std::uint32_t words = 0) {
   Bytes out;
   for (std::size_t c = 0; c < contexts; ++c) append(out, std::uint8_t(c == context));
@@ -297,8 +298,8 @@ Bytes always(std::size_t contexts, std::size_t context, std::uint8_t symbol, std
   append(out, symbol);
   append(out, std::uint8_t(0x80));
   append(out, std::uint8_t(8));
-  for (int lane = 0; lane < 4; ++lane) append(out, lane == 0 ? words : 0u);
-  for (int lane = 0; lane < 4; ++lane) append(out, std::uint32_t(65536));
+  for (int stream = 0; stream < 4; ++stream) append(out, stream == 0 ? words : 0u);
+  for (int stream = 0; stream < 4; ++stream) append(out, std::uint32_t(65536));
   for (std::uint32_t word = 0; word < words; ++word) append(out, std::uint16_t(0));
   return out;
 }
@@ -312,17 +313,17 @@ TEST_CASE("numbers beyond their range, or too few of them, are refused") {
   check_refused(values("basis-values", always(255, alone, 255)), Status::corrupt, "a value beyond its range");
   check_refused(values("basis-values", always(255, alone, 33)), Status::corrupt, "too few coded symbols");
   check_refused(values("basis-values", always(255, alone, 33, 9)), Status::corrupt, "a value beyond its range");
-  check_refused(values("basis-values", always(255, 0, 91)), Status::corrupt, "foretold from what is not there");
+  check_refused(values("basis-values", always(255, 0, 91)), Status::corrupt, "predicted from what is not there");
   check_refused(values("weights", always(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
   CHECK(outcome(values("weights", always(9, 0, 127))).status == Status::corrupt);
   const Bytes states = always(255, alone, 0);
-  for (const std::size_t lane : {0u, 3u}) {
+  for (const std::size_t stream : {0u, 3u}) {
     Bytes wrong = states;
-    patch(wrong, wrong.size() - 16 + 4 * lane, std::uint32_t(65535));
+    patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65535));
     check_refused(values("basis-values", wrong), Status::corrupt, "state is too small");
-    patch(wrong, wrong.size() - 16 + 4 * lane, std::uint32_t(65537));
+    patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65537));
     check_refused(values("basis-values", wrong), Status::corrupt, "do not end as they should");
-    patch(wrong = states, wrong.size() - 32 + 4 * lane, UINT32_MAX);
+    patch(wrong = states, wrong.size() - 32 + 4 * stream, UINT32_MAX);
     check_refused(values("basis-values", wrong), Status::corrupt, "do not fill the section");
   }
   check_refused(values("basis-values", always(255, alone, 0, 1)), Status::corrupt, "too many coded symbols");

@@ -10,6 +10,7 @@
 #include "test_models.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 void check_same(const PackedModel& a, const PackedModel& b) {
@@ -66,7 +67,7 @@ void check_same(const PackedModel& a, const PackedModel& b) {
   CHECK(a.order == b.order);
   REQUIRE(a.groups.size() == b.groups.size());
   for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    const PackedRowGroup &x = a.groups[g], &y = b.groups[g];
+    const PackedRowBlock &x = a.groups[g], &y = b.groups[g];
     CHECK(x.first_row == y.first_row);
     CHECK(x.row_count == y.row_count);
     CHECK(x.values == y.values);
@@ -159,7 +160,7 @@ TEST_CASE("layers are read alone") {
   CHECK(text.model.regions.empty());
 }
 
-// Numbers that neighbours foretell badly, rows cut within vertices, columns in a few groups only, no polygons at all.
+// Numbers that neighbours predict badly, rows cut within vertices, columns in a few groups only, no polygons at all.
 TEST_CASE("bases of every make come back") {
   for (const std::uint32_t rows_of_group : {1u, 2u, 5u, 64u, 100u, 270u})
     for (const bool polygons : {true, false})
@@ -172,7 +173,7 @@ TEST_CASE("bases of every make come back") {
         model.groups.clear();
         for (std::uint32_t v = 0; v < 90; ++v) model.order.push_back((v * 37 + 5) % 90);
         for (std::uint32_t row = 0; row < 270; row += rows_of_group) {
-          PackedRowGroup& group = model.groups.emplace_back();
+          PackedRowBlock& group = model.groups.emplace_back();
           group.first_row = row;
           group.row_count = std::min(rows_of_group, 270 - row);
           for (std::uint32_t c = 0; c < 5; ++c) {
@@ -193,7 +194,7 @@ TEST_CASE("a smooth shape takes a part of what noise takes") {
     model.rest = grid_mesh(40, 40);
     model.order.clear();
     Random random(1);
-    PackedRowGroup group{0, 4800, {}, {}};
+    PackedRowBlock group{0, 4800, {}, {}};
     for (std::uint32_t c = 0; c < 5; ++c) {
       group.columns.push_back({c, false, 1});
       for (std::uint32_t v = 0; v < 1600; ++v)

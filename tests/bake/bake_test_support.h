@@ -14,14 +14,14 @@
 
 namespace fb::test {
 
-inline std::unique_ptr<Source> open_toy() {
-  return open_source(FB_TOY_RIG);
+inline std::unique_ptr<bake::Source> open_toy() {
+  return bake::open_source(FB_TOY_RIG);
 }
 
 // The toy rig with one lie (lying_rig.c lists them).
-inline std::unique_ptr<Source> open_liar(const char* lie) {
+inline std::unique_ptr<bake::Source> open_liar(const char* lie) {
   setenv("FB_LIE", lie, 1);
-  return open_source(FB_LYING_RIG);
+  return bake::open_source(FB_LYING_RIG);
 }
 
 // The message `work` fails with; fails the test if it does not fail with this status.

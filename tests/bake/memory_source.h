@@ -12,7 +12,7 @@
 #include "base/random.h"
 
 // A grid of quads; `formula` adds its displacements for a pose to the points.
-class MemorySource : public fb::Source {
+class MemorySource : public fb::bake::Source {
  public:
   using Formula = std::function<void(const float* controls, std::span<float> points)>;
 
@@ -35,12 +35,12 @@ class MemorySource : public fb::Source {
   // For tests that need other ranges, groups, poses or vertices.
   fb::RigSchema& edit_schema() { return schema_; }
   fb::Mesh& edit_rest() { return rest_; }
-  fb::Clip& edit_clip(std::size_t clip) { return clips_.at(clip); }
+  fb::bake::Clip& edit_clip(std::size_t clip) { return clips_.at(clip); }
 
   // Random poses, controls in their range, each active with this probability.
-  void add_clip(const std::string& name, fb::ClipKind kind, fb::Split split, std::size_t frames, float active,
-                std::uint64_t seed) {
-    fb::Clip clip{name, kind, split, 30, frames, {}};
+  void add_clip(const std::string& name, fb::bake::ClipKind kind, fb::bake::Split split, std::size_t frames,
+                float active, std::uint64_t seed) {
+    fb::bake::Clip clip{name, kind, split, 30, frames, {}};
     fb::Random random(seed);
     for (std::size_t i = 0; i < frames * schema_.controls.size(); ++i) {
       const fb::Control& control = schema_.controls[i % schema_.controls.size()];
@@ -53,7 +53,7 @@ class MemorySource : public fb::Source {
 
   const fb::RigSchema& schema() const override { return schema_; }
   const fb::Mesh& rest() const override { return rest_; }
-  const std::vector<fb::Clip>& clips() const override { return clips_; }
+  const std::vector<fb::bake::Clip>& clips() const override { return clips_; }
   bool live() const override { return live_; }
   bool thread_safe() const override { return true; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override {
@@ -75,7 +75,7 @@ class MemorySource : public fb::Source {
 
   fb::RigSchema schema_;
   fb::Mesh rest_;
-  std::vector<fb::Clip> clips_;
+  std::vector<fb::bake::Clip> clips_;
   Formula formula_;
   bool live_;
 };

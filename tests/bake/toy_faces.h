@@ -54,21 +54,21 @@ inline void curved_formula(const float* controls, std::span<float> points) {
 // Excitations, dense poses, a training shot and a test shot of a face with a product corrective.
 inline MemorySource curved_face() {
   MemorySource source = face_of(curved_formula);
-  source.add_clip("dense", fb::ClipKind::dense, fb::Split::train, 200, 0.6f, 1);
-  source.add_clip("shot", fb::ClipKind::shot, fb::Split::train, 56, 0.5f, 2);
-  source.add_clip("validation", fb::ClipKind::shot, fb::Split::validation, 50, 0.5f, 3);
-  source.add_clip("unseen", fb::ClipKind::shot, fb::Split::test, 200, 0.5f, 4);
+  source.add_clip("dense", fb::bake::ClipKind::dense, fb::bake::Split::train, 200, 0.6f, 1);
+  source.add_clip("shot", fb::bake::ClipKind::shot, fb::bake::Split::train, 56, 0.5f, 2);
+  source.add_clip("validation", fb::bake::ClipKind::shot, fb::bake::Split::validation, 50, 0.5f, 3);
+  source.add_clip("unseen", fb::bake::ClipKind::shot, fb::bake::Split::test, 200, 0.5f, 4);
   return source;
 }
 
-inline fb::BakeOptions options_in(const WorkFolder& folder, const std::string& recipe = "paper") {
-  fb::BakeOptions options;
+inline fb::bake::BakeOptions options_in(const WorkFolder& folder, const std::string& recipe = "paper") {
+  fb::bake::BakeOptions options;
   options.recipe = recipe;
   options.epochs = 14;
   options.work = folder.path;
   return options;
 }
 
-inline double unseen_mse(const std::vector<std::byte>& archive, fb::Source& source) {
-  return fb::evaluate_archive(archive, source, fb::Split::test, {}, fb::silent_progress()).total.mse;
+inline double unseen_mse(const std::vector<std::byte>& archive, fb::bake::Source& source) {
+  return fb::bake::evaluate_archive(archive, source, fb::bake::Split::test, {}, fb::silent_progress()).total.mse;
 }

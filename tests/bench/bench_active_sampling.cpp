@@ -1,4 +1,4 @@
-// What choosing poses by disagreement saves, by a quick method: bench_active_sampling RIG [POSES]
+// What choosing poses by variance saves, by a quick method: bench_active_sampling RIG [POSES]
 // Trains on POSES poses of the dense mix, on two and four times as many, and on POSES of which three quarters were
 // chosen in rounds; all networks take the same number of steps. Errors are on poses of the same mix, the rig's own
 // shots of the split train (trained on by none) and held-out poses of another seed. Test clips are not looked at.
@@ -12,6 +12,7 @@
 #include "quick_method.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -20,14 +21,14 @@ const Parallel parallel{1};
 
 struct Bench {
   explicit Bench(Source& rig)
-      : method(rig, 200, parallel), probe(rig, parallel, silent_progress()), schema(rig.schema()) {
-    add("poses of the mix", draw_candidates(schema, probe, "dense", 999, unseen));
+      : method(rig, 200, parallel), responses(rig, parallel, silent_progress()), schema(rig.schema()) {
+    add("poses of the mix", draw_candidates(schema, responses, "dense", 999, unseen));
     std::vector<float> shots;
     for (const Clip& clip : rig.clips())
       if (clip.split == Split::train && clip.kind == ClipKind::shot)
         shots.insert(shots.end(), clip.controls.begin(), clip.controls.end());
     if (!shots.empty()) add("shots", std::move(shots));
-    for (const Clip& clip : make_held_out(schema, 4711)) add(clip.name, clip.controls);
+    for (const Clip& clip : make_test_poses(schema, 4711)) add(clip.name, clip.controls);
   }
 
   void add(const std::string& name, std::vector<float> controls) {
@@ -68,7 +69,7 @@ struct Bench {
     std::vector<float> controls, truth;
   };
   bench::QuickMethod method;
-  RigProbe probe;
+  ControlResponses responses;
   const RigSchema& schema;
   std::vector<Set> sets;
 };
@@ -91,7 +92,7 @@ int main(int argc, char** argv) try {
   const std::size_t poses = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 4000;
   const Bench bench(*rig);
   const std::size_t width = bench.method.width();
-  const std::vector<float> drawn = draw_candidates(bench.schema, bench.probe, "dense", 1, 4 * poses);
+  const std::vector<float> drawn = draw_candidates(bench.schema, bench.responses, "dense", 1, 4 * poses);
   const std::vector<float> answers = bench.method.ask(drawn);
   // The parts of a drawn set lie one after the other: take evenly.
   const auto evenly = [&](std::size_t count, const std::vector<float>& values) {
@@ -110,18 +111,18 @@ int main(int argc, char** argv) try {
   std::vector<float> controls = evenly(first, drawn), residuals = evenly(first, answers);
   for (std::uint64_t round = 0; round < 3; ++round) {
     const auto one = bench.train(controls, residuals, 11), other = bench.train(controls, residuals, 12);
-    const auto disagreement = [&](std::span<const float> some, std::size_t) {
+    const auto variance = [&](std::span<const float> some, std::size_t) {
       return bench.squared_difference(bench.method.predict(one, some), bench.method.predict(other, some));
     };
     const Bench::Set& mix = bench.sets[0];
-    std::printf("round %llu: correlation of log disagreement with log squared error %.3f\n",
+    std::printf("round %llu: correlation of log variance with log squared error %.3f\n",
                 static_cast<unsigned long long>(round),
-                correlation_of_logs(disagreement(mix.controls, 0),
+                correlation_of_logs(variance(mix.controls, 0),
                                     bench.squared_difference(bench.method.predict(one, mix.controls), mix.truth)));
     std::fflush(stdout);
-    const std::vector<float> pool = draw_candidates(bench.schema, bench.probe, "dense", 100 + round, 6 * first);
+    const std::vector<float> pool = draw_candidates(bench.schema, bench.responses, "dense", 100 + round, 6 * first);
     for (const std::uint32_t pose :
-         choose_poses(bench.schema, pool, first, ChoiceOptions().random_share, disagreement, round)) {
+         select_poses(bench.schema, pool, first, ActiveSamplingOptions().random_share, variance, round)) {
       const auto at = pool.begin() + static_cast<std::ptrdiff_t>(pose * width);
       controls.insert(controls.end(), at, at + static_cast<std::ptrdiff_t>(width));
     }

@@ -42,21 +42,22 @@ void controls_of(const std::vector<fb::Feature>& features, std::uint32_t f, std:
   }
 }
 
-void measure(fb::Source& source, const std::vector<fb::Clip>& clips, const fb::CurveBase& base, const char* name) {
+void measure(fb::bake::Source& source, const std::vector<fb::bake::Clip>& clips,
+             const fb::bake::SparseBlendshapes& base, const char* name) {
   const std::vector<float> rest = source.schema().rest_pose();
   const std::size_t width = rest.size(), size = source.rest().points.size(), block = 32;
   const double diagonal = source.rest().diagonal();
   double squares = 0, worst = 0, frames = 0;
   std::vector<float> points;
-  for (const fb::Clip& clip : clips)
+  for (const fb::bake::Clip& clip : clips)
     for (std::size_t first = 0; first < clip.frames; first += block) {
       const std::size_t count = std::min(block, clip.frames - first);
       const std::span<const float> controls = std::span(clip.controls).subspan(first * width, count * width);
       points.resize(count * size);
       if (source.live()) {
-        fb::evaluate_parallel(source, controls, count, points, {});
+        fb::bake::evaluate_parallel(source, controls, count, points, {});
       } else {
-        const auto same = [&](const fb::Clip& other) { return other.name == clip.name; };
+        const auto same = [&](const fb::bake::Clip& other) { return other.name == clip.name; };
         const auto found = std::find_if(source.clips().begin(), source.clips().end(), same);
         source.read(static_cast<std::size_t>(found - source.clips().begin()), first, count, points);
       }
@@ -83,8 +84,8 @@ void measure(fb::Source& source, const std::vector<fb::Clip>& clips, const fb::C
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (argc < 2) return std::fprintf(stderr, "bench_analysis SOURCE [PAIRS TRIPLES [BUDGET]]\n"), 2;
-  const auto source = fb::open_source(argv[1]);
-  fb::ProbeOptions options;
+  const auto source = fb::bake::open_source(argv[1]);
+  fb::bake::AnalysisOptions options;
   if (argc > 3) {
     options.max_pairs = static_cast<std::uint32_t>(std::atoi(argv[2]));
     options.max_triples = static_cast<std::uint32_t>(std::atoi(argv[3]));
@@ -92,23 +93,24 @@ int main(int argc, char** argv) {
   if (argc > 4) options.rig_budget = static_cast<std::uint64_t>(std::atoll(argv[4]));
   Notes notes;
   const auto start = std::chrono::steady_clock::now();
-  const auto train = [](const fb::Clip& clip) { return clip.split == fb::Split::train; };
-  const fb::Probe probe = source->live() ? fb::probe_rig(*source, options, {}, notes)
-                                         : fb::probe_poses(fb::PoseSet(*source, train), options, {}, notes);
+  const auto train = [](const fb::bake::Clip& clip) { return clip.split == fb::bake::Split::train; };
+  const fb::bake::RigAnalysis analysis =
+      source->live() ? fb::bake::analyse_rig(*source, options, {}, notes)
+                     : fb::bake::analyse_poses(fb::bake::PoseSet(*source, train), options, {}, notes);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("%zu controls (%u linear), %llu rig calls, %.1f s, curve error %.2e of D\n",
-              source->schema().control_count(), probe.linear_controls, static_cast<unsigned long long>(probe.rig_calls),
-              seconds, probe.curve_error);
-  std::vector<fb::Clip> clips;
-  for (const fb::Clip& clip : source->clips())
-    if (clip.split == fb::Split::test) clips.push_back(clip);
-  if (clips.empty()) clips = fb::make_held_out(source->schema(), 1);
+              source->schema().control_count(), analysis.linear_controls,
+              static_cast<unsigned long long>(analysis.rig_calls), seconds, analysis.curve_error);
+  std::vector<fb::bake::Clip> clips;
+  for (const fb::bake::Clip& clip : source->clips())
+    if (clip.split == fb::bake::Split::test) clips.push_back(clip);
+  if (clips.empty()) clips = fb::bake::make_test_poses(source->schema(), 1);
   measure(*source, clips, {}, "rest pose");
-  fb::CurveBase base;
-  base.features = probe.base.features;
+  fb::bake::SparseBlendshapes base;
+  base.features = analysis.base.features;
   for (std::size_t order = 1; order <= 4; ++order) {
     std::size_t shapes = 0, numbers = 0;
-    for (const fb::SparseShape& shape : probe.base.shapes) {
+    for (const fb::bake::SparseShape& shape : analysis.base.shapes) {
       std::set<std::uint32_t> controls;
       controls_of(base.features, shape.feature, controls);
       if (controls.size() != order) continue;
@@ -120,10 +122,10 @@ int main(int argc, char** argv) {
     std::printf("order %zu: %zu shapes, %zu numbers\n", order, shapes, numbers);
     measure(*source, clips, base, fb::format("up to order %zu", order).c_str());
   }
-  std::map<std::size_t, std::size_t> interactions;
-  for (const fb::Interaction& interaction : probe.interactions) ++interactions[interaction.controls.size()];
+  std::map<std::size_t, std::size_t> correctives;
+  for (const fb::bake::Corrective& corrective : analysis.correctives) ++correctives[corrective.controls.size()];
   std::printf("%zu features", base.features.size());
-  for (const auto& [order, count] : interactions) std::printf(", %zu times %zu controls together", count, order);
+  for (const auto& [order, count] : correctives) std::printf(", %zu times %zu controls together", count, order);
   std::printf("\n");
   return 0;
 }

@@ -17,8 +17,9 @@
 namespace {
 
 using namespace fb;
+using namespace fb::runtime;
 
-constexpr std::uint32_t regions = 8, hidden = 112, outputs = 100, chunk_vertices = 64;
+constexpr std::uint32_t regions = 8, hidden = 112, outputs = 100, block_vertices = 64;
 constexpr std::size_t frames = 48, rounds = 7;
 
 struct Size {
@@ -38,7 +39,7 @@ PackedModel made_up_face(const Size& size) {
   const std::uint32_t across = static_cast<std::uint32_t>(std::sqrt(double(size.vertices)));
   model.rest = grid_mesh(across, size.vertices / across);
   const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
-  const std::uint32_t chunks = (vertices + chunk_vertices - 1) / chunk_vertices;
+  const std::uint32_t chunks = (vertices + block_vertices - 1) / block_vertices;
   std::vector<std::vector<std::uint32_t>> columns(chunks);
   for (std::uint32_t r = 0; r < regions; ++r) {
     const auto layer = [&](std::size_t inputs, std::uint32_t count, Activation activation, bool skip) {
@@ -73,8 +74,8 @@ PackedModel made_up_face(const Size& size) {
     const std::uint32_t region = chunk * regions / chunks;
     for (std::uint32_t o = 0; o < outputs; ++o)
       if (random.uniform() < 0.25f) used.push_back(direct + region * outputs + o);
-    const std::uint32_t first = 3 * chunk_vertices * chunk, rows = std::min(3 * chunk_vertices, 3 * vertices - first);
-    PackedRowGroup group{first, rows, {}, random_numbers(random, std::size_t(rows) * used.size(), false)};
+    const std::uint32_t first = 3 * block_vertices * chunk, rows = std::min(3 * block_vertices, 3 * vertices - first);
+    PackedRowBlock group{first, rows, {}, random_numbers(random, std::size_t(rows) * used.size(), false)};
     for (const std::uint32_t column : used) group.columns.push_back({column, false, 0.01f / largest_narrow});
     model.groups.push_back(std::move(group));
   }

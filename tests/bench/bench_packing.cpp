@@ -23,6 +23,8 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 
@@ -62,14 +64,14 @@ struct Settings {
         {"parameters", [&] { recipe.parameters = static_cast<std::size_t>(value); }},
         {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
         {"operations", [&] { recipe.operations = value; }},
-        {"term_bytes", [&] { recipe.term_bytes = value; }},
+        {"corrective_bytes", [&] { recipe.corrective_bytes = value; }},
         {"regions", [&] { recipe.regions.regions = static_cast<std::uint32_t>(value); }},
         {"overlap", [&] { recipe.regions.overlap = value; }},
         {"basis", [&] { recipe.basis.max_error = value; }},
         {"components", [&] { recipe.basis.max_components = static_cast<std::size_t>(value); }},
-        {"curves", [&] { recipe.probe.curve_tolerance = value; }},
-        {"pairs", [&] { recipe.probe.max_pairs = static_cast<std::uint32_t>(value); }},
-        {"triples", [&] { recipe.probe.max_triples = static_cast<std::uint32_t>(value); }},
+        {"curves", [&] { recipe.analysis.curve_tolerance = value; }},
+        {"pairs", [&] { recipe.analysis.max_pairs = static_cast<std::uint32_t>(value); }},
+        {"triples", [&] { recipe.analysis.max_triples = static_cast<std::uint32_t>(value); }},
         {"epochs", [&] { options.epochs = static_cast<std::uint32_t>(value); }},
         {"seed", [&] { options.seed = static_cast<std::uint64_t>(value); }},
         {"measured", [&] { measured = static_cast<std::size_t>(value); }},
@@ -109,9 +111,9 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   const PoseSet poses = training_poses(*source, Use::variant);
   PrintedStages progress;
   const double start = seconds();
-  const LearntFace face = learn_face(settings.recipe, poses, rig, settings.options, progress);
+  const TrainedFace face = train_face(settings.recipe, poses, rig, settings.options, progress);
   std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms);
-  for (const RegionDiary& region : face.diary.regions)
+  for (const RegionStats& region : face.stats.regions)
     std::printf(
         "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained "
         "%.2e)\n",
@@ -119,7 +121,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
         100 * region.energy, region.validation, region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
   const PoseSet kept =
-      poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).thinned(settings.measured);
+      poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).subsampled(settings.measured);
   FaceModel base = face.model;
   print_floats("floats", face.model, kept);
   for (Region& region : base.network.regions) {
@@ -128,11 +130,11 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   }
   print_floats("floats, base alone", base, kept);
 
-  const Localizer localizer(face.model, face.moments, face.model.network.regions.empty() ? 21 : 64, {});
+  const BlockwisePca pca(face.model, face.moments, face.model.network.regions.empty() ? 21 : 64, {});
   double threshold, tolerance, drop;
   int bits;
   while (std::cin >> threshold >> tolerance >> drop >> bits) {
-    LocalizedModel local = localizer.localized(threshold);
+    BlockwiseModel local = pca.truncated(threshold);
     PackOptions packing;
     packing.first_bits = packing.hidden_bits = packing.output_bits = bits;
     packing.basis_tolerance = tolerance;

@@ -11,6 +11,7 @@
 #include "quick_method.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 int main(int argc, char** argv) try {
   if (argc < 3) fail(Status::invalid_argument, "give RIG POSES [MIX...]");
@@ -21,7 +22,7 @@ int main(int argc, char** argv) try {
   std::vector<Clip> yardsticks;
   for (const Clip& clip : rig->clips())
     if (clip.split == Split::train && clip.kind == ClipKind::shot) yardsticks.push_back(clip);
-  if (yardsticks.empty()) yardsticks = make_held_out(schema, 4711);
+  if (yardsticks.empty()) yardsticks = make_test_poses(schema, 4711);
   std::vector<std::vector<float>> truths;
   std::vector<float> asked;
   for (const Clip& clip : yardsticks) {

@@ -15,6 +15,7 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -27,12 +28,12 @@ int measure(const RegionOptions& region_options, std::size_t components, const s
   const PoseSet poses(*source, [](const Clip& clip) { return clip.split == Split::train; });
   const double start = seconds();
   if (!source->live()) fail(Status::invalid_argument, "none of the sources is a live rig that can be probed");
-  const Probe probe = probe_rig(*source, {}, {}, silent_progress());
+  const RigAnalysis responses = analyse_rig(*source, {}, {}, silent_progress());
   const double probed = seconds();
   const std::vector<FaceRegion> regions =
-      find_regions(source->rest(), source->schema(), probe.residual_motion, region_options);
+      find_regions(source->rest(), source->schema(), responses.residual_motion, region_options);
   const double found = seconds();
-  const Residual residual(poses, probe.base);
+  const Residual residual(poses, responses.base);
   const std::vector<LocalBasis> bases =
       local_bases(residual, regions, {.max_components = components}, {}, silent_progress());
   const double done = seconds();

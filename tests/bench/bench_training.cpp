@@ -11,6 +11,7 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 

@@ -6,6 +6,7 @@
 #include "bake/rig/evaluate_parallel.h"
 
 namespace fb::bench {
+using namespace fb::bake;
 namespace {
 
 constexpr std::size_t values = 5, block = 256;

@@ -10,6 +10,7 @@
 #include "bake/train/trainer.h"
 
 namespace fb::bench {
+using namespace fb::bake;
 
 struct QuickErrors {
   double mse = 0, max = 0, mfm = 0;  // as core/bake/measure defines them, at the vertices looked at

@@ -32,11 +32,11 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_control, rest, 32);
   assert_at(fb_control, reserved_float, 36);
 
-  assert_int_equal(sizeof(fb_basis_group), 16);
-  assert_at(fb_basis_group, struct_size, 0);
-  assert_at(fb_basis_group, first_row, 4);
-  assert_at(fb_basis_group, row_count, 8);
-  assert_at(fb_basis_group, column_count, 12);
+  assert_int_equal(sizeof(fb_row_block), 16);
+  assert_at(fb_row_block, struct_size, 0);
+  assert_at(fb_row_block, first_row, 4);
+  assert_at(fb_row_block, row_count, 8);
+  assert_at(fb_row_block, column_count, 12);
 
   assert_int_equal(sizeof(fb_batch_desc), 176);
   assert_at(fb_batch_desc, struct_size, 0);
@@ -139,11 +139,11 @@ static void init_functions_set_sizes_and_defaults(void** state) {
   fb_batch_desc_init(&batch);
   assert_int_equal(batch.struct_size, sizeof batch);
   assert_true(batch.poses == 0 && batch.controls == NULL);
-  fb_basis_group group;
-  fb_basis_group_init(&group);
+  fb_row_block group;
+  fb_row_block_init(&group);
   assert_int_equal(group.struct_size, sizeof group);
   assert_true(group.first_row == 0 && group.row_count == 0 && group.column_count == 0);
-  fb_basis_group_init(NULL);
+  fb_row_block_init(NULL);
   fb_load_desc_init(NULL);
   fb_control_init(NULL);
   fb_batch_desc_init(NULL);

@@ -151,15 +151,15 @@ static void coefficients_times_basis_are_the_displacements(void** state) {
     double moved[FLOATS];
     for (int i = 0; i < FLOATS; ++i) moved[i] = fb_rest_positions(model)[i];
     uint32_t rows = 0;
-    for (uint32_t g = 0; g < fb_basis_group_count(model); ++g) {
-      fb_basis_group group;
-      fb_basis_group_init(&group);
-      assert_ok(fb_basis_group_at(model, g, &group));
+    for (uint32_t g = 0; g < fb_row_block_count(model); ++g) {
+      fb_row_block group;
+      fb_row_block_init(&group);
+      assert_ok(fb_row_block_at(model, g, &group));
       assert_int_equal(group.first_row, rows);
       rows += group.row_count;
       uint32_t* columns = malloc(group.column_count * sizeof(uint32_t));
       float* values = malloc(group.column_count * group.row_count * sizeof(float));
-      assert_ok(fb_basis_group_values(model, g, columns, values));
+      assert_ok(fb_row_block_values(model, g, columns, values));
       for (uint32_t c = 0; c < group.column_count; ++c)
         for (uint32_t r = 0; r < group.row_count; ++r) {
           const uint32_t row = group.first_row + r;
@@ -173,9 +173,9 @@ static void coefficients_times_basis_are_the_displacements(void** state) {
   }
   assert_ok(fb_evaluate_coefficients(model, scratch, fb_rest_controls(model), coefficients));
   for (uint32_t i = 0; i < count; ++i) assert_true(coefficients[i] == 0);
-  fb_basis_group group;
-  fb_basis_group_init(&group);
-  assert_int_equal(fb_basis_group_at(model, fb_basis_group_count(model), &group), FB_ERROR_INVALID_ARGUMENT);
+  fb_row_block group;
+  fb_row_block_init(&group);
+  assert_int_equal(fb_row_block_at(model, fb_row_block_count(model), &group), FB_ERROR_INVALID_ARGUMENT);
   free(coefficients);
 }
 

@@ -121,23 +121,23 @@ class Symbols:
         low = self.contents.number("B")
         return low if low < 128 else low - 128 + 128 * self.contents.number("B")
 
-    def refill(self, lane, x):
+    def refill(self, stream, x):
         if x < 65536:
-            word = next(self.words[lane], None)
+            word = next(self.words[stream], None)
             require(word is not None, f"{self.contents.name}: too few words")
             x = 65536 * x + word
-        self.states[lane] = x
+        self.states[stream] = x
 
-    def symbol(self, context, lane):
-        x = self.states[lane]
+    def symbol(self, context, stream):
+        x = self.states[stream]
         r = x & 1023
         symbol, frequency, start = self.tables[context][r]
-        self.refill(lane, frequency * (x >> 10) + r - start)
+        self.refill(stream, frequency * (x >> 10) + r - start)
         return symbol
 
-    def bits(self, count, lane):
-        x = self.states[lane]
-        self.refill(lane, x >> count)
+    def bits(self, count, stream):
+        x = self.states[stream]
+        self.refill(stream, x >> count)
         return x & (1 << count) - 1
 
     def end(self):

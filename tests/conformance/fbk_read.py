@@ -130,13 +130,13 @@ def read_turns(c, face, sizes, firsts, turns):
     before = None
     for size, v, turn in zip(sizes, firsts, turns):
         require(v < face.vertices, "polygons: no such vertex")
-        guess = v + before[1] - before[0] if before else v
+        prediction = v + before[1] - before[0] if before else v
         mine = edges.get(v, [])
         beyond = dict(mine)
         require(len(mine) <= 64 and len(beyond) == len(mine), "polygons: triangles that do not tell")
 
         def step(w):
-            d = (w - guess) % 2**32
+            d = (w - prediction) % 2**32
             return 2 * d if d < 2**31 else 2 * (2**32 - d) - 1
 
         require(turn < len(mine), "polygons: no such turn")
@@ -327,29 +327,29 @@ def find_neighbours(face):
     return near
 
 
-def guess_from(v, known, near, coded):
-    """The guesses of a vertex as triples (left, right, across), None for nobody; and its surroundings."""
+def predictors_of(v, known, near, coded):
+    """The predictors of a vertex as triples (left, right, across), None for nobody; and its surroundings."""
     def last(vertices):
         return max(vertices, key=lambda w: coded[w], default=None)
 
-    guesses = []
+    predictors = []
     for i, j in ((i, j) for i in range(len(known[:4])) for j in range(i + 1, len(known[:4]))):
         across = last(w for w in near[known[i]]
                       if coded[w] and w != v and w in near[known[j]] and w not in near[v])
         if across is not None:
-            guesses.append((known[i], known[j], across))
-    surroundings = 0 if guesses else 1 if known else 2
-    guesses += [(k, None, None) for k in known[:2]]
+            predictors.append((known[i], known[j], across))
+    surroundings = 0 if predictors else 1 if known else 2
+    predictors += [(k, None, None) for k in known[:2]]
     for k in known[:4]:
         beyond = last(w for w in near[k] if coded[w] and w != v and w not in near[v]
                       and not any(w in near[u] for u in near[v] if u != k))
         if beyond is not None:
-            guesses.append((k, k, beyond))
-    return guesses or [(None, None, None)], surroundings
+            predictors.append((k, k, beyond))
+    return predictors or [(None, None, None)], surroundings
 
 
 def find_pieces(face, near, symbols):
-    """For every group its pieces in coding order: vertex, first row in the group, axes, guesses, surroundings, k1, k2."""
+    """For every group its pieces in coding order: vertex, first row in the group, axes, predictors, surroundings, k1, k2."""
     coded = [0] * face.vertices  # the turn of a vertex's last piece
     turn = 0
     for group in face.groups:
@@ -368,13 +368,13 @@ def find_pieces(face, near, symbols):
                 continue
             axes = waiting.pop(v)[1]
             known = sorted((w for w in near[v] if coded[w]), key=lambda w: -coded[w])
-            guesses, surroundings = guess_from(v, known, near, coded)
-            choice = symbols.symbol(0 if surroundings == 0 else 1, 0) if len(guesses) > 1 else 0
+            predictors, surroundings = predictors_of(v, known, near, coded)
+            choice = symbols.symbol(0 if surroundings == 0 else 1, 0) if len(predictors) > 1 else 0
             j = 0
             while (j + 1) * (j + 2) // 2 <= choice:
                 j += 1
-            require(j < len(guesses), "basis-values: a guess that there is not")
-            chosen = (guesses[choice - j * (j + 1) // 2], guesses[j])
+            require(j < len(predictors), "basis-values: a prediction that there is not")
+            chosen = (predictors[choice - j * (j + 1) // 2], predictors[j])
             k1, k2 = (known + known)[:2] if known else (None, None)
             group["pieces"].append((v, row, axes, chosen, surroundings, k1, k2))
             new = coded[v] == 0
@@ -398,13 +398,13 @@ def read_basis_values(c, face):
     for place in face.places:
         if place["column"] != column:
             column, numbers, residuals, classes, magnitudes = place["column"], {}, {}, {}, {}
-            lane = 4 * columns[column] // before
-        place["values"] = np.array(read_place(symbols, lane, face.groups[place["group"]], 32512 if place["wide"] else 127,
+            stream = 4 * columns[column] // before
+        place["values"] = np.array(read_place(symbols, stream, face.groups[place["group"]], 32512 if place["wide"] else 127,
                                               numbers, residuals, classes, magnitudes), np.int64)
     symbols.end()
 
 
-def read_place(symbols, lane, group, m, numbers, residuals, classes, magnitudes):
+def read_place(symbols, stream, group, m, numbers, residuals, classes, magnitudes):
     values, nothing = [0] * group["rows"], [0, 0, 0]
     for v, row, axes, (one, other), surroundings, k1, k2 in group["pieces"]:
         t = 0
@@ -415,7 +415,7 @@ def read_place(symbols, lane, group, m, numbers, residuals, classes, magnitudes)
                 t = 0 if g == 0 else 1
             else:
                 t = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
-        first = symbols.symbol(2 + 42 * surroundings + t, lane)
+        first = symbols.symbol(2 + 42 * surroundings + t, stream)
         left_over = [0, 0, 0]
         if first < 27:
             b = 1 if first > 0 else 0
@@ -430,23 +430,23 @@ def read_place(symbols, lane, group, m, numbers, residuals, classes, magnitudes)
                 n = abs(r1[axis]) + abs(r2[axis])
                 e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
                 context = 87 + 3 * (7 * (min(b, 9) - 2) + e) + (1 if reached else 2 if last else 0)
-                code = symbols.symbol(context, lane) << f
+                code = symbols.symbol(context, stream) << f
                 if f > 0:
-                    code += symbols.bits(f, lane)
+                    code += symbols.bits(f, stream)
                 left_over[axis] = code - ((1 << b) - 1)
                 reached = reached or abs(left_over[axis]) >= 1 << b - 1
         mine = numbers.setdefault(v, [0, 0, 0])
-        foretold = [(guessed(one, numbers, axis) + guessed(other, numbers, axis) + 1) >> 1 for axis in range(3)]
+        predicted = [(parallelogram(one, numbers, axis) + parallelogram(other, numbers, axis) + 1) >> 1 for axis in range(3)]
         for i, axis in enumerate(axes):
-            number = foretold[axis] + left_over[axis]
+            number = predicted[axis] + left_over[axis]
             require(-m <= number <= m, "basis-values: beyond their range")
             mine[axis] = values[row + i] = number
         residuals[v], classes[v], magnitudes[v] = left_over, b, max(map(abs, mine)).bit_length()
     return values
 
 
-def guessed(guess, numbers, axis):
-    left, right, across = (numbers[v][axis] if v in numbers else 0 for v in guess)
+def parallelogram(predictor, numbers, axis):
+    left, right, across = (numbers[v][axis] if v in numbers else 0 for v in predictor)
     return left + right - across
 
 

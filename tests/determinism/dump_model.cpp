@@ -9,6 +9,7 @@
 
 int main(int argc, char** argv) {
   using namespace fb;
+  using namespace fb::archive;
   if (argc != 4) {
     std::fprintf(stderr, "usage: dump_model ARCHIVE POSES DUMP\n");
     return 2;

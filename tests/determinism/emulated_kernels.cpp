@@ -10,6 +10,7 @@
 namespace {
 
 using namespace fb;
+using namespace fb::runtime;
 
 bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t poses, std::size_t rows,
            std::size_t columns, std::size_t count, bool extreme) {

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace fb;
+using namespace fb::runtime;
 
 struct Hash {  // FNV-1a
   std::uint64_t value = 0xcbf29ce484222325;

@@ -30,6 +30,8 @@ void store(Bytes& bytes, std::size_t at, T value) {
 // Rows follow each other from their stored sizes; the last takes what is left.
 Bytes sealed(Bytes bytes) {
   using namespace fb;
+  using namespace fb::archive;
+  using namespace fb::runtime;
   if (bytes.size() < header_bytes) return bytes;
   std::memcpy(bytes.data(), archive_magic, sizeof archive_magic);
   const auto count = load<std::uint32_t>(bytes, 12) % (max_sections + 1);
@@ -56,10 +58,10 @@ Bytes sealed(Bytes bytes) {
 
 void read_and_pose(const Bytes& bytes) {
   try {
-    const fb::Archive archive = fb::read_archive(bytes, {most_bytes});
-    const fb::Evaluator face(archive.model);
+    const fb::archive::Archive archive = fb::archive::read_archive(bytes, {most_bytes});
+    const fb::runtime::Evaluator face(archive.model);
     if (face.bytes() > most_bytes) return;
-    fb::Workspace workspace(face);
+    fb::runtime::Workspace workspace(face);
     std::vector<float> controls, positions(archive.model.rest.points.size());
     for (const fb::Control& control : archive.model.schema.controls) controls.push_back(control.maximum);
     face.evaluate(controls.data(), positions.data(), workspace);

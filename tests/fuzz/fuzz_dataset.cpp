@@ -50,12 +50,12 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     at += 3 + length;
   }
   trying([] {
-    fb::DatasetSource source(folder());
+    fb::bake::DatasetSource source(folder());
     std::vector<float> points(source.rest().points.size());
     for (std::size_t clip = 0; clip < source.clips().size(); ++clip)
       if (source.readable(clip) && source.clips()[clip].controls.size() > 0) source.read(clip, 0, 1, points);
   });
-  trying([] { fb::read_mesh(folder() / "rest.obj"); });
-  trying([] { fb::read_mesh(folder() / "rest.glb"); });
+  trying([] { fb::bake::read_mesh(folder() / "rest.obj"); });
+  trying([] { fb::bake::read_mesh(folder() / "rest.glb"); });
   return 0;
 }

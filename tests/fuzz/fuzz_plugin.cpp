@@ -109,7 +109,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   rig.user = &lie;
   rig.evaluate = oddities & 128 ? nullptr : &LyingRig::evaluate;
   try {
-    fb::RigSource source(rig);
+    fb::bake::RigSource source(rig);
     std::vector<float> pose(source.schema().control_count()), points(source.rest().points.size());
     for (std::size_t c = 0; c < pose.size(); ++c) pose[c] = source.schema().controls[c].maximum;
     source.evaluate(pose, 1, points);

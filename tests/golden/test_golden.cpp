@@ -12,6 +12,8 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 

@@ -16,6 +16,8 @@
 #include "test_models.h"
 
 namespace fb {
+using namespace archive;
+using namespace bake;
 namespace {
 
 using Edit = std::function<void(ArchiveEditor&)>;

@@ -208,9 +208,11 @@ TEST_CASE("normals of a sphere point outwards, and it is open to the whole sky, 
   const Shape shape = sphere();
   auto normals = vertex_normals(shape.triangles, shape.points);
   for (std::size_t v = 0; v < normals.size(); ++v) CHECK(dot(normals[v], vector_at(shape.points.data(), v)) > 0.98f);
-  for (const float exposure : vertex_exposure(shape.triangles, shape.points, normals, {})) CHECK(exposure > 0.97f);
+  for (const float ambient_occlusion : vertex_exposure(shape.triangles, shape.points, normals, {}))
+    CHECK(ambient_occlusion > 0.97f);
   for (Vector3& n : normals) n = n * -1.0f;
-  for (const float exposure : vertex_exposure(shape.triangles, shape.points, normals, {})) CHECK(exposure < 0.1f);
+  for (const float ambient_occlusion : vertex_exposure(shape.triangles, shape.points, normals, {}))
+    CHECK(ambient_occlusion < 0.1f);
 }
 
 TEST_CASE("a wall takes half of the sky from the floor beside it") {
@@ -233,8 +235,8 @@ TEST_CASE("a wall takes half of the sky from the floor beside it") {
   sheet({0, 0, -2}, {0, 0, 4}, {4, 0, 0});
   sheet({0, 0, -2}, {0, 4, 0}, {0, 0, 4});
   const std::vector<Vector3> upward(corner.points.size() / 3, {0, 1, 0});
-  const auto exposure = vertex_exposure(corner.triangles, corner.points, upward, {});
-  const auto on_floor = [&](int i, int j) { return exposure[i * (steps + 1) + j]; };
+  const auto ambient_occlusion = vertex_exposure(corner.triangles, corner.points, upward, {});
+  const auto on_floor = [&](int i, int j) { return ambient_occlusion[i * (steps + 1) + j]; };
   CHECK(on_floor(steps / 2, 3) == doctest::Approx(0.55).epsilon(0.15));
   CHECK(on_floor(steps / 2, steps) > 0.8f);
   CHECK(on_floor(steps / 2, 3) < on_floor(steps / 2, steps / 2));

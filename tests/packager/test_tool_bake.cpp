@@ -34,11 +34,11 @@ std::vector<std::string> quick_bake(const std::string& source, const std::string
 
 // Changes one number of a NumPy file.
 void poke(const std::string& path, std::size_t index, float value) {
-  const fb::NpyFile file(path);
+  const fb::bake::NpyFile file(path);
   std::vector<float> values(file.rows() * file.row_size());
   file.read(0, file.rows(), values);
   values.at(index) = value;
-  fb::write_npy(path, file.shape(), std::span<const float>(values));
+  fb::bake::write_npy(path, file.shape(), std::span<const float>(values));
 }
 
 Json read_index(const std::string& dataset) {
@@ -91,9 +91,9 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
     CHECK(measured["clips"][0].at(figure) > 0);
     CHECK(measured.at("total").at(figure) == measured["clips"][0].at(figure));
   }
-  const fb::Errors errors = fb::evaluate_archive(fb::read_file(archive), *fb::open_source(dataset), fb::Split::test, {},
-                                                 fb::silent_progress())
-                                .total;
+  const fb::bake::Errors errors = fb::bake::evaluate_archive(fb::read_file(archive), *fb::bake::open_source(dataset),
+                                                             fb::bake::Split::test, {}, fb::silent_progress())
+                                      .total;
   const Json& total = measured["total"];
   CHECK(total.at("mse") == errors.mse);
   CHECK(total.at("rms") == errors.rms);
@@ -189,8 +189,8 @@ TEST_CASE("a rig budget bounds all that the rig is asked for") {
 TEST_CASE("clips of the user are sampled too, if they fit the rig") {
   const ScratchFolder folder;
   const std::string dataset = folder / "data", clip = folder / "mine.npy", wide = folder / "wide.npy";
-  fb::write_npy(clip, {3, 6}, std::span<const float>(std::vector<float>(18, 0.25f)));
-  fb::write_npy(wide, {3, 7}, std::span<const float>(std::vector<float>(21)));
+  fb::bake::write_npy(clip, {3, 6}, std::span<const float>(std::vector<float>(18, 0.25f)));
+  fb::bake::write_npy(wide, {3, 7}, std::span<const float>(std::vector<float>(21)));
   const auto sample = [&](const std::string& text) {
     return run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "50", "--clip", text});
   };
@@ -205,7 +205,7 @@ TEST_CASE("clips of the user are sampled too, if they fit the rig") {
   bool found = false;
   for (const Json& entry : index.at("clips")) found = found || entry.at("name") == "mine";
   CHECK(found);
-  CHECK(fb::NpyFile(dataset + "/mine.points.npy").shape() == std::vector<std::size_t>{3, 50, 3});
+  CHECK(fb::bake::NpyFile(dataset + "/mine.points.npy").shape() == std::vector<std::size_t>{3, 50, 3});
 }
 
 TEST_CASE("the same seed gives the same archive, whatever the threads; the kept work is used again") {
@@ -295,7 +295,7 @@ TEST_CASE("datasets that contradict themselves are refused by file, and nothing 
   refused("missing", {"dense.points.npy"},
           [](const std::string& data) { std::filesystem::remove(data + "/dense.points.npy"); });
   refused("narrow", {"dense.controls.npy", "shape"}, [](const std::string& data) {
-    fb::write_npy(data + "/dense.controls.npy", {4, 5}, std::span<const float>(std::vector<float>(20)));
+    fb::bake::write_npy(data + "/dense.controls.npy", {4, 5}, std::span<const float>(std::vector<float>(20)));
   });
   refused("twice", {"dataset.json", "jawOpen"}, [](const std::string& data) {
     Json index = read_index(data);

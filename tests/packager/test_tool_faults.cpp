@@ -46,9 +46,9 @@ TEST_CASE("pack killed at any moment leaves the old file or the new one") {
   const ScratchFolder folder;
   const std::string in = folder / "in.fbk", out = folder / "out.fbk";
   fb::PackedModel model = fb::tiny_packed_model();
-  fb::write_file(in, fb::write_archive(model, fb::make_proof(model, 1)));
+  fb::write_file(in, fb::archive::write_archive(model, fb::bake::make_proof(model, 1)));
   model.schema.name = "old";
-  const Bytes old = fb::write_archive(model, {});
+  const Bytes old = fb::archive::write_archive(model, {});
   CHECK(kill_at_all_moments({"pack", in, "--out", out}, out, old, fb::read_file(in)) < kills);
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("bake killed at any moment leaves the old file, and goes on to the sam
                                     "--epochs", "2",        "--recipe", "linear", "--work",  work};
   };
   REQUIRE(run_tool(bake(first, folder / "work-1")).exit_code == 0);
-  const Bytes old = fb::write_archive(fb::tiny_packed_model(), {});
+  const Bytes old = fb::archive::write_archive(fb::tiny_packed_model(), {});
   CHECK(kill_at_all_moments(bake(out, folder / "work-2"), out, old, fb::read_file(first)) < kills);
 }
 
@@ -69,8 +69,8 @@ TEST_CASE("a full disk is told, and leaves the old file and nothing else") {
   const ScratchFolder folder;
   const std::string in = folder / "in.fbk", out = folder / "out.fbk";
   const fb::PackedModel model = fb::tiny_packed_model();
-  fb::write_file(in, fb::write_archive(model, fb::make_proof(model, 1)));
-  const Bytes old = fb::write_archive(fb::tiny_packed_model(2), {});
+  fb::write_file(in, fb::archive::write_archive(model, fb::bake::make_proof(model, 1)));
+  const Bytes old = fb::archive::write_archive(fb::tiny_packed_model(2), {});
   const std::size_t size = fb::read_file(in).size();
   for (const std::size_t room : {std::size_t(300), size / 2, size - 1}) {
     fb::write_file(out, old);
@@ -88,7 +88,7 @@ TEST_CASE("a file cut off as by a loss of power is refused, and packing goes on 
   const ScratchFolder folder;
   const std::string in = folder / "in.fbk", out = folder / "out.fbk";
   const fb::PackedModel model = fb::tiny_packed_model();
-  const Bytes whole = fb::write_archive(model, fb::make_proof(model, 1));
+  const Bytes whole = fb::archive::write_archive(model, fb::bake::make_proof(model, 1));
   for (const std::size_t size : {std::size_t(0), std::size_t(100), whole.size() - 1}) {
     fb::write_file(in, std::span(whole).first(size));
     CHECK(run_tool({"verify", in}).exit_code == 1);

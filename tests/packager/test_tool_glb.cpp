@@ -94,7 +94,7 @@ TEST_CASE("a face in other units, with z up, stands upright in metres") {
   fb::PackedModel face = fb::tiny_packed_model();
   face.schema.units = "mm";
   face.schema.up_axis.assign(1, 'z');
-  fb::write_file(folder / "face.fbk", fb::write_archive(face, {}));
+  fb::write_file(folder / "face.fbk", fb::archive::write_archive(face, {}));
   REQUIRE(run_tool({"pose", folder / "face.fbk", "--out", folder / "pose.glb"}).exit_code == 0);
   const tinygltf::Model model = load_glb(folder / "pose.glb");
   const tinygltf::Node& node = model.nodes.at(0);
@@ -124,7 +124,7 @@ TEST_CASE("an animation that was written opens as a rig that moves alike, in met
     std::vector<float> expected = evaluate_clip(face, write_clip(clip, face.schema, frames));
     for (float& coordinate : expected) coordinate *= 0.01f;
     REQUIRE(run_tool({"pose", archive, "--clip", clip, "--fps", "30", "--out", out}).exit_code == 0);
-    const auto rig = fb::open_source(out);
+    const auto rig = fb::bake::open_source(out);
     CHECK(rig->schema().control_count() == load_glb(out).meshes.at(0).primitives.at(0).targets.size());
     CHECK(rig->schema().controls[0].name == "target0");
     REQUIRE(rig->clips().size() == 1);
@@ -142,7 +142,7 @@ TEST_CASE("a .glb has the texture coordinates of every corner, with copies of ve
   const std::string archive = folder / "face.fbk", clip = folder / "clip.npy", out = folder / "clip.glb";
   fb::PackedModel face = fb::tiny_packed_model();
   fb::give_uvs(face.rest);
-  fb::write_file(archive, fb::write_archive(face, {}));
+  fb::write_file(archive, fb::archive::write_archive(face, {}));
   write_clip(clip, face.schema, 4);
   REQUIRE(run_tool({"pose", archive, "--clip", clip, "--out", out}).exit_code == 0);
   const tinygltf::Model model = load_glb(out);

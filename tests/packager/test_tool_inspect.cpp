@@ -64,7 +64,8 @@ TEST_CASE("inspect shows certificate and licence, and survives nonsense in their
   const std::string archive = folder / "face.fbk";
   const char* certificate = R"({"dependency":{"frames":7,"mse":1e-8,"max":0.25},"independent":{"frames":5,"mse":2e-8,
     "kinds":[{"kind":"shot","mse":3e-8}],"clips":[{"name":"story","mse":4e-8}],"normals":{"rms_degrees":1.5}}})";
-  fb::write_file(archive, fb::write_archive(fb::tiny_packed_model(), {}, {"All rights reserved.", certificate}));
+  fb::write_file(archive,
+                 fb::archive::write_archive(fb::tiny_packed_model(), {}, {"All rights reserved.", certificate}));
   const ToolRun run = run_tool({"inspect", archive});
   for (const char* part :
        {"trained on", "1e-08", "kind shot", "clip story", "1.5 degrees", "All rights reserved.", "recipe: tiny"})
@@ -74,7 +75,7 @@ TEST_CASE("inspect shows certificate and licence, and survives nonsense in their
   CHECK(json.at("licence") == "All rights reserved.");
   for (const char* nonsense :
        {"[1]", "{\"dependency\":3}", "{\"independent\":{\"clips\":{},\"kinds\":[3],\"normals\":[]}}", "\xff"}) {
-    fb::write_file(archive, fb::write_archive(fb::tiny_packed_model(), {}, {"", nonsense}));
+    fb::write_file(archive, fb::archive::write_archive(fb::tiny_packed_model(), {}, {"", nonsense}));
     CHECK(run_tool({"inspect", archive}).exit_code == 0);
     CHECK(run_tool({"inspect", archive, "--json"}).exit_code == 0);
   }
@@ -116,7 +117,7 @@ TEST_CASE("tables stay straight whatever letters names are written in") {
   const std::string archive = folder / "face.fbk";
   fb::PackedModel model = fb::tiny_packed_model();
   model.schema.controls[0].name = "ge\u00f6ffneter_Mund";
-  fb::write_file(archive, fb::write_archive(model, {}));
+  fb::write_file(archive, fb::archive::write_archive(model, {}));
   const std::string text = run_tool({"inspect", archive, "--controls"}).out;
   CHECK(text.find("| ge\u00f6ffneter_Mund |") != std::string::npos);
   CHECK(text.find("| nose_wrinkle    |") != std::string::npos);
@@ -131,7 +132,7 @@ TEST_CASE("provenance that is no JSON, or deeply nested, does no harm") {
     model.provenance = provenance;
     std::vector<std::byte> bytes;
     try {
-      bytes = fb::write_archive(model, {});
+      bytes = fb::archive::write_archive(model, {});
     } catch (const fb::Error&) {
       continue;  // the writer may refuse it; a stranger's writer would not
     }

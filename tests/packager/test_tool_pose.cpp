@@ -69,7 +69,7 @@ TEST_CASE("an .obj has the texture coordinates of every corner") {
   model.rest.uvs = {0, 0, 1, 0.25f, 0.5f, 1};
   for (std::size_t c = 0; c < model.rest.polygon_corners.size(); ++c)
     model.rest.uv_corners.push_back(static_cast<std::uint32_t>(c % 3));
-  fb::write_file(archive, fb::write_archive(model, {}));
+  fb::write_file(archive, fb::archive::write_archive(model, {}));
   REQUIRE(run_tool({"pose", archive, "--out", out}).exit_code == 0);
   const std::string text = text_of(out);
   CHECK(text.find("\nvt 0 0\nvt 1 0.25\nvt 0.5 1\n") != std::string::npos);
@@ -143,7 +143,7 @@ TEST_CASE("clips that do not fit are refused by file, frame and control") {
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   };
   const auto write = [&](const char* name, const std::vector<std::size_t>& shape, const std::vector<float>& values) {
-    fb::write_npy(clips / name, shape, std::span<const float>(values));
+    fb::bake::write_npy(clips / name, shape, std::span<const float>(values));
     return clips / name;
   };
   refused(clips / "missing.npy", {"missing.npy", "no such file"});

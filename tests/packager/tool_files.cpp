@@ -31,9 +31,9 @@ std::vector<std::string> ScratchFolder::names() const {
 }
 
 fb::PackedModel write_tiny_archive(const std::string& path) {
-  const auto bytes = fb::write_archive(fb::tiny_packed_model(), {});
+  const auto bytes = fb::archive::write_archive(fb::tiny_packed_model(), {});
   fb::write_file(path, bytes);
-  return fb::read_archive(bytes).model;
+  return fb::archive::read_archive(bytes).model;
 }
 
 std::vector<float> write_clip(const std::string& path, const fb::RigSchema& schema, std::size_t frames) {
@@ -43,13 +43,13 @@ std::vector<float> write_clip(const std::string& path, const fb::RigSchema& sche
     const auto pose = fb::random_pose(schema, random);
     controls.insert(controls.end(), pose.begin(), pose.end());
   }
-  fb::write_npy(path, {frames, schema.control_count()}, std::span<const float>(controls));
+  fb::bake::write_npy(path, {frames, schema.control_count()}, std::span<const float>(controls));
   return controls;
 }
 
 std::vector<float> evaluate_clip(const fb::PackedModel& model, const std::vector<float>& controls) {
-  const fb::Evaluator evaluator(model);
-  fb::Workspace workspace(evaluator);
+  const fb::runtime::Evaluator evaluator(model);
+  fb::runtime::Workspace workspace(evaluator);
   const std::size_t frames = controls.size() / evaluator.control_count(), size = 3 * evaluator.vertex_count();
   std::vector<float> positions(frames * size);
   for (std::size_t f = 0; f < frames; ++f)

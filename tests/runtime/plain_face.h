@@ -177,7 +177,7 @@ inline Floats coefficients(const PackedModel& model, const Floats& controls) {
 inline Floats positions(const PackedModel& model, const Floats& controls) {
   const Floats weights = coefficients(model, controls);
   Floats positions = model.rest.points;
-  for (const PackedRowGroup& group : model.groups) {
+  for (const PackedRowBlock& group : model.groups) {
     Digits digits(group.row_count);
     Floats x;
     for (std::size_t c = 0; c < group.columns.size(); ++c) {

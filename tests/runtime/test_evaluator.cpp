@@ -15,6 +15,7 @@
 #include "test_models.h"
 
 using namespace fb;
+using namespace fb::runtime;
 
 namespace {
 
@@ -125,7 +126,7 @@ TEST_CASE("whole numbers never overflow, whatever the weights") {
                                                                      : int(random.below(250)) - 125));
       region.layers = {first, random_packed_layer(random, 4, 2, Activation::linear, false, false)};
       model.columns = 4;
-      for (PackedRowGroup& group : model.groups) {
+      for (PackedRowBlock& group : model.groups) {
         group.columns.resize(3);
         for (std::uint32_t c = 0; c < 3; ++c) group.columns[c].column = c + 1;
         group.values.resize(std::size_t(3) * group.row_count);
@@ -147,7 +148,7 @@ TEST_CASE("numbers beyond all bounds have a defined result too") {
     PackedModel model = wide_model();
     for (std::size_t f = 0; f < model.features.size(); f += 5) model.features[f].scale = huge;
     for (float& scale : model.regions[0].layers[1].scales) scale = huge;
-    for (PackedRowGroup& group : model.groups) group.columns[0].scale = huge * 1e-3f;
+    for (PackedRowBlock& group : model.groups) group.columns[0].scale = huge * 1e-3f;
     const Evaluator evaluator(model);
     Random random(11);
     for (int n = 0; n < 5; ++n) {
@@ -191,7 +192,7 @@ TEST_CASE("coefficients are the weights of the basis' columns") {
   std::vector<float> weights(evaluator.coefficient_count());
   evaluator.coefficients(pose.data(), weights.data(), workspace);
   std::vector<double> sum(model.rest.points.begin(), model.rest.points.end());
-  for (const PackedRowGroup& group : model.groups)
+  for (const PackedRowBlock& group : model.groups)
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const std::vector<float> moved = displacements(group, c);
       for (std::uint32_t r = 0; r < group.row_count; ++r)

@@ -11,6 +11,7 @@
 #include "test_models.h"
 
 using namespace fb;
+using namespace fb::runtime;
 
 namespace {
 

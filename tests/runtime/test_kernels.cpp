@@ -16,6 +16,7 @@
 #include "runtime/panel_matrix.h"
 
 using namespace fb;
+using namespace fb::runtime;
 
 namespace {
 
@@ -144,7 +145,7 @@ TEST_CASE("kernels clamp controls, compute their features and list those that ar
         float* const found = moves + controls * poses;
         kernels.control_features(features, moves, poses, found);
         std::vector<std::uint32_t> places(of.size() * poses + 16);
-        const std::size_t moved = kernels.list_moved(found, of.size() * poses, places.data());
+        const std::size_t moved = kernels.compact_nonzeros(found, of.size() * poses, places.data());
         places.resize(moved);
         places.push_back(clamped);
         return std::pair(results, places);
@@ -184,10 +185,10 @@ TEST_CASE("kernels round numbers as the scalar ones do, whatever lies beyond the
         for (std::size_t i = 0; i < count; ++i) numbers[i] = random.uniform(-3, 3);
         if (wild && count > 15) numbers[3] = INFINITY, numbers[4] = -NAN, numbers[5] = -1e-38f, numbers[6] = -INFINITY;
         std::vector<std::int16_t> expected(count + padding, -1), found(count + padding, -1);
-        const Rounded one = scalar_kernels.round_all(numbers.data(), count, limit, expected.data());
+        const Rounded one = scalar_kernels.quantise_all(numbers.data(), count, limit, expected.data());
         for (const PoseKernels* kernels : runnable_kernels()) {
           std::fill(found.begin(), found.end(), std::int16_t(-1));
-          const Rounded other = kernels->round_all(numbers.data(), count, limit, found.data());
+          const Rounded other = kernels->quantise_all(numbers.data(), count, limit, found.data());
           CHECK_MESSAGE((other.step == one.step && other.sum == one.sum && found == expected),
                         kernels->name << ": " << count << " numbers, limit " << limit);
         }
@@ -202,17 +203,17 @@ TEST_CASE("kernels round a block of poses as they do one") {
       for (float& number : side_by_side) number = random.uniform(-3, 3);
       for (std::size_t i = 0; i < count; ++i) side_by_side[i * block_poses + 1] = 0;
       if (count > 1) side_by_side[2] = INFINITY, side_by_side[3] = NAN, side_by_side[12] = 1e-38f;
-      std::vector<std::int16_t> wholes((count + 3) / 4 * 4 * block_poses), ones(count + padding);
+      std::vector<std::int16_t> quantised((count + 3) / 4 * 4 * block_poses), ones(count + padding);
       Rounded block[block_poses];
-      kernels->round_block(side_by_side.data(), count, 32512, wholes.data(), block);
+      kernels->round_block(side_by_side.data(), count, 32512, quantised.data(), block);
       for (std::size_t pose = 0; pose < block_poses; ++pose) {
         std::vector<float> numbers(count + padding);
         for (std::size_t i = 0; i < count; ++i) numbers[i] = side_by_side[i * block_poses + pose];
         std::fill(ones.begin(), ones.end(), std::int16_t(0));
-        const Rounded one = scalar_kernels.round_all(numbers.data(), count, 32512, ones.data());
+        const Rounded one = scalar_kernels.quantise_all(numbers.data(), count, 32512, ones.data());
         bool same = block[pose].step == one.step && block[pose].sum == one.sum;
-        for (std::size_t i = 0; i < wholes.size() / block_poses; ++i)
-          same = same && wholes[(i / 4 * block_poses + pose) * 4 + i % 4] == ones[i];
+        for (std::size_t i = 0; i < quantised.size() / block_poses; ++i)
+          same = same && quantised[(i / 4 * block_poses + pose) * 4 + i % 4] == ones[i];
         CHECK_MESSAGE(same, kernels->name << ": " << count << " numbers, pose " << pose);
       }
     }

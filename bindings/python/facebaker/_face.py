@@ -220,14 +220,14 @@ class Face:
     def basis(self):
         """Yields the basis group by group: (rows, columns, values), a slice of the 3 x vertices coordinates in baked order,
         the coefficients that move them, and how far one unit of each does, (columns, rows)."""
-        for index in range(library.fb_basis_group_count(self._handle)):
+        for index in range(library.fb_row_block_count(self._handle)):
             group = BasisGroupStruct()
-            library.fb_basis_group_fill(group, ctypes.sizeof(group))
-            check(library.fb_basis_group_at(self._handle, index, group))
+            library.fb_row_block_fill(group, ctypes.sizeof(group))
+            check(library.fb_row_block_at(self._handle, index, group))
             columns = numpy.empty(group.column_count, numpy.uint32)
             values = numpy.empty((group.column_count, group.row_count), numpy.float32)
             pointer = columns.ctypes.data_as(ctypes.POINTER(ctypes.c_uint32))
-            check(library.fb_basis_group_values(self._handle, index, pointer, _pointer(values)))
+            check(library.fb_row_block_values(self._handle, index, pointer, _pointer(values)))
             yield slice(group.first_row, group.first_row + group.row_count), columns, values
 
     def _floats(self, controls, dimensions):

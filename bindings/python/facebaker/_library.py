@@ -108,10 +108,10 @@ _FUNCTIONS = {
     "fb_region_count": (c_uint32, [c_void_p]),
     "fb_region_name": (c_char_p, [c_void_p, c_uint32]),
     "fb_vertex_order": (POINTER(c_uint32), [c_void_p]),
-    "fb_basis_group_fill": (None, [POINTER(BasisGroupStruct), c_uint32]),
-    "fb_basis_group_count": (c_uint32, [c_void_p]),
-    "fb_basis_group_at": (c_int32, [c_void_p, c_uint32, POINTER(BasisGroupStruct)]),
-    "fb_basis_group_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
+    "fb_row_block_fill": (None, [POINTER(BasisGroupStruct), c_uint32]),
+    "fb_row_block_count": (c_uint32, [c_void_p]),
+    "fb_row_block_at": (c_int32, [c_void_p, c_uint32, POINTER(BasisGroupStruct)]),
+    "fb_row_block_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
 }
 
 

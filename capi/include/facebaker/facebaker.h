@@ -198,22 +198,22 @@ FB_API const char* fb_region_name(const fb_model* model, uint32_t index);
 /* Baked order: which vertex of the source is the i-th, for i < fb_vertex_count; null if that is the source's order. */
 FB_API const uint32_t* fb_vertex_order(const fb_model* model);
 
-typedef struct fb_basis_group {
+typedef struct fb_row_block {
   uint32_t struct_size;
   uint32_t first_row, row_count; /* groups follow each other without gaps, and cover 3 x fb_vertex_count rows */
   uint32_t column_count;         /* coefficients it uses */
-} fb_basis_group;
+} fb_row_block;
 
-FB_API void fb_basis_group_fill(fb_basis_group* to, uint32_t struct_size);
-static inline void fb_basis_group_init(fb_basis_group* to) {
-  fb_basis_group_fill(to, (uint32_t)sizeof *to);
+FB_API void fb_row_block_fill(fb_row_block* to, uint32_t struct_size);
+static inline void fb_row_block_init(fb_row_block* to) {
+  fb_row_block_fill(to, (uint32_t)sizeof *to);
 }
-FB_API uint32_t fb_basis_group_count(const fb_model* model);
-/* Fills *group, as far as its struct_size goes, for the group at index < fb_basis_group_count. */
-FB_API fb_status fb_basis_group_at(const fb_model* model, uint32_t index, fb_basis_group* group);
+FB_API uint32_t fb_row_block_count(const fb_model* model);
+/* Fills *group, as far as its struct_size goes, for the group at index < fb_row_block_count. */
+FB_API fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* group);
 /* Writes what the group at `index` is made of: columns, column_count indices below fb_coefficient_count, ascending; and
  * values, column after column, row_count floats each: what one unit of that coefficient moves. */
-FB_API fb_status fb_basis_group_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values);
+FB_API fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values);
 
 /* ---- Posing ------------------------------------------------------------------------------------------------------ */
 

@@ -1,21 +1,21 @@
 #include "archive/coding/basis_coding.h"
 
-namespace fb {
+namespace fb::archive {
 
-std::array<std::size_t, symbol_lanes + 1> columns_of_lanes(const PackedModel& model,
-                                                           const std::vector<std::vector<ColumnPlace>>& places) {
+std::array<std::size_t, symbol_streams + 1> columns_of_streams(const PackedModel& model,
+                                                               const std::vector<std::vector<ColumnPlace>>& places) {
   std::vector<std::uint64_t> before = {0};  // numbers in the columns before each
   for (const auto& column : places) {
     std::uint64_t numbers = 0;
     for (const ColumnPlace& place : column) numbers += model.groups[place.group].row_count;
     before.push_back(before.back() + numbers);
   }
-  std::array<std::size_t, symbol_lanes + 1> first;
+  std::array<std::size_t, symbol_streams + 1> first;
   first.fill(places.size());
-  std::size_t lane = 0;
+  std::size_t stream = 0;
   for (std::size_t c = 0; c < places.size(); ++c)
-    while (lane < symbol_lanes && symbol_lanes * before[c] >= lane * before.back()) first[lane++] = c;
+    while (stream < symbol_streams && symbol_streams * before[c] >= stream * before.back()) first[stream++] = c;
   return first;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -5,7 +5,7 @@
 #include <queue>
 #include <utility>
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Neighbours along edges, `most_neighbours` of a vertex at most, and when each was coded.
@@ -50,7 +50,7 @@ class Neighbours {
 
 constexpr std::uint32_t nowhere = 0xffffffff;
 
-// What is known of a piece: the slots of the neighbours coded before it, and what its numbers may be guessed from.
+// What is known of a piece: the slots of the neighbours coded before it, and what its numbers may be predicted from.
 class Surroundings {
  public:
   explicit Surroundings(std::uint32_t vertices) : slots_(vertices, nowhere), nobody_(vertices) {}
@@ -61,7 +61,7 @@ class Surroundings {
   }
 
   // Fills in the piece of this vertex; what it gives is valid until the next call.
-  std::span<const Guess> look_around(std::uint32_t vertex, const Neighbours& mesh, BasisPiece& piece) {
+  std::span<const Predictor> look_around(std::uint32_t vertex, const Neighbours& mesh, BasisPiece& piece) {
     known_.clear();  // the one coded last first
     for (const std::uint32_t w : mesh.of(vertex))
       if (mesh.coded(w) > 0) known_.push_back(w);
@@ -90,7 +90,7 @@ class Surroundings {
       });
       if (beyond != nowhere) guesses_.push_back({slots_[near], slots_[near], slots_[beyond]});
     }
-    piece.guess_count = static_cast<std::uint8_t>(guesses_.size());
+    piece.predictor_count = static_cast<std::uint8_t>(guesses_.size());
     return guesses_;
   }
 
@@ -107,7 +107,7 @@ class Surroundings {
   std::vector<std::uint32_t> slots_;
   std::uint32_t nobody_, slots_taken_ = 0;
   std::vector<std::uint32_t> known_;
-  std::vector<Guess> guesses_;
+  std::vector<Predictor> guesses_;
 };
 
 // A piece of rows and the vertex they are of.
@@ -116,7 +116,7 @@ struct RowsOfVertex {
   BasisPiece piece;
 };
 
-std::vector<RowsOfVertex> in_rows(const PackedRowGroup& group, const std::vector<std::uint32_t>& order) {
+std::vector<RowsOfVertex> in_rows(const PackedRowBlock& group, const std::vector<std::uint32_t>& order) {
   std::vector<RowsOfVertex> pieces;
   for (std::uint32_t row = 0; row < group.row_count;) {
     const std::uint32_t at = group.first_row + row;
@@ -132,22 +132,22 @@ std::vector<RowsOfVertex> in_rows(const PackedRowGroup& group, const std::vector
 
 }  // namespace
 
-void choose_pair(BasisPiece& piece, std::span<const Guess> guesses, std::uint32_t choice) {
+void choose_pair(BasisPiece& piece, std::span<const Predictor> predictors, std::uint32_t choice) {
   std::uint32_t second = 0;
   while (pair_number(0, second + 1) <= choice) ++second;
   piece.choice = static_cast<std::uint8_t>(choice);
-  piece.guesses = {guesses[choice - pair_number(0, second)], guesses[second]};
+  piece.predictors = {predictors[choice - pair_number(0, second)], predictors[second]};
 }
 
 std::vector<std::vector<BasisPiece>> basis_pieces(const Mesh& mesh, std::uint32_t vertices,
                                                   const std::vector<std::uint32_t>& order,
-                                                  const std::vector<PackedRowGroup>& groups,
-                                                  const ChooseGuesses& choose) {
+                                                  const std::vector<PackedRowBlock>& groups,
+                                                  const ChoosePredictors& choose) {
   Neighbours neighbours(mesh, vertices);
   Surroundings surroundings(vertices);
   std::vector<std::uint32_t> place(vertices, nowhere);  // in the group's rows, until coded
   std::vector<std::vector<BasisPiece>> all;
-  for (const PackedRowGroup& group : groups) {
+  for (const PackedRowBlock& group : groups) {
     const std::vector<RowsOfVertex> pieces = in_rows(group, order);
     // Next comes the piece with the most neighbours coded, the first of them in the order of rows. Entries of the queue
     // that are out of date are followed by one that is not.
@@ -184,4 +184,4 @@ std::vector<std::vector<ColumnPlace>> column_places(const PackedModel& model) {
   return places;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

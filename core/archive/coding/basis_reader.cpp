@@ -10,7 +10,7 @@
 #include "archive/container/layout.h"
 #include "archive/section_reader.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Damage, where the order would not name each vertex once.
@@ -27,7 +27,7 @@ void read_order(ByteReader& in, std::uint32_t vertices, std::vector<std::uint32_
 
 void read_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   const std::vector<std::uint32_t> rows = in.planes32(in.count(4, "row groups"), "row counts");
-  in.budget().take(rows.size(), sizeof(PackedRowGroup), "row groups");
+  in.budget().take(rows.size(), sizeof(PackedRowBlock), "row groups");
   model.groups.resize(rows.size());
   std::uint64_t row = 0;
   for (std::size_t g = 0; g < rows.size(); ++g) {
@@ -39,23 +39,23 @@ void read_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   if (row != 3 * std::uint64_t(vertices)) in.damaged("row groups do not add up to the number of rows");
 }
 
-// What the first symbol of a piece is read with: of each situation its table, and the residuals of small pieces.
+// What the first symbol of a piece is read with: of each context_key its table, and the residuals of small pieces.
 struct FirstSymbols {
   explicit FirstSymbols(const SymbolTables& tables) {
-    for (std::uint32_t s = 0; s < situations; ++s) table[s] = tables.of_context[first_context(s)];
+    for (std::uint32_t s = 0; s < context_keys; ++s) table[s] = tables.of_context[first_context(s)];
     for (std::uint32_t s = 0; s < small_pieces; ++s)
       residuals[s] = AxisNumbers{small_residuals[s % 3], small_residuals[s / 3 % 3], small_residuals[s / 9], 0};
   }
-  std::array<std::uint8_t, situations> table;
+  std::array<std::uint8_t, context_keys> table;
   std::array<AxisNumbers, small_pieces> residuals;
 };
 
-// Reads the columns of one lane, piece after piece.
-class LaneReader {
+// Reads the columns of one stream, piece after piece.
+class StreamReader {
  public:
-  LaneReader(PackedModel& model, std::uint32_t vertices, const SymbolTables& tables, const FirstSymbols& firsts,
-             const std::vector<std::vector<BasisPiece>>& pieces, std::span<const std::vector<ColumnPlace>> columns,
-             const SymbolLane& symbols)
+  StreamReader(PackedModel& model, std::uint32_t vertices, const SymbolTables& tables, const FirstSymbols& firsts,
+               const std::vector<std::vector<BasisPiece>>& pieces, std::span<const std::vector<ColumnPlace>> columns,
+               const SymbolStream& symbols)
       : symbols_(symbols),
         tables_(tables),
         firsts_(firsts),
@@ -66,7 +66,7 @@ class LaneReader {
     go_on();
   }
 
-  const SymbolLane& symbols() const { return symbols_; }
+  const SymbolStream& symbols() const { return symbols_; }
   // Pieces that are left of a place; 0 only in the end.
   std::size_t left() const { return static_cast<std::size_t>(end_ - piece_); }
   // False after what no writer gives.
@@ -75,7 +75,7 @@ class LaneReader {
   // Reads a piece.
   void read() {
     const BasisPiece& piece = *piece_++;
-    const std::uint32_t first = symbols_.symbol_of(tables_, firsts_.table[state_.situation(piece)]);
+    const std::uint32_t first = symbols_.symbol_of(tables_, firsts_.table[state_.context_key(piece)]);
     AxisNumbers residuals;
     std::uint32_t bits = first > 0;
     if (first < small_pieces) {
@@ -86,7 +86,7 @@ class LaneReader {
                                                     std::integral_constant<std::uint32_t, 3>(), bits)
                                    : read_residuals(piece, std::uint32_t(piece.axis), std::uint32_t(piece.count), bits);
     }
-    AxisNumbers numbers = state_.foretold(piece) + residuals;
+    AxisNumbers numbers = state_.predicted(piece) + residuals;
     const AxisNumbers own = piece.count == 3 ? AxisNumbers{-1, -1, -1, -1} : axes_of(piece);
     beyond_ |= (own & (magnitudes(numbers) > state_.largest())) | (~own & residuals);
     numbers = numbers << 16 >> 16;  // so that what is beyond its range does not grow until that is asked for
@@ -109,7 +109,7 @@ class LaneReader {
     }
     if (column_ == columns_.size()) return;
     const auto [g, index] = columns_[column_][place_++];
-    PackedRowGroup& group = model_.groups[g];
+    PackedRowBlock& group = model_.groups[g];
     values_ = group.values.data() + std::size_t(index) * group.row_count;
     state_.begin_place(group.columns[index].wide);
     piece_ = pieces_[g].data();
@@ -146,7 +146,7 @@ class LaneReader {
     return own;
   }
 
-  SymbolLane symbols_;
+  SymbolStream symbols_;
   const BasisPiece *piece_ = nullptr, *end_ = nullptr;
   std::int16_t* values_ = nullptr;
   bool sound_ = true;
@@ -161,21 +161,21 @@ class LaneReader {
 };
 
 // Seven words are read for a piece at most.
-constexpr std::size_t pieces_at_once = SymbolLane::spare_words / 8;
+constexpr std::size_t pieces_at_once = SymbolStream::spare_words / 8;
 
-// Reads all lanes side by side: a processor goes on in the others while it waits for what one of them needs next.
-// Leaves a lane that is not sound, and others then unfinished.
-void read_lanes(std::vector<LaneReader>& lanes) {
-  std::vector<LaneReader*> going;
-  for (LaneReader& lane : lanes) going.push_back(&lane);
+// Reads all streams side by side: a processor goes on in the others while it waits for what one of them needs next.
+// Leaves a stream that is not sound, and others then unfinished.
+void read_streams(std::vector<StreamReader>& streams) {
+  std::vector<StreamReader*> going;
+  for (StreamReader& stream : streams) going.push_back(&stream);
   for (;;) {
-    std::erase_if(going, [](const LaneReader* lane) { return lane->left() == 0; });
-    if (going.empty() || !std::all_of(going.begin(), going.end(), [](auto* lane) { return lane->sound(); })) return;
+    std::erase_if(going, [](const StreamReader* stream) { return stream->left() == 0; });
+    if (going.empty() || !std::all_of(going.begin(), going.end(), [](auto* stream) { return stream->sound(); })) return;
     std::size_t pieces = pieces_at_once;
-    for (const LaneReader* lane : going) pieces = std::min(pieces, lane->left());
+    for (const StreamReader* stream : going) pieces = std::min(pieces, stream->left());
     for (; pieces > 0; --pieces)
-      for (LaneReader* const lane : going) lane->read();
-    for (LaneReader* const lane : going) lane->go_on();
+      for (StreamReader* const stream : going) stream->read();
+    for (StreamReader* const stream : going) stream->go_on();
   }
 }
 
@@ -216,36 +216,36 @@ void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
 }
 
 void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
-  for (PackedRowGroup& group : model.groups) {
+  for (PackedRowBlock& group : model.groups) {
     const std::size_t count = checked_multiply(group.columns.size(), group.row_count, in.where().c_str());
     in.budget().take(count, sizeof(std::int16_t), "basis values");
     group.values.resize(count);
   }
-  in.budget().take(vertices, 320, "predictions");  // about: pieces, neighbours, a column of each lane
+  in.budget().take(vertices, 320, "predictions");  // about: pieces, neighbours, a column of each stream
   const SymbolReader symbols(in, basis_contexts);
-  SymbolLanes at = symbols.begin();
+  SymbolStreams at = symbols.begin();
   const auto pieces = basis_pieces(
-      model.rest, vertices, model.order, model.groups, [&](BasisPiece& piece, std::span<const Guess> guesses) {
-        const std::uint32_t choice = guesses.size() > 1 ? at[0].symbol(symbols.tables(), choice_context(piece)) : 0;
-        const auto count = static_cast<std::uint32_t>(guesses.size());
+      model.rest, vertices, model.order, model.groups, [&](BasisPiece& piece, std::span<const Predictor> predictors) {
+        const std::uint32_t choice = predictors.size() > 1 ? at[0].symbol(symbols.tables(), choice_context(piece)) : 0;
+        const auto count = static_cast<std::uint32_t>(predictors.size());
         if (choice >= pair_number(0, count) || at[0].exhausted())
-          symbols.refuse(at[0], "a vertex is foretold from what is not there");
-        choose_pair(piece, guesses, choice);
+          symbols.refuse(at[0], "a vertex is predicted from what is not there");
+        choose_pair(piece, predictors, choice);
       });
   const auto places = column_places(model);
-  const auto columns = columns_of_lanes(model, places);
+  const auto columns = columns_of_streams(model, places);
   const FirstSymbols firsts(symbols.tables());
-  std::vector<LaneReader> lanes;
-  lanes.reserve(symbol_lanes);
-  for (std::size_t lane = 0; lane < symbol_lanes; ++lane)
-    lanes.emplace_back(model, vertices, symbols.tables(), firsts, pieces,
-                       std::span(places).subspan(columns[lane], columns[lane + 1] - columns[lane]), at[lane]);
-  read_lanes(lanes);
-  for (std::size_t lane = 0; lane < symbol_lanes; ++lane) {
-    if (!lanes[lane].sound()) symbols.refuse(lanes[lane].symbols(), "the basis holds a value beyond its range");
-    at[lane] = lanes[lane].symbols();
+  std::vector<StreamReader> streams;
+  streams.reserve(symbol_streams);
+  for (std::size_t stream = 0; stream < symbol_streams; ++stream)
+    streams.emplace_back(model, vertices, symbols.tables(), firsts, pieces,
+                         std::span(places).subspan(columns[stream], columns[stream + 1] - columns[stream]), at[stream]);
+  read_streams(streams);
+  for (std::size_t stream = 0; stream < symbol_streams; ++stream) {
+    if (!streams[stream].sound()) symbols.refuse(streams[stream].symbols(), "the basis holds a value beyond its range");
+    at[stream] = streams[stream].symbols();
   }
   symbols.end(at);
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -7,7 +7,7 @@
 
 #include "archive/coding/basis_coding.h"
 
-namespace fb {
+namespace fb::archive {
 
 inline std::uint32_t class_of(AxisNumbers residuals) {
   return bits_of(magnitudes(residuals));
@@ -20,19 +20,19 @@ inline AxisNumbers numbers_of(const ColumnState& state, const BasisPiece& piece,
   return numbers;
 }
 
-// The numbers of a piece minus what is foretold for them; 0 on axes that it does not have.
+// The numbers of a piece minus what is predicted for them; 0 on axes that it does not have.
 inline AxisNumbers residuals_of(const ColumnState& state, const BasisPiece& piece, AxisNumbers numbers) {
-  const AxisNumbers foretold = state.foretold(piece);
+  const AxisNumbers predicted = state.predicted(piece);
   AxisNumbers residuals{};
   for (std::uint32_t axis = piece.axis; axis < std::uint32_t(piece.axis) + piece.count; ++axis)
-    residuals[axis] = numbers[axis] - foretold[axis];
+    residuals[axis] = numbers[axis] - predicted[axis];
   return residuals;
 }
 
 // Gives `out` (see SymbolWriter) the symbols and bits of a piece with these residuals. FORMAT.md describes them.
 template <class Out>
 void code_piece(Out& out, const ColumnState& state, const BasisPiece& piece, AxisNumbers residuals) {
-  const std::uint32_t bits = class_of(residuals), context = first_context(state.situation(piece));
+  const std::uint32_t bits = class_of(residuals), context = first_context(state.context_key(piece));
   if (bits < 2) {
     std::uint32_t symbol = 0;
     for (std::size_t axis = 3; axis-- > 0;) symbol = 3 * symbol + (residuals[axis] < 0 ? 2 : residuals[axis]);
@@ -52,4 +52,4 @@ void code_piece(Out& out, const ColumnState& state, const BasisPiece& piece, Axi
   }
 }
 
-}  // namespace fb
+}  // namespace fb::archive

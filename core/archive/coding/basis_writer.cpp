@@ -7,7 +7,7 @@
 #include "archive/section_writer.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 void write_column(SymbolWriter& out, ColumnState& state, const std::vector<BasisPiece>& pieces, bool wide,
@@ -36,7 +36,7 @@ ByteWriter write_basis(const PackedModel& model) {
   out.planes(numbers);
   numbers.clear();
   out.number(checked_u32(model.groups.size(), "row groups"));
-  for (const PackedRowGroup& group : model.groups) numbers.push_back(group.row_count);
+  for (const PackedRowBlock& group : model.groups) numbers.push_back(group.row_count);
   out.planes(numbers);
   numbers.clear();
 
@@ -69,15 +69,15 @@ ByteWriter write_basis_values(const PackedModel& model) {
   SymbolWriter symbols(basis_contexts);
   for (const auto& of_group : pieces)
     for (const BasisPiece& piece : of_group)
-      if (piece.guess_count > 1) symbols.symbol(choice_context(piece), piece.choice);
+      if (piece.predictor_count > 1) symbols.symbol(choice_context(piece), piece.choice);
   ColumnState state(model.rest.vertex_count());
   const auto places = column_places(model);
-  const auto lanes = columns_of_lanes(model, places);
-  for (std::size_t lane = 0; lane < symbol_lanes; ++lane) {
-    symbols.go_to_lane(lane);
-    for (std::size_t c = lanes[lane]; c < lanes[lane + 1]; ++c) {
+  const auto streams = columns_of_streams(model, places);
+  for (std::size_t stream = 0; stream < symbol_streams; ++stream) {
+    symbols.select_stream(stream);
+    for (std::size_t c = streams[stream]; c < streams[stream + 1]; ++c) {
       for (const auto& [g, index] : places[c]) {
-        const PackedRowGroup& group = model.groups[g];
+        const PackedRowBlock& group = model.groups[g];
         write_column(symbols, state, pieces[g], group.columns[index].wide,
                      group.values.data() + std::size_t(index) * group.row_count);
       }
@@ -89,4 +89,4 @@ ByteWriter write_basis_values(const PackedModel& model) {
   return out;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // The numbers of one column by slots and axes.
@@ -31,24 +31,24 @@ class Bits {
   std::array<float, 256> table_;
 };
 
-// A piece, what its numbers may be guessed from, and the bits that each pair of guesses takes.
+// A piece, what its numbers may be predicted from, and the bits that each pair of predictors takes.
 struct Candidates {
-  std::vector<Guess> guesses;
+  std::vector<Predictor> predictors;
   std::vector<std::array<std::uint32_t, 2>> pairs;
   std::vector<float> bits;
 };
 
-int guessed(const Guess& guess, const Numbers& numbers, std::size_t axis) {
-  return numbers[guess.left][axis] + numbers[guess.right][axis] - numbers[guess.across][axis];
+int predicted(const Predictor& prediction, const Numbers& numbers, std::size_t axis) {
+  return numbers[prediction.left][axis] + numbers[prediction.right][axis] - numbers[prediction.across][axis];
 }
 
 class Chooser {
  public:
   explicit Chooser(const PackedModel& model) : model_(model), places_(column_places(model)) {
     pieces_ = basis_pieces(model.rest, static_cast<std::uint32_t>(model.rest.vertex_count()), model.order, model.groups,
-                           [&](BasisPiece& piece, std::span<const Guess> guesses) {
-                             choose_pair(piece, guesses, 0);
-                             candidates_.push_back({{guesses.begin(), guesses.end()}, {}, {}});
+                           [&](BasisPiece& piece, std::span<const Predictor> predictors) {
+                             choose_pair(piece, predictors, 0);
+                             candidates_.push_back({{predictors.begin(), predictors.end()}, {}, {}});
                            });
     std::size_t first = 0;
     for (const auto& pieces : pieces_) {
@@ -57,15 +57,15 @@ class Chooser {
     }
   }
 
-  // Each guess alone first, then pairs of the best.
+  // Each prediction alone first, then pairs of the best.
   std::vector<std::vector<BasisPiece>> chosen() {
     for (Candidates& c : candidates_) {
       c.pairs.clear();
-      for (std::uint32_t g = 0; g < c.guesses.size(); ++g) c.pairs.push_back({g, g});
+      for (std::uint32_t g = 0; g < c.predictors.size(); ++g) c.pairs.push_back({g, g});
     }
     weigh();
     for (Candidates& c : candidates_) {
-      std::vector<std::uint32_t> order(c.guesses.size());
+      std::vector<std::uint32_t> order(c.predictors.size());
       for (std::uint32_t g = 0; g < order.size(); ++g) order[g] = g;
       std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return c.bits[a] < c.bits[b]; });
       c.pairs = {{0, 0}};
@@ -82,14 +82,14 @@ class Chooser {
         for (std::size_t p = 1; p < c.pairs.size(); ++p) c.bits[p] += choice_bits;
         const auto least = std::min_element(c.bits.begin(), c.bits.end()) - c.bits.begin();
         const auto [first, second] = c.pairs[static_cast<std::size_t>(least)];
-        choose_pair(piece, c.guesses, pair_number(first, second));
+        choose_pair(piece, c.predictors, pair_number(first, second));
       }
     return std::move(pieces_);
   }
 
  private:
   static constexpr std::size_t best_guesses = 3;
-  static constexpr float choice_bits = 4;  // that another choice than the first guess takes
+  static constexpr float choice_bits = 4;  // that another choice than the first prediction takes
 
   // Sums up the bits of all pairs over all columns.
   void weigh() {
@@ -103,10 +103,10 @@ class Chooser {
       for (const ColumnPlace& place : places)
         each_piece(place, [&](const BasisPiece& piece, const std::int16_t* values, Candidates& c) {
           for (std::size_t p = 0; p < c.pairs.size(); ++p) {
-            const Guess &one = c.guesses[c.pairs[p][0]], &other = c.guesses[c.pairs[p][1]];
+            const Predictor &one = c.predictors[c.pairs[p][0]], &other = c.predictors[c.pairs[p][1]];
             for (std::size_t i = 0; i < piece.count; ++i) {
               const std::size_t axis = piece.axis + i;
-              const int sum = guessed(one, numbers, axis) + guessed(other, numbers, axis);
+              const int sum = predicted(one, numbers, axis) + predicted(other, numbers, axis);
               c.bits[p] += bits_.of(values[i] - ((sum + 1) >> 1));
             }
           }
@@ -119,7 +119,7 @@ class Chooser {
   // Calls with(piece, its values, its candidates).
   template <class With>
   void each_piece(const ColumnPlace& place, const With& with) {
-    const PackedRowGroup& group = model_.groups[place.group];
+    const PackedRowBlock& group = model_.groups[place.group];
     const std::int16_t* const values = group.values.data() + std::size_t(place.index) * group.row_count;
     std::size_t at = first_[place.group];
     for (const BasisPiece& piece : pieces_[place.group]) with(piece, values + piece.row, candidates_[at++]);
@@ -139,4 +139,4 @@ std::vector<std::vector<BasisPiece>> best_pieces(const PackedModel& model) {
   return Chooser(model).chosen();
 }
 
-}  // namespace fb
+}  // namespace fb::archive

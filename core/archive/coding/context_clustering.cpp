@@ -6,7 +6,7 @@
 
 #include "archive/coding/symbol_reader.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Bits that a table and the symbols coded by it take, about; of two tables, if `other` is given, those of one for both.
@@ -28,7 +28,7 @@ double cost(const SymbolCounts& counts, const SymbolCounts* other = nullptr) {
 
 }  // namespace
 
-std::vector<std::uint8_t> share_tables(std::span<const SymbolCounts> contexts) {
+std::vector<std::uint8_t> cluster_contexts(std::span<const SymbolCounts> contexts) {
   std::vector<std::size_t> table(contexts.size()), live;  // a table goes by its first context
   std::vector<SymbolCounts> counts(contexts.begin(), contexts.end());
   std::vector<double> costs(contexts.size());
@@ -68,4 +68,4 @@ std::vector<std::uint8_t> share_tables(std::span<const SymbolCounts> contexts) {
   return numbers;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 std::uint32_t read_frequency(ByteReader& in) {
@@ -45,33 +45,33 @@ SymbolReader::SymbolReader(ByteReader& in, std::size_t contexts) : in_(&in) {
   for (std::size_t table = 0; table < tables; ++table)
     read_table(in, &tables_.symbols[table * symbol_slots], &tables_.shares[table * 256]);
 
-  std::array<std::uint32_t, symbol_lanes> counts;
+  std::array<std::uint32_t, symbol_streams> counts;
   for (std::uint32_t& count : counts) count = in.number<std::uint32_t>("a number of words");
-  for (SymbolLane& lane : begin_) {
-    lane.state_ = in.number<std::uint32_t>("a coder's state");
-    if (lane.state_ < least_state) in.damaged("a coder's state is too small");
+  for (SymbolStream& stream : begin_) {
+    stream.state_ = in.number<std::uint32_t>("a coder's state");
+    if (stream.state_ < least_state) in.damaged("a coder's state is too small");
   }
   const std::uint64_t words = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
-  if (in.left() != 2 * words) in.damaged("the words of the lanes do not fill the section");
+  if (in.left() != 2 * words) in.damaged("the words of the streams do not fill the section");
   words_ = in.numbers<std::uint16_t>(words, "coded symbols");
-  words_.resize(words_.size() + SymbolLane::spare_words);
+  words_.resize(words_.size() + SymbolStream::spare_words);
   const std::uint16_t* at = words_.data();
-  for (std::size_t lane = 0; lane < symbol_lanes; ++lane) {
-    begin_[lane].at_ = at;
-    begin_[lane].end_ = at += counts[lane];
+  for (std::size_t stream = 0; stream < symbol_streams; ++stream) {
+    begin_[stream].at_ = at;
+    begin_[stream].end_ = at += counts[stream];
   }
 }
 
-void SymbolReader::refuse(const SymbolLane& lane, const char* what) const {
-  in_->damaged(lane.exhausted() ? "there are too few coded symbols" : what);
+void SymbolReader::refuse(const SymbolStream& stream, const char* what) const {
+  in_->damaged(stream.exhausted() ? "there are too few coded symbols" : what);
 }
 
-void SymbolReader::end(const SymbolLanes& lanes) const {
-  for (const SymbolLane& lane : lanes) {
-    if (lane.exhausted()) refuse(lane, "");
-    if (lane.at_ != lane.end_) in_->damaged("there are too many coded symbols");
-    if (lane.state_ != least_state) in_->damaged("the coded symbols do not end as they should");
+void SymbolReader::end(const SymbolStreams& streams) const {
+  for (const SymbolStream& stream : streams) {
+    if (stream.exhausted()) refuse(stream, "");
+    if (stream.at_ != stream.end_) in_->damaged("there are too many coded symbols");
+    if (stream.state_ != least_state) in_->damaged("the coded symbols do not end as they should");
   }
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -9,10 +9,10 @@
 
 #include "archive/container/byte_reader.h"
 
-namespace fb {
+namespace fb::archive {
 
 inline constexpr std::uint32_t symbol_bits = 10, symbol_slots = 1u << symbol_bits;  // frequencies of a table sum to
-inline constexpr std::uint32_t symbol_lanes = 4;
+inline constexpr std::uint32_t symbol_streams = 4;
 inline constexpr std::uint32_t least_state = 1u << 16;
 inline constexpr std::uint32_t most_tables = 64;  // that the contexts of a section share
 
@@ -24,14 +24,14 @@ struct SymbolTables {
   std::vector<std::uint32_t> shares;
 };
 
-// Where decoding is in one lane. Every symbol is coded in one of a few lanes, which have nothing in common but the
-// tables: who goes on in all of them at a time does not wait for one. Which lane is fixed by what the symbol means.
+// Where decoding is in one stream. Every symbol is coded in one of a few streams, which have nothing in common but the
+// tables: who goes on in all of them at a time does not wait for one. Which stream is fixed by what the symbol means.
 // Whether words are left is not asked for every symbol, as no branch that depends on them may be there: see
 // exhausted().
-class SymbolLane {
+class SymbolStream {
  public:
   // After the words of the section lie so many zeros: who reads no more symbols than that between one question whether
-  // the lane is exhausted and the next reads nothing beyond.
+  // the stream is exhausted and the next reads nothing beyond.
   static constexpr std::size_t spare_words = 128;
   bool exhausted() const { return at_ > end_; }
 
@@ -70,25 +70,25 @@ class SymbolLane {
   const std::uint16_t *at_ = nullptr, *end_ = nullptr;
 };
 
-using SymbolLanes = std::array<SymbolLane, symbol_lanes>;
+using SymbolStreams = std::array<SymbolStream, symbol_streams>;
 
 class SymbolReader {
  public:
-  // Reads what is left of the section. `in` must outlive this object, which must outlive its lanes.
+  // Reads what is left of the section. `in` must outlive this object, which must outlive its streams.
   SymbolReader(ByteReader& in, std::size_t contexts);
 
   const SymbolTables& tables() const { return tables_; }
-  SymbolLanes begin() const { return begin_; }
+  SymbolStreams begin() const { return begin_; }
   // Fails unless everything was read and nothing more was asked for.
-  void end(const SymbolLanes& lanes) const;
-  // Fails because of what was read in a lane: for want of symbols if they had run out.
-  [[noreturn]] void refuse(const SymbolLane& lane, const char* what) const;
+  void end(const SymbolStreams& streams) const;
+  // Fails because of what was read in a stream: for want of symbols if they had run out.
+  [[noreturn]] void refuse(const SymbolStream& stream, const char* what) const;
 
  private:
   const ByteReader* in_;
   SymbolTables tables_;
   std::vector<std::uint16_t> words_;
-  SymbolLanes begin_;
+  SymbolStreams begin_;
 };
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -8,7 +8,7 @@
 #include "archive/coding/symbol_reader.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Frequencies that sum to symbol_slots, at least 1 for whatever occurs; all 0 if nothing does.
@@ -52,7 +52,7 @@ void SymbolWriter::write(ByteWriter& out) const {
   std::vector<SymbolCounts> counts(contexts_);
   for (const Step& step : steps_)
     if (step.plain_bits == 0) ++counts[step.context][step.value];
-  const std::vector<std::uint8_t> table_of = share_tables(counts);
+  const std::vector<std::uint8_t> table_of = cluster_contexts(counts);
   out.numbers(table_of);
   std::vector<SymbolCounts> frequency(1 + *std::max_element(table_of.begin(), table_of.end())), first(frequency.size());
   for (std::size_t c = 0; c < contexts_; ++c)
@@ -63,15 +63,15 @@ void SymbolWriter::write(ByteWriter& out) const {
     write_table(frequency[t], out);
   }
   // Backwards, as the numeral system is a stack: what is put in last comes out first.
-  std::array<std::uint32_t, symbol_lanes> states;
+  std::array<std::uint32_t, symbol_streams> states;
   states.fill(least_state);
-  std::array<std::vector<std::uint16_t>, symbol_lanes> words;
+  std::array<std::vector<std::uint16_t>, symbol_streams> words;
   for (std::size_t i = steps_.size(); i-- > 0;) {
-    const auto& [context, lane, plain_bits, value] = steps_[i];
-    std::uint32_t& state = states[lane];
-    const auto make_room = [&, lane = lane](std::uint64_t beyond) {
+    const auto& [context, stream, plain_bits, value] = steps_[i];
+    std::uint32_t& state = states[stream];
+    const auto make_room = [&, stream = stream](std::uint64_t beyond) {
       if (state < beyond) return;
-      words[lane].push_back(static_cast<std::uint16_t>(state));
+      words[stream].push_back(static_cast<std::uint16_t>(state));
       state >>= 16;
     };
     if (plain_bits > 0) {
@@ -91,4 +91,4 @@ void SymbolWriter::write(ByteWriter& out) const {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::archive

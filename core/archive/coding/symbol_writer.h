@@ -7,14 +7,14 @@
 
 #include "archive/container/byte_writer.h"
 
-namespace fb {
+namespace fb::archive {
 
 class SymbolWriter {
  public:
   explicit SymbolWriter(std::size_t contexts) : contexts_(contexts) {}
 
-  // The lane of what follows, 0 at first; see SymbolLane.
-  void go_to_lane(std::size_t lane) { lane_ = static_cast<std::uint8_t>(lane); }
+  // The stream of what follows, 0 at first; see SymbolStream.
+  void select_stream(std::size_t stream) { lane_ = static_cast<std::uint8_t>(stream); }
   // A number below 256 in a context.
   void symbol(std::size_t context, std::uint32_t value) {
     steps_.push_back({static_cast<std::uint16_t>(context), lane_, 0, static_cast<std::uint16_t>(value)});
@@ -29,7 +29,7 @@ class SymbolWriter {
  private:
   struct Step {
     std::uint16_t context;
-    std::uint8_t lane, plain_bits;  // 0: coded in the context
+    std::uint8_t stream, plain_bits;  // 0: coded in the context
     std::uint16_t value;
   };
   std::size_t contexts_;
@@ -37,4 +37,4 @@ class SymbolWriter {
   std::vector<Step> steps_;
 };
 
-}  // namespace fb
+}  // namespace fb::archive

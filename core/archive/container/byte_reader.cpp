@@ -2,7 +2,7 @@
 
 #include "archive/container/layout.h"
 
-namespace fb {
+namespace fb::archive {
 
 std::string ByteReader::string(const char* what) {
   const auto length = number<std::uint32_t>(what);
@@ -43,4 +43,4 @@ std::vector<std::int16_t> ByteReader::whole_numbers(std::uint64_t count, bool wi
   return values;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -12,7 +12,7 @@
 #include "base/checked.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::archive {
 
 // What is left of ReadLimits::max_model_bytes; asked before every allocation whose size comes from the file.
 class Budget {
@@ -107,4 +107,4 @@ class ByteReader {
   std::size_t at_ = 0;
 };
 
-}  // namespace fb
+}  // namespace fb::archive

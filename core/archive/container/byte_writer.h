@@ -14,7 +14,7 @@
 #include "archive/container/layout.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::archive {
 
 class ByteWriter {
  public:
@@ -63,4 +63,4 @@ class ByteWriter {
   }
 };
 
-}  // namespace fb
+}  // namespace fb::archive

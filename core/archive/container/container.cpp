@@ -8,7 +8,7 @@
 
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 using ull = unsigned long long;
@@ -156,4 +156,4 @@ const StoredSection* find_section(const std::vector<StoredSection>& sections, st
   return found == sections.end() ? nullptr : &*found;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

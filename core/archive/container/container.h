@@ -11,7 +11,7 @@
 #include "archive/container/byte_reader.h"
 #include "archive/container/layout.h"
 
-namespace fb {
+namespace fb::archive {
 
 // One row of the section table.
 struct SectionInfo {
@@ -41,4 +41,4 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes, Form
 
 const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name);
 
-}  // namespace fb
+}  // namespace fb::archive

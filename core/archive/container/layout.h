@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace fb {
+namespace fb::archive {
 
 inline constexpr unsigned char archive_magic[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
 inline constexpr std::uint16_t archive_major = 1, archive_minor = 0;
@@ -66,4 +66,4 @@ inline std::uint32_t corner_before(const std::vector<std::uint32_t>& corners, st
   return at > 0 ? corners[at - 1] : 0;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

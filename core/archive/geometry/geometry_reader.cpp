@@ -8,7 +8,7 @@
 #include "archive/container/layout.h"
 #include "archive/section_reader.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 // Draco believes the counts it reads and allocates by them. Both decoders below stop it before it allocates, unless the
@@ -172,4 +172,4 @@ RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, 
   fail(Status::unsupported, "%s has points in unknown order %u", in.where().c_str(), static_cast<unsigned>(order));
 }
 
-}  // namespace fb
+}  // namespace fb::archive

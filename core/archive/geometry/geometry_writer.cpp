@@ -13,7 +13,7 @@
 #include "archive/section_writer.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 int add_attribute(draco::PointCloud& cloud, draco::GeometryAttribute::Type type, draco::DataType data, int components,
@@ -123,4 +123,4 @@ WrittenGeometry write_geometry(const Mesh& mesh) {
   return std::move(*written);
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -4,7 +4,7 @@
 
 #include "archive/container/layout.h"
 
-namespace fb {
+namespace fb::archive {
 
 TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices)
     : first_(std::size_t(vertices) + 1), edges_(triangles.size()) {
@@ -16,15 +16,16 @@ TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::u
       edges_[--first_[triangles[t + k]]] = {triangles[t + (k + 1) % 3], triangles[t + (k + 2) % 3]};
 }
 
-std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex, std::uint32_t guess) {
+std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex,
+                                               std::uint32_t prediction) {
   const auto from = edges.from(vertex);
   if (from.size() > most_edges) return {};
   std::vector<TriangleEdges::Edge> sorted(from.begin(), from.end());
   std::sort(sorted.begin(), sorted.end(),
-            [&](const auto& a, const auto& b) { return to_zigzag(a.to - guess) < to_zigzag(b.to - guess); });
+            [&](const auto& a, const auto& b) { return to_zigzag(a.to - prediction) < to_zigzag(b.to - prediction); });
   const auto same = [](const auto& a, const auto& b) { return a.to == b.to; };
   if (std::adjacent_find(sorted.begin(), sorted.end(), same) != sorted.end()) return {};
   return sorted;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

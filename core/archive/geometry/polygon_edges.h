@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace fb {
+namespace fb::archive {
 
 // The edges of triangles, each in the direction of its triangle.
 class TriangleEdges {
@@ -26,14 +26,16 @@ class TriangleEdges {
   std::vector<Edge> edges_;
 };
 
-// The edges from a vertex, those first that have small steps from `guess` to where they lead: see to_zigzag. None if
-// two lead to one vertex or there are more than most_edges, where triangles do not tell polygons.
+// The edges from a vertex, those first that have small steps from `prediction` to where they lead: see to_zigzag. None
+// if two lead to one vertex or there are more than most_edges, where triangles do not tell polygons.
 inline constexpr std::size_t most_edges = 64;
-std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex, std::uint32_t guess);
+std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex,
+                                               std::uint32_t prediction);
 
-// Where the polygon's second corner is guessed: the first corner goes on from that of the polygon before as this does.
-inline std::uint32_t second_guess(std::span<const std::uint32_t> polygon_before, std::uint32_t first) {
+// Where the polygon's second corner is predicted: the first corner goes on from that of the polygon before as this
+// does.
+inline std::uint32_t predicted_second(std::span<const std::uint32_t> polygon_before, std::uint32_t first) {
   return polygon_before.empty() ? first : first + polygon_before[1] - polygon_before[0];
 }
 
-}  // namespace fb
+}  // namespace fb::archive

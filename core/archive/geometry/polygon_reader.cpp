@@ -4,7 +4,7 @@
 #include "archive/geometry/polygon_edges.h"
 #include "archive/section_reader.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 void read_along_triangles(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles,
@@ -22,7 +22,7 @@ void read_along_triangles(ByteReader& in, std::uint32_t vertices, const std::vec
   for (std::size_t p = 0; p < steps.size(); ++p) {
     first += from_zigzag(steps[p]);
     if (first >= vertices) in.damaged("a polygon names a vertex that does not exist");
-    const auto from = nearest_first(edges, first, second_guess(before, first));
+    const auto from = nearest_first(edges, first, predicted_second(before, first));
     if (turns[p] >= from.size()) in.damaged("a polygon begins along no triangle");
     polygon[0] = first;
     polygon[1] = from[turns[p]].to;
@@ -84,4 +84,4 @@ void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std
   fail(Status::unsupported, "%s has corners in unknown coding %u", in.where().c_str(), coding);
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -5,7 +5,7 @@
 #include "archive/section_writer.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
@@ -33,7 +33,7 @@ ByteWriter along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& t
   std::span<const std::uint32_t> before;
   for (const std::uint32_t size : mesh.polygon_sizes) {
     steps.push_back(to_zigzag(polygon[0] - (before.empty() ? 0 : before[0])));
-    const auto from = nearest_first(edges, polygon[0], second_guess(before, polygon[0]));
+    const auto from = nearest_first(edges, polygon[0], predicted_second(before, polygon[0]));
     const auto turn = std::find_if(from.begin(), from.end(), [&](const auto& edge) { return edge.to == polygon[1]; });
     turns.push_back(static_cast<std::uint8_t>(turn - from.begin()));
     before = {polygon, size};
@@ -79,4 +79,4 @@ ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& tr
   return in_steps(mesh);
 }
 
-}  // namespace fb
+}  // namespace fb::archive

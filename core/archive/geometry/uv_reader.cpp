@@ -3,7 +3,7 @@
 #include "archive/section_reader.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 
 void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   const auto pairs = in.number<std::uint32_t>("the number of texture coordinates");
@@ -31,4 +31,4 @@ void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   mesh.uv_corners = mesh.polygon_corners;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -1,7 +1,7 @@
 #include "archive/section_writer.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 
 ByteWriter write_uvs(const Mesh& mesh) {
   const std::size_t pairs = mesh.uvs.size() / 2;
@@ -18,4 +18,4 @@ ByteWriter write_uvs(const Mesh& mesh) {
   return out;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

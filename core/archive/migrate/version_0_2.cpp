@@ -9,7 +9,7 @@
 #include "archive/section_reader.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::archive {
 namespace {
 
 constexpr FormatVersion version = {0, 2};
@@ -30,7 +30,7 @@ void read_layer_weights(ByteReader& in, PackedLayer& layer) {
 }
 
 // Row groups with their columns and numbers, one group after the other.
-void read_groups(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+void read_row_blocks(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   model.columns = in.number<std::uint32_t>("the number of columns");
   if (in.number<std::uint32_t>("the order flag") != 0) {
     model.order = in.planes32(vertices, "the order");
@@ -49,7 +49,7 @@ void read_groups(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   std::uint32_t row = 0;
   std::size_t at = 0;
   for (std::uint32_t g = 0; g < groups; ++g) {
-    PackedRowGroup& group = model.groups.emplace_back();
+    PackedRowBlock& group = model.groups.emplace_back();
     group.first_row = row;
     row += group.row_count = rows[g];
     std::uint32_t column = 0;
@@ -62,7 +62,7 @@ void read_groups(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
                                                in.whole_numbers(numbers[1], true, "wide values")};
   in.end();
   const std::int16_t* next[2] = {values[0].data(), values[1].data()};
-  for (PackedRowGroup& group : model.groups)
+  for (PackedRowBlock& group : model.groups)
     for (const PackedColumn& column : group.columns) {
       group.values.insert(group.values.end(), next[column.wide], next[column.wide] + group.row_count);
       next[column.wide] += group.row_count;
@@ -104,7 +104,7 @@ Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& lim
     return read_draco(in, order, vertices, order == PointOrder::by_index ? triangles : 0, 0).points;
   });
   part(section::network, [&](ByteReader& in) { read_network(in, model, read_layer_weights); });
-  part(section::basis, [&](ByteReader& in) { read_groups(in, vertices, model); });
+  part(section::basis, [&](ByteReader& in) { read_row_blocks(in, vertices, model); });
   if (find_section(sections, section::provenance)) model.provenance = part(section::provenance, read_text);
   for (PackedRegion& region : model.regions)
     std::sort(region.gate.features.begin(), region.gate.features.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -116,4 +116,4 @@ Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& lim
   return archive;
 }
 
-}  // namespace fb
+}  // namespace fb::archive

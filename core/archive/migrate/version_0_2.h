@@ -6,7 +6,7 @@
 
 #include "archive/reader.h"
 
-namespace fb {
+namespace fb::archive {
 
 bool is_version_0_2(std::span<const std::byte> bytes);
 
@@ -14,4 +14,4 @@ bool is_version_0_2(std::span<const std::byte> bytes);
 // version 1.0 asks for.
 Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& limits = {});
 
-}  // namespace fb
+}  // namespace fb::archive

@@ -8,7 +8,7 @@
 
 #include "bake/analysis/blendshape_parts.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t most_powers = 4;
@@ -386,4 +386,4 @@ std::vector<double> bent_places(const CurveSamples& samples, const CurveLimits& 
   return wanted;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

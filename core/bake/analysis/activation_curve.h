@@ -8,7 +8,7 @@
 #include "bake/analysis/sparse_blendshapes.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The rig with one control away from rest. A place is the share of the way from rest to an end of the range: positive
 // toward the maximum, negative toward the minimum, 1 or -1 at the ends.
@@ -25,7 +25,7 @@ struct CurveLimits {
 };
 
 struct ControlCurve {
-  CurveBase part;             // its shapes; empty if the control moves nothing
+  SparseBlendshapes part;     // its shapes; empty if the control moves nothing
   double error = 0;           // largest distance at a sample, rig units
   bool smooth = false;        // one polynomial through both sides, or the only side, of the range
   std::vector<double> knots;  // places of corners between rest and the ends, those that bend most first
@@ -52,4 +52,4 @@ ControlCurve fit_curve(const Control& control, const CurveSamples& samples, cons
 // fraction; its middle where they do not.
 std::vector<double> bent_places(const CurveSamples& samples, const CurveLimits& limits);
 
-}  // namespace fb
+}  // namespace fb::bake

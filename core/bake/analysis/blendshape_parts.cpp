@@ -4,7 +4,7 @@
 #include <map>
 #include <tuple>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Key = std::tuple<std::uint32_t, std::uint32_t, float, float, float, std::uint32_t, std::uint32_t>;
@@ -53,7 +53,8 @@ SparseShape make_sparse(std::uint32_t feature, std::span<const float> offsets, d
   return shape;
 }
 
-std::vector<std::vector<std::uint32_t>> append(CurveBase& base, std::span<const CurveBase* const> parts) {
+std::vector<std::vector<std::uint32_t>> append(SparseBlendshapes& base,
+                                               std::span<const SparseBlendshapes* const> parts) {
   std::map<Key, std::uint32_t> known;  // thousands of features: found by key
   for (std::size_t f = 0; f < base.features.size(); ++f)
     known.emplace(key_of(base.features[f]), static_cast<std::uint32_t>(f));
@@ -72,10 +73,10 @@ std::vector<std::vector<std::uint32_t>> append(CurveBase& base, std::span<const 
   return carried;
 }
 
-std::size_t stored_offsets(const CurveBase& base) {
+std::size_t stored_offsets(const SparseBlendshapes& base) {
   std::size_t count = 0;
   for (const SparseShape& shape : base.shapes) count += shape.offsets.size();
   return count;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -1,11 +1,12 @@
-// Curve bases made of parts: what one control does, or what a pair or triple adds, is a small CurveBase of its own.
+// Curve bases made of parts: what one control does, or what a pair or triple adds, is a small SparseBlendshapes of its
+// own.
 #pragma once
 
 #include <span>
 
 #include "bake/analysis/sparse_blendshapes.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The index of a feature in `features`, after adding it if it is new.
 std::uint32_t add_feature(std::vector<Feature>& features, const Feature& feature);
@@ -18,9 +19,10 @@ SparseShape make_sparse(std::uint32_t feature, std::span<const float> offsets, d
 
 // Adds parts to the base. Features that several parts use are kept once; no two parts have shapes of one feature.
 // Returns the features in the base that carry each part's shapes, part by part.
-std::vector<std::vector<std::uint32_t>> append(CurveBase& base, std::span<const CurveBase* const> parts);
+std::vector<std::vector<std::uint32_t>> append(SparseBlendshapes& base,
+                                               std::span<const SparseBlendshapes* const> parts);
 
 // Floats the shapes hold.
-std::size_t stored_offsets(const CurveBase& base);
+std::size_t stored_offsets(const SparseBlendshapes& base);
 
-}  // namespace fb
+}  // namespace fb::bake

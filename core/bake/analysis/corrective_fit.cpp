@@ -6,7 +6,7 @@
 
 #include "bake/analysis/blendshape_parts.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -68,7 +68,7 @@ double largest_distance(const Rows& rows) {
   return worst;
 }
 
-std::vector<Eigen::Index> pick_terms(const Eigen::MatrixXd& table, Rows left, const TermLimits& limits) {
+std::vector<Eigen::Index> pick_features(const Eigen::MatrixXd& table, Rows left, const CorrectiveLimits& limits) {
   const Eigen::MatrixXd all = (left * left.transpose()).cast<double>();
   Eigen::MatrixXd energy = all, rest_of = table;  // candidates less what is picked already
   std::vector<Eigen::Index> picked;
@@ -121,10 +121,10 @@ std::vector<std::uint32_t> compose(std::vector<Feature>& features, std::span<con
   return composed;
 }
 
-CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
-                    std::span<const float> poses, std::span<const float> rest,
-                    std::span<const std::vector<float>> residuals, const TermLimits& limits) {
-  CurveBase terms;
+SparseBlendshapes fit_corrective(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
+                                 std::span<const float> poses, std::span<const float> rest,
+                                 std::span<const std::vector<float>> residuals, const CorrectiveLimits& limits) {
+  SparseBlendshapes terms;
   if (residuals.empty() || candidates.empty()) return terms;
   const std::size_t vertices = residuals[0].size() / 3;
   std::vector<std::uint32_t> moved;
@@ -144,7 +144,7 @@ CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint
       for (std::size_t axis = 0; axis < 3; ++axis)
         rows(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(3 * k + axis)) = residuals[i][3 * moved[k] + axis];
   const Eigen::MatrixXd table = values_at(features, candidates, poses, rest);
-  std::vector<Eigen::Index> picked = pick_terms(table, rows, limits);
+  std::vector<Eigen::Index> picked = pick_features(table, rows, limits);
   Rows shapes;
   for (; !picked.empty(); picked.pop_back()) {
     const Eigen::MatrixXd columns = select(table, picked);
@@ -164,4 +164,4 @@ CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint
   return terms;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,9 +7,9 @@
 
 #include "bake/analysis/sparse_blendshapes.h"
 
-namespace fb {
+namespace fb::bake {
 
-struct TermLimits {
+struct CorrectiveLimits {
   double tolerance = 0;  // largest distance at a vertex where more terms stop being worth it, rig units
   double drop = 0;       // offsets not kept, rig units
   std::uint32_t max_terms = 6;
@@ -27,8 +27,8 @@ std::vector<std::uint32_t> compose(std::vector<Feature>& features, std::span<con
 // are left out: far from the points they could be anything. Orthogonal matching pursuit (Pati, Rezaiifar,
 // Krishnaprasad, Asilomar 1993), all vertices at once. The result's features are those of its shapes and what they are
 // made of.
-CurveBase fit_terms(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
-                    std::span<const float> poses, std::span<const float> rest,
-                    std::span<const std::vector<float>> residuals, const TermLimits& limits);
+SparseBlendshapes fit_corrective(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
+                                 std::span<const float> poses, std::span<const float> rest,
+                                 std::span<const std::vector<float>> residuals, const CorrectiveLimits& limits);
 
-}  // namespace fb
+}  // namespace fb::bake

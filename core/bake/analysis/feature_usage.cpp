@@ -2,13 +2,13 @@
 
 #include "bake/analysis/sparse_blendshapes.h"
 
-namespace fb {
+namespace fb::bake {
 
-std::vector<FeatureUse> feature_uses(const std::vector<Feature>& features, const RigSchema& schema,
-                                     std::span<const float> controls) {
+std::vector<FeatureUsage> feature_usage(const std::vector<Feature>& features, const RigSchema& schema,
+                                        std::span<const float> controls) {
   const std::vector<float> rest = schema.rest_pose();
   const std::size_t poses = controls.size() / rest.size();
-  std::vector<FeatureUse> uses(features.size());
+  std::vector<FeatureUsage> uses(features.size());
   std::vector<float> values(features.size());
   for (std::size_t pose = 0; pose < poses; ++pose) {
     evaluate_features(features, controls.subspan(pose * rest.size(), rest.size()), rest, values);
@@ -20,4 +20,4 @@ std::vector<FeatureUse> feature_uses(const std::vector<Feature>& features, const
   return uses;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
-std::vector<std::uint32_t> moved_by(const CurveBase& part) {
+std::vector<std::uint32_t> moved_by(const SparseBlendshapes& part) {
   std::vector<std::uint32_t> moved;
   for (const SparseShape& shape : part.shapes) moved.insert(moved.end(), shape.vertices.begin(), shape.vertices.end());
   std::sort(moved.begin(), moved.end());
@@ -17,8 +17,8 @@ std::vector<std::uint32_t> moved_by(const CurveBase& part) {
 
 }  // namespace
 
-HeldPoses::HeldPoses(std::vector<float> controls, std::vector<float> left, std::vector<float> rest,
-                     const Parallel& parallel)
+HoldoutSet::HoldoutSet(std::vector<float> controls, std::vector<float> left, std::vector<float> rest,
+                       const Parallel& parallel)
     : controls_(std::move(controls)),
       left_(std::move(left)),
       rest_(std::move(rest)),
@@ -28,7 +28,7 @@ HeldPoses::HeldPoses(std::vector<float> controls, std::vector<float> left, std::
       scratch_(worker_count(parallel), std::vector<float>(size_)) {}
 
 template <class Use>
-void HeldPoses::for_moved(const CurveBase& part, const Use& use) {
+void HoldoutSet::for_moved(const SparseBlendshapes& part, const Use& use) {
   const std::vector<std::uint32_t> moved = moved_by(part);
   parallel_for(parallel_, poses_, [&](std::size_t p, std::size_t worker) {
     const std::span<const float> pose = std::span(controls_).subspan(p * rest_.size(), rest_.size());
@@ -49,13 +49,13 @@ void HeldPoses::for_moved(const CurveBase& part, const Use& use) {
   });
 }
 
-void HeldPoses::add(const CurveBase& part, float sign) {
+void HoldoutSet::add(const SparseBlendshapes& part, float sign) {
   for_moved(part, [&](std::size_t, float* left, const float* move) {
     for (int axis = 0; axis < 3; ++axis) left[axis] -= sign * move[axis];
   });
 }
 
-double HeldPoses::change_without(const CurveBase& part) {
+double HoldoutSet::change_without(const SparseBlendshapes& part) {
   std::vector<double> change(poses_);
   for_moved(part, [&](std::size_t p, const float* left, const float* move) {
     for (int axis = 0; axis < 3; ++axis)
@@ -64,7 +64,7 @@ double HeldPoses::change_without(const CurveBase& part) {
   return std::accumulate(change.begin(), change.end(), 0.0);
 }
 
-std::vector<bool> HeldPoses::judge(std::span<const CurveBase* const> parts) {
+std::vector<bool> HoldoutSet::judge(std::span<const SparseBlendshapes* const> parts) {
   std::vector<bool> kept(parts.size(), true);
   // What was worth its place beside a part that has gone since may no longer be.
   for (bool changed = true; changed;) {
@@ -79,7 +79,7 @@ std::vector<bool> HeldPoses::judge(std::span<const CurveBase* const> parts) {
   return kept;
 }
 
-HeldPoses::Error HeldPoses::error() const {
+HoldoutSet::Error HoldoutSet::error() const {
   double sum = 0, largest = 0;
   for (std::size_t i = 0; i < left_.size(); i += 3) {
     const double squares =
@@ -90,4 +90,4 @@ HeldPoses::Error HeldPoses::error() const {
   return {left_.empty() ? 0 : std::sqrt(3 * sum / double(left_.size())), std::sqrt(largest)};
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 
 #include "bake/analysis/feature_usage.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 double squares(const float* offset) {
@@ -15,17 +15,17 @@ double squares(const float* offset) {
 
 }  // namespace
 
-std::size_t keep_terms(Probe& probe, const RigSchema& schema, std::span<const float> controls, double diagonal,
-                       double bytes) {
-  CurveBase& base = probe.base;
-  const std::vector<FeatureUse> uses = feature_uses(base.features, schema, controls);
+std::size_t prune_correctives(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls,
+                              double diagonal, double bytes) {
+  SparseBlendshapes& base = analysis.base;
+  const std::vector<FeatureUsage> uses = feature_usage(base.features, schema, controls);
   std::vector<std::size_t> shape_of(base.features.size(), base.shapes.size());
   for (std::size_t s = 0; s < base.shapes.size(); ++s) shape_of[base.shapes[s].feature] = s;
 
-  // What each interaction is worth and costs.
-  std::vector<double> worth(probe.interactions.size()), cost(worth.size());
+  // What each corrective is worth and costs.
+  std::vector<double> worth(analysis.correctives.size()), cost(worth.size());
   for (std::size_t i = 0; i < worth.size(); ++i)
-    for (const std::uint32_t feature : probe.interactions[i].features) {
+    for (const std::uint32_t feature : analysis.correctives[i].features) {
       if (shape_of[feature] == base.shapes.size()) continue;
       const SparseShape& shape = base.shapes[shape_of[feature]];
       double size = 0;
@@ -41,20 +41,20 @@ std::size_t keep_terms(Probe& probe, const RigSchema& schema, std::span<const fl
   std::vector<char> dropped(base.shapes.size());
   std::size_t count = 0;
   double spent = 0;
-  const std::size_t vertices = probe.residual_motion.size() / std::max<std::size_t>(schema.control_count(), 1);
+  const std::size_t vertices = analysis.residual_motion.size() / std::max<std::size_t>(schema.control_count(), 1);
   for (const std::size_t i : order) {
     if (spent + cost[i] <= bytes) {
       spent += cost[i];
       continue;
     }
     ++count;
-    for (const std::uint32_t feature : probe.interactions[i].features) {
+    for (const std::uint32_t feature : analysis.correctives[i].features) {
       if (shape_of[feature] == base.shapes.size() || dropped[shape_of[feature]]) continue;
       dropped[shape_of[feature]] = 1;
       const SparseShape& shape = base.shapes[shape_of[feature]];
-      for (const std::uint32_t control : probe.interactions[i].controls)
+      for (const std::uint32_t control : analysis.correctives[i].controls)
         for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
-          float& motion = probe.residual_motion[control * vertices + shape.vertices[v]];
+          float& motion = analysis.residual_motion[control * vertices + shape.vertices[v]];
           motion = static_cast<float>(std::sqrt(
               double(motion) * motion + uses[feature].square * squares(&shape.offsets[3 * v]) / (diagonal * diagonal)));
         }
@@ -67,4 +67,4 @@ std::size_t keep_terms(Probe& probe, const RigSchema& schema, std::span<const fl
   return count;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

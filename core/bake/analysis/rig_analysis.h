@@ -12,12 +12,12 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
-struct ProbeOptions {
+struct AnalysisOptions {
   // What a curve of a single control, and then the terms of pairs and triples, may be off, over the diagonal.
   double curve_tolerance = 1e-4;
-  double term_tolerance = 1e-4;
+  double corrective_tolerance = 1e-4;
   std::uint32_t max_knots = 8;      // on either side of rest
   std::uint32_t max_pairs = 1600;   // interacting pairs given terms, the strongest first
   std::uint32_t max_triples = 400;  // and a quarter as many fours
@@ -28,15 +28,15 @@ struct ProbeOptions {
 };
 
 // Controls that do together what they do not do one by one.
-struct Interaction {
+struct Corrective {
   std::vector<std::uint32_t> controls;  // two to four, ascending
   double energy = 0;                    // sum over vertices of squared distance to the base without it, over D^2
-  std::vector<std::uint32_t> features;  // the product and minimum features found for it, in CurveBase::features
+  std::vector<std::uint32_t> features;  // the product and minimum features found for it, in SparseBlendshapes::features
 };
 
-struct Probe {
-  CurveBase base;
-  std::vector<Interaction> interactions;  // strongest first
+struct RigAnalysis {
+  SparseBlendshapes base;
+  std::vector<Corrective> correctives;  // strongest first
   // controls x vertices: the largest distance over D that moving this control between its rest value and elsewhere
   // moves the vertex, alone or among many others: the rig's own locality.
   std::vector<float> motion;
@@ -49,15 +49,16 @@ struct Probe {
 };
 
 // Whether so many rig calls (0: any number) say more than the same poses recorded would: at least 20 a control.
-inline bool pays_to_probe(const RigSchema& schema, std::uint64_t rig_budget) {
+inline bool pays_to_analyse(const RigSchema& schema, std::uint64_t rig_budget) {
   return rig_budget == 0 || rig_budget >= 20 * std::uint64_t(schema.control_count());
 }
 
 // Asks a live rig. Same rig, same options, same result for any number of threads.
-Probe probe_rig(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress);
+RigAnalysis analyse_rig(Source& rig, const AnalysisOptions& options, const Parallel& parallel, Progress& progress);
 
 // The same fitted to recorded poses by regularised least squares, when there is no rig to ask: exact where a control
 // was recorded alone, an estimate elsewhere. rig_calls is 0.
-Probe probe_poses(const PoseSet& poses, const ProbeOptions& options, const Parallel& parallel, Progress& progress);
+RigAnalysis analyse_poses(const PoseSet& poses, const AnalysisOptions& options, const Parallel& parallel,
+                          Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include "base/status.h"
 #include "model/feature_values.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
@@ -32,8 +32,8 @@ void evaluate_features(std::span<const Feature> features, std::span<const float>
   feature_values(features, controls.data(), rest.data(), values.data());
 }
 
-void CurveBase::add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
-                    std::span<float> displacements) const {
+void SparseBlendshapes::add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
+                            std::span<float> displacements) const {
   if (count == 0) return;
   if (controls.size() != count * rest.size() || displacements.size() % count != 0)
     fail(Status::invalid_argument, "%zu poses of %zu controls need %zu values, not %zu", count, rest.size(),
@@ -53,4 +53,4 @@ void CurveBase::add(std::span<const float> controls, std::span<const float> rest
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

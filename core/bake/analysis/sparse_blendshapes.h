@@ -8,11 +8,11 @@
 
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What one unit of a feature moves.
 struct SparseShape {
-  std::uint32_t feature = 0;            // in CurveBase::features
+  std::uint32_t feature = 0;            // in SparseBlendshapes::features
   std::vector<std::uint32_t> vertices;  // ascending
   std::vector<float> offsets;           // 3 a vertex, in the rig's units
 };
@@ -20,7 +20,7 @@ struct SparseShape {
 // displacement += value * shape; displacement: 3 x vertices.
 void add_scaled(const SparseShape& shape, float value, std::span<float> displacement);
 
-struct CurveBase {
+struct SparseBlendshapes {
   std::vector<Feature> features;
   std::vector<SparseShape> shapes;  // no two of one feature; features used only by other features have none
 
@@ -34,4 +34,4 @@ struct CurveBase {
 void evaluate_features(std::span<const Feature> features, std::span<const float> controls, std::span<const float> rest,
                        std::span<float> values);
 
-}  // namespace fb
+}  // namespace fb::bake

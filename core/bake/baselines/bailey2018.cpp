@@ -18,7 +18,7 @@
 #include "bake/regions/local_basis.h"
 #include "bake/sampling/validation_split.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t sweeps = 4;  // of fitting bones to a pose
@@ -81,15 +81,16 @@ bool all_zero(const std::vector<float>& values) {
 
 }  // namespace
 
-Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
-  Learnt learnt;
-  FaceModel& model = learnt.model;
+RecipeResult make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  RecipeResult result;
+  FaceModel& model = result.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   model.network.features = identity_features(model.schema);
   const std::size_t rows = model.rest.points.size(), inputs = model.schema.control_count();
   const std::vector<float> features = identity_values(poses.controls(), model.schema);
-  const std::vector<std::uint32_t> validation = validation_split(poses, kept_back, options.seed).validation;
+  const std::vector<std::uint32_t> validation =
+      validation_split(poses, validation_share_of_poses, options.seed).validation;
 
   // The linear part. A coefficient is how far, in root sum of squares, a number of a transform moves all vertices.
   const Skeleton skeleton = extract_skeleton(poses, {}, options.parallel, progress);
@@ -107,7 +108,7 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   std::iota(bones.features.begin(), bones.features.end(), 0u);
   const TrainingSet all_bones{poses.size(), inputs, numbers, features, transforms, {}, validation};
   TrainedLayers moved = train_layers(all_bones, small_network(options, poses.size(), "skeleton"), progress);
-  learnt.diary.regions = {diary_of(bones.name, model.rest.vertex_count(), all_bones, moved)};
+  result.stats.regions = {stats_of(bones.name, model.rest.vertex_count(), all_bones, moved)};
   bones.layers = std::move(moved.layers);
   model.network.regions.push_back(std::move(bones));
   model.basis = basis_by_bone(skeleton, columns);
@@ -140,7 +141,7 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   for (std::size_t i = 0; i < taught.size(); ++i) {
     const FaceRegion& group = groups[taught[i]];
     const LocalBasis& basis = bases[taught[i]];
-    learnt.diary.regions.push_back(diary_of(group.name, group.vertices.size(), sets[i], trained[i]));
+    result.stats.regions.push_back(stats_of(group.name, group.vertices.size(), sets[i], trained[i]));
     model.network.regions.push_back({group.name, group.controls, std::move(trained[i].layers)});
     for (std::size_t k = 0; k < basis.count; ++k) {
       columns.resize(columns.size() + rows, 0.0f);
@@ -150,11 +151,11 @@ Learnt make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
     }
   }
   model.basis = basis_by_bone(skeleton, columns);
-  learnt.packing.first_bits = learnt.packing.output_bits = 16;
-  learnt.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
-  share_energy(learnt.diary.regions);
-  learnt.diary.bones = skeleton.bone_count();
-  return learnt;
+  result.packing.first_bits = result.packing.output_bits = 16;
+  result.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
+  share_energy(result.stats.regions);
+  result.stats.bones = skeleton.bone_count();
+  return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

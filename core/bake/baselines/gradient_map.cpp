@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Triangles of less area than this part of their longest edge squared have no gradient worth the name.
@@ -152,4 +152,4 @@ void GradientRows::read(std::size_t first, std::size_t count, std::span<float> v
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 #include "bake/rig/pose_rows.h"
 #include "model/mesh.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Deformation gradients of a mesh, in as few numbers as it has coordinates.
 //
@@ -46,12 +46,12 @@ class GradientRows final : public PoseRows {
  public:
   GradientRows(PoseSet poses, const GradientMap& map) : PoseRows(std::move(poses)), map_(&map) {}
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
-  std::unique_ptr<PoseRows> thinned(std::size_t count) const override {
-    return std::make_unique<GradientRows>(poses().thinned(count), *map_);
+  std::unique_ptr<PoseRows> subsampled(std::size_t count) const override {
+    return std::make_unique<GradientRows>(poses().subsampled(count), *map_);
   }
 
  private:
   const GradientMap* map_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

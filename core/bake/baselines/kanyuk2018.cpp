@@ -16,7 +16,7 @@
 #include "bake/baselines/skinning/bone_fitter.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr double negligible = 1e-5;  // of the diagonal: what a corrective leaves out
@@ -46,9 +46,9 @@ Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::ve
 
 }  // namespace
 
-Learnt make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
-  Learnt learnt;
-  FaceModel& model = learnt.model;
+RecipeResult make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  RecipeResult result;
+  FaceModel& model = result.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   const std::vector<Feature> ramps = ramp_features(model.schema);
@@ -81,12 +81,12 @@ Learnt make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& opt
   model.network.features.insert(model.network.features.end(), more.features.begin(), more.features.end());
   correctives.insert(correctives.end(), more.shapes.begin(), more.shapes.end());
   set_correctives();
-  learnt.packing.output_bits = 16;
-  learnt.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
-  learnt.diary.notes = {format("%zu correctives at the limits of single controls, %zu where controls meet or half-way",
+  result.packing.output_bits = 16;
+  result.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
+  result.stats.notes = {format("%zu correctives at the limits of single controls, %zu where controls meet or half-way",
                                ramps.size(), more.features.size())};
-  learnt.diary.bones = skeleton.bone_count();
-  return learnt;
+  result.stats.bones = skeleton.bone_count();
+  return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 #include "bake/face/finish_face.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr double negligible = 1e-7;         // of the diagonal: what a shape leaves out
@@ -15,9 +15,9 @@ constexpr double packing_tolerance = 1e-6;  // over the diagonal: there is no ot
 
 }  // namespace
 
-Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
-  Learnt learnt;
-  FaceModel& model = learnt.model;
+RecipeResult make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+  RecipeResult result;
+  FaceModel& model = result.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   model.network.features = ramp_features(model.schema);
@@ -27,9 +27,9 @@ Learnt make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options
   std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
   model.basis = make_basis(checked_u32(model.rest.points.size(), "coordinates"),
                            checked_u32(model.network.direct.size(), "blendshapes"), shapes);
-  learnt.packing.basis_tolerance = packing_tolerance;
-  if (asks_target(options)) return finish_face(model, {}, {}, learnt.packing, poses, options, progress);
-  return learnt;
+  result.packing.basis_tolerance = packing_tolerance;
+  if (asks_target(options)) return finish_face(model, {}, {}, result.packing, poses, options, progress);
+  return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

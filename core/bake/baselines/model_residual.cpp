@@ -8,7 +8,7 @@
 #include "bake/linalg/gemm.h"
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 
 std::vector<float> model_coefficients(const FaceModel& model, std::span<const float> controls,
                                       const Parallel& parallel) {
@@ -36,7 +36,7 @@ std::vector<float> model_coefficients(const FaceModel& model, std::span<const fl
 }
 
 std::vector<float> coefficient_sizes(const FaceModel& model, const PoseSet& poses, const Parallel& parallel) {
-  const PoseSet some = poses.thinned(2000);
+  const PoseSet some = poses.subsampled(2000);
   const std::vector<float> all = model_coefficients(model, some.controls(), parallel);
   std::vector<double> squares(model.basis.columns);
   for (std::size_t i = 0; i < all.size(); ++i) squares[i % squares.size()] += double(all[i]) * all[i];
@@ -52,8 +52,8 @@ ModelResidual::ModelResidual(PoseSet poses, const FaceModel& model)
     row_of_[row] = order.empty() ? row : 3 * std::size_t(order[row / 3]) + row % 3;
 }
 
-std::unique_ptr<PoseRows> ModelResidual::thinned(std::size_t count) const {
-  return std::make_unique<ModelResidual>(poses().thinned(count), *model_);
+std::unique_ptr<PoseRows> ModelResidual::subsampled(std::size_t count) const {
+  return std::make_unique<ModelResidual>(poses().subsampled(count), *model_);
 }
 
 void ModelResidual::read(std::size_t first, std::size_t count, std::span<float> values,
@@ -77,4 +77,4 @@ void ModelResidual::read(std::size_t first, std::size_t count, std::span<float> 
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include "bake/rig/pose_rows.h"
 #include "model/face_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The coefficients a model without gates computes, in float, for poses (count x controls): count x columns.
 std::vector<float> model_coefficients(const FaceModel& model, std::span<const float> controls,
@@ -18,11 +18,11 @@ class ModelResidual final : public PoseRows {
  public:
   ModelResidual(PoseSet poses, const FaceModel& model);
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
-  std::unique_ptr<PoseRows> thinned(std::size_t count) const override;
+  std::unique_ptr<PoseRows> subsampled(std::size_t count) const override;
 
  private:
   const FaceModel* model_;
   std::vector<std::size_t> row_of_;  // of the basis: which coordinate of the mesh it is
 };
 
-}  // namespace fb
+}  // namespace fb::bake

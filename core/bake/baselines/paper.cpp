@@ -3,12 +3,12 @@
 #include "bake/baselines/baselines.h"
 #include "bake/baselines/paper_network.h"
 
-namespace fb {
+namespace fb::bake {
 
-Learnt make_paper(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
   const PrincipalComponents pca =
       kept_components(Displacements(poses), poses.controls(), paper_variance, options, progress);
   return paper_network(poses, pca.coefficients, pca.components, paper_plan(), {}, options, progress);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,9 +5,9 @@
 #include "bake/baselines/gradient_map.h"
 #include "bake/baselines/paper_network.h"
 
-namespace fb {
+namespace fb::bake {
 
-Learnt make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
   const GradientMap map(poses.source().rest());
   const PrincipalComponents pca =
       kept_components(GradientRows(poses, map), poses.controls(), paper_variance, options, progress);
@@ -19,4 +19,4 @@ Learnt make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& op
   return paper_network(poses, pca.coefficients, shapes, paper_plan(), {}, options, progress);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

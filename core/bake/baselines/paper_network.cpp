@@ -8,7 +8,7 @@
 #include "base/checked.h"
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::bake {
 
 TrainingPlan paper_plan() {
   TrainingPlan plan;
@@ -20,11 +20,11 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   TrainingPlan plan;
   plan.activation = Activation::tanh;
   plan.learning_rate = 4e-3f;
-  plan.schedule = Schedule::linger;
+  plan.schedule = Schedule::warmup_stable_decay;
   plan.output_scaling = 1;
   plan.quantized_share = 0.1f;
   plan.batch = poses < 8192 ? 64 : 128;
-  plan.piece = plan.batch / 2;  // one network: two threads
+  plan.microbatch = plan.batch / 2;  // one network: two threads
   plan.epochs = options.epochs
                     ? options.epochs
                     : static_cast<std::uint32_t>(std::clamp(visits / static_cast<double>(poses), 40.0, 400.0));
@@ -33,25 +33,25 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   return plan;
 }
 
-RegionDiary diary_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
+RegionStats stats_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
                      const TrainedLayers& trained) {
-  RegionDiary diary;
-  diary.name = name;
-  diary.vertices = vertices;
-  diary.inputs = set.inputs;
-  diary.coefficients = set.outputs;
-  for (const DenseLayer& layer : trained.layers) diary.parameters += layer.weights.size() + layer.bias.size();
-  diary.epochs = trained.epochs;
-  diary.restarts = trained.restarts;
-  for (const float target : set.targets) diary.energy += double(target) * target;
-  diary.validation = trained.validation;
-  return diary;
+  RegionStats stats;
+  stats.name = name;
+  stats.vertices = vertices;
+  stats.inputs = set.inputs;
+  stats.coefficients = set.outputs;
+  for (const DenseLayer& layer : trained.layers) stats.parameters += layer.weights.size() + layer.bias.size();
+  stats.epochs = trained.epochs;
+  stats.restarts = trained.restarts;
+  for (const float target : set.targets) stats.energy += double(target) * target;
+  stats.validation = trained.validation;
+  return stats;
 }
 
-void share_energy(std::vector<RegionDiary>& regions) {
+void share_energy(std::vector<RegionStats>& regions) {
   double sum = 0;
-  for (const RegionDiary& region : regions) sum += region.energy;
-  for (RegionDiary& region : regions) region.energy /= sum > 0 ? sum : 1;
+  for (const RegionStats& region : regions) sum += region.energy;
+  for (RegionStats& region : regions) region.energy /= sum > 0 ? sum : 1;
 }
 
 std::vector<Feature> identity_features(const RigSchema& schema) {
@@ -96,13 +96,13 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
   return pca;
 }
 
-Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                     TrainingPlan plan, std::span<const std::uint32_t> validation, const BakeOptions& options,
-                     Progress& progress) {
+RecipeResult paper_network(const PoseSet& poses, const std::vector<float>& coefficients,
+                           const std::vector<float>& shapes, TrainingPlan plan,
+                           std::span<const std::uint32_t> validation, const BakeOptions& options, Progress& progress) {
   const RigSchema& schema = poses.source().schema();
   const std::size_t count = coefficients.size() / poses.size();
-  Learnt learnt;
-  FaceModel& model = learnt.model;
+  RecipeResult result;
+  FaceModel& model = result.model;
   model.schema = schema;
   model.rest = poses.source().rest();
   model.network.features = identity_features(schema);
@@ -118,18 +118,18 @@ Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficient
   const std::vector<float> features = identity_values(poses.controls(), schema);
   const TrainingSet set{poses.size(), schema.control_count(), count, features, coefficients, {}, validation};
   TrainedLayers trained = train_layers(set, plan, progress);
-  learnt.diary.regions = {diary_of(region.name, model.rest.vertex_count(), set, trained)};
-  share_energy(learnt.diary.regions);
+  result.stats.regions = {stats_of(region.name, model.rest.vertex_count(), set, trained)};
+  share_energy(result.stats.regions);
   region.layers = std::move(trained.layers);
   model.network.regions.push_back(std::move(region));
   model.basis =
       make_basis(checked_u32(model.rest.points.size(), "coordinates"), checked_u32(count, "components"), shapes);
-  learnt.packing.first_bits = learnt.packing.output_bits = 16;  // small layers that rounding to 8 bits shows in most
+  result.packing.first_bits = result.packing.output_bits = 16;  // small layers that rounding to 8 bits shows in most
   std::vector<double> squares(count);
   for (std::size_t i = 0; i < coefficients.size(); ++i) squares[i % count] += double(coefficients[i]) * coefficients[i];
   for (const double sum : squares)
-    learnt.packing.coefficient_sizes.push_back(static_cast<float>(std::sqrt(sum / double(poses.size()))));
-  return learnt;
+    result.packing.coefficient_sizes.push_back(static_cast<float>(std::sqrt(sum / double(poses.size()))));
+  return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

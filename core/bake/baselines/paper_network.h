@@ -11,7 +11,7 @@
 #include "bake/recipe/recipe.h"
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What the paper's PCA holds of the variance, and how we read its training: ReLU, Adam 1e-3 along a cosine, batches of
 // 256.
@@ -23,12 +23,12 @@ TrainingPlan paper_plan();
 // as the options say.
 TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& options);
 // The part of the poses that is then kept back, to keep the best moment by.
-inline constexpr double kept_back = 0.04;
+inline constexpr double validation_share_of_poses = 0.04;
 
 // What reports tell of a network that moves so many vertices; its energy is not a share yet.
-RegionDiary diary_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
+RegionStats stats_of(const std::string& name, std::size_t vertices, const TrainingSet& set,
                      const TrainedLayers& trained);
-void share_energy(std::vector<RegionDiary>& regions);
+void share_energy(std::vector<RegionStats>& regions);
 
 // One identity feature a control, in units of its reach, in the order of the controls.
 std::vector<Feature> identity_features(const RigSchema& schema);
@@ -43,8 +43,8 @@ PrincipalComponents kept_components(const PoseRows& rows, const std::vector<floa
 // Eight hidden layers of 256 with additive skips and a linear layer to the coefficients, trained as `plan` says; its
 // widths, seed, threads and checkpoint, and epochs where the options give them, are filled in here. `shapes` are the
 // fixed blendshapes, one a coefficient: coefficients x 3 x vertices. `validation`: see TrainingSet.
-Learnt paper_network(const PoseSet& poses, const std::vector<float>& coefficients, const std::vector<float>& shapes,
-                     TrainingPlan plan, std::span<const std::uint32_t> validation, const BakeOptions& options,
-                     Progress& progress);
+RecipeResult paper_network(const PoseSet& poses, const std::vector<float>& coefficients,
+                           const std::vector<float>& shapes, TrainingPlan plan,
+                           std::span<const std::uint32_t> validation, const BakeOptions& options, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 #include "bake/baselines/paper_network.h"
 #include "bake/sampling/validation_split.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr double variance_held = 0.9999;
@@ -12,12 +12,12 @@ constexpr double pose_visits = 4e6;
 
 }  // namespace
 
-Learnt make_paper_tuned(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper_tuned(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
   const PrincipalComponents pca =
       kept_components(Displacements(poses), poses.controls(), variance_held, options, progress);
-  const ValidationSplit split = validation_split(poses, kept_back, options.seed);
+  const ValidationSplit split = validation_split(poses, validation_share_of_poses, options.seed);
   return paper_network(poses, pca.coefficients, pca.components, tuned_plan(poses.size(), pose_visits, options),
                        split.validation, options, progress);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/linalg/spectrum.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Matrix = Eigen::MatrixXf;  // column-major: a column is a pose or a component
@@ -33,7 +33,7 @@ std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
 
 // Orthonormal columns that span nearly what the poses span: from the sample's own components, filled up with noise.
 Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& wanted) {
-  const std::unique_ptr<PoseRows> sample = poses.thinned(sample_poses);
+  const std::unique_ptr<PoseRows> sample = poses.subsampled(sample_poses);
   const std::size_t rows = poses.rows(), samples = sample->size();
   Matrix points(rows, samples);
   sample->read(0, samples, std::span(points.data(), points.size()), parallel);
@@ -119,4 +119,4 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Principal components about the rest pose, whose rows are 0 (not about their mean: the rest pose must have
 // coefficients 0).
@@ -28,4 +28,4 @@ struct PrincipalComponents {
 PrincipalComponents principal_components(const PoseRows& poses, double fraction, const Parallel& parallel,
                                          Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 #include "bake/baselines/pca.h"
 #include "bake/linalg/gemm.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Matrix = Eigen::MatrixXf;  // a column is a feature or a component, a row a pose
@@ -109,7 +109,7 @@ Matrix rows_of(const Matrix& all, bool held) {
 }
 
 bool moves_nothing(const PoseRows& rows, const Parallel& parallel) {
-  const std::unique_ptr<PoseRows> few = rows.thinned(64);
+  const std::unique_ptr<PoseRows> few = rows.subsampled(64);
   std::vector<float> values(few->size() * few->rows());
   few->read(0, few->size(), values, parallel);
   return std::all_of(values.begin(), values.end(), [](float value) { return value == 0; });
@@ -119,7 +119,7 @@ bool moves_nothing(const PoseRows& rows, const Parallel& parallel) {
 
 PoseCorrectives find_correctives(const PoseRows& residual, const std::vector<Feature>& ramps,
                                  const CorrectiveOptions& options, const Parallel& parallel, Progress& progress) {
-  const std::unique_ptr<PoseRows> sample = residual.thinned(options.poses);
+  const std::unique_ptr<PoseRows> sample = residual.subsampled(options.poses);
   const auto poses = static_cast<Eigen::Index>(sample->size());
   const std::size_t most =
       std::min(options.most, static_cast<std::size_t>((poses - poses / held_back) / poses_a_corrective));
@@ -178,4 +178,4 @@ PoseCorrectives find_correctives(const PoseRows& residual, const std::vector<Fea
   return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/rig/pose_rows.h"
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct CorrectiveOptions {
   std::size_t most = 256;    // correctives
@@ -27,4 +27,4 @@ struct PoseCorrectives {
 PoseCorrectives find_correctives(const PoseRows& residual, const std::vector<Feature>& ramps,
                                  const CorrectiveOptions& options, const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 
 #include "bake/rig/evaluate_parallel.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Matrix = Eigen::MatrixXf;  // a column is a shape or a pose
@@ -18,7 +18,7 @@ float value_of(const Feature& ramp, const RigSchema& schema, const float* pose) 
 }
 
 // Asks a live rig for every control at its limits.
-Matrix ask_shapes(Source& rig, const std::vector<Feature>& ramps, const Parallel& parallel, Progress& progress) {
+Matrix evaluate_shapes(Source& rig, const std::vector<Feature>& ramps, const Parallel& parallel, Progress& progress) {
   const std::vector<float>& rest = rig.rest().points;
   std::vector<float> poses;
   for (const Feature& ramp : ramps) {
@@ -71,7 +71,7 @@ Matrix find_shapes(const PoseSet& poses, const std::vector<Feature>& ramps, Prog
 
   progress.note(std::to_string(missing.size()) + " of " + std::to_string(ramps.size()) +
                 " blendshapes are never seen alone and are fitted by least squares");
-  const PoseSet sample = poses.thinned(fitted_poses);
+  const PoseSet sample = poses.subsampled(fitted_poses);
   progress.begin("fitting blendshapes", sample.size());
   const std::vector<float> sampled = sample.controls();
   Matrix inner = Matrix::Zero(missing.size(), missing.size()), outer = Matrix::Zero(rows, missing.size());
@@ -109,7 +109,7 @@ std::vector<Feature> ramp_features(const RigSchema& schema) {
 
 std::vector<float> ramp_shapes(const PoseSet& poses, Source* rig, const std::vector<Feature>& ramps,
                                const Parallel& parallel, Progress& progress) {
-  const Matrix shapes = rig ? ask_shapes(*rig, ramps, parallel, progress) : find_shapes(poses, ramps, progress);
+  const Matrix shapes = rig ? evaluate_shapes(*rig, ramps, parallel, progress) : find_shapes(poses, ramps, progress);
   return std::vector<float>(shapes.data(), shapes.data() + shapes.size());
 }
 
@@ -119,4 +119,4 @@ void drop_below(std::vector<float>& shapes, const Mesh& rest, double share) {
     if (std::abs(value) < least) value = 0;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

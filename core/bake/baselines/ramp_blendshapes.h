@@ -5,7 +5,7 @@
 
 #include "bake/recipe/recipe.h"
 
-namespace fb {
+namespace fb::bake {
 
 // One side of a control each: a ramp that is 0 at rest and 1 at the limit.
 std::vector<Feature> ramp_features(const RigSchema& schema);
@@ -19,4 +19,4 @@ std::vector<float> ramp_shapes(const PoseSet& poses, Source* rig, const std::vec
 // Sets what moves a vertex less than this part of the diagonal along an axis to 0.
 void drop_below(std::vector<float>& shapes, const Mesh& rest, double share);
 
-}  // namespace fb
+}  // namespace fb::bake

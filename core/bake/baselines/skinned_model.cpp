@@ -5,7 +5,7 @@
 
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::bake {
 
 Basis basis_by_bone(const Skeleton& skeleton, const std::vector<float>& columns) {
   const std::size_t vertices = skeleton.bones.size(), rows = 3 * vertices, count = columns.size() / rows;
@@ -22,4 +22,4 @@ Basis basis_by_bone(const Skeleton& skeleton, const std::vector<float>& columns)
   return basis;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 #include "bake/linalg/spectrum.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Matrix = Eigen::MatrixXf;
@@ -123,7 +123,7 @@ struct Local {
   }
 };
 
-struct Chunk {
+struct VertexBlock {
   std::vector<std::uint32_t> vertices;
   Columns direct;
   std::vector<Local> regions;
@@ -155,28 +155,28 @@ Local make_local(Columns old, const RegionColumns& region) {
 }
 
 // Whether a region's new columns and output layer hold fewer numbers than the old.
-bool pays(const std::vector<Chunk>& chunks, std::size_t r, const DenseLayer& last, double threshold) {
+bool pays(const std::vector<VertexBlock>& blocks, std::size_t r, const DenseLayer& last, double threshold) {
   if (last.activation != Activation::linear || last.skip) return false;
   const std::size_t row = std::size_t(last.inputs) + 1;  // weights and bias of one output
   std::size_t before = row * last.outputs, after = 0;
-  for (const Chunk& chunk : chunks) {
-    const Local& local = chunk.regions[r];
+  for (const VertexBlock& block : blocks) {
+    const Local& local = block.regions[r];
     before += std::size_t(local.old.values.size());
-    after += std::size_t(local.kept(threshold)) * (3 * chunk.vertices.size() + row);
+    after += std::size_t(local.kept(threshold)) * (3 * block.vertices.size() + row);
   }
   return after < before;
 }
 
 // The last layer giving every chunk's own coefficients, chunk after chunk.
-DenseLayer merged(const DenseLayer& last, const std::vector<Chunk>& chunks, std::size_t r, std::uint32_t first,
+DenseLayer merged(const DenseLayer& last, const std::vector<VertexBlock>& blocks, std::size_t r, std::uint32_t first,
                   double threshold) {
   DenseLayer layer = last;
   layer.outputs = 0;
   layer.weights.clear();
   layer.bias.clear();
   const Eigen::Map<const RowMatrix> weights(last.weights.data(), last.outputs, last.inputs);
-  for (const Chunk& chunk : chunks) {
-    const Local& local = chunk.regions[r];
+  for (const VertexBlock& block : blocks) {
+    const Local& local = block.regions[r];
     RowMatrix rows(local.old.values.cols(), last.inputs);
     Eigen::VectorXf bias(rows.rows());
     for (Eigen::Index c = 0; c < rows.rows(); ++c) {
@@ -201,15 +201,16 @@ void append(RowGroup& group, std::uint32_t column, const Matrix& values, Eigen::
 
 }  // namespace
 
-struct Localizer::Parts {
+struct BlockwisePca::Parts {
   FaceModel model;
   std::vector<float> direct_sizes;
   std::vector<RegionColumns> regions;
-  std::vector<Chunk> chunks;
+  std::vector<VertexBlock> blocks;
 };
 
-Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                     std::uint32_t chunk_vertices, const Parallel& parallel, std::span<const float> direct_sizes) {
+BlockwisePca::BlockwisePca(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                           std::uint32_t block_vertices, const Parallel& parallel,
+                           std::span<const float> direct_sizes) {
   check(model);
   const Network& network = model.network;
   if (covariance.size() != network.regions.size())
@@ -224,41 +225,41 @@ Localizer::Localizer(const FaceModel& model, std::span<const std::vector<float>>
     parts->regions.push_back(region_columns(network.regions[r], next, covariance[r]));
 
   const std::vector<std::uint32_t> labels = strongest_regions(model.basis, parts->regions, parallel);
-  for (auto& vertices : vertex_chunks(model.rest, labels, chunk_vertices))
-    parts->chunks.push_back({std::move(vertices), {}, {}});
+  for (auto& vertices : vertex_blocks(model.rest, labels, block_vertices))
+    parts->blocks.push_back({std::move(vertices), {}, {}});
   const RowFinder finder(model.basis);
-  parallel_for(parallel, parts->chunks.size(), [&](std::size_t i, std::size_t) {
-    Chunk& chunk = parts->chunks[i];
-    chunk.direct = finder.gather(chunk.vertices, 0, direct);
+  parallel_for(parallel, parts->blocks.size(), [&](std::size_t i, std::size_t) {
+    VertexBlock& block = parts->blocks[i];
+    block.direct = finder.gather(block.vertices, 0, direct);
     for (const RegionColumns& region : parts->regions)
-      chunk.regions.push_back(make_local(finder.gather(chunk.vertices, region.first, region.count), region));
+      block.regions.push_back(make_local(finder.gather(block.vertices, region.first, region.count), region));
   });
   parts_ = std::move(parts);
 }
 
-Localizer::~Localizer() = default;
+BlockwisePca::~BlockwisePca() = default;
 
-LocalizedModel Localizer::localized(double threshold_over_diagonal) const {
-  const auto& [model, direct_sizes, regions, chunks] = *parts_;
+BlockwiseModel BlockwisePca::truncated(double threshold_over_diagonal) const {
+  const auto& [model, direct_sizes, regions, blocks] = *parts_;
   const double threshold = threshold_over_diagonal * model.rest.diagonal();
   const auto direct = std::uint32_t(model.network.direct.size());
-  LocalizedModel result{model, direct_sizes};
+  BlockwiseModel result{model, direct_sizes};
   Basis& basis = result.model.basis;
   basis = {model.basis.rows, direct, {}, {}};
-  for (const Chunk& chunk : chunks) {
-    const auto rows = 3 * std::uint32_t(chunk.vertices.size());
+  for (const VertexBlock& block : blocks) {
+    const auto rows = 3 * std::uint32_t(block.vertices.size());
     RowGroup& group = basis.groups.emplace_back(RowGroup{3 * std::uint32_t(basis.order.size()), rows, {}, {}});
-    basis.order.insert(basis.order.end(), chunk.vertices.begin(), chunk.vertices.end());
-    for (std::size_t c = 0; c < chunk.direct.numbers.size(); ++c)
-      append(group, chunk.direct.numbers[c], chunk.direct.values, Eigen::Index(c));
+    basis.order.insert(basis.order.end(), block.vertices.begin(), block.vertices.end());
+    for (std::size_t c = 0; c < block.direct.numbers.size(); ++c)
+      append(group, block.direct.numbers[c], block.direct.values, Eigen::Index(c));
   }
   for (std::size_t r = 0; r < regions.size(); ++r) {
     DenseLayer& last = result.model.network.regions[r].layers.back();
-    const bool local = pays(chunks, r, last, threshold);
-    if (local) last = merged(last, chunks, r, regions[r].first, threshold);
+    const bool local = pays(blocks, r, last, threshold);
+    if (local) last = merged(last, blocks, r, regions[r].first, threshold);
     std::uint32_t own = basis.columns;  // the next chunk's first
-    for (std::size_t i = 0; i < chunks.size(); ++i) {
-      const Local& part = chunks[i].regions[r];
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const Local& part = blocks[i].regions[r];
       for (Eigen::Index c = 0; local && c < part.kept(threshold); ++c) {
         append(basis.groups[i], own++, part.directions, c);
         result.coefficient_sizes.push_back(float(part.motion[std::size_t(c)]));
@@ -276,9 +277,9 @@ LocalizedModel Localizer::localized(double threshold_over_diagonal) const {
   return result;
 }
 
-LocalizedModel localize_basis(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                              const LocalizeOptions& options, const Parallel& parallel) {
-  return Localizer(model, covariance, options.chunk_vertices, parallel).localized(options.threshold);
+BlockwiseModel blockwise_pca(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                             const BlockwisePcaOptions& options, const Parallel& parallel) {
+  return BlockwisePca(model, covariance, options.block_vertices, parallel).truncated(options.threshold);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

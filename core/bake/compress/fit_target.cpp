@@ -10,7 +10,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr int rungs = 24;
@@ -41,7 +41,7 @@ class Candidates {
 
   Candidates(const FaceModel& model, std::span<const std::vector<float>> covariance, const Error& error,
              const Bytes& bytes, const Parallel& parallel, Progress& progress, std::span<const float> direct_sizes)
-      : localizer_(model, covariance, LocalizeOptions{}.chunk_vertices, parallel, direct_sizes),
+      : pca_(model, covariance, BlockwisePcaOptions{}.block_vertices, parallel, direct_sizes),
         measure_error_(&error),
         measure_bytes_(&bytes),
         progress_(&progress) {}
@@ -51,7 +51,7 @@ class Candidates {
 
   Fitted fitted(const FitChoice& choice) {
     build(choice.precision);
-    return {localized_.model, packing(choice.precision), choice};
+    return {blockwise_.model, packing(choice.precision), choice};
   }
 
  private:
@@ -60,15 +60,15 @@ class Candidates {
 
   PackOptions packing(const Precision& precision) const {
     PackOptions options = precision.pack();
-    options.coefficient_sizes = localized_.coefficient_sizes;
+    options.coefficient_sizes = blockwise_.coefficient_sizes;
     return options;
   }
 
   const PackedModel& build(const Precision& precision) {
     const Key key = key_of(precision);
     if (built_ == key) return packed_;
-    if (built_.first != key.first) localized_ = localizer_.localized(precision.scale);
-    packed_ = pack_model(localized_.model, packing(precision));
+    if (built_.first != key.first) blockwise_ = pca_.truncated(precision.scale);
+    packed_ = pack_model(blockwise_.model, packing(precision));
     built_ = key;
     return packed_;
   }
@@ -83,15 +83,15 @@ class Candidates {
     return number;
   }
 
-  Localizer localizer_;
+  BlockwisePca pca_;
   const Error* measure_error_;
   const Bytes* measure_bytes_;
   Progress* progress_;
   std::map<Key, double> errors_;
   std::map<Key, std::uint64_t> bytes_;
   std::uint64_t measured_ = 0;
-  Key built_{};  // what localized_ and packed_ are of
-  LocalizedModel localized_;
+  Key built_{};  // what blockwise_ and packed_ are of
+  BlockwiseModel blockwise_;
   PackedModel packed_;
 };
 
@@ -164,4 +164,4 @@ Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> co
   return candidates.fitted(choice);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct FitTarget {
   std::uint64_t max_bytes = 0;  // of the archive; 0: not asked
@@ -20,7 +20,7 @@ struct FitTarget {
 
 // One scale for what the basis may lose by localizing, rounding and dropping, and the bits of weights.
 struct Precision {
-  double scale = 1e-5;  // over D: LocalizeOptions::threshold and PackOptions::step, the others follow from it
+  double scale = 1e-5;  // over D: BlockwisePcaOptions::threshold and PackOptions::step, the others follow from it
   int weight_bits = 8;
 
   PackOptions pack() const;
@@ -48,7 +48,7 @@ struct Fitted {
 };
 
 // Localizes a model and packs it as precisely as the target asks. `covariance` and `direct_sizes`: see
-// Localizer. `error` measures a
+// BlockwisePca. `error` measures a
 // candidate on validation poses, `bytes` gives its archive's size. Notes what was reached, and what was asked for in
 // vain.
 Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
@@ -56,4 +56,4 @@ Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> co
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
                   Progress& progress, std::span<const float> direct_sizes = {});
 
-}  // namespace fb
+}  // namespace fb::bake

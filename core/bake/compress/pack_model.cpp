@@ -7,7 +7,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr float least = 0x1p-100f;  // magnitudes below are 0
@@ -87,8 +87,9 @@ Mesh on_grid(const Mesh& mesh, double basis_step) {
 }
 
 // `exact`: what the values are rounded from, in steps.
-PackedRowGroup pack_group(const RowGroup& group, const std::vector<Allowance>& allowances, std::vector<float>& exact) {
-  PackedRowGroup packed{group.first_row, group.row_count, {}, {}};
+PackedRowBlock pack_row_block(const RowGroup& group, const std::vector<Allowance>& allowances,
+                              std::vector<float>& exact) {
+  PackedRowBlock packed{group.first_row, group.row_count, {}, {}};
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
     const Allowance& allowed = allowances[group.columns[c]];
     const auto first = group.values.begin() + c * group.row_count;
@@ -135,10 +136,10 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
   }
   std::vector<std::vector<float>> exact;
   for (const RowGroup& group : model.basis.groups)
-    packed.groups.push_back(pack_group(group, allowances, exact.emplace_back()));
-  if (options.step > 0) economise(packed, exact, options.step_worth);
+    packed.groups.push_back(pack_row_block(group, allowances, exact.emplace_back()));
+  if (options.step > 0) rate_distortion_quantise(packed, exact, options.step_lambda);
   check(packed);
   return packed;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

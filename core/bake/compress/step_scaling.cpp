@@ -5,7 +5,7 @@
 
 #include "bake/compress/rate_distortion.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr int rungs = 41, rungs_to_double = 4;
@@ -16,13 +16,13 @@ double factor_at(int rung) {
 
 }  // namespace
 
-PackedModel coarsened(const PackedModel& model, double factor) {
+PackedModel with_scaled_steps(const PackedModel& model, double factor) {
   PackedModel out = model;
   if (factor <= 1) return out;
   std::vector<std::vector<float>> exact;
-  for (PackedRowGroup& group : out.groups) {
+  for (PackedRowBlock& group : out.groups) {
     std::vector<float>& values_of_group = exact.emplace_back();
-    const PackedRowGroup before = std::move(group);
+    const PackedRowBlock before = std::move(group);
     group = {before.first_row, before.row_count, {}, {}};
     for (std::size_t c = 0; c < before.columns.size(); ++c) {
       std::vector<std::int16_t> values(before.values.begin() + c * before.row_count,
@@ -41,13 +41,13 @@ PackedModel coarsened(const PackedModel& model, double factor) {
       values_of_group.insert(values_of_group.end(), wanted.begin(), wanted.end());
     }
   }
-  economise(out, exact, worth_of_a_step);
+  rate_distortion_quantise(out, exact, bits_per_squared_step);
   return out;
 }
 
-Coarsening choose_coarsening(std::uint64_t max_bytes, double max_error,
-                             const std::function<std::uint64_t(double)>& bytes,
-                             const std::function<double(double)>& error) {
+StepScaling choose_step_scaling(std::uint64_t max_bytes, double max_error,
+                                const std::function<std::uint64_t(double)>& bytes,
+                                const std::function<double(double)>& error) {
   // Invariant: rungs up to `low` are too fine (or, for an error, allowed), those from `high` on are not.
   const auto before = [&](int rung) {
     return max_bytes > 0 ? bytes(factor_at(rung)) > max_bytes : error(factor_at(rung)) <= max_error;
@@ -61,4 +61,4 @@ Coarsening choose_coarsening(std::uint64_t max_bytes, double max_error,
   return {factor_at(rung), bytes(factor_at(rung)), error(factor_at(rung))};
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 std::size_t longest_axis(const Mesh& rest, std::span<const std::uint32_t> vertices) {
@@ -24,11 +24,11 @@ std::size_t longest_axis(const Mesh& rest, std::span<const std::uint32_t> vertic
 }
 
 void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t largest,
-            std::vector<std::vector<std::uint32_t>>& chunks) {
+            std::vector<std::vector<std::uint32_t>>& blocks) {
   const std::size_t pieces = (vertices.size() + largest - 1) / largest;
   if (pieces <= 1) {
-    chunks.emplace_back(vertices.begin(), vertices.end());
-    std::sort(chunks.back().begin(), chunks.back().end());
+    blocks.emplace_back(vertices.begin(), vertices.end());
+    std::sort(blocks.back().begin(), blocks.back().end());
     return;
   }
   const std::size_t axis = longest_axis(rest, vertices), half = vertices.size() * (pieces / 2) / pieces;
@@ -37,22 +37,22 @@ void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t l
                      return std::pair(rest.points[3 * std::size_t(a) + axis], a) <
                             std::pair(rest.points[3 * std::size_t(b) + axis], b);
                    });
-  bisect(rest, vertices.first(half), largest, chunks);
-  bisect(rest, vertices.subspan(half), largest, chunks);
+  bisect(rest, vertices.first(half), largest, blocks);
+  bisect(rest, vertices.subspan(half), largest, blocks);
 }
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> vertex_chunks(const Mesh& rest, std::span<const std::uint32_t> labels,
+std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::span<const std::uint32_t> labels,
                                                       std::uint32_t largest) {
   if (labels.size() != rest.vertex_count() || largest == 0)
     fail(Status::invalid_argument, "chunks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
          rest.vertex_count());
   std::map<std::uint32_t, std::vector<std::uint32_t>> of_label;
   for (std::size_t v = 0; v < labels.size(); ++v) of_label[labels[v]].push_back(std::uint32_t(v));
-  std::vector<std::vector<std::uint32_t>> chunks;
-  for (auto& [label, vertices] : of_label) bisect(rest, vertices, largest, chunks);
-  return chunks;
+  std::vector<std::vector<std::uint32_t>> blocks;
+  for (auto& [label, vertices] : of_label) bisect(rest, vertices, largest, blocks);
+  return blocks;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 
 namespace fs = std::filesystem;
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using nlohmann::json;
@@ -265,4 +265,4 @@ std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std:
   return files;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

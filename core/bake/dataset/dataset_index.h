@@ -10,7 +10,7 @@
 #include "bake/rig/source.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What dataset.json says. File names are relative to its folder.
 struct DatasetIndex {
@@ -52,4 +52,4 @@ std::vector<std::filesystem::path> shard_files(const std::filesystem::path& fold
 // "x.points.npy", 7 -> "x.007.points.npy".
 std::string shard_name(const std::string& name, std::size_t number);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::bake {
 
 ShardedArray::ShardedArray(const std::vector<std::filesystem::path>& files, const std::vector<std::size_t>& row,
                            const char* need) {
@@ -117,4 +117,4 @@ void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count
            points_[index].file_of(first + i / size).c_str(), clip.name.c_str(), first + i / size, i % size / 3);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

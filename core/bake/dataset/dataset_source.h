@@ -7,7 +7,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // One array in one or several files that follow each other along the first axis.
 class ShardedArray {
@@ -54,4 +54,4 @@ class DatasetSource final : public Source {
   std::vector<std::string> notes_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

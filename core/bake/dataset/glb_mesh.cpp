@@ -5,11 +5,11 @@
 #include "base/file.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 Mesh read_glb(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
-  return naming(path.string(), [&] {
+  return with_context(path.string(), [&] {
     const GltfFile file(bytes);
     const auto& meshes = file.model().meshes;
     if (meshes.size() != 1)
@@ -18,4 +18,4 @@ Mesh read_glb(const std::filesystem::path& path) {
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 void check_same_rest(const Mesh& a, const char* a_name, const Mesh& b, const char* b_name) {
@@ -77,4 +77,4 @@ void MergedSource::evaluate(std::span<const float> controls, std::size_t count, 
   live_->evaluate(controls, count, points);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Several sources of one character as one. Poses are evaluated by the first live one.
 class MergedSource final : public Source {
@@ -41,4 +41,4 @@ class MergedSource final : public Source {
   std::vector<std::string> notes_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -13,7 +13,7 @@
 #include "base/checked.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are read and written as they lie in memory");
@@ -315,4 +315,4 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
   file.commit();
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 
-namespace fb {
+namespace fb::bake {
 
 // An array whose rows are read as they are needed. Opening reads the header only, and checks that the file is as long
 // as the header says. Reading is safe from several threads: nothing is kept open between calls.
@@ -60,4 +60,4 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
 void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>& shape,
                std::span<const std::int32_t> values);
 
-}  // namespace fb
+}  // namespace fb::bake

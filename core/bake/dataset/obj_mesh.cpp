@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Takes the next word off the front of a line.
@@ -85,4 +85,4 @@ Mesh read_obj(const std::filesystem::path& path) {
   return mesh;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

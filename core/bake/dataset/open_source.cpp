@@ -15,7 +15,7 @@
 
 namespace fs = std::filesystem;
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Where the built-in face may lie, most specific first: folders named by FACEBAKER_RIG_PATH, beside the program (in a
@@ -79,4 +79,4 @@ std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources) {
   return std::make_unique<MergedSource>(std::move(opened), sources);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "base/checked.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 void check_as(const Mesh& mesh, const std::filesystem::path& path) {
@@ -106,4 +106,4 @@ void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& folder, const
   write_faces(folder / files.uv_faces, mesh.polygon_sizes, mesh.uv_corners);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 
 #include "model/mesh.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The rest mesh of a dataset from a mesh file, .obj or .glb. Vertices keep the file's order: they must be those of the
 // recorded points. Fails naming the file, and the line of an .obj.
@@ -28,4 +28,4 @@ struct MeshArrays {
 Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files);
 void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& folder, const MeshArrays& files);
 
-}  // namespace fb
+}  // namespace fb::bake

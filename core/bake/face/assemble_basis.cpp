@@ -4,7 +4,7 @@
 
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // A column that moves some vertices: 3 numbers for each.
@@ -19,7 +19,7 @@ constexpr std::size_t group_vertices = 21;
 
 }  // namespace
 
-Basis assemble_basis(std::size_t vertices, const CurveBase& base, std::span<const FaceRegion> regions,
+Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::span<const FaceRegion> regions,
                      std::span<const LocalBasis> bases) {
   std::vector<SparseColumn> columns;
   for (const SparseShape& shape : base.shapes) columns.push_back({shape.vertices, shape.offsets});
@@ -48,4 +48,4 @@ Basis assemble_basis(std::size_t vertices, const CurveBase& base, std::span<cons
   return basis;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

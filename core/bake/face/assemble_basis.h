@@ -8,10 +8,10 @@
 #include "bake/regions/local_basis.h"
 #include "model/face_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The block-sparse basis of a face: a column for each shape of the base, then one for each component of every region.
-Basis assemble_basis(std::size_t vertices, const CurveBase& base, std::span<const FaceRegion> regions,
+Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::span<const FaceRegion> regions,
                      std::span<const LocalBasis> bases);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -13,7 +13,7 @@
 #include "bake/linalg/gemm.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t typical_poses = 1000;  // that stand for those to come
@@ -29,7 +29,7 @@ std::vector<float> second_moments(const LocalBasis& basis, std::size_t poses) {
 }
 
 struct Parts {
-  Probe probe;
+  RigAnalysis analysis;
   std::vector<FaceRegion> regions;
   std::vector<LocalBasis> bases;
 };
@@ -38,23 +38,24 @@ struct Parts {
 Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
                  Progress& progress) {
   Parts parts;
-  ProbeOptions probing = recipe.probe;
+  AnalysisOptions probing = recipe.analysis;
   probing.seed = options.seed;
   probing.rig_budget = options.rig_budget;
   if (!options.work.empty()) probing.answers = options.work / "probe.answers";
-  parts.probe = rig ? probe_rig(*rig, probing, options.parallel, progress)
-                    : probe_poses(poses, probing, options.parallel, progress);
+  parts.analysis = rig ? analyse_rig(*rig, probing, options.parallel, progress)
+                       : analyse_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
-  const std::size_t dropped = keep_terms(parts.probe, schema, without_shots(poses).thinned(typical_poses).controls(),
-                                         rest.diagonal(), recipe.term_bytes);
+  const std::size_t dropped =
+      prune_correctives(parts.analysis, schema, without_shots(poses).subsampled(typical_poses).controls(),
+                        rest.diagonal(), recipe.corrective_bytes);
   if (dropped > 0)
     progress.note(format("%zu of %zu combinations of controls are left to the networks", dropped,
-                         parts.probe.interactions.size()));
+                         parts.analysis.correctives.size()));
   RegionOptions cutting = recipe.regions;
   cutting.seed = options.seed;
-  parts.regions = find_regions(rest, schema, parts.probe.residual_motion, cutting);
-  const Residual residual(poses, parts.probe.base);
+  parts.regions = find_regions(rest, schema, parts.analysis.residual_motion, cutting);
+  const Residual residual(poses, parts.analysis.base);
   parts.bases = local_bases(residual, parts.regions, recipe.basis, options.parallel, progress);
   // A region with nothing left to learn needs no network.
   for (std::size_t r = parts.regions.size(); r-- > 0;)
@@ -67,12 +68,12 @@ Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, co
 
 std::vector<std::string> notes_on(const Parts& parts, double rms) {
   std::size_t numbers = 0;
-  for (const SparseShape& shape : parts.probe.base.shapes) numbers += shape.offsets.size();
+  for (const SparseShape& shape : parts.analysis.base.shapes) numbers += shape.offsets.size();
   std::vector<std::string> notes = {
       format("the base holds %zu shapes of %zu numbers; %u controls are linear, %zu combinations of controls interact; "
              "between knots it is off by %.1e of the diagonal at most",
-             parts.probe.base.shapes.size(), numbers, parts.probe.linear_controls, parts.probe.interactions.size(),
-             parts.probe.curve_error)};
+             parts.analysis.base.shapes.size(), numbers, parts.analysis.linear_controls,
+             parts.analysis.correctives.size(), parts.analysis.curve_error)};
   if (parts.regions.empty())
     notes.push_back("the base leaves nothing over: there are no networks");
   else
@@ -83,50 +84,50 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 
 }  // namespace
 
-LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
-                      Progress& progress) {
-  if (rig && !pays_to_probe(rig->schema(), options.rig_budget)) rig = nullptr;
+TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                       Progress& progress) {
+  if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
   const Parts parts = find_parts(recipe, poses, rig, options, progress);
-  const RegionInputs inputs = region_inputs(parts.probe, poses.source().schema(), parts.regions, rig != nullptr);
-  LearntFace face;
+  const RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
+  TrainedFace face;
   face.model.schema = poses.source().schema();
   face.model.rest = poses.source().rest();
   face.model.network.features = inputs.features;
-  for (const SparseShape& shape : parts.probe.base.shapes) face.model.network.direct.push_back(shape.feature);
+  for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
   Networks networks = train_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
   face.model.network.regions = std::move(networks.regions);
-  keep_used_features(face.model.network);
-  face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.probe.base, parts.regions, parts.bases);
+  keep_live_features(face.model.network);
+  face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.analysis.base, parts.regions, parts.bases);
   for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
   face.rms = networks.rms;
-  face.adds_up = parts.regions.empty() && parts.probe.interactions.empty();
-  face.diary.regions = std::move(networks.diary);
-  face.diary.rig_calls = parts.probe.rig_calls;
-  face.diary.notes = notes_on(parts, networks.rms);
-  for (const std::string& note : face.diary.notes) progress.note(note);
+  face.adds_up = parts.regions.empty() && parts.analysis.correctives.empty();
+  face.stats.regions = std::move(networks.stats);
+  face.stats.rig_calls = parts.analysis.rig_calls;
+  face.stats.notes = notes_on(parts, networks.rms);
+  for (const std::string& note : face.stats.notes) progress.note(note);
   return face;
 }
 
-Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
-                 Progress& progress) {
-  LearntFace face = learn_face(recipe, poses, rig, options, progress);
+RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                       Progress& progress) {
+  TrainedFace face = train_face(recipe, poses, rig, options, progress);
   const double finest = face.adds_up ? std::min(recipe.finest, 5e-6) : recipe.finest;
   const Precision precision{std::max(recipe.precision * face.rms, finest), recipe.weight_bits};
-  LocalizeOptions localize;
+  BlockwisePcaOptions localize;
   localize.threshold = precision.scale;
   PackOptions packing = precision.pack();
   // Without networks, whose columns are chosen by how much they move, shapes take fewest bytes for an error where more
   // of them is kept and rounded in larger steps, but nearer to them.
   if (face.model.network.regions.empty()) {
-    localize.chunk_vertices = 100;
+    localize.block_vertices = 100;
     packing.drop *= 0.5;
     packing.step *= 1.31;
-    packing.step_worth = 13;
+    packing.step_lambda = 13;
   }
-  Learnt learnt =
+  RecipeResult result =
       finish_face(face.model, face.moments, localize, packing, poses, options, progress, recipe.touched_bytes);
-  learnt.diary = std::move(face.diary);
-  return learnt;
+  result.stats = std::move(face.stats);
+  return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,14 +9,14 @@
 #include "bake/regions/find_regions.h"
 #include "bake/regions/local_basis.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct FaceRecipe {
-  ProbeOptions probe;
+  AnalysisOptions analysis;
   RegionOptions regions;
   LocalBasisOptions basis;
   // Bytes of terms that a pose may read on average; the networks learn what the others would have held.
-  double term_bytes = 0;
+  double corrective_bytes = 0;
   // Networks: numbers in all of them together, shared out by what each region's residual asks for. With fewer poses
   // than are ample they fall with the cube root of these, down to a share: the sample face, 8,000 poses, comes out no
   // worse with 300,000 numbers than with 500,000 (compact), a toy rig, 900 poses, worse with 140,000. And there are at
@@ -37,23 +37,23 @@ FaceRecipe hero_recipe();
 FaceRecipe compact_recipe();
 
 // A face of floats: what is known before anything is rounded.
-struct LearntFace {
+struct TrainedFace {
   FaceModel model;
-  std::vector<std::vector<float>> moments;  // of each region's coefficients over the poses, see localize_basis
+  std::vector<std::vector<float>> moments;  // of each region's coefficients over the poses, see blockwise_pca
   double rms = 0;                           // what the networks leave at a vertex on poses kept back, over D
   bool adds_up = false;  // nothing but single controls, as morph targets add up: rounding is all that errs
-  BakeDiary diary;
+  BakeStats stats;
 };
 
 // Without a rig, or with too small a budget to probe it, everything is learnt from the poses.
-LearntFace learn_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
-                      Progress& progress);
+TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                       Progress& progress);
 
-// learn_face, then finish_face.
-Learnt make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
-                 Progress& progress);
+// train_face, then finish_face.
+RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+                       Progress& progress);
 
-Learnt make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-Learnt make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

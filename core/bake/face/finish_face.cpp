@@ -13,7 +13,7 @@
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr double validation_share = 0.05;
@@ -22,7 +22,7 @@ constexpr std::uint64_t room = 4096;  // for provenance and certificate, which a
 
 PoseSet measured(const PoseSet& poses, std::uint64_t seed) {
   const ValidationSplit split = validation_split(poses, validation_share, seed);
-  return (split.validation.empty() ? poses : poses.picked(split.validation)).thinned(measured_poses);
+  return (split.validation.empty() ? poses : poses.picked(split.validation)).subsampled(measured_poses);
 }
 
 constexpr double coarsest = 64;  // times what was asked for
@@ -30,7 +30,7 @@ constexpr double coarsest = 64;  // times what was asked for
 // Root mean square of each direct coefficient over those poses where it is not 0: what a column is worth for each time
 // that it is read. 1 where none of the poses tells.
 std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
-  const std::vector<FeatureUse> uses = feature_uses(model.network.features, model.schema, poses.controls());
+  const std::vector<FeatureUsage> uses = feature_usage(model.network.features, model.schema, poses.controls());
   std::vector<float> sizes;
   for (const std::uint32_t f : model.network.direct)
     sizes.push_back(uses[f].active > 0 ? static_cast<float>(std::sqrt(uses[f].square / uses[f].active)) : 1);
@@ -58,28 +58,28 @@ bool asks_target(const BakeOptions& options) {
   return options.max_bytes > 0 || options.max_error > 0;
 }
 
-Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                   const LocalizeOptions& localize, const PackOptions& packing, const PoseSet& poses,
-                   const BakeOptions& options, Progress& progress, double touched_bytes) {
-  const std::vector<float> sizes = direct_sizes(model, without_shots(poses).thinned(sized_poses));
+RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
+                         const BlockwisePcaOptions& localize, const PackOptions& packing, const PoseSet& poses,
+                         const BakeOptions& options, Progress& progress, double touched_bytes) {
+  const std::vector<float> sizes = direct_sizes(model, without_shots(poses).subsampled(sized_poses));
   if (!asks_target(options)) {
-    const Localizer localizer(model, covariance, localize.chunk_vertices, options.parallel, sizes);
+    const BlockwisePca pca(model, covariance, localize.block_vertices, options.parallel, sizes);
     const auto made = [&](double coarser) {
-      LocalizedModel local = localizer.localized(coarser * localize.threshold);
-      Learnt learnt{std::move(local.model), packing};
-      learnt.packing.coefficient_sizes = std::move(local.coefficient_sizes);
-      learnt.packing.basis_tolerance *= coarser;
-      learnt.packing.drop *= coarser;
-      learnt.packing.step *= coarser;
-      return learnt;
+      BlockwiseModel local = pca.truncated(coarser * localize.threshold);
+      RecipeResult result{std::move(local.model), packing};
+      result.packing.coefficient_sizes = std::move(local.coefficient_sizes);
+      result.packing.basis_tolerance *= coarser;
+      result.packing.drop *= coarser;
+      result.packing.step *= coarser;
+      return result;
     };
     if (touched_bytes <= 0) return made(1);
-    const Clip shots = make_held_out(model.schema, options.seed + 1).back();
-    const auto fits = [&](const Learnt& learnt) {
-      return mean_touched(pack_model(learnt.model, learnt.packing), shots) <= touched_bytes;
+    const Clip shots = make_test_poses(model.schema, options.seed + 1).back();
+    const auto fits = [&](const RecipeResult& result) {
+      return mean_touched(pack_model(result.model, result.packing), shots) <= touched_bytes;
     };
     // Doubled until it fits, then halved towards the finest that does.
-    Learnt best = made(1);
+    RecipeResult best = made(1);
     double finer = 1, coarser = 1;
     while (!fits(best) && coarser < coarsest) {
       finer = coarser;
@@ -88,7 +88,7 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
     }
     for (int step = 0; step < 5 && coarser > finer; ++step) {
       const double middle = std::sqrt(finer * coarser);
-      Learnt other = made(middle);
+      RecipeResult other = made(middle);
       const bool enough = fits(other);
       (enough ? coarser : finer) = middle;
       if (enough) best = std::move(other);
@@ -97,14 +97,14 @@ Learnt finish_face(const FaceModel& model, std::span<const std::vector<float>> c
   }
   const PoseSet validation = measured(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
-    return write_archive(packed, make_proof(packed, options.seed)).size() + room;
+    return archive::write_archive(packed, make_proof(packed, options.seed)).size() + room;
   };
   const auto error = [&](const PackedModel& packed) {
-    return evaluate_archive_on(write_archive(packed, {}), validation, options.parallel, silent_progress()).max;
+    return evaluate_archive_on(archive::write_archive(packed, {}), validation, options.parallel, silent_progress()).max;
   };
   Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error}, error, bytes, options.parallel,
                              progress, sizes);
   return {std::move(fitted.model), std::move(fitted.packing)};
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-namespace fb {
+namespace fb::bake {
 
-void keep_used_features(Network& network) {
+void keep_live_features(Network& network) {
   std::vector<Feature>& features = network.features;
   std::vector<char> used(features.size());
   const auto mark = [&](const std::vector<std::uint32_t>& list) {
@@ -42,4 +42,4 @@ void keep_used_features(Network& network) {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,10 +2,10 @@
 
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Takes the features out of a network that no coefficient, input, gate or other feature needs; the others keep their
 // order.
-void keep_used_features(Network& network);
+void keep_live_features(Network& network);
 
-}  // namespace fb
+}  // namespace fb::bake

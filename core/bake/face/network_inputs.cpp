@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_poses = 1024;
@@ -21,10 +21,10 @@ float gate_value(const Gate& gate, const float* values) {
 
 }  // namespace
 
-RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions,
+RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated) {
   RegionInputs inputs;
-  inputs.features = probe.base.features;
+  inputs.features = analysis.base.features;
   std::vector<std::uint32_t> identity(schema.control_count(), UINT32_MAX);
   for (const FaceRegion& region : regions)
     for (const std::uint32_t control : region.controls) {
@@ -39,11 +39,11 @@ RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::spa
       mine.insert(identity[control]);
       if (gated) gate.features.push_back(identity[control]);
     }
-    for (const Interaction& interaction : probe.interactions)
+    for (const Corrective& corrective : analysis.correctives)
       if (mine.size() < 2 * region.controls.size() &&
-          std::includes(region.controls.begin(), region.controls.end(), interaction.controls.begin(),
-                        interaction.controls.end()))
-        mine.insert(interaction.features.begin(), interaction.features.end());
+          std::includes(region.controls.begin(), region.controls.end(), corrective.controls.begin(),
+                        corrective.controls.end()))
+        mine.insert(corrective.features.begin(), corrective.features.end());
     inputs.of_region.emplace_back(mine.begin(), mine.end());
     inputs.gates.push_back(std::move(gate));
   }
@@ -81,4 +81,4 @@ FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, con
   return table;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

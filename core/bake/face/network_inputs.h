@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The features of a face and which of them each region's network is given.
 struct RegionInputs {
@@ -21,7 +21,7 @@ struct RegionInputs {
 
 // A region's inputs are its controls and the strongest products and minima probed of them, about as many as it has
 // controls; its gate, with `gated`, watches its controls.
-RegionInputs region_inputs(const Probe& probe, const RigSchema& schema, std::span<const FaceRegion> regions,
+RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated);
 
 // The values that training needs of every pose.
@@ -37,4 +37,4 @@ struct FeatureTable {
 
 FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, const Parallel& parallel);
 
-}  // namespace fb
+}  // namespace fb::bake

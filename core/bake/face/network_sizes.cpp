@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fb {
+namespace fb::bake {
 
 std::size_t network_parameters(const NetworkDemand& demand, std::uint32_t layers, std::uint32_t width) {
   const std::size_t w = width;
@@ -29,4 +29,4 @@ std::vector<std::uint32_t> network_widths(std::span<const NetworkDemand> demands
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

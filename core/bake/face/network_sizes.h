@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace fb {
+namespace fb::bake {
 
 // What the size of a region's network depends on.
 struct NetworkDemand {
@@ -21,4 +21,4 @@ std::size_t network_parameters(const NetworkDemand& demand, std::uint32_t layers
 std::vector<std::uint32_t> network_widths(std::span<const NetworkDemand> demands, std::uint32_t layers,
                                           std::uint32_t widest, std::size_t parameters);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,7 +9,7 @@
 #include "bake/train/trainer.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t fewest_epochs = 6, most_epochs = 200;
@@ -53,7 +53,7 @@ struct Course {
       TrainingPlan& plan = plans[r];
       plan.widths.assign(recipe.hidden_layers, widths[r]);
       plan.activation = Activation::silu;
-      plan.schedule = Schedule::linger;
+      plan.schedule = Schedule::warmup_stable_decay;
       plan.learning_rate = rate;
       plan.hidden_rate = hidden_rate;
       plan.last_rate = last_rate;
@@ -130,7 +130,7 @@ Networks train_networks(const FaceRecipe& recipe, std::span<const FaceRegion> re
   for (std::size_t r = 0; r < count; ++r) {
     const double loss = left_by(trained[r], course.sets[r]);
     networks.regions.push_back({regions[r].name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
-    networks.diary.push_back({regions[r].name, regions[r].vertices.size(), columns[r].size(), bases[r].count,
+    networks.stats.push_back({regions[r].name, regions[r].vertices.size(), columns[r].size(), bases[r].count,
                               network_parameters(course.demands[r], recipe.hidden_layers, widths[r]), regions[r].energy,
                               loss, trained[r].epochs, trained[r].restarts});
     squares += loss * energies[r];
@@ -139,4 +139,4 @@ Networks train_networks(const FaceRecipe& recipe, std::span<const FaceRegion> re
   return networks;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

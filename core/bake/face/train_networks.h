@@ -6,11 +6,11 @@
 #include "bake/face/face_recipe.h"
 #include "bake/face/network_inputs.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct Networks {
   std::vector<Region> regions;
-  std::vector<RegionDiary> diary;
+  std::vector<RegionStats> stats;
   double rms = 0;  // of a vertex on poses kept back, over D
 };
 
@@ -20,4 +20,4 @@ Networks train_networks(const FaceRecipe& recipe, std::span<const FaceRegion> re
                         std::span<const LocalBasis> bases, const RegionInputs& inputs, const PoseSet& poses,
                         const BakeOptions& options, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace fb {
+namespace fb::bake {
 
 enum class Op { plain, transposed };
 
@@ -13,4 +13,4 @@ enum class Op { plain, transposed };
 void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,
           const float* b, std::size_t ldb, float keep, float* c, std::size_t ldc);
 
-}  // namespace fb
+}  // namespace fb::bake

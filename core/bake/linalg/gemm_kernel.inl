@@ -6,7 +6,7 @@
 
 #include "bake/linalg/gemm.h"
 
-namespace fb::FB_KERNELS {
+namespace fb::bake::FB_KERNELS {
 
 void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,
           const float* b, std::size_t ldb, float keep, float* c, std::size_t ldc) {
@@ -22,4 +22,4 @@ void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t i
   if (ta && tb) C.noalias() += A.transpose() * B.transpose();
 }
 
-}  // namespace fb::FB_KERNELS
+}  // namespace fb::bake::FB_KERNELS

@@ -1,6 +1,6 @@
 #include "bake/linalg/kernels.h"
 
-namespace fb {
+namespace fb::bake {
 namespace kernels_base {
 extern const Kernels kernels;
 }
@@ -26,4 +26,4 @@ void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t i
   kernels().multiply(a_op, b_op, rows, columns, inner, a, lda, b, ldb, keep, c, ldc);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

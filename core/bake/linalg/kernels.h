@@ -5,7 +5,7 @@
 #include "bake/linalg/gemm.h"
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Adam's numbers of one step.
 struct AdamStep {
@@ -23,11 +23,11 @@ struct Kernels {
   void (*activate)(Activation activation, std::size_t rows, std::size_t columns, const float* bias, const float* skip,
                    float* y, float* slope);
   // The way back: up, where not null, becomes a copy of down; then down *= slope, and bias += the sum of its columns.
-  void (*descend)(std::size_t rows, std::size_t columns, const float* slope, float* down, float* up, float* bias);
+  void (*backward)(std::size_t rows, std::size_t columns, const float* slope, float* down, float* up, float* bias);
   // Adam with decoupled decay on `count` numbers from `first`, with the gradients of the pieces of a batch added in
   // their order.
   void (*adam)(const AdamStep& step, std::size_t first, std::size_t count, const float* const* gradients,
-               std::size_t pieces, float* parameters, float* mean, float* square);
+               std::size_t microbatches, float* parameters, float* mean, float* square);
   // One row of weights as the archive rounds it: to whole multiples of max|row| / levels.
   void (*round_row)(std::size_t count, float levels, const float* row, float* rounded);
 };
@@ -35,4 +35,4 @@ struct Kernels {
 // Compiled for the widest vectors the processor has: same bits on the same kind of processor.
 const Kernels& kernels();
 
-}  // namespace fb
+}  // namespace fb::bake

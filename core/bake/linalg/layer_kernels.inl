@@ -4,7 +4,7 @@
 #include "bake/linalg/kernels.h"
 #include "model/activation.h"
 
-namespace fb::FB_KERNELS {
+namespace fb::bake::FB_KERNELS {
 namespace {
 
 // What an activation gives and its derivative, from what goes in. Derivatives are those of the functions that the
@@ -64,8 +64,8 @@ void activate(Activation activation, std::size_t rows, std::size_t columns, cons
   }
 }
 
-void descend(std::size_t rows, std::size_t columns, const float* __restrict slope, float* __restrict down,
-             float* __restrict up, float* __restrict bias) {
+void backward(std::size_t rows, std::size_t columns, const float* __restrict slope, float* __restrict down,
+              float* __restrict up, float* __restrict bias) {
   for (std::size_t i = 0; i < columns; ++i, slope += rows, down += rows) {
     if (up)
       for (std::size_t k = 0; k < rows; ++k) up[i * rows + k] = down[k];
@@ -76,17 +76,17 @@ void descend(std::size_t rows, std::size_t columns, const float* __restrict slop
   }
 }
 
-void adam(const AdamStep& step, std::size_t first, std::size_t count, const float* const* gradients, std::size_t pieces,
-          float* parameters, float* mean, float* square) {
+void adam(const AdamStep& step, std::size_t first, std::size_t count, const float* const* gradients,
+          std::size_t microbatches, float* parameters, float* mean, float* square) {
   constexpr std::size_t block = 256;
   const AdamStep s = step;
   float gradient[block];
   for (std::size_t begin = first; begin < first + count; begin += block) {
     const std::size_t size = first + count - begin < block ? first + count - begin : block;
     for (std::size_t i = 0; i < size; ++i) gradient[i] = 0;
-    for (std::size_t g = 0; g < pieces; ++g) {
-      const float* __restrict piece = gradients[g] + begin;
-      for (std::size_t i = 0; i < size; ++i) gradient[i] += piece[i];
+    for (std::size_t g = 0; g < microbatches; ++g) {
+      const float* __restrict microbatch = gradients[g] + begin;
+      for (std::size_t i = 0; i < size; ++i) gradient[i] += microbatch[i];
     }
     float* __restrict p = parameters + begin;
     float* __restrict m = mean + begin;
@@ -118,6 +118,6 @@ void round_row(std::size_t count, float levels, const float* __restrict row, flo
 }  // namespace
 
 extern const Kernels kernels;
-constinit const Kernels kernels = {gemm, activate, descend, adam, round_row};
+constinit const Kernels kernels = {gemm, activate, backward, adam, round_row};
 
-}  // namespace fb::FB_KERNELS
+}  // namespace fb::bake::FB_KERNELS

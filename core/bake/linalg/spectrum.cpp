@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 using Matrix = Eigen::MatrixXf;
 
@@ -52,4 +52,4 @@ Matrix orthonormal(const Matrix& columns, std::size_t width) {
   return qr.householderQ() * Matrix::Identity(full.rows(), width);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Runs body(first, count) over [0, total) in pieces of `size`, which do not depend on the number of threads.
 void tiles(const Parallel& parallel, std::size_t total, std::size_t size,
@@ -28,4 +28,4 @@ Eigen::MatrixXd gram_of(const float* columns, std::size_t rows, std::size_t coun
 // random.
 Eigen::MatrixXf orthonormal(const Eigen::MatrixXf& columns, std::size_t width);
 
-}  // namespace fb
+}  // namespace fb::bake

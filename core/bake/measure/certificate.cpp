@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -88,4 +88,4 @@ std::uint64_t training_hash(const PoseSet& poses) {
   return hash64_little(poses.controls(), hash);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 #include "bake/measure/evaluate.h"
 #include "bake/rig/pose_set.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A JSON object. `independent` and its split: with Detail::quality, on poses that were not trained on; absent where
 // there are none. `quantisation`: see Baked::quantisation.
@@ -23,4 +23,4 @@ void note_repacking(std::string& certificate, const Errors& moved);
 // units), seeded with the hash before, from 0; then likewise of all controls.
 std::uint64_t training_hash(const PoseSet& poses);
 
-}  // namespace fb
+}  // namespace fb::bake

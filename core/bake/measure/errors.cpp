@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fb {
+namespace fb::bake {
 
 void ErrorSums::add_frame(std::span<const float> predicted, std::span<const float> truth) {
   const std::size_t vertices = truth.size() / 3;
@@ -59,4 +59,4 @@ Errors ErrorSums::figures(double diagonal) const {
   return errors;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

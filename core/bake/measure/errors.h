@@ -6,7 +6,7 @@
 
 #include "bake/measure/histogram.h"
 
-namespace fb {
+namespace fb::bake {
 
 // With e the distance of a predicted vertex from the true one and D the rest mesh's bounding-box diagonal, over all
 // vertices and frames. All are fractions of D.
@@ -37,4 +37,4 @@ class ErrorSums {
   Histogram histogram_;  // of e^2
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_frames = 16;    // one worker's piece
@@ -27,19 +27,20 @@ struct Sums {
 };
 
 // `shot`: poses follow each other in time. basis: null for errors alone.
-Sums measure(const Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
+Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
   const std::size_t width = face.rest_positions().size(), controls = face.control_count();
   const std::size_t lead = shot && basis ? lead_frames : 0;
   const Parallel workers = poses.source().thread_safe() ? parallel : Parallel{.threads = 1};
   const std::vector<float> all_controls = poses.controls();
   struct Worker {
-    Workspace workspace;
+    runtime::Workspace workspace;
     std::vector<float> truth, predicted;
   };
   std::vector<Worker> work;
   for (std::size_t w = 0; w < worker_count(workers); ++w)
-    work.push_back({Workspace(face), std::vector<float>((lead + block_frames) * width), std::vector<float>(width)});
+    work.push_back(
+        {runtime::Workspace(face), std::vector<float>((lead + block_frames) * width), std::vector<float>(width)});
 
   const auto none = [&] { return Sums{{}, basis ? std::optional<QualitySums>(*basis) : std::nullopt}; };
   Sums sums = none();
@@ -86,9 +87,9 @@ void check_same_face(const PackedModel& model, const Source& source) {
 
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress, Detail detail) {
-  const PackedModel model = read_archive(archive).model;
+  const PackedModel model = archive::read_archive(archive).model;
   check_same_face(model, source);
-  const Evaluator face(model);
+  const runtime::Evaluator face(model);
   const auto wanted = [&](const Clip& clip) { return !split || clip.split == *split; };
   const PoseSet all(source, wanted);
   if (all.size() == 0)
@@ -96,7 +97,7 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
          split ? " of the split " : "", split ? name_of(*split) : "");
   std::optional<QualityBasis> basis;
   if (detail == Detail::quality)
-    basis.emplace(model.rest, model.schema, face_parts(model, all.thinned(poses_to_part_by).controls()));
+    basis.emplace(model.rest, model.schema, face_parts(model, all.subsampled(poses_to_part_by).controls()));
   const QualityBasis* by = basis ? &*basis : nullptr;
 
   EvalReport report;
@@ -127,11 +128,11 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
 
 Errors evaluate_archive_on(std::span<const std::byte> archive, const PoseSet& poses, const Parallel& parallel,
                            Progress& progress) {
-  const PackedModel model = read_archive(archive).model;
+  const PackedModel model = archive::read_archive(archive).model;
   check_same_face(model, poses.source());
   std::uint64_t done = 0;
   progress.begin("measuring", poses.size());
-  return measure(Evaluator(model), poses, false, nullptr, parallel, progress, done)
+  return measure(runtime::Evaluator(model), poses, false, nullptr, parallel, progress, done)
       .errors.figures(poses.source().rest().diagonal());
 }
 
@@ -152,4 +153,4 @@ std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t coun
   return worst;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -15,7 +15,7 @@
 #include "base/progress.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct ClipErrors {
   std::string name;
@@ -67,4 +67,4 @@ struct FrameOfClip {
 // its clip. Empty without Detail::quality.
 std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count);
 
-}  // namespace fb
+}  // namespace fb::bake

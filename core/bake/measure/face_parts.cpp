@@ -3,11 +3,11 @@
 #include "base/checked.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
-std::vector<double> mean_squares(const Evaluator& face, std::span<const float> poses) {
-  Workspace workspace(face);
+std::vector<double> mean_squares(const runtime::Evaluator& face, std::span<const float> poses) {
+  runtime::Workspace workspace(face);
   std::vector<float> coefficients(face.coefficient_count());
   std::vector<double> squares(coefficients.size());
   for (std::size_t at = 0; at < poses.size(); at += face.control_count()) {
@@ -27,9 +27,9 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
     region_of.resize(region_of.size() + region.layers.back().outputs, parts.names.size());
     parts.names.push_back(region.name);
   }
-  const std::vector<double> squares = mean_squares(Evaluator(model), poses);
+  const std::vector<double> squares = mean_squares(runtime::Evaluator(model), poses);
   std::vector<double> moved(vertices * regions);
-  for (const PackedRowGroup& group : model.groups)
+  for (const PackedRowBlock& group : model.groups)
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const std::size_t column = group.columns[c].column;
       if (region_of[column] == regions) continue;
@@ -49,4 +49,4 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
   return parts;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

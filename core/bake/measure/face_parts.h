@@ -7,7 +7,7 @@
 
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Which network of a face a vertex belongs to.
 struct FaceParts {
@@ -19,4 +19,4 @@ struct FaceParts {
 // largest sum, over its columns, of mean squared coefficient times squared displacement.
 FaceParts face_parts(const PackedModel& model, std::span<const float> poses);
 
-}  // namespace fb
+}  // namespace fb::bake

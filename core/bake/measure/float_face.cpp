@@ -6,7 +6,7 @@
 #include "model/activation.h"
 #include "model/feature_values.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 double activated(Activation activation, double value) {
@@ -23,7 +23,7 @@ double activated(Activation activation, double value) {
   return value;
 }
 
-double opening_of(const Gate& gate, std::span<const float> features) {
+double gate_value_of(const Gate& gate, std::span<const float> features) {
   if (gate.features.empty()) return 1;
   double sum = 0, most = 0;
   for (const std::uint32_t f : gate.features) {
@@ -65,9 +65,9 @@ std::vector<double> FloatFace::coefficients(std::span<const float> controls) con
   for (const std::uint32_t f : model_.network.direct) coefficients.push_back(features[f]);
   for (std::size_t r = 0; r < at_rest_.size(); ++r) {
     const Region& region = model_.network.regions[r];
-    const double opening = opening_of(region.gate, features);
+    const double gate_value = gate_value_of(region.gate, features);
     std::vector<double> posed = run(region, features);
-    for (std::size_t i = 0; i < posed.size(); ++i) coefficients.push_back((posed[i] - at_rest_[r][i]) * opening);
+    for (std::size_t i = 0; i < posed.size(); ++i) coefficients.push_back((posed[i] - at_rest_[r][i]) * gate_value);
   }
   return coefficients;
 }
@@ -93,4 +93,4 @@ std::vector<double> FloatFace::evaluate(std::span<const float> controls) const {
   return positions;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

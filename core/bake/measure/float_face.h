@@ -5,7 +5,7 @@
 
 #include "model/face_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A face of floats posed in the plainest way and summed in double: what packing is measured against, and the check of
 // the runtime that shares none of its arithmetic but features and activations.
@@ -28,4 +28,4 @@ class FloatFace {
   std::vector<std::vector<double>> at_rest_;  // what each region's last layer gives there
 };
 
-}  // namespace fb
+}  // namespace fb::bake

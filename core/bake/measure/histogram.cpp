@@ -4,7 +4,7 @@
 #include <bit>
 #include <numeric>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr unsigned dropped_bits = 17;
@@ -35,4 +35,4 @@ double Histogram::p99() const {
   return bin == 0 ? 0 : upper_edge(bin - 1);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace fb {
+namespace fb::bake {
 
 // Counts values >= 0 by the exponent and the six leading bits of the fraction of their float representation:
 // neighbouring bins differ by at most 1/64. Takes 130 kB once something was counted.
@@ -19,4 +19,4 @@ class Histogram {
   std::vector<std::uint64_t> bins_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -12,7 +12,7 @@
 #include "base/vector3.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t moves_at_once = 64;
@@ -55,12 +55,12 @@ struct Candidate {
     for (std::size_t w = 0; w < worker_count(parallel); ++w) work.emplace_back(face);
   }
   static PackedModel model_of(std::span<const std::byte> archive, const Source& rig) {
-    PackedModel model = read_archive(archive).model;
+    PackedModel model = archive::read_archive(archive).model;
     check_same_face(model, rig);
     return model;
   }
-  Evaluator face;
-  std::vector<Workspace> work;  // one a worker
+  runtime::Evaluator face;
+  std::vector<runtime::Workspace> work;  // one a worker
   Motion motion;
 };
 
@@ -156,4 +156,4 @@ std::vector<Locality> measure_locality(std::span<const std::span<const std::byte
   return localities;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct LocalityOptions {
   std::uint32_t poses = 6;  // that every control is moved in: alone to each end, then in random ones
@@ -48,4 +48,4 @@ std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t 
 std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, Source& rig,
                                        const LocalityOptions& options, const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/regions/surface_graph.h"
 #include "model/surface.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // predicted - truth, over D.
@@ -187,4 +187,4 @@ Quality QualitySums::figures() const {
   return quality;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

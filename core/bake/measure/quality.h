@@ -13,7 +13,7 @@
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Errors of one frame, over D^2 and D (see Errors).
 struct FrameErrors {
@@ -93,4 +93,4 @@ class QualitySums {
   std::vector<std::vector<float>> past_;  // error vectors of up to two frames before
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "model/feature_values.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint64_t control_bytes = 12, feature_bytes = 20, index_bytes = 4, position_bytes = 12, scaled_bytes = 8;
@@ -50,7 +50,7 @@ ByteCount::ByteCount(const PackedModel& model) : model_(&model), direct_(model.d
     }
     owner.insert(owner.end(), region.layers.back().outputs, &bytes);
   }
-  for (const PackedRowGroup& group : model.groups)
+  for (const PackedRowBlock& group : model.groups)
     for (const PackedColumn& column : group.columns)
       *owner.at(column.column) += group.row_count * number_bytes(column.wide) + scaled_bytes;
 }
@@ -83,7 +83,7 @@ std::uint64_t ByteCount::stored() const {
 TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses) {
   constexpr std::size_t most_poses = 500;
   const ByteCount count(model);
-  const PoseSet some = poses.thinned(most_poses);
+  const PoseSet some = poses.subsampled(most_poses);
   TouchedBytes result;
   result.runtime_bytes = count.stored();
   result.poses = some.size();
@@ -101,4 +101,4 @@ TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses) {
   return result;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

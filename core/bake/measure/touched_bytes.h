@@ -9,7 +9,7 @@
 #include "bake/rig/pose_set.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Counts bytes by one rule, whatever a reader's layout is. Every pose reads the controls (12 bytes: minimum, maximum,
 // rest), features (20 bytes: the fields of a Feature), the direct ones and the inputs and gates of regions (4 bytes
@@ -46,4 +46,4 @@ struct TouchedBytes {
 // runtime_bytes.
 TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 #include "base/status.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t dense_poses = 8, shown_vertices = 16;
@@ -19,8 +19,8 @@ constexpr std::uint32_t notches = 64;  // of a control's range that proof poses 
 // Calls with(pose, positions of all vertices) for every pose.
 template <class With>
 void pose_by_pose(const PackedModel& model, std::span<const float> controls, With&& with) {
-  const Evaluator face(model);
-  Workspace workspace(face);
+  const runtime::Evaluator face(model);
+  runtime::Workspace workspace(face);
   std::vector<float> positions(model.rest.points.size());
   for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
     face.evaluate(controls.data() + pose * face.control_count(), positions.data(), workspace);
@@ -30,8 +30,8 @@ void pose_by_pose(const PackedModel& model, std::span<const float> controls, Wit
 
 }  // namespace
 
-Proof make_proof(const PackedModel& model, std::uint64_t seed) {
-  Proof proof;
+archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
+  archive::Proof proof;
   const std::vector<Control>& controls = model.schema.controls;
   for (const Control& control : controls) proof.controls.push_back(control.rest);
   for (const Control& control : controls) proof.controls.push_back(control.maximum);
@@ -55,8 +55,8 @@ Proof make_proof(const PackedModel& model, std::uint64_t seed) {
 }
 
 VerifyReport verify_archive(std::span<const std::byte> archive) {
-  const Archive read = read_archive(archive);
-  const Proof& proof = read.proof;
+  const archive::Archive read = archive::read_archive(archive);
+  const archive::Proof& proof = read.proof;
   const VerifyReport report{archive.size(), proof.hashes.size(), read.model.rest.vertex_count()};
   pose_by_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
     const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
@@ -93,11 +93,11 @@ Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std
 Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                       const Parallel& parallel) {
   const FloatFace exact(model);
-  const Evaluator face(packed);
+  const runtime::Evaluator face(packed);
   const std::size_t width = face.control_count(), poses = controls.size() / width;
   std::vector<ErrorSums> sums(poses);
   parallel_for(parallel, poses, [&](std::size_t pose, std::size_t) {
-    Workspace workspace(face);
+    runtime::Workspace workspace(face);
     std::vector<float> points(face.rest_positions().size());
     face.evaluate(controls.data() + pose * width, points.data(), workspace);
     const std::vector<double> expected = exact.evaluate(controls.subspan(pose * width, width));
@@ -108,4 +108,4 @@ Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::sp
   return all.figures(model.rest.diagonal());
 }
 
-}  // namespace fb
+}  // namespace fb::bake

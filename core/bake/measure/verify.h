@@ -11,7 +11,7 @@
 #include "model/face_model.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct VerifyReport {
   std::uint64_t bytes = 0;
@@ -19,7 +19,7 @@ struct VerifyReport {
 };
 
 // What the model gives for a few poses: rest, both ends of all controls, seeded dense ones.
-Proof make_proof(const PackedModel& model, std::uint64_t seed);
+archive::Proof make_proof(const PackedModel& model, std::uint64_t seed);
 
 // Reads an archive whole, evaluates the poses of its proof and compares every bit. Fails with the reader's error if it
 // is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
@@ -32,4 +32,4 @@ Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::sp
 // The same of two packed faces with the same controls and vertices. Keeps all positions of one of them meanwhile.
 Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -21,13 +21,13 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Training poses and as many random ones: where packing is compared with the model in memory.
 std::vector<float> poses_to_pack_by(const PoseSet& poses, std::uint64_t seed) {
   constexpr std::size_t count = 128;
-  std::vector<float> controls = poses.thinned(count).controls();
+  std::vector<float> controls = poses.subsampled(count).controls();
   for (std::size_t i = 0; i < count; ++i) {
     Random random(seed, i);
     for (const Control& control : poses.source().schema().controls) {
@@ -61,9 +61,9 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 
   Baked baked;
   const auto start = std::chrono::steady_clock::now();
-  auto [model, packing, diary] = recipe.make(poses, rig, options, progress);
+  auto [model, packing, stats] = recipe.make(poses, rig, options, progress);
   baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  baked.diary = std::move(diary);
+  baked.stats = std::move(stats);
   baked.poses = poses.size();
   baked.coefficients = model.basis.columns;
   baked.parameters = model.network.parameter_count();
@@ -88,7 +88,7 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
                                        {"quantisation_over_diagonal", baked.quantisation.max}};
   if (!options.created.empty()) provenance["created"] = options.created;
   packed.provenance = provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-  baked.archive = write_archive(packed, make_proof(packed, options.seed), {options.licence, {}});
+  baked.archive = archive::write_archive(packed, make_proof(packed, options.seed), {options.licence, {}});
   verify_archive(baked.archive);
   progress.step(2);
   return baked;
@@ -99,9 +99,9 @@ namespace {
 // Measures the packed face and writes its archive anew, with what was found. `source` is what `data` was recorded from.
 void certify(Baked& baked, Source& data, RigMeter& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
-  const Errors dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).thinned(most_poses),
+  const Errors dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).subsampled(most_poses),
                                                 options.parallel, progress);
-  const PoseSet unseen = held_back_poses(source);
+  const PoseSet unseen = unseen_poses(source);
   const bool spared = source.live() && options.rig_budget > 0 && source.calls() + unseen.size() > options.rig_budget;
   std::optional<EvalReport> independent;
   Split split = Split::test;
@@ -111,14 +111,14 @@ void certify(Baked& baked, Source& data, RigMeter& source, const BakeOptions& op
       split = Split::validation;
     independent = evaluate_archive(baked.archive, source, split, options.parallel, progress, Detail::quality);
   }
-  Archive archive = read_archive(baked.archive);
+  archive::Archive archive = archive::read_archive(baked.archive);
   archive.text.certificate = certificate(dependency, independent, split, baked.quantisation);
-  baked.archive = write_archive(archive.model, archive.proof, archive.text);
+  baked.archive = archive::write_archive(archive.model, archive.proof, archive.text);
 }
 
 }  // namespace
 
-Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
+Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) {
   recipe_for(options);
   RigMeter meter(source);
   std::unique_ptr<Source> recorded;
@@ -127,10 +127,10 @@ Baked bake(Source& source, const BakeOptions& options, Progress& progress) {
   Source& data = recorded ? *recorded : source;
   Source* const rig = source.live() ? &meter : nullptr;
   Baked baked = bake_recorded(data, rig, with_budget_left(options, meter, 1), progress);
-  const PoseSet poses = training_poses(data, options.use), asked = held_back_poses(source);
-  baked.diary.coverage = coverage_of(poses, asked, options.parallel);
+  const PoseSet poses = training_poses(data, options.use), asked = unseen_poses(source);
+  baked.stats.coverage = coverage_of(poses, asked, options.parallel);
   if (options.learning_curve)
-    baked.diary.learning = learn_by_parts(poses, asked, baked.archive, rig, options, progress);
+    baked.stats.learning = measure_learning_curve(poses, asked, baked.archive, rig, options, progress);
   certify(baked, data, meter, options, progress);
   baked.rig_calls = meter.calls();
   return baked;
@@ -142,7 +142,7 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
   if (own_folder) (options.work = path) += ".work";
   Baked baked;
   try {
-    baked = bake(source, options, progress);
+    baked = bake_face(source, options, progress);
   } catch (...) {
     std::error_code ignored;
     if (own_folder) std::filesystem::remove(options.work, ignored);  // stays if anything is in it
@@ -153,4 +153,4 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
   return baked;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -12,7 +12,7 @@
 #include "bake/rig/source.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct Baked {
   std::vector<std::byte> archive;
@@ -22,12 +22,12 @@ struct Baked {
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
   Errors quantisation;           // of the packed model against that of floats, on training and random poses
-  BakeDiary diary;
+  BakeStats stats;
 };
 
 // Samples (a live rig), trains, packs and verifies. Uses only clips of the split train; those of the split test, or of
 // validation where there is none of them, are measured on for the certificate, where the rig's budget allows it.
-Baked bake(Source& source, const BakeOptions& options, Progress& progress);
+Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);
 
 // bake, then writes the archive, which appears complete or not at all; that it can be written is tried first. Without a
 // work folder it uses "<path>.work" and removes that once the archive is whole.
@@ -36,4 +36,4 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
 // bake, once the poses are there.
 Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

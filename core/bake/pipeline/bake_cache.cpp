@@ -7,15 +7,15 @@
 #include "base/file.h"
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::bake {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Errors, frames, mse, rms, mean, p99, max, mfm, worst_frame)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EpochLoss, training, validation)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionDiary, name, vertices, inputs, coefficients, parameters, energy, validation,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionStats, name, vertices, inputs, coefficients, parameters, energy, validation,
                                    epochs, restarts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningPoint, poses, mse, max)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTime, name, seconds)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeDiary, notes, bones, rig_calls, regions, learning, coverage, stages)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeStats, notes, bones, rig_calls, regions, learning, coverage, stages)
 
 namespace {
 
@@ -26,7 +26,7 @@ constexpr const char* figures_name = "bake.json";
 
 // Of everything that decides what a bake gives: options that change only how fast it is are left out.
 std::uint64_t key_of(Source& data, const Source* rig, const BakeOptions& options) {
-  const PoseSet poses = training_poses(data, options.use), some = poses.thinned(16);
+  const PoseSet poses = training_poses(data, options.use), some = poses.subsampled(16);
   std::vector<float> points(some.size() * data.rest().points.size());
   some.read_points(0, some.size(), points);
   const std::uint64_t budget = recipe_named(options.recipe).asks_rig ? options.rig_budget : 0;
@@ -55,7 +55,7 @@ std::optional<Baked> kept(const std::filesystem::path& folder, std::uint64_t key
     json.at("parameters").get_to(baked.parameters);
     json.at("train_seconds").get_to(baked.train_seconds);
     json.at("quantisation").get_to(baked.quantisation);
-    json.at("diary").get_to(baked.diary);
+    json.at("stats").get_to(baked.stats);
     return baked;
   } catch (const Json::exception&) {
     return std::nullopt;
@@ -70,14 +70,14 @@ void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& b
                      {"parameters", baked.parameters},
                      {"train_seconds", baked.train_seconds},
                      {"quantisation", baked.quantisation},
-                     {"diary", baked.diary}};
+                     {"stats", baked.stats}};
   write_file(folder / archive_name, baked.archive);
   write_file(folder / figures_name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
 
-Baked bake_or_keep(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+Baked cached_bake(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
   const std::uint64_t key = key_of(data, rig, options);
   if (std::optional<Baked> earlier = kept(options.work, key)) {
     progress.note("taken from " + options.work.string() + ", where it was baked before");
@@ -88,4 +88,4 @@ Baked bake_or_keep(Source& data, Source* rig, const BakeOptions& options, Progre
   return baked;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

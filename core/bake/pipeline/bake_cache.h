@@ -2,10 +2,10 @@
 
 #include "bake/pipeline/bake.h"
 
-namespace fb {
+namespace fb::bake {
 
 // bake_recorded, unless the work folder holds the whole of an earlier call's result for the same poses, options and
 // version: then that, so that an interrupted comparison goes on where it stopped.
-Baked bake_or_keep(Source& data, Source* rig, const BakeOptions& options, Progress& progress);
+Baked cached_bake(Source& data, Source* rig, const BakeOptions& options, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

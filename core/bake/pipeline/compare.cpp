@@ -9,7 +9,7 @@
 #include "bake/pipeline/record.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t dependency_poses = 4000;
@@ -19,12 +19,12 @@ bool any_clip(const Source& data, bool (*wanted)(const Clip&)) {
 }
 
 MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
-  Baked baked = bake_or_keep(data, rig, options, progress);
+  Baked baked = cached_bake(data, rig, options, progress);
   MethodReport report;
   report.name = options.recipe;
   report.use = options.use;
   report.independent = evaluate_archive(baked.archive, data, Split::test, options.parallel, progress, Detail::quality);
-  report.dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).thinned(dependency_poses),
+  report.dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).subsampled(dependency_poses),
                                           options.parallel, progress);
   report.bytes = baked.archive.size();
   report.parameters = baked.parameters;
@@ -32,10 +32,10 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
   report.poses = baked.poses;
   report.train_seconds = baked.train_seconds;
   report.archive = std::move(baked.archive);
-  report.diary = std::move(baked.diary);
+  report.stats = std::move(baked.stats);
   if (options.learning_curve)
-    report.diary.learning = learn_by_parts(training_poses(data, options.use), held_back_poses(data), report.archive,
-                                           rig, options, progress);
+    report.stats.learning = measure_learning_curve(training_poses(data, options.use), unseen_poses(data),
+                                                   report.archive, rig, options, progress);
   return report;
 }
 
@@ -85,7 +85,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       progress.note("every clip to train on is a shot: there is no variant to compare");
       continue;
     }
-    const std::string coverage = coverage_of(training_poses(data, use), held_back_poses(data), options.parallel);
+    const std::string coverage = coverage_of(training_poses(data, use), unseen_poses(data), options.parallel);
     for (const std::string& method : methods) {
       progress.note(format("baking the %s of \"%s\"", name_of(use), method.c_str()));
       BakeOptions one = each;
@@ -94,7 +94,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       one.work = options.work / (method + "." + name_of(use));
       try {
         report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
-        report.methods.back().diary.coverage = coverage;
+        report.methods.back().stats.coverage = coverage;
       } catch (const Error& error) {
         if (error.status() == Status::interrupted) throw;
         if (!first_failure) first_failure = std::current_exception();
@@ -110,4 +110,4 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
   return report;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 #include "bake/measure/locality.h"
 #include "bake/pipeline/bake.h"
 
-namespace fb {
+namespace fb::bake {
 
 // One method on one use: a column of the paper's Table 1.
 struct MethodReport {
@@ -22,7 +22,7 @@ struct MethodReport {
   std::size_t parameters = 0, coefficients = 0, poses = 0;
   double train_seconds = 0;
   std::vector<std::byte> archive;
-  BakeDiary diary;
+  BakeStats stats;
   std::optional<Locality> locality;  // where there is a live rig to ask
 };
 
@@ -50,4 +50,4 @@ struct CompareReport {
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

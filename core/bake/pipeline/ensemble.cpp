@@ -12,7 +12,7 @@
 #include "bake/regions/residual.h"
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t width = 128, steps = 4000;
@@ -31,18 +31,18 @@ TrainingSet set_of(std::size_t poses, std::size_t controls, std::size_t outputs,
 
 }  // namespace
 
-Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& progress) {
-  return [=, &progress](Source& recorded, std::uint32_t round) -> Disagreement {
+TrainEnsemble network_ensemble(std::uint64_t seed, const Parallel& parallel, Progress& progress) {
+  return [=, &progress](Source& recorded, std::uint32_t round) -> EnsembleVariance {
     const PoseSet poses = training_poses(recorded, Use::variant);
     const RigSchema schema = recorded.schema();
-    ProbeOptions curves;
+    AnalysisOptions curves;
     curves.max_pairs = curves.max_triples = 0;
-    const Probe probe = probe_poses(poses, curves, parallel, progress);
+    const RigAnalysis responses = analyse_poses(poses, curves, parallel, progress);
     FaceRegion face{"face", {}, {}, {}, 1};
     face.vertices.resize(recorded.rest().vertex_count());
     std::iota(face.vertices.begin(), face.vertices.end(), 0u);
     face.weights.assign(face.vertices.size(), 1.0f);
-    const Residual residual(poses, probe.base);
+    const Residual residual(poses, responses.base);
     LocalBasisOptions options;
     options.max_components = most_components;
     const LocalBasis basis = local_bases(residual, {face}, options, parallel, progress).front();
@@ -57,7 +57,7 @@ Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& p
       TrainingPlan plan;
       plan.widths = {width, width};
       plan.activation = Activation::silu;
-      plan.schedule = Schedule::linger;
+      plan.schedule = Schedule::warmup_stable_decay;
       plan.learning_rate = 4e-3f;
       plan.output_scaling = 0.75f;
       plan.epochs = std::max<std::uint32_t>(1, steps * plan.batch / static_cast<std::uint32_t>(poses.size()));
@@ -83,4 +83,4 @@ Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& p
   };
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,11 +4,11 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Two small networks that learn, from different first weights, what curves fitted to the recorded poses leave over on
 // the whole face; they disagree by their squared distance, over D^2. Deterministic for any number of threads; the
 // round is part of the seed.
-Committee two_networks(std::uint64_t seed, const Parallel& parallel, Progress& progress);
+TrainEnsemble network_ensemble(std::uint64_t seed, const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

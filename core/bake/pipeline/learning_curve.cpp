@@ -7,7 +7,7 @@
 #include "bake/sampling/pose_generators.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t fitted_points = 3;
@@ -78,4 +78,4 @@ std::string learning_curve_text(const LearningCurve& curve) {
                 curve.mse_at(2 * most), -curve.exponent, 100 * curve.deviation);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 #include "bake/measure/errors.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct LearningCurve {
   struct Point {
@@ -36,4 +36,4 @@ LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainA
 // A table of the points and what twice the poses would give.
 std::string learning_curve_text(const LearningCurve& curve);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,14 +7,14 @@
 #include "bake/sampling/coverage.h"
 #include "base/file.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t measured_poses = 1000, fewest_poses = 16;
 
 }  // namespace
 
-PoseSet held_back_poses(Source& source) {
+PoseSet unseen_poses(Source& source) {
   const auto of = [&](Split split) { return PoseSet(source, [=](const Clip& clip) { return clip.split == split; }); };
   PoseSet test = of(Split::test);
   return test.size() > 0 ? test : of(Split::validation);
@@ -27,15 +27,16 @@ std::string coverage_of(const PoseSet& trained, const PoseSet& asked, const Para
                        schema);
 }
 
-std::vector<LearningPoint> learn_by_parts(const PoseSet& poses, const PoseSet& asked, std::span<const std::byte> whole,
-                                          Source* rig, const BakeOptions& options, Progress& progress) {
+std::vector<LearningPoint> measure_learning_curve(const PoseSet& poses, const PoseSet& asked,
+                                                  std::span<const std::byte> whole, Source* rig,
+                                                  const BakeOptions& options, Progress& progress) {
   if (asked.size() == 0 || poses.size() < fewest_poses) return {};
   const Recipe& recipe = recipe_named(options.recipe);
   if (recipe.asks_rig && rig && options.rig_budget > 0) {
     progress.note("no learning curve: it would ask the rig for more than its budget");
     return {};
   }
-  const PoseSet measured = asked.thinned(measured_poses);
+  const PoseSet measured = asked.subsampled(measured_poses);
   const auto errors_of = [&](std::span<const std::byte> archive) {
     return evaluate_archive_on(archive, measured, options.parallel, progress);
   };
@@ -44,8 +45,8 @@ std::vector<LearningPoint> learn_by_parts(const PoseSet& poses, const PoseSet& a
     BakeOptions part = options;
     part.work = options.work / ("learning." + std::to_string(some.size()));
     make_folder(part.work);
-    const Learnt learnt = recipe.make(poses.picked(some), rig, part, progress);
-    return errors_of(write_archive(pack_model(learnt.model, learnt.packing), {}));
+    const RecipeResult result = recipe.make(poses.picked(some), rig, part, progress);
+    return errors_of(archive::write_archive(pack_model(result.model, result.packing), {}));
   };
   std::vector<LearningPoint> points;
   for (const LearningCurve::Point& point :
@@ -54,4 +55,4 @@ std::vector<LearningPoint> learn_by_parts(const PoseSet& poses, const PoseSet& a
   return points;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/face/face_recipe.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // By age.
@@ -33,4 +33,4 @@ std::vector<std::string> recipe_names() {
   return names;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

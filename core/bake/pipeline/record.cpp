@@ -7,7 +7,7 @@
 #include "bake/pipeline/ensemble.h"
 #include "bake/sampling/active_sampling.h"
 
-namespace fb {
+namespace fb::bake {
 
 std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
                                Progress& progress) {
@@ -17,13 +17,13 @@ std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recordin
   sampling.mix = options.mix;
   sampling.held_out = what == Recording::with_test;
   const std::uint64_t third = options.rig_budget / 3;
-  sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_probe(rig.schema(), third) ? third : 0);
+  sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_analyse(rig.schema(), third) ? third : 0);
   // A variant learns from no shot; where poses are dear none is asked for.
   if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
   const std::filesystem::path folder = options.work / "poses";
   if (options.rig_budget > 0 && recipes_ask)
-    sample_by_disagreement(rig, sampling, {}, two_networks(options.seed, options.parallel, progress), folder,
-                           options.parallel, progress);
+    sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder,
+                    options.parallel, progress);
   else
     sample(rig, sampling, folder, options.parallel, progress);
   return open_source(folder.string());
@@ -36,4 +36,4 @@ BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::si
   return options;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

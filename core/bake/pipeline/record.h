@@ -5,7 +5,7 @@
 #include "bake/pipeline/bake.h"
 #include "bake/rig/rig_meter.h"
 
-namespace fb {
+namespace fb::bake {
 
 enum class Recording {
   training_only,
@@ -14,7 +14,7 @@ enum class Recording {
 
 // Samples a live rig into a dataset in the work folder, or finds it there, and opens it. `recipes_ask`: a third of the
 // rig budget, if there is one, is kept for recipes that ask the rig themselves (none if that is too little, see
-// pays_to_probe), and half of the poses are chosen by disagreement: where poses are dear, those that teach most are
+// pays_to_analyse), and half of the poses are chosen by variance: where poses are dear, those that teach most are
 // asked for.
 std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
                                Progress& progress);
@@ -22,4 +22,4 @@ std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recordin
 // The options of one of `recipes` that share equally what a rig budget still holds.
 BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::size_t recipes);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,7 +2,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 Use use_from(std::string_view name) {
   for (const Use use : {Use::variant, Use::backlot})
@@ -20,4 +20,4 @@ PoseSet training_poses(Source& data, Use use) {
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,7 +9,7 @@
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What the face is for. A variant is used to make shots, so none may be in its training data; a backlot preserves a
 // character whose shots exist.
@@ -32,7 +32,7 @@ struct BakeOptions {
   double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
   // Texts that go into the archive as they are; empty: none. `created` is a date in the provenance.
   std::string licence, created;
-  // Bakes again on parts of the poses to see what more of them would bring (BakeDiary::learning), which takes about as
+  // Bakes again on parts of the poses to see what more of them would bring (BakeStats::learning), which takes about as
   // long as the bake itself.
   bool learning_curve = false;
   Parallel parallel;
@@ -44,4 +44,4 @@ struct BakeOptions {
 // The clips of the split train, without shots for a variant.
 PoseSet training_poses(Source& data, Use use);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,10 +9,10 @@
 
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 
 // One network and the part of the face it moves.
-struct RegionDiary {
+struct RegionStats {
   std::string name;
   std::size_t vertices = 0, inputs = 0, coefficients = 0, parameters = 0;
   double energy = 0;  // share of what the networks learn; shares sum to 1
@@ -33,14 +33,14 @@ struct StageTime {
   double seconds = 0;
 };
 
-struct BakeDiary {
+struct BakeStats {
   std::vector<std::string> notes;       // sentences about the bake: what probing found, what was left out
   std::size_t bones = 0;                // of the skeleton, where there is one
   std::uint64_t rig_calls = 0;          // poses asked of a live rig besides the recorded ones
-  std::vector<RegionDiary> regions;     // in the order of the model's regions
+  std::vector<RegionStats> regions;     // in the order of the model's regions
   std::vector<LearningPoint> learning;  // by ascending poses
   std::string coverage;                 // what the training poses do not cover, in words and Markdown tables
   std::vector<StageTime> stages;        // in the order they were done
 };
 
-}  // namespace fb
+}  // namespace fb::bake

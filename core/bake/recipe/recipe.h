@@ -8,21 +8,21 @@
 #include "base/progress.h"
 #include "model/face_model.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What a recipe makes of poses: a model, without provenance, how it is to be packed, and how it came about.
-struct Learnt {
+struct RecipeResult {
   FaceModel model;
   PackOptions packing = {};
-  BakeDiary diary = {};
+  BakeStats stats = {};
 };
 
 struct Recipe {
   const char* name;
   // `rig` answers new poses where there is a live one, else null.
-  Learnt (*make)(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+  RecipeResult (*make)(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
   bool fits = false;      // keeps to BakeOptions::max_bytes and max_error
   bool asks_rig = false;  // asks a live rig for poses of its own, within BakeOptions::rig_budget
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 #include "bake/regions/weighted_kmeans.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t nowhere = UINT32_MAX;
@@ -254,4 +254,4 @@ std::vector<FaceRegion> find_regions(const Mesh& rest, const RigSchema& schema, 
   return regions;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

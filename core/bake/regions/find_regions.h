@@ -8,7 +8,7 @@
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A part of the face with a network of its own.
 struct FaceRegion {
@@ -29,10 +29,10 @@ struct RegionOptions {
 };
 
 // Splits the vertices whose residual moves by weighted k-means on what moves them (residual_motion: controls x
-// vertices, see Probe) and where they are; borders overlap in a narrow band measured along edges, across which weights
-// blend smoothly, so nothing is shared between lips, lids, teeth and tongue that touch but are not joined. Vertices
-// whose residual nothing moves are in no region.
+// vertices, see RigAnalysis) and where they are; borders overlap in a narrow band measured along edges, across which
+// weights blend smoothly, so nothing is shared between lips, lids, teeth and tongue that touch but are not joined.
+// Vertices whose residual nothing moves are in no region.
 std::vector<FaceRegion> find_regions(const Mesh& rest, const RigSchema& schema, std::span<const float> residual_motion,
                                      const RegionOptions& options);
 
-}  // namespace fb
+}  // namespace fb::bake

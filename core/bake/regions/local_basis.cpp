@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 using Matrix = Eigen::MatrixXf;  // column-major: a column is a pose or a component
@@ -300,11 +300,11 @@ std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<
     fail(Status::invalid_argument, "%zu components cannot be fitted to %zu of %zu poses", options.max_components,
          options.poses_to_fit, residual.size());
   if (regions.empty()) return {};
-  const std::unique_ptr<PoseRows> to_fit = residual.thinned(options.poses_to_fit);
+  const std::unique_ptr<PoseRows> to_fit = residual.subsampled(options.poses_to_fit);
   const PoseRows& fitted = *to_fit;
   const std::size_t width = std::min(options.max_components + spare, fitted.size());
   // A few times the width is enough to draw the first subspace from; the next step corrects it with all.
-  const std::unique_ptr<PoseRows> sketched = fitted.thinned(std::max(4 * width, fitted.size() / 4));
+  const std::unique_ptr<PoseRows> sketched = fitted.subsampled(std::max(4 * width, fitted.size() / 4));
 
   std::vector<Search> searches(regions.size());
   for (std::size_t r = 0; r < regions.size(); ++r) searches[r].region = &regions[r];
@@ -316,4 +316,4 @@ std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<
   return bases;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct LocalBasisOptions {
   double max_error = 1e-3;  // largest distance at a vertex of any pose looked at, over D
@@ -28,9 +28,9 @@ struct LocalBasis {
 // are read about two times and all of them once, for all regions together. Of the components searched, which are a
 // little more than max_components, the fewest that lose no more than max_error are kept (a multiple of 8, unless the
 // poses do not span so many); at least one. Besides the coefficients it needs about three matrices of (rows of all
-// regions + poses to fit) x max_components and 64 MiB of poses. Same bits for any number of threads. Fails on no poses, no components or a region
-// that names no vertex.
+// regions + poses to fit) x max_components and 64 MiB of poses. Same bits for any number of threads. Fails on no poses,
+// no components or a region that names no vertex.
 std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<FaceRegion>& regions,
                                     const LocalBasisOptions& options, const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

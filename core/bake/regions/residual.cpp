@@ -5,13 +5,13 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
-Residual::Residual(PoseSet poses, const CurveBase& base)
+Residual::Residual(PoseSet poses, const SparseBlendshapes& base)
     : PoseRows(std::move(poses)), base_(&base), rest_(this->poses().source().schema().rest_pose()) {}
 
-std::unique_ptr<PoseRows> Residual::thinned(std::size_t count) const {
-  return std::make_unique<Residual>(poses().thinned(count), *base_);
+std::unique_ptr<PoseRows> Residual::subsampled(std::size_t count) const {
+  return std::make_unique<Residual>(poses().subsampled(count), *base_);
 }
 
 void Residual::read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const {
@@ -31,4 +31,4 @@ void Residual::read(std::size_t first, std::size_t count, std::span<float> value
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,21 +8,21 @@
 #include "bake/rig/pose_rows.h"
 #include "base/parallel.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What the base leaves over of recorded poses: what region networks learn. The base must outlive it.
 class Residual final : public PoseRows {
  public:
-  Residual(PoseSet poses, const CurveBase& base);
+  Residual(PoseSet poses, const SparseBlendshapes& base);
 
   // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows. The rest
   // pose is exactly 0.
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
-  std::unique_ptr<PoseRows> thinned(std::size_t count) const override;
+  std::unique_ptr<PoseRows> subsampled(std::size_t count) const override;
 
  private:
-  const CurveBase* base_;
+  const SparseBlendshapes* base_;
   std::vector<float> rest_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include <functional>
 #include <queue>
 
-namespace fb {
+namespace fb::bake {
 
 SurfaceGraph::SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint32_t, std::uint32_t>> joined) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
@@ -72,4 +72,4 @@ std::vector<std::vector<std::uint32_t>> SurfaceGraph::pieces(std::span<const std
   return pieces;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 
 #include "model/mesh.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Vertices of a mesh and the edges of its polygons between them.
 class SurfaceGraph {
@@ -40,4 +40,4 @@ class SurfaceGraph {
   std::vector<Edge> edges_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

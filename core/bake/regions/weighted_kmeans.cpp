@@ -6,7 +6,7 @@
 #include "bake/linalg/gemm.h"
 #include "base/random.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 struct Search {
@@ -150,4 +150,4 @@ std::vector<std::uint32_t> weighted_kmeans(std::span<const float> points, std::s
   return best.labels;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

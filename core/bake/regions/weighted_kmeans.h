@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace fb {
+namespace fb::bake {
 
 struct KmeansOptions {
   std::size_t clusters = 8;  // at most
@@ -21,4 +21,4 @@ struct KmeansOptions {
 std::vector<std::uint32_t> weighted_kmeans(std::span<const float> points, std::size_t width,
                                            std::span<const double> weights, const KmeansOptions& options);
 
-}  // namespace fb
+}  // namespace fb::bake

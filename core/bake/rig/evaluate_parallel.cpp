@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::bake {
 
 void evaluate_parallel(Source& source, std::span<const float> controls, std::size_t count, std::span<float> points,
                        const Parallel& parallel) {
@@ -26,4 +26,4 @@ void evaluate_parallel(Source& source, std::span<const float> controls, std::siz
                });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

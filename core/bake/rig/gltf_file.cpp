@@ -7,7 +7,7 @@
 #include "base/checked.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Keeps the loader from opening any other file.
@@ -172,4 +172,4 @@ Mesh GltfFile::triangles(const tinygltf::Mesh& from) const {
   return mesh;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

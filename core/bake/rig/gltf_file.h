@@ -15,7 +15,7 @@ struct Mesh;
 struct Primitive;
 }  // namespace tinygltf
 
-namespace fb {
+namespace fb::bake {
 
 // A glTF 2.0 file in memory, binary or text. The loader hands out what the file claims; what is read through this class
 // is checked against the bytes there are. Messages do not name the file: see naming().
@@ -47,4 +47,4 @@ class GltfFile {
   std::unique_ptr<tinygltf::Model> model_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

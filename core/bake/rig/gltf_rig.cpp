@@ -14,7 +14,7 @@
 #include "base/checked.h"
 #include "base/file.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // What one unit of a weight adds to the vertices it moves.
@@ -198,7 +198,7 @@ class GltfRigReader {
           animation.name.empty() ? "animation" + std::to_string(rig_->clips.size()) : animation.name;
       std::string name = base;
       for (int number = 2; !clip_names_.insert(name).second; ++number) name = format("%s (%d)", base.c_str(), number);
-      naming("animation \"" + name + "\"", [&] { read_clip(animation, channel.sampler, name); });
+      with_context("animation \"" + name + "\"", [&] { read_clip(animation, channel.sampler, name); });
       ++taken;
     }
     if (taken < animation.channels.size())
@@ -297,10 +297,10 @@ class GltfRigReader {
 
 std::unique_ptr<Source> open_gltf_rig(const std::string& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
-  return naming(path, [&] {
+  return with_context(path, [&] {
     const auto rig = GltfRigReader(bytes).read(std::filesystem::path(path).stem().string());
     return std::make_unique<RigSource>(rig->rig, rig, rig->notes);
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

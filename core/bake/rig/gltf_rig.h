@@ -5,7 +5,7 @@
 
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Opens a .glb or .gltf as a live, thread-safe rig in metres, y up: the one mesh with morph targets in it.
 // Vertices: those of its primitives in order, where its node and the nodes above it put them at rest.
@@ -15,4 +15,4 @@ namespace fb {
 // and what GltfFile refuses. What is left out is in the notes.
 std::unique_ptr<Source> open_gltf_rig(const std::string& path);
 
-}  // namespace fb
+}  // namespace fb::bake

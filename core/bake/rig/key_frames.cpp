@@ -5,7 +5,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 Clip resample(const KeyFrames& keys, double fps) {
   const std::span<const float> times = keys.times;
@@ -32,4 +32,4 @@ Clip resample(const KeyFrames& keys, double fps) {
   return clip;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Values that are given at some times, as animation files keep them.
 struct KeyFrames {
@@ -19,4 +19,4 @@ struct KeyFrames {
 // Fails with limit where that would be more than 2^27 values, which a few bytes of keys can ask for.
 Clip resample(const KeyFrames& keys, double fps);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace fb {
+namespace fb::bake {
 
 void for_blocks(const PoseRows& poses, std::size_t block, const Parallel& parallel, Progress& progress,
                 const std::function<void(std::size_t, std::size_t, const float*)>& visit) {
@@ -16,4 +16,4 @@ void for_blocks(const PoseRows& poses, std::size_t block, const Parallel& parall
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Some numbers of each pose, one a coordinate of the mesh, too many to hold together: what is decomposed into
 // components. The source of the poses must outlive it.
@@ -25,7 +25,7 @@ class PoseRows {
   // Poses [first, first + count): count x rows() floats, one pose after the other.
   virtual void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const = 0;
   // The same numbers of `count` of the poses, evenly spaced; of all if there are no more.
-  virtual std::unique_ptr<PoseRows> thinned(std::size_t count) const = 0;
+  virtual std::unique_ptr<PoseRows> subsampled(std::size_t count) const = 0;
 
  private:
   PoseSet poses_;
@@ -43,9 +43,9 @@ class Displacements final : public PoseRows {
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel&) const override {
     poses().read_displacements(first, count, values);
   }
-  std::unique_ptr<PoseRows> thinned(std::size_t count) const override {
-    return std::make_unique<Displacements>(poses().thinned(count));
+  std::unique_ptr<PoseRows> subsampled(std::size_t count) const override {
+    return std::make_unique<Displacements>(poses().subsampled(count));
   }
 };
 
-}  // namespace fb
+}  // namespace fb::bake

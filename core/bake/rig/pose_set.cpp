@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::bake {
 
 PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted) : source_(&source) {
   for (std::size_t c = 0; c < source.clips().size(); ++c) {
@@ -13,7 +13,7 @@ PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted)
   }
 }
 
-PoseSet PoseSet::thinned(std::size_t count) const {
+PoseSet PoseSet::subsampled(std::size_t count) const {
   if (size_ <= count) return *this;
   std::vector<std::uint32_t> poses(count);
   for (std::size_t i = 0; i < count; ++i) poses[i] = static_cast<std::uint32_t>(i * size_ / count);
@@ -76,4 +76,4 @@ void PoseSet::read_displacements(std::size_t first, std::size_t count, std::span
     for (std::size_t i = 0; i < rest.size(); ++i) displacements[pose * rest.size() + i] -= rest[i];
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Frames picked from a source's clips, seen as one row of poses: what is trained on, or measured.
 class PoseSet {
@@ -17,7 +17,7 @@ class PoseSet {
   PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted);
 
   // `count` of the poses, evenly spaced; all if there are no more.
-  PoseSet thinned(std::size_t count) const;
+  PoseSet subsampled(std::size_t count) const;
   // These poses of the set, in this order; fails on a number that is none of them.
   PoseSet picked(std::span<const std::uint32_t> poses) const;
 
@@ -47,4 +47,4 @@ class PoseSet {
   std::size_t size_ = 0;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unordered_set>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // The rig's name as errors show it; set once the name itself has been read.
@@ -123,4 +123,4 @@ RigDescription describe(const fb_rig& rig) {
   return description;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

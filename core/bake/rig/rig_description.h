@@ -8,7 +8,7 @@
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Of an fb_rig as it was before texture coordinates were added: what every plugin has.
 inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
@@ -25,4 +25,4 @@ struct RigDescription {
 // values that are not finite or outside their range.
 RigDescription describe(const fb_rig& rig);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -1,6 +1,6 @@
 #include "bake/rig/rig_meter.h"
 
-namespace fb {
+namespace fb::bake {
 
 void RigMeter::spend(std::size_t poses) {
   if (!source_.live()) return;
@@ -23,4 +23,4 @@ void RigMeter::evaluate(std::span<const float> controls, std::size_t count, std:
   source_.evaluate(controls, count, points);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

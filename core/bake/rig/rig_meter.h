@@ -5,7 +5,7 @@
 
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A source as it is, that counts the poses a live rig is asked for and stops at a budget.
 class RigMeter final : public Source {
@@ -35,4 +35,4 @@ class RigMeter final : public Source {
   std::atomic<std::uint64_t> calls_{0};
 };
 
-}  // namespace fb
+}  // namespace fb::bake

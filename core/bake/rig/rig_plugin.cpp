@@ -7,7 +7,7 @@
 #include "bake/rig/rig_description.h"
 #include "bake/rig/rig_source.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // A loaded library and the rig it opened. A plugin compiled against a newer header may fill a longer struct: there is
@@ -54,4 +54,4 @@ std::unique_ptr<Source> open_rig_plugin(const std::string& path) {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

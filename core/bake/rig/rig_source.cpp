@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Poses handed to the rig in one call: enough to hide the call, few enough to look for the one that failed.
@@ -113,4 +113,4 @@ void RigSource::evaluate_block(const float* controls, std::size_t first, std::si
                       format("rig \"%s\" puts vertex %zu at a place that is not finite", who, i % size / 3));
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A live rig behind the C interface, filled by a host, by a plugin or from a glTF file.
 class RigSource final : public Source {
@@ -38,4 +38,4 @@ class RigSource final : public Source {
 // Opens a plugin: a shared library exporting fb_rig_open. Fails naming the path.
 std::unique_ptr<Source> open_rig_plugin(const std::string& path);
 
-}  // namespace fb
+}  // namespace fb::bake

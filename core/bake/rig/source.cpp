@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::array kinds = {"shot", "excitation", "regional", "calisthenics", "dense"};
@@ -40,4 +40,4 @@ void Source::evaluate(std::span<const float>, std::size_t, std::span<float>) {
   fail(Status::invalid_argument, "\"%s\" is a recording: it cannot be asked for new poses", schema().name.c_str());
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -13,7 +13,7 @@
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Same numbers as FB_CLIP_... and FB_SPLIT_... in facebaker_bake.h.
 enum class ClipKind : std::int32_t { shot = 0, excitation = 1, regional = 2, calisthenics = 3, dense = 4 };
@@ -71,4 +71,4 @@ class Source {
   virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -13,7 +13,7 @@
 #include "bake/sampling/pose_generators.h"
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t scored_at_once = 1000;
@@ -31,16 +31,16 @@ std::uint64_t gist_of(const RigSchema& schema, std::span<const float> pose) {
   return hash64_of<std::uint64_t>(ends);
 }
 
-std::vector<float> scores_of(const RigSchema& schema, std::span<const float> pool, const Disagreement& disagreement) {
+std::vector<float> scores_of(const RigSchema& schema, std::span<const float> pool, const EnsembleVariance& variance) {
   const std::size_t width = schema.control_count(), size = pool.size() / width;
   std::vector<float> scores;
   for (std::size_t first = 0; first < size; first += scored_at_once) {
     const std::size_t count = std::min(scored_at_once, size - first);
-    const std::vector<float> some = disagreement(pool.subspan(first * width, count * width), count);
-    if (some.size() != count) fail(Status::internal, "a committee scored %zu poses of %zu", some.size(), count);
+    const std::vector<float> some = variance(pool.subspan(first * width, count * width), count);
+    if (some.size() != count) fail(Status::internal, "an ensemble scored %zu poses of %zu", some.size(), count);
     for (const float score : some)
       if (!(score >= 0 && std::isfinite(score)))
-        fail(Status::not_finite, "a committee scored a pose %g", double(score));
+        fail(Status::not_finite, "an ensemble scored a pose %g", double(score));
     scores.insert(scores.end(), some.begin(), some.end());
   }
   return scores;
@@ -84,15 +84,15 @@ std::vector<std::size_t> allotted(const std::vector<float>& scores, const std::v
 
 }  // namespace
 
-std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const float> pool, std::size_t count,
-                                        double random_share, const Disagreement& disagreement, std::uint64_t seed) {
+std::vector<std::uint32_t> select_poses(const RigSchema& schema, std::span<const float> pool, std::size_t count,
+                                        double random_share, const EnsembleVariance& variance, std::uint64_t seed) {
   const std::size_t width = schema.control_count(), size = pool.size() / width;
   if (pool.size() != size * width || size < count)
     fail(Status::invalid_argument, "%zu poses cannot be chosen of %zu values for %zu controls", count, pool.size(),
          width);
   if (!(random_share >= 0 && random_share <= 1))
     fail(Status::invalid_argument, "a random share of %g is not in [0, 1]", random_share);
-  const std::vector<float> scores = scores_of(schema, pool, disagreement);
+  const std::vector<float> scores = scores_of(schema, pool, variance);
   std::vector<std::uint32_t> order(size);
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return scores[a] > scores[b]; });
@@ -125,16 +125,18 @@ std::vector<std::uint32_t> choose_poses(const RigSchema& schema, std::span<const
   return chosen;
 }
 
-SampleReport sample_by_disagreement(Source& rig, const SamplingOptions& options, const ChoiceOptions& choice,
-                                    const Committee& committee, const std::filesystem::path& directory,
-                                    const Parallel& parallel, Progress& progress) {
+SampleReport sample_actively(Source& rig, const SamplingOptions& options, const ActiveSamplingOptions& choice,
+                             const TrainEnsemble& ensemble, const std::filesystem::path& directory,
+                             const Parallel& parallel, Progress& progress) {
   if (choice.rounds == 0 || choice.pool == 0 || !(choice.first_share > 0 && choice.first_share < 1))
     fail(Status::invalid_argument,
          "choosing poses: %u rounds, %u candidates a pose and a first share of %g make no choice", choice.rounds,
          choice.pool, choice.first_share);
   RigMeter meter(rig, options.rig_budget);
-  std::optional<RigProbe> made;
-  const auto probe = [&]() -> const RigProbe& { return made ? *made : made.emplace(meter, parallel, progress); };
+  std::optional<ControlResponses> made;
+  const auto responses = [&]() -> const ControlResponses& {
+    return made ? *made : made.emplace(meter, parallel, progress);
+  };
   const RigSchema& schema = rig.schema();
   SamplingOptions first = options;
   // Each round asks for one pose again, to see that the rig is still the same.
@@ -142,7 +144,7 @@ SampleReport sample_by_disagreement(Source& rig, const SamplingOptions& options,
   const std::size_t width = schema.control_count(), poses = poses_to_draw(rig, first);
   first.rig_budget = 0;
   first.poses = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(poses) * choice.first_share));
-  SampleReport report = sample_probed(meter, first, probe, directory, parallel, progress);
+  SampleReport report = sample_probed(meter, first, responses, directory, parallel, progress);
   const std::size_t others = poses - first.poses;
   for (std::uint32_t round = 0; round < choice.rounds; ++round) {
     const std::size_t count = others * (round + 1) / choice.rounds - others * round / choice.rounds;
@@ -158,9 +160,9 @@ SampleReport sample_by_disagreement(Source& rig, const SamplingOptions& options,
       continue;
     }
     const std::uint64_t seed = open_stream(options.seed, Stream::choice, round + 1).next();
-    const std::vector<float> pool = draw_candidates(schema, probe(), options.mix, seed, count * choice.pool);
+    const std::vector<float> pool = draw_candidates(schema, responses(), options.mix, seed, count * choice.pool);
     const std::vector<std::uint32_t> chosen =
-        choose_poses(schema, pool, count, choice.random_share, committee(*recorded, round), seed);
+        select_poses(schema, pool, count, choice.random_share, ensemble(*recorded, round), seed);
     Clip clip{name, ClipKind::dense, Split::train, 30, count, {}};
     for (const std::uint32_t pose : chosen)
       clip.controls.insert(clip.controls.end(), pool.begin() + static_cast<std::ptrdiff_t>(pose * width),
@@ -173,4 +175,4 @@ SampleReport sample_by_disagreement(Source& rig, const SamplingOptions& options,
   return report;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/rig/evaluate_parallel.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // A spread of vertices is enough to tell whether motions oppose each other, and fits in memory for every control.
@@ -43,7 +43,8 @@ std::vector<ControlGroup> control_groups(const RigSchema& schema) {
   return groups;
 }
 
-RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : diagonal_(rig.rest().diagonal()) {
+ControlResponses::ControlResponses(Source& rig, const Parallel& parallel, Progress& progress)
+    : diagonal_(rig.rest().diagonal()) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), size = rig.rest().points.size();
   motion_.resize(width);
@@ -81,7 +82,7 @@ RigProbe::RigProbe(Source& rig, const Parallel& parallel, Progress& progress) : 
   find_opposed();
 }
 
-void RigProbe::measure(const Source& rig, std::size_t control, const float* responses) {
+void ControlResponses::measure(const Source& rig, std::size_t control, const float* responses) {
   const std::vector<float>& rest = rig.rest().points;
   const std::size_t size = rest.size();
   const auto root_mean = [&](double squares) { return std::sqrt(3 * squares / static_cast<double>(size)) / diagonal_; };
@@ -104,7 +105,7 @@ void RigProbe::measure(const Source& rig, std::size_t control, const float* resp
       directions_[2 * control + up] = direction(rest, responses + (up ? values - 1 : 0) * size);
 }
 
-void RigProbe::find_regions(const RigSchema& schema) {
+void ControlResponses::find_regions(const RigSchema& schema) {
   regions_ = control_groups(schema);
   double total = 0;
   for (const double motion : motion_) total += motion * motion;
@@ -115,7 +116,7 @@ void RigProbe::find_regions(const RigSchema& schema) {
   }
 }
 
-void RigProbe::find_opposed() {
+void ControlResponses::find_opposed() {
   const std::size_t ends = directions_.size();
   opposed_.assign(ends * ends, 0);
   for (const ControlGroup& region : regions_)
@@ -134,4 +135,4 @@ void RigProbe::find_opposed() {
   directions_.clear();
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Controls of one group; all controls without a group are one region together.
 struct ControlGroup {
@@ -23,12 +23,12 @@ std::vector<ControlGroup> control_groups(const RigSchema& schema);
 
 // What a rig shows when each control is moved alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances
 // are root mean squares over (at most a thousand) vertices, over the diagonal.
-class RigProbe {
+class ControlResponses {
  public:
   static constexpr std::size_t values = 5;
 
   // Asks for 5 poses per control; notes controls that move nothing.
-  RigProbe(Source& rig, const Parallel& parallel, Progress& progress);
+  ControlResponses(Source& rig, const Parallel& parallel, Progress& progress);
 
   const std::vector<ControlGroup>& regions() const { return regions_; }
   // How far the control moves the mesh at most.
@@ -54,4 +54,4 @@ class RigProbe {
   double diagonal_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

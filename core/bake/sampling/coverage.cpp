@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t most_trained = 10000, most_asked = 1000, most_pairs = 50;
@@ -139,7 +139,7 @@ double part_of(std::vector<double> values, double part) {
 }
 
 // At most `most` of the poses, evenly spaced.
-std::vector<float> thinned(std::span<const float> poses, std::size_t width, std::size_t most) {
+std::vector<float> subsampled(std::span<const float> poses, std::size_t width, std::size_t most) {
   const std::size_t size = poses.size() / width, count = std::min(size, most);
   std::vector<float> thin;
   for (std::size_t i = 0; i < count; ++i) {
@@ -160,14 +160,14 @@ void measure_regions(Coverage& coverage, const RigSchema& schema, std::span<cons
     });
     parallel_for(parallel, to_asked.size(),
                  [&](std::size_t i, std::size_t) { to_asked[i] = known.nearest(wanted.pose(i), known.count()); });
-    RegionCoverage report{region.name, part_of(among, 0.5), part_of(among, 0.95), part_of(to_asked, 0.5), 0};
+    GroupCoverage report{region.name, part_of(among, 0.5), part_of(among, 0.95), part_of(to_asked, 0.5), 0};
     const auto further = std::count_if(to_asked.begin(), to_asked.end(),
                                        [&](double distance) { return distance > report.usual + 1e-6; });
     if (further > 0) report.uncovered = static_cast<double>(further) / static_cast<double>(to_asked.size());
     coverage.regions.push_back(std::move(report));
   }
   std::stable_sort(coverage.regions.begin(), coverage.regions.end(),
-                   [](const RegionCoverage& a, const RegionCoverage& b) { return a.uncovered > b.uncovered; });
+                   [](const GroupCoverage& a, const GroupCoverage& b) { return a.uncovered > b.uncovered; });
 }
 
 }  // namespace
@@ -199,9 +199,9 @@ Coverage measure_coverage(const RigSchema& schema, std::span<const ControlGroup>
     coverage.controls[c].beyond = static_cast<double>(beyond) / static_cast<double>(ways[1].size());
   }
   coverage.pairs = rank_pairs(far, width, parallel);
-  measure_regions(coverage, schema, regions, thinned(trained, width, most_trained), thinned(asked, width, most_asked),
-                  parallel);
+  measure_regions(coverage, schema, regions, subsampled(trained, width, most_trained),
+                  subsampled(asked, width, most_asked), parallel);
   return coverage;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // A control is "far along" when it is at least this part of the way from rest to an end of its range.
 inline constexpr float far_along = 0.6f;
@@ -34,7 +34,7 @@ struct PairCoverage {
 };
 
 // Poses seen through the controls of one region; distances are Euclidean, controls in units of their reach.
-struct RegionCoverage {
+struct GroupCoverage {
   std::string name;
   // From trained poses to the nearest other trained pose: median, and what 95 % of them have at most.
   double typical = 0, usual = 0;
@@ -46,18 +46,18 @@ struct Coverage {
   TrainedAsked<std::size_t> poses{};
   std::vector<ControlCoverage> controls;                // all, in the schema's order
   TrainedAsked<std::vector<std::size_t>> far_together;  // [n]: poses with n controls far along
-  std::vector<RegionCoverage> regions;                  // most uncovered first
+  std::vector<GroupCoverage> regions;                   // most uncovered first
   std::vector<PairCoverage> pairs;                      // at most 50, the most asked for what was trained first
   double uncovered = 0;                                 // share of the asked poses that any region calls uncovered
 };
 
 // Compares two sets of poses (poses x controls, rig values; neither empty). Regions are groups of controls, such as
-// RigProbe finds or control_groups gives. Of large sets 10,000 trained and 1,000 asked poses, evenly spaced, are looked
-// at for distances; all for everything else. Does not depend on threads.
+// ControlResponses finds or control_groups gives. Of large sets 10,000 trained and 1,000 asked poses, evenly spaced,
+// are looked at for distances; all for everything else. Does not depend on threads.
 Coverage measure_coverage(const RigSchema& schema, std::span<const ControlGroup> regions,
                           std::span<const float> trained, std::span<const float> asked, const Parallel& parallel);
 
 // In words and small tables, for a terminal or a report.
 std::string coverage_text(const Coverage& coverage, const RigSchema& schema);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 #include "bake/sampling/coverage.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t lines = 10;  // of each list
@@ -34,7 +34,7 @@ std::string together_text(const Coverage& coverage) {
 std::string regions_text(const Coverage& coverage) {
   std::string text =
       "\ndistance to the nearest trained pose; uncovered: further than 95 % of trained ones are (5 % if alike)\n";
-  for (const RegionCoverage& region : coverage.regions)
+  for (const GroupCoverage& region : coverage.regions)
     text += format("%20s  trained %.3f  asked %.3f  uncovered %5.1f %%\n",
                    region.name.empty() ? "(no group)" : region.name.c_str(), region.typical, region.asked,
                    100 * region.uncovered);
@@ -79,4 +79,4 @@ std::string coverage_text(const Coverage& coverage, const RigSchema& schema) {
          pairs_text(coverage, schema);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 
 #include "bake/sampling/pose_generators.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Positions are shares of a control's range, 0 at the minimum and 1 at the maximum.
@@ -20,8 +20,8 @@ struct Interval {
 
 class Excitations {
  public:
-  Excitations(const RigSchema& schema, const RigProbe& probe, std::size_t poses)
-      : schema_(schema), probe_(probe), left_(poses), positions_(schema.control_count()) {}
+  Excitations(const RigSchema& schema, const ControlResponses& responses, std::size_t poses)
+      : schema_(schema), probe_(responses), left_(poses), positions_(schema.control_count()) {}
 
   std::vector<float> make() {
     const std::size_t half = left_ / 2;
@@ -106,15 +106,15 @@ class Excitations {
   }
 
   const RigSchema& schema_;
-  const RigProbe& probe_;
+  const ControlResponses& probe_;
   std::size_t left_;
   std::vector<std::vector<double>> positions_;  // sorted, of each control
 };
 
 }  // namespace
 
-std::vector<float> make_excitations(const RigSchema& schema, const RigProbe& probe, std::size_t poses) {
-  return Excitations(schema, probe, poses).make();
+std::vector<float> make_excitations(const RigSchema& schema, const ControlResponses& responses, std::size_t poses) {
+  return Excitations(schema, responses, poses).make();
 }
 
-}  // namespace fb
+}  // namespace fb::bake

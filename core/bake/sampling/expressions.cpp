@@ -3,7 +3,7 @@
 
 #include "bake/sampling/pose_generators.h"
 
-namespace fb {
+namespace fb::bake {
 
 float toward_end(const Control& control, bool up, float share) {
   const float end = up ? control.maximum : control.minimum;
@@ -36,8 +36,8 @@ Strength draw_strength(Random& random) {
 // Sets controls of one pose, which starts at rest.
 class PoseMaker {
  public:
-  PoseMaker(const RigSchema& schema, const RigProbe& probe)
-      : schema_(schema), probe_(probe), pose_(schema.rest_pose()) {}
+  PoseMaker(const RigSchema& schema, const ControlResponses& responses)
+      : schema_(schema), probe_(responses), pose_(schema.rest_pose()) {}
 
   const std::vector<float>& pose() const { return pose_; }
 
@@ -62,7 +62,7 @@ class PoseMaker {
 
  private:
   const RigSchema& schema_;
-  const RigProbe& probe_;
+  const ControlResponses& probe_;
   std::vector<float> pose_;
 };
 
@@ -110,15 +110,15 @@ void append(std::vector<float>& all, const std::vector<float>& pose) {
 
 }  // namespace
 
-std::vector<float> make_regional(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed,
+std::vector<float> make_regional(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                  std::size_t poses) {
   std::vector<float> all;
-  const std::size_t most_regions = std::min<std::size_t>(4, probe.regions().size());
+  const std::size_t most_regions = std::min<std::size_t>(4, responses.regions().size());
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, Stream::regional, i);
-    PoseMaker maker(schema, probe);
+    PoseMaker maker(schema, responses);
     const auto regions =
-        draw_regions(probe.regions(), 1 + random.below(static_cast<std::uint32_t>(most_regions)), random);
+        draw_regions(responses.regions(), 1 + random.below(static_cast<std::uint32_t>(most_regions)), random);
     const float u = random.uniform();
     const auto counts = share_out(regions, 2 + 36 * u * u);
     const Strength strength = draw_strength(random);
@@ -128,17 +128,17 @@ std::vector<float> make_regional(const RigSchema& schema, const RigProbe& probe,
   return all;
 }
 
-std::vector<float> make_dense(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses,
-                              bool heavy) {
+std::vector<float> make_dense(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
+                              std::size_t poses, bool heavy) {
   std::vector<float> all;
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, heavy ? Stream::heavy : Stream::dense, i);
-    PoseMaker maker(schema, probe);
-    const ControlGroup* heaviest = heavy ? &draw_by_energy(probe.regions(), random) : nullptr;
+    PoseMaker maker(schema, responses);
+    const ControlGroup* heaviest = heavy ? &draw_by_energy(responses.regions(), random) : nullptr;
     const float u = random.uniform();
     const float density = heavy ? 0.05f + 0.5f * u * u : 0.05f + 0.85f * u * std::sqrt(u);
     const Strength strength = draw_strength(random);
-    for (const ControlGroup& region : probe.regions()) {
+    for (const ControlGroup& region : responses.regions()) {
       const float here = &region == heaviest ? random.uniform(0.3f, 0.9f) : density * random.uniform(0.0f, 2.0f);
       maker.express(region, draw_count(region, std::min(here, 0.95f), random), strength, random);
     }
@@ -165,20 +165,20 @@ std::vector<float> walk_through(const std::vector<float>& keys, std::size_t widt
   return all;
 }
 
-std::vector<float> make_calisthenics(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed,
+std::vector<float> make_calisthenics(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                      std::size_t poses) {
   constexpr std::size_t step = 12, walk = 96;
   const std::size_t width = schema.control_count();
   std::vector<float> all;
   for (std::size_t sequence = 0; sequence * walk < poses; ++sequence) {
     Random random = open_stream(seed, Stream::calisthenics, sequence);
-    const std::size_t count = std::min<std::size_t>(1 + random.below(2), probe.regions().size());
-    std::vector<const ControlGroup*> regions = draw_regions(probe.regions(), count, random);
-    regions[0] = &probe.regions()[sequence % probe.regions().size()];
+    const std::size_t count = std::min<std::size_t>(1 + random.below(2), responses.regions().size());
+    std::vector<const ControlGroup*> regions = draw_regions(responses.regions(), count, random);
+    regions[0] = &responses.regions()[sequence % responses.regions().size()];
     if (count == 2 && regions[1] == regions[0]) regions.pop_back();
     std::vector<float> keys = schema.rest_pose();
     for (std::size_t key = 0; key < walk / step; ++key) {
-      PoseMaker maker(schema, probe);
+      PoseMaker maker(schema, responses);
       const float u = random.uniform();
       const auto counts = share_out(regions, 2 + 18 * u);
       for (std::size_t r = 0; r < regions.size(); ++r)
@@ -190,4 +190,4 @@ std::vector<float> make_calisthenics(const RigSchema& schema, const RigProbe& pr
   return all;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

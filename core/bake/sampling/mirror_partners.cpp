@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 bool is_lower(char c) {
@@ -70,4 +70,4 @@ std::vector<std::string> other_side_names(const std::string& name) {
   return names;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::bake {
 
 // The names a control would have on the other side of the face, likeliest first: with the last of the words or letters
 // that say a side swapped, then the one before, ..., then all of them. A side is said by "left" or "right" in any case,
@@ -33,4 +33,4 @@ std::vector<std::optional<std::size_t>> mirror_partners(const RigSchema& schema,
   return partners;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 #include "bake/sampling/mirror_partners.h"
 #include "bake/sampling/pose_generators.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // Most controls that expressions move, as a part of all.
@@ -12,14 +12,15 @@ constexpr double most_moved = 0.35;
 
 class Performer {
  public:
-  Performer(const RigSchema& schema, const RigProbe& probe) : schema_(schema), probe_(probe) {
-    partners_ = mirror_partners(schema, [&](std::size_t a, std::size_t b) { return probe.opposed(a, true, b, true); });
+  Performer(const RigSchema& schema, const ControlResponses& responses) : schema_(schema), probe_(responses) {
+    partners_ =
+        mirror_partners(schema, [&](std::size_t a, std::size_t b) { return responses.opposed(a, true, b, true); });
     weights_.resize(schema.control_count());
-    for (const ControlGroup& region : probe.regions()) {
+    for (const ControlGroup& region : responses.regions()) {
       double most = 0;
-      for (const std::size_t c : region.controls) most = std::max(most, probe.motion(c));
+      for (const std::size_t c : region.controls) most = std::max(most, responses.motion(c));
       for (const std::size_t c : region.controls)
-        weights_[c] = most > 0 ? static_cast<float>(std::max(0.05, std::sqrt(probe.motion(c) / most))) : 1;
+        weights_[c] = most > 0 ? static_cast<float>(std::max(0.05, std::sqrt(responses.motion(c) / most))) : 1;
     }
   }
 
@@ -96,7 +97,7 @@ class Performer {
   }
 
   const RigSchema& schema_;
-  const RigProbe& probe_;
+  const ControlResponses& probe_;
   std::vector<std::optional<std::size_t>> partners_;
   std::vector<float> weights_;  // of each control
   std::vector<float> pose_;
@@ -106,9 +107,9 @@ class Performer {
 
 }  // namespace
 
-std::vector<float> make_performances(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed,
+std::vector<float> make_performances(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                      std::size_t poses) {
-  Performer performer(schema, probe);
+  Performer performer(schema, responses);
   std::vector<float> all;
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, Stream::performances, i);
@@ -118,4 +119,4 @@ std::vector<float> make_performances(const RigSchema& schema, const RigProbe& pr
   return all;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/sampling/control_responses.h"
 #include "bake/sampling/sampling.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Poses a new dataset's shards are measured by, at most.
 inline constexpr std::size_t timed_poses = 1 + 8 + 64;
@@ -15,14 +15,16 @@ inline constexpr std::size_t timed_poses = 1 + 8 + 64;
 void check_request(const Source& rig, const SamplingOptions& options);
 
 // make_plan for a rig that was probed.
-PosePlan make_plan(const Source& rig, const RigProbe& probe, const SamplingOptions& options, Progress& progress);
+PosePlan make_plan(const Source& rig, const ControlResponses& responses, const SamplingOptions& options,
+                   Progress& progress);
 
 // Poses of the mix that are worth choosing from, one by one: no excitations, no calisthenics.
-std::vector<float> draw_candidates(const RigSchema& schema, const RigProbe& probe, const std::string& mix,
+std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses, const std::string& mix,
                                    std::uint64_t seed, std::size_t poses);
 
 // sample, with a probe that is made when it is needed.
-SampleReport sample_probed(Source& rig, const SamplingOptions& options, const std::function<const RigProbe&()>& probe,
+SampleReport sample_probed(Source& rig, const SamplingOptions& options,
+                           const std::function<const ControlResponses&()>& responses,
                            const std::filesystem::path& directory, const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

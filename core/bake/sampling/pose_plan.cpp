@@ -5,7 +5,7 @@
 #include "bake/sampling/plan_steps.h"
 #include "bake/sampling/pose_generators.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 void add(PosePlan& plan, Clip clip) {
@@ -45,17 +45,20 @@ struct Part {
   const char* name;
   ClipKind kind;
   double share;
-  std::vector<float> (*make)(const RigSchema&, const RigProbe&, std::uint64_t seed, std::size_t poses);
+  std::vector<float> (*make)(const RigSchema&, const ControlResponses&, std::uint64_t seed, std::size_t poses);
 };
 
-std::vector<float> excitations(const RigSchema& schema, const RigProbe& probe, std::uint64_t, std::size_t poses) {
-  return make_excitations(schema, probe, poses);
+std::vector<float> excitations(const RigSchema& schema, const ControlResponses& responses, std::uint64_t,
+                               std::size_t poses) {
+  return make_excitations(schema, responses, poses);
 }
-std::vector<float> dense(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses) {
-  return make_dense(schema, probe, seed, poses, false);
+std::vector<float> dense(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
+                         std::size_t poses) {
+  return make_dense(schema, responses, seed, poses, false);
 }
-std::vector<float> heavy(const RigSchema& schema, const RigProbe& probe, std::uint64_t seed, std::size_t poses) {
-  return make_dense(schema, probe, seed, poses, true);
+std::vector<float> heavy(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
+                         std::size_t poses) {
+  return make_dense(schema, responses, seed, poses, true);
 }
 
 constexpr Part paper_mix[] = {{"excitations", ClipKind::excitation, 0.25, excitations},
@@ -74,7 +77,7 @@ std::span<const Part> mix_named(const std::string& name) {
 }
 
 // Spreads poses over parts by their shares; the last part takes what rounding leaves.
-void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& schema, const RigProbe& probe,
+void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& schema, const ControlResponses& responses,
                std::uint64_t seed, std::size_t poses) {
   double shares = 0;
   for (const Part& part : parts) shares += part.share;
@@ -84,7 +87,7 @@ void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& sch
     const double wanted = static_cast<double>(poses) * part.share / shares;
     const std::size_t count = last ? left : std::min(left, static_cast<std::size_t>(std::llround(wanted)));
     left -= count;
-    add(plan, {part.name, part.kind, Split::train, 30, count, part.make(schema, probe, seed, count)});
+    add(plan, {part.name, part.kind, Split::train, 30, count, part.make(schema, responses, seed, count)});
   }
 }
 
@@ -103,13 +106,13 @@ bool wanted(const Clip& clip, const SamplingOptions& options) {
 std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
   if (options.poses == 0) fail(Status::invalid_argument, "no poses are asked for");
   if (options.rig_budget == 0) return options.poses;
-  const std::uint64_t probing = RigProbe::values * rig.schema().control_count() + timed_poses;
+  const std::uint64_t probing = ControlResponses::values * rig.schema().control_count() + timed_poses;
   std::uint64_t frames = 0;
   for (const Clip& clip : rig.clips())
     if (wanted(clip, options)) frames += clip.frames;
   for (const Clip& clip : options.extra) frames += clip.frames;
   if (held_out_wanted(rig, options))
-    for (const Clip& clip : make_held_out(rig.schema(), options.seed)) frames += clip.frames;
+    for (const Clip& clip : make_test_poses(rig.schema(), options.seed)) frames += clip.frames;
   if (probing + frames >= options.rig_budget)
     fail(Status::invalid_argument,
          "a rig budget of %llu leaves no new poses: probing \"%s\" takes %llu calls and its clips %llu frames",
@@ -120,7 +123,7 @@ std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
 
 PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress) {
   check_request(rig, options);
-  return make_plan(rig, RigProbe(rig, parallel, progress), options, progress);
+  return make_plan(rig, ControlResponses(rig, parallel, progress), options, progress);
 }
 
 void check_request(const Source& rig, const SamplingOptions& options) {
@@ -130,25 +133,26 @@ void check_request(const Source& rig, const SamplingOptions& options) {
     fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
 }
 
-PosePlan make_plan(const Source& rig, const RigProbe& probe, const SamplingOptions& options, Progress& progress) {
+PosePlan make_plan(const Source& rig, const ControlResponses& responses, const SamplingOptions& options,
+                   Progress& progress) {
   const RigSchema& schema = rig.schema();
   PosePlan plan;
-  add_parts(plan, mix_named(options.mix), schema, probe, options.seed, poses_to_draw(rig, options));
+  add_parts(plan, mix_named(options.mix), schema, responses, options.seed, poses_to_draw(rig, options));
   for (const Clip& clip : rig.clips())
     if (wanted(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
   if (held_out_wanted(rig, options))
-    for (Clip& clip : make_held_out(schema, options.seed)) add(plan, std::move(clip));
+    for (Clip& clip : make_test_poses(schema, options.seed)) add(plan, std::move(clip));
   return plan;
 }
 
-std::vector<float> draw_candidates(const RigSchema& schema, const RigProbe& probe, const std::string& mix,
+std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses, const std::string& mix,
                                    std::uint64_t seed, std::size_t poses) {
   std::vector<Part> parts;
   for (const Part& part : mix_named(mix))
     if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
   PosePlan plan;
-  add_parts(plan, parts, schema, probe, open_stream(seed, Stream::candidates, 0).next(), poses);
+  add_parts(plan, parts, schema, responses, open_stream(seed, Stream::candidates, 0).next(), poses);
   std::vector<float> all;
   for (const Clip& clip : plan) all.insert(all.end(), clip.controls.begin(), clip.controls.end());
   return all;
@@ -167,4 +171,4 @@ Clip read_clip(const std::string& name, const std::filesystem::path& path, const
   return clip;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

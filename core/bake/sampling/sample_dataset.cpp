@@ -14,7 +14,7 @@
 
 namespace fs = std::filesystem;
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t shard_bytes = std::size_t{64} << 20;
@@ -341,14 +341,15 @@ SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const f
   return write_samples(meter, plan, 0, directory, parallel, progress);
 }
 
-SampleReport sample_probed(Source& rig, const SamplingOptions& options, const std::function<const RigProbe&()>& probe,
-                           const fs::path& directory, const Parallel& parallel, Progress& progress) {
+SampleReport sample_probed(Source& rig, const SamplingOptions& options,
+                           const std::function<const ControlResponses&()>& responses, const fs::path& directory,
+                           const Parallel& parallel, Progress& progress) {
   RigMeter meter(rig);
   const std::uint64_t request = hash_of_request(rig, options);
   PosePlan plan = plan_begun(rig, request, directory);
   if (plan.empty()) {
     check_request(rig, options);
-    plan = make_plan(rig, probe(), options, progress);
+    plan = make_plan(rig, responses(), options, progress);
   }
   return write_samples(meter, plan, request, directory, parallel, progress);
 }
@@ -356,12 +357,12 @@ SampleReport sample_probed(Source& rig, const SamplingOptions& options, const st
 SampleReport sample(Source& rig, const SamplingOptions& options, const fs::path& directory, const Parallel& parallel,
                     Progress& progress) {
   RigMeter meter(rig);
-  std::optional<RigProbe> probe;
+  std::optional<ControlResponses> responses;
   SampleReport report = sample_probed(
-      meter, options, [&]() -> const RigProbe& { return probe.emplace(meter, parallel, progress); }, directory,
-      parallel, progress);
+      meter, options, [&]() -> const ControlResponses& { return responses.emplace(meter, parallel, progress); },
+      directory, parallel, progress);
   report.rig_calls = meter.calls();
   return report;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

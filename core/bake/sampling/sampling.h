@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 struct SamplingOptions {
   std::uint64_t poses = 20000;  // new training poses; the rig's own clips, extra and held-out poses come on top
@@ -21,7 +21,7 @@ struct SamplingOptions {
   // has them: expressions on both sides of the face with many controls far along together.
   std::string mix = "dense";
   bool shots = true;     // also take the rig's own clips, with their splits
-  bool held_out = true;  // also poses to test with: the rig's own clips of split test, else make_held_out
+  bool held_out = true;  // also poses to test with: the rig's own clips of split test, else make_test_poses
   // Poses the rig is asked for at most, probing and clips included; `poses` is cut to what they leave. 0: no limit.
   // Going on with a dataset asks for one pose of each of its clips again.
   std::uint64_t rig_budget = 0;
@@ -42,7 +42,7 @@ PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& 
 // Unseen poses for a rig without clips of its own, all of split test: "random_15" and "random_35" (600 poses each,
 // every control on with probability .15 or .35, uniform in its range) and "synthetic_shots" (20 smooth shots of 40
 // frames). Random streams are apart from those of make_plan for every seed.
-std::vector<Clip> make_held_out(const RigSchema& schema, std::uint64_t seed);
+std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed);
 
 struct SampleReport {
   std::size_t poses = 0;        // of the whole plan
@@ -69,4 +69,4 @@ SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const s
 // The user's clip from a NumPy file of frames x controls.
 Clip read_clip(const std::string& name, const std::filesystem::path& file, const RigSchema& schema);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/sampling.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 std::vector<float> random_poses(const RigSchema& schema, std::uint64_t seed, Stream use, float probability,
@@ -43,11 +43,11 @@ std::vector<float> synthetic_shots(const RigSchema& schema, std::uint64_t seed, 
 
 }  // namespace
 
-std::vector<Clip> make_held_out(const RigSchema& schema, std::uint64_t seed) {
+std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed) {
   return {
       {"random_15", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_15, 0.15f, 600)},
       {"random_35", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_35, 0.35f, 600)},
       {"synthetic_shots", ClipKind::shot, Split::test, 30, 800, synthetic_shots(schema, seed, 20, 40)}};
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/sampling/pose_generators.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t longest_piece = 96;
@@ -68,9 +68,9 @@ class Cutter {
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed) {
   if (!(share >= 0 && share < 1)) fail(Status::invalid_argument, "a validation share of %g is not in [0, 1)", share);
   const std::vector<Clip>& clips = poses.source().clips();
-  std::vector<bool> kept_back(poses.size());
+  std::vector<bool> validation_share_of_poses(poses.size());
   const auto keep_back = [&](std::size_t first, std::size_t count) {
-    std::fill_n(kept_back.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+    std::fill_n(validation_share_of_poses.begin() + static_cast<std::ptrdiff_t>(first), count, true);
   };
   const Cutter cutter(poses);
   for (const ClipKind kind : {ClipKind::shot, ClipKind::regional, ClipKind::calisthenics, ClipKind::dense}) {
@@ -101,8 +101,8 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
   }
   ValidationSplit split;
   for (std::size_t pose = 0; pose < poses.size(); ++pose)
-    (kept_back[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
+    (validation_share_of_poses[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
   return split;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

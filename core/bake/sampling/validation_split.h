@@ -6,7 +6,7 @@
 
 #include "bake/rig/pose_set.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Numbers of poses within a set, ascending; every pose of the set is in one of the two.
 struct ValidationSplit {
@@ -21,4 +21,4 @@ struct ValidationSplit {
 // with invalid_argument on a share outside its range or a set with frames of a test clip.
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // key, step, number of arrays, their sizes, their floats, XXH64 of all before: a private file of this machine.
@@ -59,4 +59,4 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& path, std
   return checkpoint;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace fb {
+namespace fb::bake {
 
 // Numbers put by so that an interrupted bake goes on where it stopped.
 struct Checkpoint {
@@ -19,4 +19,4 @@ void save_checkpoint(const std::filesystem::path& path, const Checkpoint& checkp
 // Nothing if there is no such file, it is damaged, or it belongs to other work.
 std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& path, std::uint64_t key);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/linalg/kernels.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 NetShape::NetShape(std::size_t inputs, const TrainingPlan& plan, std::size_t outputs) {
   for (const std::uint32_t width : plan.widths) {
@@ -171,7 +171,7 @@ void DensePass::backward(std::size_t l, const float* parameters) {
   std::fill_n(bias, layer.outputs, 0.0f);
   // The last layer's bias cancels against the rest pose and stays 0.
   if (l + 1 < shape_.layers.size())
-    on.descend(layer.outputs, columns_, slopes_[l].data(), down_.data(), layer.skip ? up_.data() : nullptr, bias);
+    on.backward(layer.outputs, columns_, slopes_[l].data(), down_.data(), layer.skip ? up_.data() : nullptr, bias);
   on.multiply(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
               down_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
   if (l == 0) return;
@@ -181,4 +181,4 @@ void DensePass::backward(std::size_t l, const float* parameters) {
   std::swap(down_, up_);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Where a layer's numbers lie in the flat vector of all: weights (outputs x inputs, row after row), and bias.
 struct LayerShape {
@@ -76,4 +76,4 @@ class DensePass {
   std::vector<float> gradient_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/linalg/kernels.h"
 #include "base/random.h"
 
-namespace fb {
+namespace fb::bake {
 
 double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t steps) {
   constexpr double pi = 3.14159265358979323846;
@@ -72,4 +72,4 @@ void round_weights(const NetShape& shape, int bits, const std::vector<float>& pa
   std::copy(parameters.begin() + shape.weights, parameters.end(), rounded.begin() + shape.weights);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -8,7 +8,7 @@
 #include "bake/train/dense_pass.h"
 #include "bake/train/trainer.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What the learning rate is multiplied with at `step` of `steps`.
 double schedule_factor(Schedule schedule, std::uint64_t step, std::uint64_t steps);
@@ -35,4 +35,4 @@ std::vector<float> initial_parameters(const NetShape& shape, float skip_start, s
 void round_weights(const NetShape& shape, int bits, const std::vector<float>& parameters, std::vector<float>& rounded,
                    const Parallel& parallel);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -4,7 +4,7 @@
 #include "bake/train/dense_pass.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
 std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const TrainingSet& set, const Parallel& parallel) {
   check_features(set);
@@ -15,13 +15,14 @@ std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const Train
   const std::vector<float> parameters = parameters_of(shape, layers);
   std::vector<DensePass> passes(worker_count(parallel), DensePass(shape));
   std::vector<float> outputs(set.poses * set.outputs);
-  constexpr std::size_t piece = DensePass::most_poses;
-  parallel_for(parallel, (set.poses + piece - 1) / piece, [&](std::size_t p, std::size_t worker) {
-    std::vector<std::uint32_t> poses(std::min(piece, set.poses - p * piece));
-    std::iota(poses.begin(), poses.end(), static_cast<std::uint32_t>(p * piece));
-    std::ranges::copy(passes[worker].run(set, poses, parameters.data()), outputs.begin() + p * piece * set.outputs);
+  constexpr std::size_t microbatch = DensePass::most_poses;
+  parallel_for(parallel, (set.poses + microbatch - 1) / microbatch, [&](std::size_t p, std::size_t worker) {
+    std::vector<std::uint32_t> poses(std::min(microbatch, set.poses - p * microbatch));
+    std::iota(poses.begin(), poses.end(), static_cast<std::uint32_t>(p * microbatch));
+    std::ranges::copy(passes[worker].run(set, poses, parameters.data()),
+                      outputs.begin() + p * microbatch * set.outputs);
   });
   return outputs;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

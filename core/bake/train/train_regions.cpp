@@ -5,7 +5,7 @@
 #include "bake/train/dense_pass.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // What a network costs, in any unit: numbers touched over its training.
@@ -64,9 +64,9 @@ double time_of(std::span<const double> costs, std::size_t workers) {
 }
 
 // How many of the trainings, the longest first, are quicker one after another on all threads.
-std::size_t count_alone(std::span<const double> costs, std::size_t workers, std::size_t pieces) {
+std::size_t count_alone(std::span<const double> costs, std::size_t workers, std::size_t microbatches) {
   std::size_t alone = 0;
-  const double speedup = static_cast<double>(std::min(workers, pieces));
+  const double speedup = static_cast<double>(std::min(workers, microbatches));
   while (alone < costs.size() && workers > 1 &&
          costs[alone] / speedup + time_of(costs.subspan(alone + 1), workers) < time_of(costs.subspan(alone), workers))
     ++alone;
@@ -95,9 +95,9 @@ std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std:
     PartProgress part(shared, costs[place] / all);
     trained[order[place]] = train_layers(sets[order[place]], plan, part);
   };
-  const std::size_t pieces =
-      sets.empty() ? 1 : (plans[order[0]].batch + plans[order[0]].piece - 1) / plans[order[0]].piece;
-  const std::size_t alone = count_alone(costs, worker_count(parallel), pieces);
+  const std::size_t microbatches =
+      sets.empty() ? 1 : (plans[order[0]].batch + plans[order[0]].microbatch - 1) / plans[order[0]].microbatch;
+  const std::size_t alone = count_alone(costs, worker_count(parallel), microbatches);
   for (std::size_t place = 0; place < alone; ++place) train(place, parallel);
   Parallel serial;
   serial.threads = 1;
@@ -105,4 +105,4 @@ std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std:
   return trained;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -12,7 +12,7 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t most_restarts = 3, most_validations = 20;
@@ -27,8 +27,9 @@ void check(const TrainingSet& set, const TrainingPlan& plan) {
       fail(Status::invalid_argument, "training: validation pose %u of %zu is out of order", set.validation[i],
            set.poses);
   if (set.validation.size() == set.poses) fail(Status::invalid_argument, "training: all poses are kept for validation");
-  if (plan.piece == 0 || plan.piece > DensePass::most_poses)
-    fail(Status::invalid_argument, "training: pieces of %u poses are not 1 to %zu", plan.piece, DensePass::most_poses);
+  if (plan.microbatch == 0 || plan.microbatch > DensePass::most_poses)
+    fail(Status::invalid_argument, "training: pieces of %u poses are not 1 to %zu", plan.microbatch,
+         DensePass::most_poses);
   if (plan.batch == 0) fail(Status::invalid_argument, "training: batches of no poses");
   if (!(plan.output_scaling >= 0 && plan.output_scaling <= 1))
     fail(Status::invalid_argument, "training: output scaling %g is not in [0, 1]", double(plan.output_scaling));
@@ -108,7 +109,7 @@ std::uint64_t key_of(const TrainingSet& set, const TrainingPlan& plan) {
                                         set.outputs,
                                         set.stride,
                                         plan.batch,
-                                        plan.piece,
+                                        plan.microbatch,
                                         plan.epochs,
                                         plan.seed,
                                         static_cast<std::uint64_t>(plan.activation),
@@ -143,7 +144,7 @@ class Training {
         key_(plan.checkpoint.empty() ? 0 : key_of(set, plan)),
         layer_rates_(layer_rates(shape_, plan)),
         adam_({}),
-        passes_((batch_ + plan.piece - 1) / plan.piece, DensePass(shape_)) {
+        passes_((batch_ + plan.microbatch - 1) / plan.microbatch, DensePass(shape_)) {
     std::vector<double> squares;
     all_squares_ = squares_of(set, poses_, squares);
     if (!(all_squares_ > 0)) fail(Status::bad_data, "training: all coefficients are 0");
@@ -221,7 +222,7 @@ class Training {
     const float* parameters = weights(rounds());
     std::vector<double> losses(passes_.size());
     parallel_for(plan_.parallel, passes_.size(), [&](std::size_t p, std::size_t) {
-      const std::size_t first = p * plan_.piece, count = std::min<std::size_t>(plan_.piece, batch_ - first);
+      const std::size_t first = p * plan_.microbatch, count = std::min<std::size_t>(plan_.microbatch, batch_ - first);
       losses[p] =
           passes_[p].learn(set_, poses.subspan(first, count), parameters, scales_, 1.0f / static_cast<float>(batch_));
     });
@@ -258,13 +259,14 @@ class Training {
 
   double validate() {
     const float* parameters = weights(plan_.quantized_share > 0);
-    const std::size_t count = set_.validation.size(), piece = DensePass::most_poses,
-                      pieces = (count + piece - 1) / piece;
-    std::vector<double> errors(pieces);
+    const std::size_t count = set_.validation.size(), microbatch = DensePass::most_poses,
+                      microbatches = (count + microbatch - 1) / microbatch;
+    std::vector<double> errors(microbatches);
     parallel_for(plan_.parallel, passes_.size(), [&](std::size_t pass, std::size_t) {
-      for (std::size_t p = pass; p < pieces; p += passes_.size())
-        errors[p] = passes_[pass].test(set_, set_.validation.subspan(p * piece, std::min(piece, count - p * piece)),
-                                       parameters, scales_);
+      for (std::size_t p = pass; p < microbatches; p += passes_.size())
+        errors[p] = passes_[pass].test(
+            set_, set_.validation.subspan(p * microbatch, std::min(microbatch, count - p * microbatch)), parameters,
+            scales_);
     });
     return std::accumulate(errors.begin(), errors.end(), 0.0) / std::max(validation_squares_, 1e-30);
   }
@@ -339,4 +341,4 @@ TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Pro
   return Training(set, plan).run(progress);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -11,7 +11,7 @@
 #include "base/progress.h"
 #include "model/network.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What a region network learns: features of a pose -> coefficients. Row after row, one row a pose; features are 0 at
 // rest. Several networks may share one matrix of all features, each naming its own columns of it.
@@ -27,8 +27,8 @@ struct TrainingSet {
 };
 
 enum class Schedule {
-  cosine,  // falls along a half cosine
-  linger,  // rises over the first 3 %, stays, and falls to 0 in a straight line over the last half
+  cosine,               // falls along a half cosine
+  warmup_stable_decay,  // rises over the first 3 %, stays, and falls to 0 in a straight line over the last half
 };
 
 struct TrainingPlan {
@@ -58,7 +58,7 @@ struct TrainingPlan {
   std::uint32_t batch = 256;
   // Poses of a batch that go through the network together, at most 128: as many threads as a batch has such pieces can
   // learn beside each other, but smaller ones take longer (64: by about 15 %).
-  std::uint32_t piece = 128;
+  std::uint32_t microbatch = 128;
   std::uint32_t epochs = 100;
   // The last part of the epochs runs through weights rounded as the archive will round them (straight-through
   // gradients); 0: none.
@@ -110,4 +110,4 @@ std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std:
 // Outputs (poses x outputs, minus those at rest, times gates) of trained layers, in float; targets are not looked at.
 std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const TrainingSet& set, const Parallel& parallel);
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -21,4 +21,4 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 const PoseKernels avx2_kernels = with_passes("avx2", column_sums, quad_sums);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -215,8 +215,8 @@ std::size_t list_moved_compressed(const float* values, std::size_t count, std::u
   return moved;
 }
 
-// round_all() with masks: most lists are short.
-Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_t* wholes) {
+// quantise_all() with masks: most lists are short.
+Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_t* quantised) {
   const auto there = [&](std::size_t i) {
     return static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xffff);
   };
@@ -234,7 +234,7 @@ Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_
     q = _mm512_sub_ps(_mm512_add_ps(q, magic), magic);
     q = _mm512_max_ps(least, _mm512_min_ps(most, q));
     const __m512i whole = _mm512_maskz_cvttps_epi32(_mm512_cmp_ps_mask(q, q, _CMP_ORD_Q), q);
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(wholes + i), _mm512_cvtepi32_epi16(whole));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(quantised + i), _mm512_cvtepi32_epi16(whole));
     sum = _mm512_add_epi32(sum, whole);
   }
   return {m / limit, static_cast<std::uint32_t>(_mm512_reduce_add_epi32(sum))};
@@ -244,8 +244,8 @@ Rounded round_masked(const float* x, std::size_t count, float limit, std::int16_
 constexpr PoseKernels kernels() {
   PoseKernels kernels = with_passes("avx512-vnni", column_sums, quad_sums);
 #if !defined(FB_EMULATED)
-  kernels.list_moved = list_moved_compressed;
-  kernels.round_all = round_masked;
+  kernels.compact_nonzeros = list_moved_compressed;
+  kernels.quantise_all = round_masked;
 #endif
   return kernels;
 }
@@ -254,4 +254,4 @@ constexpr PoseKernels kernels() {
 
 const PoseKernels avx512_vnni_kernels = kernels();
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -23,4 +23,4 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 const PoseKernels avx_vnni_kernels = with_passes("avx-vnni", column_sums, quad_sums);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -78,4 +78,4 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
 
 const PoseKernels neon_dot_kernels = with_passes("neon-dot", column_sums<2>, quad_sums<2>);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -8,7 +8,7 @@
 #include "model/activation.h"
 #include "model/control_feature.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // How many poses go through the runtime together where there are many: digits are read and unpacked once for all.
 inline constexpr std::size_t block_poses = 8;
@@ -67,11 +67,11 @@ struct PoseKernels {
   // The values of all features, of 1 or block_poses poses side by side, as the controls' moves are.
   void (*control_features)(const ControlFeatures& features, const float* moves, std::size_t poses, float* values);
   // Lists the places of values that are not 0 in one pose; there is room for all and 16 more. Returns how many.
-  std::size_t (*list_moved)(const float* values, std::size_t count, std::uint32_t* places);
-  Rounded (*round_all)(const float* x, std::size_t count, float limit, std::int16_t* wholes);
-  // The same for each pose of a block, whose numbers lie side by side; wholes lie as PanelInputs::inputs do, and
+  std::size_t (*compact_nonzeros)(const float* values, std::size_t count, std::uint32_t* places);
+  Rounded (*quantise_all)(const float* x, std::size_t count, float limit, std::int16_t* quantised);
+  // The same for each pose of a block, whose numbers lie side by side; quantised lie as PanelInputs::inputs do, and
   // those of poses that are all zeros are written.
-  void (*round_block)(float* x, std::size_t count, float limit, std::int16_t* wholes, Rounded* rounded);
+  void (*round_block)(float* x, std::size_t count, float limit, std::int16_t* quantised, Rounded* rounded);
   // rows = rest + step * sums
   void (*move_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
   // y = activation((scales * step) * sums + bias), sums = 256 * high + low, or low where high is null
@@ -90,4 +90,4 @@ extern const PoseKernels neon_kernels, neon_dot_kernels;
 extern const PoseKernels wasm_simd_kernels;
 #endif
 
-}  // namespace fb
+}  // namespace fb::runtime

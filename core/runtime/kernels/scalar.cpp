@@ -1,6 +1,6 @@
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -32,4 +32,4 @@ void quad_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& 
 
 const PoseKernels scalar_kernels = with_passes("scalar", column_sums, quad_sums);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -95,4 +95,4 @@ void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
 
 const PoseKernels sse2_kernels = with_passes("sse2", column_sums, quad_sums);
 
-}  // namespace fb
+}  // namespace fb::runtime

@@ -49,7 +49,7 @@ void control_features(const ControlFeatures& f, const float* __restrict moves, s
 }
 
 // Written whether listed or not, because which features are 0 is a coin toss that no branch predictor wins.
-std::size_t list_moved(const float* values, std::size_t count, std::uint32_t* places) {
+std::size_t compact_nonzeros(const float* values, std::size_t count, std::uint32_t* places) {
   std::size_t moved = 0;
   for (std::size_t i = 0; i < count; ++i) {
     places[moved] = static_cast<std::uint32_t>(i);
@@ -77,7 +77,7 @@ std::int32_t whole_of(float x, float limit) {
 
 // FORMAT.md, "Quantise". What lies beyond the numbers is read, since whole vectors are, but counts as 0: setting it to
 // 0 first would make the reading wait for it.
-Rounded round_all(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes) {
+Rounded quantise_all(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict quantised) {
   const auto end = static_cast<std::int32_t>(count);
   const std::size_t padded = (count + padding - 1) / padding * padding;
   std::int32_t most = 0;
@@ -93,7 +93,7 @@ Rounded round_all(const float* __restrict x, std::size_t count, float limit, std
   for (std::size_t i = 0; i < padded; ++i) {
     const std::int32_t all = whole_of(x[i] * inverse, limit);
     const std::int32_t whole = static_cast<std::int32_t>(i) < end ? all : 0;
-    wholes[i] = static_cast<std::int16_t>(whole);
+    quantised[i] = static_cast<std::int16_t>(whole);
     sum += static_cast<std::uint32_t>(whole);
   }
   return {m / limit, sum};
@@ -104,7 +104,7 @@ using EightWholes = std::int16_t __attribute__((vector_size(16)));
 using EightSums = std::uint32_t __attribute__((vector_size(32)));
 
 // Stores four numbers of eight poses pose after pose.
-void store_block(const EightWholes (&four)[4], std::int16_t* wholes) {
+void store_block(const EightWholes (&four)[4], std::int16_t* quantised) {
   static_assert(block_poses == 8);
   const auto [a, b, c, d] = four;
   const EightWholes ab[2] = {__builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11),
@@ -114,13 +114,13 @@ void store_block(const EightWholes (&four)[4], std::int16_t* wholes) {
   for (int half = 0; half < 2; ++half) {
     const EightWholes first = __builtin_shufflevector(ab[half], cd[half], 0, 1, 8, 9, 2, 3, 10, 11);
     const EightWholes last = __builtin_shufflevector(ab[half], cd[half], 4, 5, 12, 13, 6, 7, 14, 15);
-    __builtin_memcpy(wholes + 16 * half, &first, sizeof first);
-    __builtin_memcpy(wholes + 16 * half + 8, &last, sizeof last);
+    __builtin_memcpy(quantised + 16 * half, &first, sizeof first);
+    __builtin_memcpy(quantised + 16 * half + 8, &last, sizeof last);
   }
 }
 
 // x is filled up with zeros to fours of numbers.
-void round_block(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict wholes,
+void round_block(float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict quantised,
                  Rounded* __restrict rounded) {
   const std::size_t fours = (count + 3) / 4;
   for (std::size_t i = count * block_poses; i < 4 * fours * block_poses; ++i) x[i] = 0;
@@ -138,7 +138,7 @@ void round_block(float* __restrict x, std::size_t count, float limit, std::int16
     rounded[p].step = m / limit;
   }
   EightSums sums = {};
-  for (std::size_t four = 0; four < fours; ++four, wholes += 4 * block_poses) {
+  for (std::size_t four = 0; four < fours; ++four, quantised += 4 * block_poses) {
     EightWholes found[4];
     for (std::size_t k = 0; k < 4; ++k, x += block_poses) {
       std::int32_t some[block_poses];
@@ -148,7 +148,7 @@ void round_block(float* __restrict x, std::size_t count, float limit, std::int16
       sums += eight;
       found[k] = __builtin_convertvector(eight, EightWholes);
     }
-    store_block(found, wholes);
+    store_block(found, quantised);
   }
   for (std::size_t p = 0; p < block_poses; ++p) rounded[p].sum = sums[p];
 }
@@ -216,6 +216,6 @@ void normalise(float* __restrict x, float* __restrict y, float* __restrict z, st
 }
 
 constexpr PoseKernels with_passes(const char* name, PanelSums column_sums, PanelSums quad_sums) {
-  return {name,      column_sums, quad_sums, any_nan,      clamp_controls, control_features, list_moved,
-          round_all, round_block, move_rows, finish_layer, to_halves,      normalise};
+  return {name,         column_sums, quad_sums, any_nan,      clamp_controls, control_features, compact_nonzeros,
+          quantise_all, round_block, move_rows, finish_layer, to_halves,      normalise};
 }

@@ -2,7 +2,7 @@
 
 #include "runtime/kernels/panel_kernels.h"
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
 #include "runtime/kernels/vector_passes.h"
@@ -60,4 +60,4 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
 
 const PoseKernels wasm_simd_kernels = with_passes("wasm-simd", column_sums<2>, quad_sums<2>);
 
-}  // namespace fb
+}  // namespace fb::runtime

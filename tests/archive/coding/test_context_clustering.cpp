@@ -7,6 +7,7 @@
 #include "archive/coding/symbol_reader.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 SymbolCounts counts_of(std::initializer_list<std::pair<std::uint32_t, std::uint32_t>> symbols) {
@@ -21,18 +22,18 @@ TEST_CASE("contexts that are alike share a table, others do not") {
   const SymbolCounts low = counts_of({{0, 9000}, {1, 1000}}), high = counts_of({{0, 1000}, {1, 9000}});
   const SymbolCounts rare = counts_of({{0, 2}, {1, 1}});  // not worth a table of its own
   const std::vector<SymbolCounts> contexts = {counts_of({}), low, high, low, rare, high};
-  CHECK(share_tables(contexts) == std::vector<std::uint8_t>{0, 0, 1, 0, 0, 1});
+  CHECK(cluster_contexts(contexts) == std::vector<std::uint8_t>{0, 0, 1, 0, 0, 1});
 }
 
 TEST_CASE("there are no more tables than the format allows") {
   std::vector<SymbolCounts> contexts;
   for (std::uint32_t c = 0; c < 200; ++c) contexts.push_back(counts_of({{c, 100000}, {c + 1, 50000}}));
-  const std::vector<std::uint8_t> tables = share_tables(contexts);
+  const std::vector<std::uint8_t> tables = cluster_contexts(contexts);
   CHECK(*std::max_element(tables.begin(), tables.end()) == most_tables - 1);
 }
 
 TEST_CASE("without symbols there is one table") {
-  CHECK(share_tables(std::vector<SymbolCounts>(5)) == std::vector<std::uint8_t>(5));
+  CHECK(cluster_contexts(std::vector<SymbolCounts>(5)) == std::vector<std::uint8_t>(5));
 }
 
 }  // namespace fb

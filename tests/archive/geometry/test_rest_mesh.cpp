@@ -12,6 +12,7 @@
 #include "test_models.h"
 
 namespace fb {
+using namespace archive;
 namespace {
 
 PackedModel model_of(Mesh mesh) {

@@ -8,6 +8,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -57,7 +58,7 @@ PoseSet training(MemorySource& source) {
 }
 
 // Largest distance of the base from the recording, over the diagonal.
-double worst_error(MemorySource& source, const CurveBase& base, std::size_t clip) {
+double worst_error(MemorySource& source, const SparseBlendshapes& base, std::size_t clip) {
   const std::size_t frames = source.clips()[clip].frames;
   std::vector<float> points(frames * 3 * vertices);
   source.read(clip, 0, frames, points);
@@ -73,27 +74,27 @@ double worst_error(MemorySource& source, const CurveBase& base, std::size_t clip
 
 TEST_CASE("recordings of single controls are held exactly, and pairs are found among the rest") {
   MemorySource source = make_recording(controls, 400);
-  const Probe probe = probe_poses(training(source), {}, {}, silent_progress());
-  CHECK(probe.rig_calls == 0);
-  CHECK(probe.linear_controls == 5);
-  CHECK(worst_error(source, probe.base, 0) < 1e-6);
-  REQUIRE(probe.interactions.size() == 1);
-  CHECK(probe.interactions[0].controls == std::vector<std::uint32_t>{0, 1});
-  CHECK(worst_error(source, probe.base, 2) < 1e-3);
+  const RigAnalysis analysis = analyse_poses(training(source), {}, {}, silent_progress());
+  CHECK(analysis.rig_calls == 0);
+  CHECK(analysis.linear_controls == 5);
+  CHECK(worst_error(source, analysis.base, 0) < 1e-6);
+  REQUIRE(analysis.correctives.size() == 1);
+  CHECK(analysis.correctives[0].controls == std::vector<std::uint32_t>{0, 1});
+  CHECK(worst_error(source, analysis.base, 2) < 1e-3);
   for (std::size_t c = 0; c < controls; ++c)
     for (std::size_t v = 0; v < vertices; ++v)
-      CHECK((probe.motion[c * vertices + v] > 1e-4f) == (v / side == c || (c == 1 && v / side == 0)));
+      CHECK((analysis.motion[c * vertices + v] > 1e-4f) == (v / side == c || (c == 1 && v / side == 0)));
 }
 
 TEST_CASE("controls never recorded alone are estimated, and that is told") {
   MemorySource source = make_recording(2, 500);
   Notes notes;
-  const Probe probe = probe_poses(training(source), {}, {}, notes);
-  CHECK(worst_error(source, probe.base, 0) < 1e-6);
-  CHECK(worst_error(source, probe.base, 2) < 5e-3);
+  const RigAnalysis analysis = analyse_poses(training(source), {}, {}, notes);
+  CHECK(worst_error(source, analysis.base, 0) < 1e-6);
+  CHECK(worst_error(source, analysis.base, 2) < 5e-3);
   CHECK(notes.all.find("4 of 6 controls were never recorded alone") != std::string::npos);
-  REQUIRE(!probe.interactions.empty());
-  CHECK(probe.interactions[0].controls == std::vector<std::uint32_t>{0, 1});
+  REQUIRE(!analysis.correctives.empty());
+  CHECK(analysis.correctives[0].controls == std::vector<std::uint32_t>{0, 1});
 }
 
 TEST_CASE("a side of a control that was not recorded alone is fitted beside the one that was") {
@@ -108,40 +109,40 @@ TEST_CASE("a side of a control that was not recorded alone is fitted beside the 
   source.edit_clip(0).controls = {1, 0, 0, 1};
   source.add_clip("together", ClipKind::dense, Split::train, 200, 1, 2);
   source.add_clip("unseen", ClipKind::dense, Split::test, 40, 1, 3);
-  const Probe probe = probe_poses(training(source), {}, {}, silent_progress());
-  CHECK(worst_error(source, probe.base, 0) < 1e-6);
-  CHECK(worst_error(source, probe.base, 2) < 1e-3);
+  const RigAnalysis analysis = analyse_poses(training(source), {}, {}, silent_progress());
+  CHECK(worst_error(source, analysis.base, 0) < 1e-6);
+  CHECK(worst_error(source, analysis.base, 2) < 1e-3);
 }
 
 TEST_CASE("what a base leaves over is attributed to the controls that cause it") {
   MemorySource source = make_recording(controls, 400);
-  ProbeOptions options;
+  AnalysisOptions options;
   options.max_pairs = 0;
-  const Probe probe = probe_poses(training(source), options, {}, silent_progress());
-  CHECK(probe.interactions.empty());
+  const RigAnalysis analysis = analyse_poses(training(source), options, {}, silent_progress());
+  CHECK(analysis.correctives.empty());
   for (std::size_t c = 0; c < controls; ++c)
     for (std::size_t v = 0; v < vertices; ++v)
-      CHECK((probe.residual_motion[c * vertices + v] > 1e-3f) == (c < 2 && v / side == 0));
+      CHECK((analysis.residual_motion[c * vertices + v] > 1e-3f) == (c < 2 && v / side == 0));
 }
 
 TEST_CASE("few poses do not lead astray, and threads do not matter") {
   MemorySource source = make_recording(0, 12);
   source.edit_clip(1).controls[5] = 0;
   Notes notes;
-  const Probe probe = probe_poses(training(source), {}, {.threads = 1}, notes);
-  CHECK(worst_error(source, probe.base, 2) < worst_error(source, {}, 2));
-  const Probe two = probe_poses(training(source), {}, {.threads = 2}, silent_progress());
-  REQUIRE(probe.base.shapes.size() == two.base.shapes.size());
+  const RigAnalysis analysis = analyse_poses(training(source), {}, {.threads = 1}, notes);
+  CHECK(worst_error(source, analysis.base, 2) < worst_error(source, {}, 2));
+  const RigAnalysis two = analyse_poses(training(source), {}, {.threads = 2}, silent_progress());
+  REQUIRE(analysis.base.shapes.size() == two.base.shapes.size());
   for (std::size_t s = 0; s < two.base.shapes.size(); ++s)
-    CHECK(probe.base.shapes[s].offsets == two.base.shapes[s].offsets);
-  CHECK(probe.residual_motion == two.residual_motion);
+    CHECK(analysis.base.shapes[s].offsets == two.base.shapes[s].offsets);
+  CHECK(analysis.residual_motion == two.residual_motion);
 }
 
 TEST_CASE("controls that never move are named") {
   MemorySource source = make_recording(1, 0);
   Notes notes;
-  const Probe probe = probe_poses(training(source), {}, {}, notes);
+  const RigAnalysis analysis = analyse_poses(training(source), {}, {}, notes);
   CHECK(notes.all.find("5 of 6 controls never leave rest in the recorded poses (\"control1\"") != std::string::npos);
-  CHECK(worst_error(source, probe.base, 0) < 1e-6);
-  CHECK(std::all_of(probe.motion.begin() + vertices, probe.motion.end(), [](float m) { return m == 0; }));
+  CHECK(worst_error(source, analysis.base, 0) < 1e-6);
+  CHECK(std::all_of(analysis.motion.begin() + vertices, analysis.motion.end(), [](float m) { return m == 0; }));
 }

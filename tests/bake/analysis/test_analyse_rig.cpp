@@ -15,6 +15,7 @@
 #include "temporary_folder.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -56,7 +57,7 @@ MemorySource make_rig() {
   return rig;
 }
 
-double worst_error(MemorySource& rig, const CurveBase& base, const std::vector<float>& pose) {
+double worst_error(MemorySource& rig, const SparseBlendshapes& base, const std::vector<float>& pose) {
   std::vector<float> points(3 * vertices);
   rig.evaluate(pose, 1, points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i] -= rig.rest().points[i];
@@ -75,21 +76,21 @@ struct Notes final : Progress {
   std::string all;
 };
 
-Probe probe_with(ProbeOptions options, int threads = 2) {
+RigAnalysis probe_with(AnalysisOptions options, int threads = 2) {
   MemorySource rig = make_rig();
   Parallel parallel;
   parallel.threads = threads;
-  return probe_rig(rig, options, parallel, silent_progress());
+  return analyse_rig(rig, options, parallel, silent_progress());
 }
 
-std::size_t shapes_of_control(const Probe& probe, std::uint32_t control) {
+std::size_t shapes_of_control(const RigAnalysis& analysis, std::uint32_t control) {
   return static_cast<std::size_t>(
-      std::count_if(probe.base.shapes.begin(), probe.base.shapes.end(), [&](const SparseShape& shape) {
+      std::count_if(analysis.base.shapes.begin(), analysis.base.shapes.end(), [&](const SparseShape& shape) {
         std::uint32_t f = shape.feature;
         std::set<std::uint32_t> seen;
         std::vector<std::uint32_t> open = {f};
         while (!open.empty()) {
-          const Feature feature = probe.base.features[open.back()];
+          const Feature feature = analysis.base.features[open.back()];
           open.pop_back();
           if (feature.kind >= Feature::Kind::product)
             open.insert(open.end(), {feature.first, feature.second});
@@ -103,44 +104,44 @@ std::size_t shapes_of_control(const Probe& probe, std::uint32_t control) {
 }  // namespace
 
 TEST_CASE("curves have a shape for every corner, and straight controls have one") {
-  const Probe probe = probe_with({});
-  for (const std::uint32_t straight : {0u, 2u, 3u, 5u}) CHECK(shapes_of_control(probe, straight) == 1);
-  CHECK(probe.linear_controls == 4);
-  CHECK(shapes_of_control(probe, 1) == 3);
-  CHECK(shapes_of_control(probe, 4) <= 4);  // a turn: powers hold both sides in fewer shapes than corners
-  CHECK(probe.curve_error <= 1e-4);
+  const RigAnalysis analysis = probe_with({});
+  for (const std::uint32_t straight : {0u, 2u, 3u, 5u}) CHECK(shapes_of_control(analysis, straight) == 1);
+  CHECK(analysis.linear_controls == 4);
+  CHECK(shapes_of_control(analysis, 1) == 3);
+  CHECK(shapes_of_control(analysis, 4) <= 4);  // a turn: powers hold both sides in fewer shapes than corners
+  CHECK(analysis.curve_error <= 1e-4);
   MemorySource rig = make_rig();
   for (std::size_t c = 0; c < 6; ++c)
     for (const float value : {-1.0f, -0.61f, -0.3f, 0.07f, 0.15f, 0.3f, 0.42f, 0.7f, 0.9f, 1.0f}) {
       std::vector<float> pose(6);
       if (value < rig.schema().controls[c].minimum) continue;
       pose[c] = value;
-      CHECK(worst_error(rig, probe.base, pose) <= (c == 4 ? 1e-4 : 1e-6));
+      CHECK(worst_error(rig, analysis.base, pose) <= (c == 4 ? 1e-4 : 1e-6));
     }
 }
 
 TEST_CASE("products, minima and triples are found, and hold poses nobody asked for") {
-  const Probe probe = probe_with({});
+  const RigAnalysis analysis = probe_with({});
   std::set<std::vector<std::uint32_t>> found;
-  for (std::size_t i = 0; i < probe.interactions.size(); ++i) {
-    found.insert(probe.interactions[i].controls);
-    CHECK(probe.interactions[i].features.size() == 1);
-    if (i > 0) CHECK(probe.interactions[i].energy <= probe.interactions[i - 1].energy);
+  for (std::size_t i = 0; i < analysis.correctives.size(); ++i) {
+    found.insert(analysis.correctives[i].controls);
+    CHECK(analysis.correctives[i].features.size() == 1);
+    if (i > 0) CHECK(analysis.correctives[i].energy <= analysis.correctives[i - 1].energy);
   }
   CHECK(found == std::set<std::vector<std::uint32_t>>{{0, 1}, {0, 2}, {2, 3}, {0, 2, 3}});
-  for (const Interaction& interaction : probe.interactions)
-    if (interaction.controls == std::vector<std::uint32_t>{2, 3})
-      CHECK(probe.base.features[interaction.features[0]].kind == Feature::Kind::minimum);
+  for (const Corrective& corrective : analysis.correctives)
+    if (corrective.controls == std::vector<std::uint32_t>{2, 3})
+      CHECK(analysis.base.features[corrective.features[0]].kind == Feature::Kind::minimum);
   MemorySource rig = make_rig();
   rig.add_clip("unseen", ClipKind::dense, Split::test, 50, 0.8f, 77);
   for (std::size_t f = 0; f < 50; ++f) {
     const auto first = rig.clips()[0].controls.begin() + static_cast<std::ptrdiff_t>(6 * f);
-    CHECK(worst_error(rig, probe.base, {first, first + 6}) <= 1e-4);
+    CHECK(worst_error(rig, analysis.base, {first, first + 6}) <= 1e-4);
   }
 }
 
 TEST_CASE("motion says which vertices a control moves, and what the base leaves over") {
-  const Probe all = probe_with({}), curves = probe_with({.max_pairs = 0, .max_triples = 0});
+  const RigAnalysis all = probe_with({}), curves = probe_with({.max_pairs = 0, .max_triples = 0});
   const auto moves = [](const std::vector<float>& motion, std::size_t control) {
     std::set<std::size_t> rows;
     for (std::size_t v = 0; v < vertices; ++v)
@@ -157,11 +158,11 @@ TEST_CASE("motion says which vertices a control moves, and what the base leaves 
   CHECK(moves(curves.residual_motion, 5).empty());
   CHECK(moves(all.residual_motion, 0).empty());
   CHECK(moves(all.residual_motion, 2).empty());
-  CHECK(curves.interactions.empty());
+  CHECK(curves.correctives.empty());
 }
 
 TEST_CASE("probing is the same for any number of threads") {
-  const Probe one = probe_with({}, 1), two = probe_with({}, 2);
+  const RigAnalysis one = probe_with({}, 1), two = probe_with({}, 2);
   CHECK(one.rig_calls == two.rig_calls);
   CHECK(one.motion == two.motion);
   CHECK(one.residual_motion == two.residual_motion);
@@ -191,23 +192,23 @@ TEST_CASE("a probing of a slow rig that was interrupted asks nothing twice") {
     const SlowRig* rig;
   };
   const test::Folder folder;
-  ProbeOptions options;
+  AnalysisOptions options;
   options.answers = folder / "answers";
-  const Probe whole = probe_with({});
+  const RigAnalysis whole = probe_with({});
   const auto probe_again = [&] {
     SlowRig rig;
-    const Probe probe = probe_rig(rig, options, {}, silent_progress());
-    CHECK(probe.rig_calls == whole.rig_calls);
-    CHECK(probe.residual_motion == whole.residual_motion);
-    REQUIRE(probe.base.shapes.size() == whole.base.shapes.size());
-    CHECK(probe.base.shapes.back().offsets == whole.base.shapes.back().offsets);
+    const RigAnalysis analysis = analyse_rig(rig, options, {}, silent_progress());
+    CHECK(analysis.rig_calls == whole.rig_calls);
+    CHECK(analysis.residual_motion == whole.residual_motion);
+    REQUIRE(analysis.base.shapes.size() == whole.base.shapes.size());
+    CHECK(analysis.base.shapes.back().offsets == whole.base.shapes.back().offsets);
     return rig.asked.load();
   };
 
   SlowRig rig;
   Impatient progress;
   progress.rig = &rig;
-  CHECK_THROWS_AS(probe_rig(rig, options, {}, progress), Error);
+  CHECK_THROWS_AS(analyse_rig(rig, options, {}, progress), Error);
   const std::size_t done = rig.asked;
   REQUIRE(done > 200);
   REQUIRE(done < whole.rig_calls);
@@ -227,15 +228,15 @@ TEST_CASE("a budget is kept to, and what it cut is told") {
   for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {
     MemorySource rig = make_rig();
     Notes notes;
-    ProbeOptions options;
+    AnalysisOptions options;
     options.rig_budget = budget;
-    const Probe probe = probe_rig(rig, options, {}, notes);
-    CHECK(probe.rig_calls <= budget);
-    CHECK(probe.rig_calls < plenty);
+    const RigAnalysis analysis = analyse_rig(rig, options, {}, notes);
+    CHECK(analysis.rig_calls <= budget);
+    CHECK(analysis.rig_calls < plenty);
     CHECK(notes.all.find("budget") != std::string::npos);
     std::vector<float> pose(6);
     pose[5] = 1;
-    CHECK(worst_error(rig, probe.base, pose) <= 1e-6);  // ends of ranges come first
+    CHECK(worst_error(rig, analysis.base, pose) <= 1e-6);  // ends of ranges come first
   }
 }
 
@@ -249,16 +250,16 @@ TEST_CASE("what four controls do together is found by way of three") {
   };
   MemorySource rig(4, side, four, true);
   for (Control& control : rig.edit_schema().controls) control.minimum = 0;
-  const Probe probe = probe_rig(rig, {}, {}, silent_progress());
+  const RigAnalysis analysis = analyse_rig(rig, {}, {}, silent_progress());
   std::set<std::vector<std::uint32_t>> found;
-  for (const Interaction& interaction : probe.interactions) found.insert(interaction.controls);
+  for (const Corrective& corrective : analysis.correctives) found.insert(corrective.controls);
   CHECK(found == std::set<std::vector<std::uint32_t>>{{1, 2}, {0, 1, 2}, {0, 1, 2, 3}});
-  CHECK(worst_error(rig, probe.base, {0.7f, 0.4f, 0.9f, 0.6f}) < 1e-6);
+  CHECK(worst_error(rig, analysis.base, {0.7f, 0.4f, 0.9f, 0.6f}) < 1e-6);
 }
 
 TEST_CASE("a recording cannot be probed, and a rig's failure names the controls") {
   MemorySource recording(6, side, formula, false);
-  CHECK_THROWS_AS(probe_rig(recording, {}, {}, silent_progress()), Error);
+  CHECK_THROWS_AS(analyse_rig(recording, {}, {}, silent_progress()), Error);
   struct FailingRig final : MemorySource {
     FailingRig() : MemorySource(6, side, formula, true) {}
     void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
@@ -268,7 +269,7 @@ TEST_CASE("a recording cannot be probed, and a rig's failure names the controls"
     }
   } rig;
   try {
-    probe_rig(rig, {}, {}, silent_progress());
+    analyse_rig(rig, {}, {}, silent_progress());
     FAIL("a failing rig was probed");
   } catch (const Error& error) {
     CHECK(error.status() == Status::not_finite);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -43,13 +44,15 @@ TEST_CASE("terms are those that hold the residual, and no more") {
   const auto product = [](float x, float y) { return 0.5f * x * y; };
   const auto minimum = [](float x, float y) { return 0.25f * std::min(x, y); };
   const auto none = [](float, float) { return 0.0f; };
-  const TermLimits limits{1e-3, 1e-5};
-  CHECK(fit_terms(features, candidates, grid, rest, residuals_of(grid, none, none), limits).shapes.empty());
-  const CurveBase one = fit_terms(features, candidates, grid, rest, residuals_of(grid, none, minimum), limits);
+  const CorrectiveLimits limits{1e-3, 1e-5};
+  CHECK(fit_corrective(features, candidates, grid, rest, residuals_of(grid, none, none), limits).shapes.empty());
+  const SparseBlendshapes one =
+      fit_corrective(features, candidates, grid, rest, residuals_of(grid, none, minimum), limits);
   REQUIRE(one.shapes.size() == 1);
   CHECK(one.features[one.shapes[0].feature].kind == Kind::minimum);
   CHECK(one.shapes[0].offsets[1] == doctest::Approx(0.25));
-  const CurveBase both = fit_terms(features, candidates, grid, rest, residuals_of(grid, product, minimum), limits);
+  const SparseBlendshapes both =
+      fit_corrective(features, candidates, grid, rest, residuals_of(grid, product, minimum), limits);
   REQUIRE(both.shapes.size() == 2);
   std::vector<float> moved(3);
   const std::vector<float> pose = {0.3f, 0.8f};
@@ -65,5 +68,6 @@ TEST_CASE("a feature the points hardly see is not trusted with what they show") 
   const std::vector<std::uint32_t> candidates = {2};
   const auto shown = [](float x, float y) { return x == 1 ? 0.0f : 0.1f * y; };
   const std::vector<float> points = {1, 1, 0.525f, 1, 1, 0.5f, 0.525f, 0.5f};
-  CHECK(fit_terms(features, candidates, points, rest, residuals_of(points, shown, shown), {1e-3, 1e-5}).shapes.empty());
+  CHECK(fit_corrective(features, candidates, points, rest, residuals_of(points, shown, shown), {1e-3, 1e-5})
+            .shapes.empty());
 }

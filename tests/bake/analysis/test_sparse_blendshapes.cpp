@@ -5,6 +5,7 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -35,7 +36,7 @@ TEST_CASE("features are what the format says") {
 }
 
 TEST_CASE("a base adds its shapes to every pose, and takes them off again") {
-  CurveBase base;
+  SparseBlendshapes base;
   base.features = {{Kind::identity, 0}, {Kind::identity, 1}, {Kind::product, 0, 1, 0, 0, 0, 1}};
   base.shapes = {{1, {0, 1, 3}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}, {2, {2}, {1, 1, 1}}};
   constexpr std::size_t count = 21;  // more poses than are taken together

@@ -12,6 +12,8 @@
 #include "toy_faces.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 
@@ -29,7 +31,7 @@ Baked bake_quickly(Source& source, const WorkFolder& folder, const std::string& 
   options.work /= recipe;
   options.epochs = epochs;
   options.poses = 60;
-  return bake(source, options, silent_progress());
+  return bake_face(source, options, silent_progress());
 }
 
 }  // namespace
@@ -40,10 +42,10 @@ TEST_CASE("every earlier system beats linear blendshapes on a face with a correc
   const double linear = unseen_mse(bake_quickly(source, folder, "linear", 0).archive, source);
   const Baked kanyuk = bake_quickly(source, folder, "kanyuk2018", 0);
   CHECK(unseen_mse(kanyuk.archive, source) < 0.1 * linear);
-  CHECK(kanyuk.diary.bones > 1);
+  CHECK(kanyuk.stats.bones > 1);
   const Baked bailey = bake_quickly(source, folder, "bailey2018", 80);
   CHECK(unseen_mse(bailey.archive, source) < 0.5 * linear);
-  CHECK(bailey.diary.bones > 1);
+  CHECK(bailey.stats.bones > 1);
   CHECK(unseen_mse(bake_quickly(source, folder, "paper-gradients", 50).archive, source) < 0.5 * linear);
   CHECK(unseen_mse(bake_quickly(source, folder, "paper-tuned", 40).archive, source) < 0.2 * linear);
 }

@@ -10,6 +10,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 

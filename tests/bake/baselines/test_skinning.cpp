@@ -9,6 +9,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -137,7 +138,7 @@ TEST_CASE("bones are found in little: one pose, no polygons, nothing that moves"
   MemorySource source = bending_face();
   source.edit_rest().polygon_sizes.clear();
   source.edit_rest().polygon_corners.clear();
-  const Skeleton loose = extract_skeleton(all_of(source).thinned(1), {.bones = 6}, {}, silent_progress());
+  const Skeleton loose = extract_skeleton(all_of(source).subsampled(1), {.bones = 6}, {}, silent_progress());
   CHECK(loose.bone_count() >= 1);
   CHECK(loose.bone_count() <= 6);
   MemorySource still(1, 4, [](const float*, std::span<float>) {});

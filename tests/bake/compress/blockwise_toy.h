@@ -134,7 +134,7 @@ inline FaceModel unpacked(const PackedModel& packed) {
     }
   }
   model.basis = {std::uint32_t(packed.rest.points.size()), packed.columns, {}, packed.order};
-  for (const PackedRowGroup& group : packed.groups) {
+  for (const PackedRowBlock& group : packed.groups) {
     RowGroup& plain = model.basis.groups.emplace_back(RowGroup{group.first_row, group.row_count, {}, {}});
     for (const PackedColumn& column : group.columns) plain.columns.push_back(column.column);
     for (std::size_t i = 0; i < group.values.size(); ++i)

@@ -10,6 +10,7 @@
 #include "compress/blockwise_toy.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -33,7 +34,7 @@ std::vector<float> direct_column(const FaceModel& model, std::size_t column) {
 TEST_CASE("with threshold 0 nothing moves otherwise") {
   const FaceModel model = bumpy_model();
   // A vertex has three directions, fewer than there are columns.
-  const LocalizedModel local = localize_basis(model, covariances(model.network), {.chunk_vertices = 1, .threshold = 0});
+  const BlockwiseModel local = blockwise_pca(model, covariances(model.network), {.block_vertices = 1, .threshold = 0});
   for (const Region& region : local.model.network.regions) CHECK(region.layers.back().outputs > region_outputs);
   CHECK(difference(model, local.model).worst < 1e-6);
 
@@ -57,7 +58,7 @@ TEST_CASE("a threshold loses what theory says, and leaves fewer numbers") {
   const auto covariance = covariances(model.network);
   std::size_t last = numbers_in(model);
   for (const double threshold : {1e-5, 1e-4, 1e-3}) {
-    const LocalizedModel local = localize_basis(model, covariance, {.threshold = threshold});
+    const BlockwiseModel local = blockwise_pca(model, covariance, {.threshold = threshold});
     CHECK(numbers_in(local.model) < last);
     CHECK(local.model.basis.groups.size() <= side * side / 64 + 3);  // one not full in each region, and outside
     last = numbers_in(local.model);
@@ -89,7 +90,7 @@ TEST_CASE("regions that would not shrink keep their columns, those too still are
   DenseLayer& last = model.network.regions[0].layers.back();
   const FaceModel linear = model;
   last.activation = Activation::relu;
-  const LocalizedModel kept = localize_basis(model, covariance, {.threshold = 1e-4});
+  const BlockwiseModel kept = blockwise_pca(model, covariance, {.threshold = 1e-4});
   CHECK(kept.model.network.regions[0].layers.back().weights == last.weights);
   CHECK(kept.model.network.regions[1].layers.back().outputs != region_outputs);
   CHECK(kept.coefficient_sizes[direct_count] == doctest::Approx(std::sqrt(covariance[0][0])));
@@ -98,11 +99,11 @@ TEST_CASE("regions that would not shrink keep their columns, those too still are
   CHECK(difference(linear, compared).worst < 2e-3);
 
   // 12 directions in each of so many chunks, and an output each, are more than the columns were.
-  const LocalizedModel whole = localize_basis(linear, covariance, {.chunk_vertices = 4, .threshold = 0});
+  const BlockwiseModel whole = blockwise_pca(linear, covariance, {.block_vertices = 4, .threshold = 0});
   CHECK(whole.model.network.regions[0].layers.back().outputs == region_outputs);
   CHECK(difference(linear, whole.model).worst < 1e-6);
 
-  const LocalizedModel still = localize_basis(linear, covariance, {.threshold = 1});
+  const BlockwiseModel still = blockwise_pca(linear, covariance, {.threshold = 1});
   CHECK(still.model.network.regions.empty());
   CHECK(still.model.basis.columns == direct_count);
 }
@@ -110,22 +111,22 @@ TEST_CASE("regions that would not shrink keep their columns, those too still are
 TEST_CASE("localized models localize again, the same on any threads, and bad covariances are refused") {
   const FaceModel model = bumpy_model();
   auto covariance = covariances(model.network);
-  const LocalizedModel once = localize_basis(model, covariance, {}, {.threads = 1});
-  const LocalizedModel other = localize_basis(model, covariance, {}, {.threads = 3});
+  const BlockwiseModel once = blockwise_pca(model, covariance, {}, {.threads = 1});
+  const BlockwiseModel other = blockwise_pca(model, covariance, {}, {.threads = 3});
   CHECK(once.model.basis.order == other.model.basis.order);
   for (std::size_t g = 0; g < once.model.basis.groups.size(); ++g)
     CHECK(once.model.basis.groups[g].values == other.model.basis.groups[g].values);
   CHECK(once.model.network.regions[1].layers.back().weights == other.model.network.regions[1].layers.back().weights);
 
-  const LocalizedModel twice =
-      localize_basis(once.model, covariances(once.model.network), {.chunk_vertices = 40, .threshold = 0});
+  const BlockwiseModel twice =
+      blockwise_pca(once.model, covariances(once.model.network), {.block_vertices = 40, .threshold = 0});
   CHECK(difference(once.model, twice.model).worst < 1e-6);
 
   covariance[1].pop_back();
-  CHECK_THROWS_AS(localize_basis(model, covariance, {}), Error);
+  CHECK_THROWS_AS(blockwise_pca(model, covariance, {}), Error);
   covariance[1].push_back(NAN);
-  CHECK_THROWS_AS(localize_basis(model, covariance, {}), Error);
+  CHECK_THROWS_AS(blockwise_pca(model, covariance, {}), Error);
   covariance.pop_back();
-  CHECK_THROWS_AS(localize_basis(model, covariance, {}), Error);
-  CHECK_THROWS_AS(localize_basis(model, covariances(model.network), {.chunk_vertices = 0}), Error);
+  CHECK_THROWS_AS(blockwise_pca(model, covariance, {}), Error);
+  CHECK_THROWS_AS(blockwise_pca(model, covariances(model.network), {.block_vertices = 0}), Error);
 }

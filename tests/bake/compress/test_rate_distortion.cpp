@@ -9,6 +9,8 @@
 #include "base/random.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 
@@ -16,7 +18,7 @@ constexpr std::uint32_t side = 24, columns = 12, group_rows = 3 * 96;
 
 struct Rounded {
   PackedModel model;
-  std::vector<std::vector<float>> exact;  // see economise
+  std::vector<std::vector<float>> exact;  // see rate_distortion_quantise
 
   double squares() const {  // mean, in steps of `exact`
     double sum = 0;
@@ -47,7 +49,7 @@ Rounded rounded(float step) {
     }
   Random random(3);
   for (std::uint32_t row = 0; row < 3 * side * side; row += group_rows) {
-    PackedRowGroup& group = model.groups.emplace_back();
+    PackedRowBlock& group = model.groups.emplace_back();
     group.first_row = row;
     group.row_count = group_rows;
     std::vector<float>& exact = made.exact.emplace_back();
@@ -70,7 +72,7 @@ TEST_CASE("the same error takes fewer bytes where rounding knows what they cost"
   const Rounded nearest = rounded(1.2f);
   Rounded thrifty = rounded(1);
   const std::size_t before = thrifty.bytes();
-  economise(thrifty.model, thrifty.exact, worth_of_a_step);
+  rate_distortion_quantise(thrifty.model, thrifty.exact, bits_per_squared_step);
   CHECK(thrifty.bytes() < before);
   CHECK(thrifty.squares() < 1.44 * nearest.squares());
   CHECK(double(thrifty.bytes()) < 0.97 * double(nearest.bytes()));
@@ -82,7 +84,7 @@ TEST_CASE("the same error takes fewer bytes where rounding knows what they cost"
 TEST_CASE("what is worth any number of bytes is rounded to the nearest") {
   Rounded precise = rounded(1);
   const PackedModel before = precise.model;
-  economise(precise.model, precise.exact, 1e6);
+  rate_distortion_quantise(precise.model, precise.exact, 1e6);
   for (std::size_t g = 0; g < before.groups.size(); ++g)
     CHECK(precise.model.groups[g].values == before.groups[g].values);
 }

@@ -10,6 +10,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 TEST_CASE("networks share the numbers there are, wider where more is left to learn") {
   const std::vector<NetworkDemand> demands = {{40, 60, 1.0}, {10, 12, 1e-2}, {10, 12, 1e-8}};
@@ -31,7 +32,7 @@ TEST_CASE("networks share the numbers there are, wider where more is left to lea
 }
 
 TEST_CASE("the basis of a face moves each vertex by shape and components, and lists nothing else") {
-  CurveBase base;
+  SparseBlendshapes base;
   base.features = {{Feature::Kind::identity, 0, 1, 0}};
   base.shapes = {{0, {1, 40}, {1, 2, 3, 4, 5, 6}}};
   const std::vector<FaceRegion> regions = {{"left", {0, 1}, {1, 1}, {0}, 1}};
@@ -57,15 +58,15 @@ TEST_CASE("the basis of a face moves each vertex by shape and components, and li
 }
 
 TEST_CASE("a region is given its controls, and the strongest of the terms they make, about as many") {
-  Probe probe;
-  for (std::uint32_t c = 0; c < 4; ++c) probe.base.features.push_back({Feature::Kind::identity, c});
+  RigAnalysis analysis;
+  for (std::uint32_t c = 0; c < 4; ++c) analysis.base.features.push_back({Feature::Kind::identity, c});
   const auto interact = [&](std::uint32_t a, std::uint32_t b) {
     Feature product{Feature::Kind::product};
     product.first = a;
     product.second = b;
-    const auto feature = static_cast<std::uint32_t>(probe.base.features.size());
-    probe.base.features.push_back(product);
-    probe.interactions.push_back({{a, b}, 1, {feature}});
+    const auto feature = static_cast<std::uint32_t>(analysis.base.features.size());
+    analysis.base.features.push_back(product);
+    analysis.correctives.push_back({{a, b}, 1, {feature}});
     return feature;
   };
   const std::uint32_t first = interact(0, 1), elsewhere = interact(2, 3), second = interact(1, 2);
@@ -79,7 +80,7 @@ TEST_CASE("a region is given its controls, and the strongest of the terms they m
     schema.controls.push_back(control);
   }
   const FaceRegion region{"lips", {0}, {1}, {0, 1, 2}, 1};
-  const RegionInputs inputs = region_inputs(probe, schema, std::vector{region}, true);
+  const RegionInputs inputs = region_inputs(analysis, schema, std::vector{region}, true);
   REQUIRE(inputs.of_region.size() == 1);
   const std::vector<std::uint32_t>& mine = inputs.of_region[0];
   CHECK(mine.size() == 6);
@@ -102,7 +103,7 @@ TEST_CASE("features that nothing needs leave the network, and those that stay me
   region.features = {2};
   region.gate.features = {2, 3};
   network.regions.push_back(region);
-  keep_used_features(network);
+  keep_live_features(network);
   REQUIRE(network.features.size() == 4);
   CHECK(network.direct == std::vector<std::uint32_t>{3});
   CHECK(network.features[network.features[3].first].control == 1);

@@ -6,6 +6,8 @@
 #include "toy_faces.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 
@@ -37,7 +39,7 @@ double mse_of(const std::string& recipe, MemorySource rig) {
   const WorkFolder folder;
   BakeOptions options = quick(folder, recipe);
   options.epochs = 50;
-  return unseen_mse(bake(rig, options, silent_progress()).archive, rig);
+  return unseen_mse(bake_face(rig, options, silent_progress()).archive, rig);
 }
 
 }  // namespace
@@ -53,7 +55,7 @@ TEST_CASE("hero and compact learn what single controls and their combinations le
 TEST_CASE("single controls are held by the base alone, and a control moves no vertex of another part of the face") {
   const WorkFolder folder;
   MemorySource rig = saturating_rig();
-  const Baked baked = bake(rig, quick(folder, "hero"), silent_progress());
+  const Baked baked = bake_face(rig, quick(folder, "hero"), silent_progress());
   for (std::size_t control = 0; control < 4; ++control) {
     MemorySource single = face_of(saturating_formula, true);
     single.add_clip("unseen", ClipKind::shot, Split::test, 21, 0, 1);
@@ -70,17 +72,17 @@ TEST_CASE("single controls are held by the base alone, and a control moves no ve
       if (!model.features[f].of_features()) CHECK(model.features[f].control != 3);
 }
 
-TEST_CASE("within a rig budget, poses are chosen by disagreement; a rig too dear to probe is learnt from them alone") {
+TEST_CASE("within a rig budget, poses are chosen by variance; a rig too dear to probe is learnt from them alone") {
   for (const std::uint64_t budget : {200u, 900u}) {
     const WorkFolder folder;
     MemorySource rig = saturating_rig();
     BakeOptions options = quick(folder, "hero");
     options.rig_budget = budget;
     options.epochs = 80;
-    const Baked baked = bake(rig, options, silent_progress());
+    const Baked baked = bake_face(rig, options, silent_progress());
     CHECK(baked.rig_calls <= budget);
     CHECK(baked.rig_calls > budget / 2);
-    CHECK((baked.diary.rig_calls > 0) == (budget == 900));
+    CHECK((baked.stats.rig_calls > 0) == (budget == 900));
     const auto recorded = open_source((options.work / "poses").string());
     std::size_t chosen = 0;
     for (const Clip& clip : recorded->clips()) chosen += clip.name.starts_with("chosen_") ? clip.frames : 0;
@@ -95,7 +97,7 @@ TEST_CASE("a rig of plain morph targets needs no network") {
     const WorkFolder folder;
     MemorySource rig = face_of(linear_formula, true);
     rig.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
-    const Baked baked = bake(rig, quick(folder, recipe), silent_progress());
+    const Baked baked = bake_face(rig, quick(folder, recipe), silent_progress());
     CHECK(baked.parameters == 0);
     CHECK(unseen_mse(baked.archive, rig) < 1e-10);
   }
@@ -106,8 +108,8 @@ TEST_CASE("without a rig to ask, the base is fitted to recordings") {
   const WorkFolder linear_folder, folder;
   BakeOptions options = options_in(folder, "hero");
   const double linear =
-      unseen_mse(bake(source, options_in(linear_folder, "linear"), silent_progress()).archive, source);
-  const double hero = unseen_mse(bake(source, options, silent_progress()).archive, source);
+      unseen_mse(bake_face(source, options_in(linear_folder, "linear"), silent_progress()).archive, source);
+  const double hero = unseen_mse(bake_face(source, options, silent_progress()).archive, source);
   MESSAGE("linear ", linear, ", hero ", hero);
   CHECK(hero < 0.2 * linear);
 }
@@ -120,7 +122,7 @@ TEST_CASE("the same seed gives the same archive whatever the number of threads")
     BakeOptions options = quick(folder, "compact");
     options.epochs = 3;
     options.parallel.threads = threads;
-    archives[threads - 1] = bake(rig, options, silent_progress()).archive;
+    archives[threads - 1] = bake_face(rig, options, silent_progress()).archive;
   }
   CHECK(archives[0] == archives[1]);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 

@@ -12,6 +12,8 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -24,8 +25,8 @@ PackedLayer layer(std::uint32_t inputs, std::uint32_t outputs, bool wide) {
   return result;
 }
 
-PackedRowGroup group(std::uint32_t first, std::uint32_t rows, std::vector<PackedColumn> columns) {
-  PackedRowGroup result{first, rows, columns, {}};
+PackedRowBlock group(std::uint32_t first, std::uint32_t rows, std::vector<PackedColumn> columns) {
+  PackedRowBlock result{first, rows, columns, {}};
   result.values.resize(columns.size() * rows);
   return result;
 }

@@ -15,6 +15,8 @@
 #include "toy_faces.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
 
 namespace {
 
@@ -36,7 +38,7 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
     MemorySource source = face_of(linear_formula);
     source.add_clip("poses", ClipKind::dense, Split::train, active < 0.5f ? 400 : 60, active, 1);
     source.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
-    const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
+    const Baked baked = bake_face(source, options_in(folder, "linear"), silent_progress());
     CHECK(baked.coefficients == 8);
     CHECK(baked.parameters == 0);
     CHECK(unseen_mse(baked.archive, source) < (active < 0.5f ? 1e-10 : 1e-6));
@@ -45,7 +47,7 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
   rig.add_clip("unseen", ClipKind::shot, Split::test, 100, 0.6f, 2);
   BakeOptions options = options_in(folder, "linear");
   options.poses = 30;
-  CHECK(unseen_mse(bake(rig, options, silent_progress()).archive, rig) < 1e-10);
+  CHECK(unseen_mse(bake_face(rig, options, silent_progress()).archive, rig) < 1e-10);
 }
 
 TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it reached") {
@@ -61,12 +63,12 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
   source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.3f, 1);
   source.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.6f, 2);
   BakeOptions options = options_in(folder, "linear");
-  const Baked free = bake(source, options, silent_progress());
+  const Baked free = bake_face(source, options, silent_progress());
   const double error = evaluate_archive(free.archive, source, Split::test, {}, silent_progress()).total.max;
 
   Notes notes;
   options.max_bytes = free.archive.size() * 9 / 10;
-  const Baked small = bake(source, options, notes);
+  const Baked small = bake_face(source, options, notes);
   CHECK(small.archive.size() <= options.max_bytes);
   CHECK(small.archive.size() > options.max_bytes / 2);
   const double grown = evaluate_archive(small.archive, source, Split::test, {}, silent_progress()).total.max;
@@ -75,30 +77,30 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
 
   options.max_bytes = 0;
   options.max_error = 2 * grown;
-  const Baked rough = bake(source, options, notes);
+  const Baked rough = bake_face(source, options, notes);
   CHECK(rough.archive.size() <= small.archive.size());
   const auto kept = evaluate_archive(rough.archive, source, Split::train, {}, silent_progress());
   CHECK(kept.total.max < 4 * grown);
   CHECK(notes.all.find("asked") == std::string::npos);
 
   options.max_bytes = 10;
-  bake(source, options, notes);
+  bake_face(source, options, notes);
   CHECK(notes.all.find("asked for 10 bytes, the smallest reached is ") != std::string::npos);
 
   options.recipe = "paper";
-  CHECK_THROWS_WITH(bake(source, options, notes), doctest::Contains("\"paper\" keeps to neither"));
+  CHECK_THROWS_WITH(bake_face(source, options, notes), doctest::Contains("\"paper\" keeps to neither"));
   options.max_bytes = 0;
   options.max_error = -1;
-  CHECK_THROWS_WITH(bake(source, options, notes), doctest::Contains("-1"));
+  CHECK_THROWS_WITH(bake_face(source, options, notes), doctest::Contains("-1"));
 }
 
 TEST_CASE("the paper's network beats linear blendshapes on a face with a corrective") {
   WorkFolder folder;
   MemorySource source = curved_face();
-  const Baked linear = bake(source, options_in(folder, "linear"), silent_progress());
+  const Baked linear = bake_face(source, options_in(folder, "linear"), silent_progress());
   BakeOptions options = options_in(folder);
   options.epochs = 150;
-  const Baked paper = bake(source, options, silent_progress());
+  const Baked paper = bake_face(source, options, silent_progress());
   CHECK(unseen_mse(paper.archive, source) < 0.5 * unseen_mse(linear.archive, source));
   CHECK(paper.poses == 256);
   CHECK(paper.quantisation.max < 1e-4);
@@ -117,15 +119,15 @@ TEST_CASE("an archive is the same bytes whatever the threads, and after an inter
   MemorySource source = curved_face();
   BakeOptions options = options_in(once);
   options.parallel.threads = 1;
-  const std::vector<std::byte> whole = bake(source, options, silent_progress()).archive;
+  const std::vector<std::byte> whole = bake_face(source, options, silent_progress()).archive;
   options = options_in(twice);
   options.parallel.threads = 3;
-  CHECK(bake(source, options, silent_progress()).archive == whole);
+  CHECK(bake_face(source, options, silent_progress()).archive == whole);
   for (const char* stage : {"finding blendshapes", "training"}) {
     StopIn progress(stage);
-    CHECK_THROWS_AS(bake(source, options_in(stopped), progress), Error);
+    CHECK_THROWS_AS(bake_face(source, options_in(stopped), progress), Error);
   }
-  CHECK(bake(source, options_in(stopped), silent_progress()).archive == whole);
+  CHECK(bake_face(source, options_in(stopped), silent_progress()).archive == whole);
 }
 
 TEST_CASE("a bake in the work folder of other data takes nothing from it") {
@@ -133,9 +135,9 @@ TEST_CASE("a bake in the work folder of other data takes nothing from it") {
   MemorySource source = curved_face(), other = curved_face();
   float& control = other.edit_clip(0).controls[4];  // of a pose the sample of the data does not show
   control = control == 0.5f ? 0.25f : 0.5f;
-  bake(source, options_in(shared), silent_progress());
-  CHECK(bake(other, options_in(shared), silent_progress()).archive ==
-        bake(other, options_in(once), silent_progress()).archive);
+  bake_face(source, options_in(shared), silent_progress());
+  CHECK(bake_face(other, options_in(shared), silent_progress()).archive ==
+        bake_face(other, options_in(once), silent_progress()).archive);
 }
 
 TEST_CASE("a proof holds the rest pose, the ends of all ranges and dense poses") {
@@ -171,11 +173,11 @@ TEST_CASE("a variant never reads a shot, and only the certificate a test clip, w
   BakeOptions options = options_in(folder);
   options.epochs = 1;
   options.use = Use::variant;
-  const Baked variant = bake(source, options, silent_progress());
+  const Baked variant = bake_face(source, options, silent_progress());
   CHECK(variant.poses == 150);
   CHECK(source.read_clips == "dense unseen ");
   options.use = Use::backlot;
-  CHECK(bake(source, options, silent_progress()).poses == 200);
+  CHECK(bake_face(source, options, silent_progress()).poses == 200);
   CHECK(source.read_clips == "dense unseen shot ");
 
   MemorySource other = face_of(curved_formula, false, 6);
@@ -185,7 +187,7 @@ TEST_CASE("a variant never reads a shot, and only the certificate a test clip, w
   BakeOptions same = options_in(elsewhere);
   same.epochs = 1;
   same.use = Use::variant;
-  const Archive a = read_archive(variant.archive), b = read_archive(bake(other, same, silent_progress()).archive);
+  const Archive a = read_archive(variant.archive), b = read_archive(bake_face(other, same, silent_progress()).archive);
   CHECK(a.text.certificate != b.text.certificate);
   CHECK(a.text.certificate.find("\"unseen\"") != std::string::npos);
   CHECK(write_archive(a.model, a.proof) == write_archive(b.model, b.proof));
@@ -213,7 +215,7 @@ TEST_CASE("compare reports every method as variant and backlot, measured on unse
 TEST_CASE("what cannot be baked or compared is refused by name") {
   WorkFolder folder;
   MemorySource source = curved_face();
-  CHECK_THROWS_WITH(bake(source, options_in(folder, "papre"), silent_progress()), doctest::Contains("\"papre\""));
+  CHECK_THROWS_WITH(bake_face(source, options_in(folder, "papre"), silent_progress()), doctest::Contains("\"papre\""));
   CHECK_THROWS_WITH(compare(source, {"linear", "nonsense"}, options_in(folder), silent_progress()),
                     doctest::Contains("\"nonsense\""));
   CHECK_THROWS_WITH(use_from("crowd"), doctest::Contains("variant, backlot"));
@@ -231,13 +233,13 @@ TEST_CASE("what cannot be baked or compared is refused by name") {
   only_shots.add_clip("shot", ClipKind::shot, Split::train, 30, 0.6f, 1);
   BakeOptions variant = options_in(folder);
   variant.use = Use::variant;
-  CHECK_THROWS_WITH(bake(only_shots, variant, silent_progress()), doctest::Contains("not a shot"));
+  CHECK_THROWS_WITH(bake_face(only_shots, variant, silent_progress()), doctest::Contains("not a shot"));
 }
 
 TEST_CASE("an archive is measured only against its own face") {
   WorkFolder folder;
   MemorySource source = curved_face();
-  const Baked baked = bake(source, options_in(folder, "linear"), silent_progress());
+  const Baked baked = bake_face(source, options_in(folder, "linear"), silent_progress());
   MemorySource larger = face_of(curved_formula, false, 9), wider(5, 8, curved_formula), bent = curved_face();
   bent.edit_rest().points[30] += 0.01f;
   larger.add_clip("unseen", ClipKind::shot, Split::test, 5, 0.5f, 4);
@@ -250,7 +252,7 @@ TEST_CASE("an archive is measured only against its own face") {
 TEST_CASE("an archive whose proof does not hold is refused") {
   WorkFolder folder;
   MemorySource source = curved_face();
-  Archive archive = read_archive(bake(source, options_in(folder, "linear"), silent_progress()).archive);
+  Archive archive = read_archive(bake_face(source, options_in(folder, "linear"), silent_progress()).archive);
   const std::size_t somewhere = archive.proof.positions.size() / 2;
   float& kept = archive.proof.positions[somewhere];
   kept = std::nextafter(kept, 1e9f);
@@ -273,7 +275,8 @@ TEST_CASE("a rig whose name is no UTF-8 is baked all the same") {
   Misnamed source(4, 6, curved_formula);
   source.misnamed.name = "face \xff";
   source.add_clip("dense", ClipKind::dense, Split::train, 40, 0.3f, 1);
-  const PackedModel model = read_archive(bake(source, options_in(folder, "linear"), silent_progress()).archive).model;
+  const PackedModel model =
+      read_archive(bake_face(source, options_in(folder, "linear"), silent_progress()).archive).model;
   CHECK(model.schema.name == "face \xff");
   CHECK(model.provenance.find("\xef\xbf\xbd") != std::string::npos);
 }

@@ -8,6 +8,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -39,8 +40,8 @@ MemorySource planted_rig(std::size_t poses) {
   return source;
 }
 
-CurveBase planted_base() {
-  CurveBase base;
+SparseBlendshapes planted_base() {
+  SparseBlendshapes base;
   for (std::uint32_t k = 0; k < control_count; ++k) {
     base.features.push_back({.kind = Feature::Kind::identity, .control = k});
     SparseShape shape{k, {}, {}};
@@ -99,7 +100,7 @@ double worst_error(const LocalBasis& basis, const FaceRegion& region, const Resi
 TEST_CASE("the residual is what the base leaves over, and exactly 0 at rest") {
   MemorySource source = planted_rig(100);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const CurveBase base = planted_base();
+  const SparseBlendshapes base = planted_base();
   const Residual residual(poses, base);
   const std::vector<float> values = read_all(residual), controls = poses.controls();
   double worst = 0;
@@ -120,7 +121,7 @@ TEST_CASE("the residual is what the base leaves over, and exactly 0 at rest") {
 TEST_CASE("a local basis holds its region's share of every pose as well as it says") {
   MemorySource source = planted_rig(900);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const CurveBase base = planted_base();
+  const SparseBlendshapes base = planted_base();
   const Residual residual(poses, base);
   const std::vector<float> values = read_all(residual);
   const std::vector<FaceRegion> regions = halves();
@@ -161,7 +162,7 @@ TEST_CASE("as many components are kept as the largest error asks for") {
   });
   source.add_clip("poses", ClipKind::dense, Split::train, 700, 1.0f, 2);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const CurveBase nothing;
+  const SparseBlendshapes nothing;
   const Residual residual(poses, nothing);
   const std::vector<float> values = read_all(residual);
   const std::vector<FaceRegion> regions = halves();
@@ -196,7 +197,7 @@ TEST_CASE("as many components are kept as the largest error asks for") {
 TEST_CASE("bases fitted to some poses project all, and threads change no bit") {
   MemorySource source = planted_rig(2500);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const CurveBase base = planted_base();
+  const SparseBlendshapes base = planted_base();
   const Residual residual(poses, base);
   const std::vector<FaceRegion> regions = halves();
   const LocalBasisOptions options{.max_error = 1e-3, .max_components = 30, .poses_to_fit = 400};
@@ -216,7 +217,7 @@ TEST_CASE("bases fitted to some poses project all, and threads change no bit") {
 TEST_CASE("few poses, still regions and wrong regions") {
   MemorySource source = planted_rig(2);
   const PoseSet poses(source, [](const Clip&) { return true; });
-  const CurveBase base = planted_base();
+  const SparseBlendshapes base = planted_base();
   const Residual residual(poses, base);
   std::vector<FaceRegion> regions = halves();
   const auto bases = local_bases(residual, regions, {}, {}, silent_progress());

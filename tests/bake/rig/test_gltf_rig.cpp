@@ -10,6 +10,9 @@
 #include "runtime/evaluator.h"
 
 using namespace fb;
+using namespace fb::archive;
+using namespace fb::bake;
+using namespace fb::runtime;
 using namespace fb::test;
 
 namespace {
@@ -301,7 +304,7 @@ TEST_CASE("the linear recipe gives such a rig back to the quantisation floor") {
   options.recipe = "linear";
   options.poses = 200;
   options.work = toy.folder / "work";
-  const Evaluator face(read_archive(bake(*rig, options, silent_progress()).archive).model);
+  const Evaluator face(read_archive(bake_face(*rig, options, silent_progress()).archive).model);
   Workspace workspace(face);
   Random random(5);
   double squares = 0;

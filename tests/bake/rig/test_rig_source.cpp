@@ -8,6 +8,7 @@
 #include "bake_test_support.h"
 
 using namespace fb;
+using namespace fb::bake;
 using namespace fb::test;
 
 TEST_CASE("a plugin is loaded with all it declares") {

@@ -13,6 +13,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 using namespace fb::test;
 
 namespace {
@@ -28,7 +29,7 @@ MemorySource live_face() {
       true);
 }
 
-// Far along with control 0 is what this committee knows nothing about.
+// Far along with control 0 is what this ensemble knows nothing about.
 std::vector<float> unsure_of_0(std::span<const float> controls, std::size_t count) {
   std::vector<float> scores;
   for (std::size_t i = 0; i < count; ++i) scores.push_back(std::abs(controls[i * width]));
@@ -60,7 +61,7 @@ struct StopAt final : Progress {
 
 }  // namespace
 
-TEST_CASE("the poses of most disagreement are chosen, and some others") {
+TEST_CASE("the poses of most variance are chosen, and some others") {
   const MemorySource rig = live_face();
   const std::vector<float> pool = random_pool(2500);
   const std::vector<float> scores = unsure_of_0(pool, 2500);
@@ -69,7 +70,7 @@ TEST_CASE("the poses of most disagreement are chosen, and some others") {
     for (const std::uint32_t pose : poses) sum += scores[pose];
     return sum / double(poses.size());
   };
-  const auto chosen = choose_poses(rig.schema(), pool, 200, 0, unsure_of_0, 1);
+  const auto chosen = select_poses(rig.schema(), pool, 200, 0, unsure_of_0, 1);
   REQUIRE(chosen.size() == 200);
   CHECK(std::is_sorted(chosen.begin(), chosen.end()));
   CHECK(std::set<std::uint32_t>(chosen.begin(), chosen.end()).size() == 200);
@@ -98,13 +99,13 @@ TEST_CASE("the poses of most disagreement are chosen, and some others") {
     CHECK(*std::max_element(left.begin(), left.end()) <= *std::min_element(taken.begin(), taken.end()));
   }
 
-  const auto mixed = choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1);
+  const auto mixed = select_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1);
   const auto low = std::count_if(mixed.begin(), mixed.end(), [&](std::uint32_t p) { return scores[p] < 0.7f; });
   CHECK(low > 25);
   CHECK(low <= 60);
-  CHECK(choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1) == mixed);
-  CHECK(choose_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 2) != mixed);
-  CHECK(choose_poses(rig.schema(), pool, 2500, 0.25, unsure_of_0, 2).size() == 2500);
+  CHECK(select_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 1) == mixed);
+  CHECK(select_poses(rig.schema(), pool, 200, 0.25, unsure_of_0, 2) != mixed);
+  CHECK(select_poses(rig.schema(), pool, 2500, 0.25, unsure_of_0, 2).size() == 2500);
 }
 
 TEST_CASE("near-duplicates do not crowd out other poses") {
@@ -113,35 +114,34 @@ TEST_CASE("near-duplicates do not crowd out other poses") {
   Random random(9);
   for (std::size_t pose = 100; pose < 500; ++pose)  // one expression, the rest of the face a little different
     for (std::size_t c = 0; c < width; ++c) pool[pose * width + c] = c < 3 ? 1 : random.uniform(-0.5f, 0.5f);
-  const auto chosen = choose_poses(rig.schema(), pool, 100, 0, unsure_of_0, 1);
+  const auto chosen = select_poses(rig.schema(), pool, 100, 0, unsure_of_0, 1);
   CHECK(std::count_if(chosen.begin(), chosen.end(), [](std::uint32_t p) { return p >= 100 && p < 500; }) == 2);
 }
 
 TEST_CASE("choices that cannot be made are refused") {
   const MemorySource rig = live_face();
   const std::vector<float> pool = random_pool(20);
-  failure(Status::invalid_argument, [&] { choose_poses(rig.schema(), pool, 21, 0, unsure_of_0, 1); });
-  failure(Status::invalid_argument, [&] { choose_poses(rig.schema(), pool, 10, 1.5, unsure_of_0, 1); });
+  failure(Status::invalid_argument, [&] { select_poses(rig.schema(), pool, 21, 0, unsure_of_0, 1); });
+  failure(Status::invalid_argument, [&] { select_poses(rig.schema(), pool, 10, 1.5, unsure_of_0, 1); });
   const auto broken = [](std::span<const float>, std::size_t count) { return std::vector<float>(count, NAN); };
-  failure(Status::not_finite, [&] { choose_poses(rig.schema(), pool, 10, 0, broken, 1); });
+  failure(Status::not_finite, [&] { select_poses(rig.schema(), pool, 10, 0, broken, 1); });
   const auto short_of = [](std::span<const float>, std::size_t) { return std::vector<float>(1); };
-  failure(Status::internal, [&] { choose_poses(rig.schema(), pool, 10, 0, short_of, 1); });
+  failure(Status::internal, [&] { select_poses(rig.schema(), pool, 10, 0, short_of, 1); });
 }
 
 TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on where they were stopped") {
   MemorySource rig = live_face();
   rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
   SamplingOptions options{.held_out = false, .rig_budget = 1000};
-  const ChoiceOptions choice{.rounds = 3, .first_share = 0.4};
+  const ActiveSamplingOptions choice{.rounds = 3, .first_share = 0.4};
   std::vector<std::size_t> seen;
-  const auto committee = [&](Source& recorded, std::uint32_t round) {
+  const auto ensemble = [&](Source& recorded, std::uint32_t round) {
     CHECK(round == seen.size());
     seen.push_back(PoseSet(recorded, [](const Clip&) { return true; }).size());
-    return Disagreement(unsure_of_0);
+    return EnsembleVariance(unsure_of_0);
   };
   const Folder whole, stopped;
-  const SampleReport report =
-      sample_by_disagreement(rig, options, choice, committee, whole.path(), {2}, silent_progress());
+  const SampleReport report = sample_actively(rig, options, choice, ensemble, whole.path(), {2}, silent_progress());
   CHECK(report.rig_calls <= 1000);
   CHECK(report.rig_calls > 850);
   CHECK(report.poses == 1000 - 3 - 5 * width - 73);
@@ -170,9 +170,9 @@ TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on wh
     StopAt stop;
     stop.stop_at = attempts + 2;
     try {
-      sample_by_disagreement(
-          rig, options, choice, [](Source&, std::uint32_t) { return Disagreement(unsure_of_0); }, stopped.path(), {1},
-          stop);
+      sample_actively(
+          rig, options, choice, [](Source&, std::uint32_t) { return EnsembleVariance(unsure_of_0); }, stopped.path(),
+          {1}, stop);
       done = true;
     } catch (const Error& error) {
       REQUIRE(error.status() == Status::interrupted);
@@ -185,12 +185,12 @@ TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on wh
     if (name != "dataset.json") CHECK_MESSAGE((expected.count(name) && expected.at(name) == bytes), name);
   CHECK(contains(failure(Status::invalid_argument,
                          [&] {
-                           sample_by_disagreement(rig, options, {.rounds = 2, .first_share = 0.4}, committee,
-                                                  whole.path(), {}, silent_progress());
+                           sample_actively(rig, options, {.rounds = 2, .first_share = 0.4}, ensemble, whole.path(), {},
+                                           silent_progress());
                          }),
                  "options"));
   failure(Status::invalid_argument,
-          [&] { sample_by_disagreement(rig, options, {.rounds = 0}, committee, whole.path(), {}, silent_progress()); });
+          [&] { sample_actively(rig, options, {.rounds = 0}, ensemble, whole.path(), {}, silent_progress()); });
 }
 
 TEST_CASE("a dataset is extended by clips and keeps its shards") {

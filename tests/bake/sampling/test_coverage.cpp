@@ -6,6 +6,7 @@
 #include "base/random.h"
 
 using namespace fb;
+using namespace fb::bake;
 using namespace fb::test;
 
 namespace {
@@ -43,7 +44,7 @@ TEST_CASE("alike sets cover each other") {
   const Coverage coverage = cover(poses(3000, 0.3f, 1, 1), poses(1500, 0.3f, 1, 2));
   CHECK(coverage.poses == TrainedAsked<std::size_t>{3000, 1500});
   REQUIRE(coverage.regions.size() == 2);
-  for (const RegionCoverage& region : coverage.regions) {
+  for (const GroupCoverage& region : coverage.regions) {
     CHECK(region.uncovered < 0.08);
     CHECK(region.asked == doctest::Approx(region.typical).epsilon(0.1));
     CHECK(region.usual > region.typical);
@@ -100,8 +101,8 @@ TEST_CASE("coverage does not depend on threads, and knows rest without training"
   for (std::size_t r = 0; r < 2; ++r) CHECK(one.regions[r].uncovered == two.regions[r].uncovered);
   for (std::size_t p = 0; p < one.pairs.size(); ++p) CHECK(one.pairs[p].controls == two.pairs[p].controls);
   const std::vector<float> still(10 * width);
-  for (const RegionCoverage& region : cover(trained, still).regions) CHECK(region.uncovered == 0);
-  for (const RegionCoverage& region : cover(still, asked).regions) CHECK(region.uncovered == 1);
+  for (const GroupCoverage& region : cover(trained, still).regions) CHECK(region.uncovered == 0);
+  for (const GroupCoverage& region : cover(still, asked).regions) CHECK(region.uncovered == 1);
 }
 
 TEST_CASE("sets that are no poses are refused") {

@@ -13,6 +13,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 using namespace fb::test;
 
 namespace {
@@ -377,8 +378,8 @@ TEST_CASE("a rig without test clips gets held-out poses that no training pose eq
     if (f % 40 != 0)
       for (std::size_t c = 0; c < width; ++c)
         CHECK(std::abs(shots.controls[f * width + c] - shots.controls[(f - 1) * width + c]) <= 0.4f);
-  CHECK(same(make_held_out(toy->schema(), 1)[0], clip_named(plan, "random_15")));
-  CHECK_FALSE(same(make_held_out(toy->schema(), 2)[0], clip_named(plan, "random_15")));
+  CHECK(same(make_test_poses(toy->schema(), 1)[0], clip_named(plan, "random_15")));
+  CHECK_FALSE(same(make_test_poses(toy->schema(), 2)[0], clip_named(plan, "random_15")));
 }
 
 TEST_CASE("clips of the user are added, clamped, and refused when they make no sense") {

@@ -8,6 +8,7 @@
 #include "memory_source.h"
 
 using namespace fb;
+using namespace fb::bake;
 using namespace fb::test;
 
 namespace {
@@ -35,7 +36,7 @@ void smooth(Clip& clip, std::size_t length) {
     }
 }
 
-std::size_t kept_back(const PoseSet& poses, const ValidationSplit& split, const std::string& name) {
+std::size_t validation_share_of_poses(const PoseSet& poses, const ValidationSplit& split, const std::string& name) {
   std::size_t count = 0;
   for (const PoseSet::Range& range : poses.ranges())
     if (poses.source().clips()[range.clip].name == name)
@@ -55,11 +56,11 @@ TEST_CASE("validation takes about its share of every kind, whole validation clip
   source.add_clip("line", ClipKind::shot, Split::validation, 70, 1, 4);
   const PoseSet poses = all_of(source);
   const ValidationSplit split = validation_split(poses, 0.05, 7);
-  CHECK(kept_back(poses, split, "single") == 0);
-  CHECK(kept_back(poses, split, "dense") == 100);
-  CHECK(kept_back(poses, split, "walk") >= 150);
-  CHECK(kept_back(poses, split, "walk") < 150 + 60);
-  CHECK(kept_back(poses, split, "line") == 70);
+  CHECK(validation_share_of_poses(poses, split, "single") == 0);
+  CHECK(validation_share_of_poses(poses, split, "dense") == 100);
+  CHECK(validation_share_of_poses(poses, split, "walk") >= 150);
+  CHECK(validation_share_of_poses(poses, split, "walk") < 150 + 60);
+  CHECK(validation_share_of_poses(poses, split, "line") == 70);
   CHECK(std::is_sorted(split.training.begin(), split.training.end()));
   CHECK(std::is_sorted(split.validation.begin(), split.validation.end()));
   std::set<std::uint32_t> both(split.training.begin(), split.training.end());

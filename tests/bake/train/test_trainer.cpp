@@ -15,6 +15,7 @@
 #include "base/status.h"
 
 using namespace fb;
+using namespace fb::bake;
 
 namespace {
 
@@ -260,7 +261,7 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
     plan.output_scaling = 0.5f;
   }
   SUBCASE("in small pieces") {
-    plan.piece = 7;
+    plan.microbatch = 7;
   }
   SUBCASE("poses balanced") {
     plan.pose_balance = 1;
@@ -288,14 +289,14 @@ TEST_CASE("a lingering rate rises, stays, and falls in a straight line") {
   TrainingPlan plan = plan_of(0);
   plan.widths = {8, 8};
   plan.activation = Activation::silu;
-  plan.schedule = Schedule::linger;
+  plan.schedule = Schedule::warmup_stable_decay;
   check_steps(task, plan, {1, 1, 1, 1, 2 * (1 - 4 / 6.0), 2 * (1 - 5 / 6.0)});
-  CHECK(schedule_factor(Schedule::linger, 0, 1000) == doctest::Approx(1 / 30.0));
-  CHECK(schedule_factor(Schedule::linger, 14, 1000) == doctest::Approx(0.5));
-  CHECK(schedule_factor(Schedule::linger, 29, 1000) == 1);
-  CHECK(schedule_factor(Schedule::linger, 500, 1000) == 1);
-  CHECK(schedule_factor(Schedule::linger, 750, 1000) == doctest::Approx(0.5));
-  CHECK(schedule_factor(Schedule::linger, 999, 1000) == doctest::Approx(0.002));
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 0, 1000) == doctest::Approx(1 / 30.0));
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 14, 1000) == doctest::Approx(0.5));
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 29, 1000) == 1);
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 500, 1000) == 1);
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 750, 1000) == doctest::Approx(0.5));
+  CHECK(schedule_factor(Schedule::warmup_stable_decay, 999, 1000) == doctest::Approx(0.002));
   CHECK(schedule_factor(Schedule::cosine, 250, 500) == doctest::Approx(0.5));
 }
 
@@ -468,7 +469,7 @@ TEST_CASE("a training that differs in anything begins anew") {
   others[6].output_scaling = 1;
   others[7].weight_decay = 0.1f;
   others[8].pose_balance = 1;
-  others[9].piece = 64;
+  others[9].microbatch = 64;
   const auto begun_after_another = [&](TrainingPlan plan, const TrainingSet& set) {
     const auto fresh = train_layers(set, plan, silent_progress()).layers;
     TrainingPlan first = plan_of(4);

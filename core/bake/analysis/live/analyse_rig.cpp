@@ -6,34 +6,34 @@
 #include "bake/analysis/live/finite_differences.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 
-Probe probe_rig(Source& source, const ProbeOptions& options, const Parallel& parallel, Progress& progress) {
+RigAnalysis analyse_rig(Source& source, const AnalysisOptions& options, const Parallel& parallel, Progress& progress) {
   if (!source.live())
-    fail(Status::invalid_argument, "\"%s\" is a recording: probe_poses is for it", source.schema().name.c_str());
-  Probe probe;
-  RigAsker rig(source, options, parallel, progress);
-  const std::vector<ControlCurve> curves = probe_curves(rig, options, probe.motion);
-  std::vector<const CurveBase*> parts;
+    fail(Status::invalid_argument, "\"%s\" is a recording: analyse_poses is for it", source.schema().name.c_str());
+  RigAnalysis analysis;
+  RigEvaluator rig(source, options, parallel, progress);
+  const std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion);
+  std::vector<const SparseBlendshapes*> parts;
   for (const ControlCurve& curve : curves) {
     parts.push_back(&curve.part);
-    probe.linear_controls += curve.part.shapes.size() == 1;
+    analysis.linear_controls += curve.part.shapes.size() == 1;
   }
-  append(probe.base, parts);
-  const DenseProbe dense = probe_dense(rig, options.seed);
-  const std::vector<float> among_many = toggled_motion(dense, {}, Over::largest, rig);
-  for (std::size_t i = 0; i < among_many.size(); ++i) probe.motion[i] = std::max(probe.motion[i], among_many[i]);
-  probe.curve_error = test_curves(rig, curves, options.seed);
-  InteractionProbe interactions(rig, options, curves, dense, probe.base);
-  if (options.max_pairs > 0) interactions.find(2, options.max_pairs);
+  append(analysis.base, parts);
+  const DenseDifferences dense = evaluate_differences(rig, options.seed);
+  const std::vector<float> among_many = difference_motion(dense, {}, Over::largest, rig);
+  for (std::size_t i = 0; i < among_many.size(); ++i) analysis.motion[i] = std::max(analysis.motion[i], among_many[i]);
+  analysis.curve_error = test_curves(rig, curves, options.seed);
+  CorrectiveSearch correctives(rig, options, curves, dense, analysis.base);
+  if (options.max_pairs > 0) correctives.find(2, options.max_pairs);
   if (options.max_triples > 0) {
-    interactions.find(3, options.max_triples);
-    interactions.find(4, options.max_triples / 4);
+    correctives.find(3, options.max_triples);
+    correctives.find(4, options.max_triples / 4);
   }
-  probe.interactions = interactions.finish();
-  probe.residual_motion = toggled_motion(dense, probe.base, Over::root_mean_square, rig);
-  probe.rig_calls = rig.calls();
-  return probe;
+  analysis.correctives = correctives.finish();
+  analysis.residual_motion = difference_motion(dense, analysis.base, Over::root_mean_square, rig);
+  analysis.rig_calls = rig.calls();
+  return analysis;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

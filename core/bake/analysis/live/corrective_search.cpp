@@ -8,7 +8,7 @@
 #include "bake/analysis/corrective_fit.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_poses = 512;  // whose displacements are held at once: 37 MB of 6,000 vertices
@@ -58,23 +58,24 @@ std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control
 
 }  // namespace
 
-InteractionProbe::InteractionProbe(RigAsker& rig, const ProbeOptions& options, const std::vector<ControlCurve>& curves,
-                                   const DenseProbe& dense, CurveBase& base)
+CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options,
+                                   const std::vector<ControlCurve>& curves, const DenseDifferences& dense,
+                                   SparseBlendshapes& base)
     : rig_(rig),
       options_(options),
       curves_(curves),
       dense_(dense),
       base_(base),
       curve_errors_(measure_curves(rig, curves)),
-      single_left_(toggled_motion(dense, base, Over::largest, rig)),
+      single_left_(difference_motion(dense, base, Over::largest, rig)),
       held_(dense.controls, dense.displacements, rig.rest(), rig.parallel()) {
   for (const ControlCurve& curve : curves) held_.add(curve.part, 1);
   note_error("single controls");
 }
 
-void InteractionProbe::note_error(const std::string& what) const {
+void CorrectiveSearch::note_error(const std::string& what) const {
   if (dense_.poses == 0) return;
-  const HeldPoses::Error error = held_.error();
+  const HoldoutSet::Error error = held_.error();
   rig_.progress().note(
       format("%s: with 10 to 50 %% of the controls on, the base is off by %.2e (rms) and %.4f (most) of "
              "the diagonal",
@@ -83,7 +84,7 @@ void InteractionProbe::note_error(const std::string& what) const {
 
 // Every pair; beyond, what interacts already with each further control. What all controls of a tuple leave over at a
 // vertex bounds what they do together there: they are ranked by that, and those that share no vertex are left out.
-std::vector<InteractionProbe::Tuple> InteractionProbe::candidates(std::size_t order) const {
+std::vector<CorrectiveSearch::Tuple> CorrectiveSearch::candidates(std::size_t order) const {
   const auto width = static_cast<std::uint32_t>(rig_.rest().size());
   const std::size_t vertices = rig_.size() / 3;
   std::vector<std::vector<std::uint32_t>> tuples;
@@ -100,8 +101,8 @@ std::vector<InteractionProbe::Tuple> InteractionProbe::candidates(std::size_t or
   std::sort(tuples.begin(), tuples.end());
   tuples.erase(std::unique(tuples.begin(), tuples.end()), tuples.end());
   // Motion the base of today leaves over tells most, but toggles may have missed a rare combination.
-  const std::vector<float> left = order == 2 ? single_left_ : toggled_motion(dense_, base_, Over::largest, rig_);
-  const auto threshold = static_cast<float>(still * options_.term_tolerance);
+  const std::vector<float> left = order == 2 ? single_left_ : difference_motion(dense_, base_, Over::largest, rig_);
+  const auto threshold = static_cast<float>(still * options_.corrective_tolerance);
   std::vector<std::vector<std::uint32_t>> moved(width);  // by each control, as curves leave it over
   for (std::uint32_t c = 0; c < width; ++c)
     for (std::uint32_t v = 0; v < vertices; ++v)
@@ -126,7 +127,7 @@ std::vector<InteractionProbe::Tuple> InteractionProbe::candidates(std::size_t or
 }
 
 // All combinations of the ends; of controls whose curve runs smoothly through rest, one end tells enough to rank by.
-std::vector<InteractionProbe::Point> InteractionProbe::ends(const Tuple& tuple, bool inner) const {
+std::vector<CorrectiveSearch::Point> CorrectiveSearch::ends(const Tuple& tuple, bool inner) const {
   std::vector<Point> points = {{}};
   Point inside;
   for (const std::uint32_t c : tuple.controls) {
@@ -145,7 +146,7 @@ std::vector<InteractionProbe::Point> InteractionProbe::ends(const Tuple& tuple, 
   return points;
 }
 
-std::vector<InteractionProbe::Point> InteractionProbe::grid(const Tuple& tuple) const {
+std::vector<CorrectiveSearch::Point> CorrectiveSearch::grid(const Tuple& tuple) const {
   const std::size_t order = tuple.controls.size(), most = order == 2 ? 4 : order == 3 ? 3 : 2;
   std::vector<Point> points = {{}};
   for (const std::uint32_t c : tuple.controls) {
@@ -160,7 +161,7 @@ std::vector<InteractionProbe::Point> InteractionProbe::grid(const Tuple& tuple) 
   return points;
 }
 
-void InteractionProbe::fill(const Tuple& tuple, const Point& point, std::span<float> pose) const {
+void CorrectiveSearch::fill(const Tuple& tuple, const Point& point, std::span<float> pose) const {
   for (std::size_t k = 0; k < point.size(); ++k) {
     const std::uint32_t c = tuple.controls[k];
     if (point[k] > 0) pose[c] = value_at(rig_.schema().controls[c], curve_errors_[c].places[point[k] - 1]);
@@ -168,7 +169,7 @@ void InteractionProbe::fill(const Tuple& tuple, const Point& point, std::span<fl
 }
 
 template <class Points, class Visit>
-void InteractionProbe::ask_differences(const char* stage, std::span<Tuple> tuples, std::size_t fewest,
+void CorrectiveSearch::evaluate_tuples(const char* stage, std::span<Tuple> tuples, std::size_t fewest,
                                        const Points& points_of, const Visit& visit) {
   const auto away = [](const Point& point) { return point.size() - std::count(point.begin(), point.end(), 0); };
   struct Asked {
@@ -239,7 +240,7 @@ void InteractionProbe::ask_differences(const char* stage, std::span<Tuple> tuple
   }
 }
 
-void InteractionProbe::fit(Tuple& tuple, std::span<const Point> points,
+void CorrectiveSearch::fit(Tuple& tuple, std::span<const Point> points,
                            std::span<const std::vector<float>> differences) const {
   const RigSchema& schema = rig_.schema();
   std::vector<Feature> features;
@@ -252,7 +253,7 @@ void InteractionProbe::fit(Tuple& tuple, std::span<const Point> points,
     std::vector<std::uint32_t> together = factors_of(others[0]);
     if (others.size() > 1) {
       const auto known = std::find_if(found_.begin(), found_.end(),
-                                      [&](const Tuple& interaction) { return interaction.controls == others; });
+                                      [&](const Tuple& corrective) { return corrective.controls == others; });
       std::uint32_t plain = together[0];
       for (std::size_t i = 1; i < others.size(); ++i)
         plain = compose(features, std::vector{plain}, std::vector{factors_of(others[i])[0]})[0];
@@ -272,13 +273,13 @@ void InteractionProbe::fit(Tuple& tuple, std::span<const Point> points,
     poses.insert(poses.end(), rig_.rest().begin(), rig_.rest().end());
     fill(tuple, point, std::span(poses).last(rig_.rest().size()));
   }
-  const double tolerance = options_.term_tolerance * rig_.diagonal();
-  tuple.part = fit_terms(features, unique, poses, rig_.rest(), differences, {tolerance, tolerance / 20});
+  const double tolerance = options_.corrective_tolerance * rig_.diagonal();
+  tuple.part = fit_corrective(features, unique, poses, rig_.rest(), differences, {tolerance, tolerance / 20});
 }
 
-void InteractionProbe::rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest) {
+void CorrectiveSearch::rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest) {
   const bool inner = tuples.size() <= few_pairs && fewest == 2;
-  ask_differences(
+  evaluate_tuples(
       stage, tuples, fewest, [&](const Tuple& tuple) { return ends(tuple, inner && tuple.controls.size() == 2); },
       [&](Tuple& tuple, std::span<const Point>, std::span<const std::vector<float>> differences) {
         tuple.energy = tuple.distance = 0;
@@ -293,11 +294,11 @@ void InteractionProbe::rank(const char* stage, std::vector<Tuple>& tuples, std::
         }
         tuple.distance = std::sqrt(tuple.distance) / rig_.diagonal();
       });
-  std::erase_if(tuples, [&](const Tuple& tuple) { return tuple.distance <= options_.term_tolerance; });
+  std::erase_if(tuples, [&](const Tuple& tuple) { return tuple.distance <= options_.corrective_tolerance; });
   std::stable_sort(tuples.begin(), tuples.end(), [](const Tuple& a, const Tuple& b) { return a.energy > b.energy; });
 }
 
-void InteractionProbe::find(std::size_t order, std::size_t most) {
+void CorrectiveSearch::find(std::size_t order, std::size_t most) {
   std::vector<Tuple> tuples = candidates(order);
   if (order > 2 && tuples.size() > tries_a_term * most) tuples.resize(tries_a_term * most);
   const std::size_t tried = tuples.size();
@@ -309,13 +310,13 @@ void InteractionProbe::find(std::size_t order, std::size_t most) {
   }
   const std::size_t interacting = tuples.size();
   if (tuples.size() > most) tuples.resize(most);
-  ask_differences(
+  evaluate_tuples(
       "fitting controls together", tuples, 2, [&](const Tuple& tuple) { return grid(tuple); },
       [&](Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) {
         fit(tuple, points, differences);
       });
   std::erase_if(tuples, [](const Tuple& tuple) { return tuple.part.shapes.empty(); });
-  std::vector<const CurveBase*> parts;
+  std::vector<const SparseBlendshapes*> parts;
   for (const Tuple& tuple : tuples) {
     parts.push_back(&tuple.part);
     held_.add(tuple.part, 1);
@@ -326,12 +327,12 @@ void InteractionProbe::find(std::size_t order, std::size_t most) {
   std::move(tuples.begin(), tuples.end(), std::back_inserter(found_));
 }
 
-std::vector<Interaction> InteractionProbe::finish() {
+std::vector<Corrective> CorrectiveSearch::finish() {
   // Weaker ones are judged first, among all that are still there; the largest tuples are the weakest.
   std::stable_sort(found_.begin(), found_.end(), [](const Tuple& a, const Tuple& b) {
     return std::pair(a.controls.size(), b.energy) > std::pair(b.controls.size(), a.energy);
   });
-  std::vector<const CurveBase*> parts;
+  std::vector<const SparseBlendshapes*> parts;
   for (const Tuple& tuple : found_) parts.push_back(&tuple.part);
   const std::vector<bool> helps = held_.judge(parts);
   std::vector<Tuple> kept;
@@ -344,12 +345,12 @@ std::vector<Interaction> InteractionProbe::finish() {
   for (const Tuple& tuple : kept) parts.push_back(&tuple.part);
   base_ = {};
   const std::vector<std::vector<std::uint32_t>> features = append(base_, parts);
-  std::vector<Interaction> interactions;
+  std::vector<Corrective> correctives;
   for (std::size_t t = 0; t < kept.size(); ++t)
-    interactions.push_back({kept[t].controls, kept[t].energy, features[curves_.size() + t]});
+    correctives.push_back({kept[t].controls, kept[t].energy, features[curves_.size() + t]});
   if (dropped > 0) note_error(format("without %zu combinations of controls that did not help", dropped));
   found_.clear();
-  return interactions;
+  return correctives;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

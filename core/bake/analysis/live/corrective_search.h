@@ -11,30 +11,30 @@
 #include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/rig_analysis.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Finds what controls do together beyond what the base holds, order by order: pairs, triples, ... one procedure. A
 // candidate is a tuple that interacts without one of its controls, and whose controls all leave residual motion at some
 // vertex. Candidates are tried at the ends of ranges, the strongest on a grid, and terms fitted to
 // what is left there once the same differences of fewer controls are taken away. In the end, terms stay if they also
 // bring the poses of many controls closer to the rig.
-class InteractionProbe {
+class CorrectiveSearch {
  public:
   // All must outlive it. `base` holds the curves.
-  InteractionProbe(RigAsker& rig, const ProbeOptions& options, const std::vector<ControlCurve>& curves,
-                   const DenseProbe& dense, CurveBase& base);
+  CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options, const std::vector<ControlCurve>& curves,
+                   const DenseDifferences& dense, SparseBlendshapes& base);
 
   // Looks for tuples of `order` controls, 2 first, then 3, and adds terms for `most` of them at most to the base.
   void find(std::size_t order, std::size_t most);
 
   // Takes terms that do more harm than good among many controls out of the base. Returns the others, strongest first.
-  std::vector<Interaction> finish();
+  std::vector<Corrective> finish();
 
  private:
   struct Tuple {
     std::vector<std::uint32_t> controls;
     double score = 0, energy = 0, distance = 0;
-    CurveBase part;
+    SparseBlendshapes part;
   };
   // A point of a tuple's grid: for each control 0, rest, or the number of a telling place, from 1.
   using Point = std::vector<std::uint8_t>;
@@ -45,7 +45,7 @@ class InteractionProbe {
   // Differences of every tuple at its points, in blocks: visit(tuple, points, differences), several at once. What
   // `fewest` or more of its controls do alone is taken away.
   template <class Points, class Visit>
-  void ask_differences(const char* stage, std::span<Tuple> tuples, std::size_t fewest, const Points& points,
+  void evaluate_tuples(const char* stage, std::span<Tuple> tuples, std::size_t fewest, const Points& points,
                        const Visit& visit);
   // Sets energy and distance at the ends of ranges; leaves those above the tolerance, strongest first.
   void rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest);
@@ -53,15 +53,15 @@ class InteractionProbe {
   void fit(Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) const;
   void note_error(const std::string& what) const;
 
-  RigAsker& rig_;
-  const ProbeOptions& options_;
+  RigEvaluator& rig_;
+  const AnalysisOptions& options_;
   const std::vector<ControlCurve>& curves_;
-  const DenseProbe& dense_;
-  CurveBase& base_;
+  const DenseDifferences& dense_;
+  SparseBlendshapes& base_;
   std::vector<CurveErrors> curve_errors_;
   std::vector<float> single_left_;  // controls x vertices: the largest distance over D curves leave over of toggles
-  HeldPoses held_;
+  HoldoutSet held_;
   std::vector<Tuple> found_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 #include "base/hash.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 template <typename T>
@@ -20,9 +20,10 @@ void write(std::ofstream& file, std::span<T> values) {
 
 }  // namespace
 
-AnswerLog::AnswerLog(std::filesystem::path path) : path_(std::move(path)), known_(path_, std::ios::binary) {}
+EvaluationCache::EvaluationCache(std::filesystem::path path)
+    : path_(std::move(path)), known_(path_, std::ios::binary) {}
 
-bool AnswerLog::find(std::span<const float> controls, std::span<float> points) {
+bool EvaluationCache::find(std::span<const float> controls, std::span<float> points) {
   asked_ = hash64_of(controls, asked_);
   if (!known_.is_open()) return false;
   std::uint64_t question = 0, answer = 0;
@@ -37,7 +38,7 @@ bool AnswerLog::find(std::span<const float> controls, std::span<float> points) {
   return found;
 }
 
-void AnswerLog::keep(std::span<const float> points) {
+void EvaluationCache::keep(std::span<const float> points) {
   if (!more_.is_open()) {
     std::error_code ignored;  // there is no file the first time
     std::filesystem::resize_file(path_, known_bytes_, ignored);
@@ -51,4 +52,4 @@ void AnswerLog::keep(std::span<const float> points) {
   if (!more_) fail(Status::io, "%s: the rig's answers cannot be written", path_.string().c_str());
 }
 
-}  // namespace fb
+}  // namespace fb::bake

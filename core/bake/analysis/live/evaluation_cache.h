@@ -5,14 +5,14 @@
 #include <fstream>
 #include <span>
 
-namespace fb {
+namespace fb::bake {
 
 // What a rig has answered, put by in the order it was asked, so that a probing that was interrupted asks it nothing
 // twice: begun again, it asks the same. The file holds, answer after answer, a hash of all that was asked up to there,
 // the points, and their hash; from the first answer on that is damaged, or one to something else, it is written anew.
-class AnswerLog {
+class EvaluationCache {
  public:
-  explicit AnswerLog(std::filesystem::path path);
+  explicit EvaluationCache(std::filesystem::path path);
 
   // Whether the file answers what is asked next; then `points` is the answer.
   bool find(std::span<const float> controls, std::span<float> points);
@@ -27,4 +27,4 @@ class AnswerLog {
   std::uint64_t known_bytes_ = 0;  // of the answers found
 };
 
-}  // namespace fb
+}  // namespace fb::bake

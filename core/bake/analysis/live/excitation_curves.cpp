@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_controls = 24;  // their samples are held together: at most 24 a side and control
@@ -38,8 +38,8 @@ std::vector<Wanted> first_wave(const RigSchema& schema, std::size_t begin, std::
 
 // Asks the rig for single controls and hands `take` what the curves are off there.
 template <class Take>
-void ask_misses(RigAsker& rig, const std::vector<ControlCurve>& curves, const std::vector<Wanted>& wanted,
-                const Take& take) {
+void evaluate_misses(RigEvaluator& rig, const std::vector<ControlCurve>& curves, const std::vector<Wanted>& wanted,
+                     const Take& take) {
   rig.ask(
       wanted.size(),
       [&](std::size_t i, std::span<float> pose) {
@@ -53,7 +53,8 @@ void ask_misses(RigAsker& rig, const std::vector<ControlCurve>& curves, const st
 
 }  // namespace
 
-std::vector<ControlCurve> probe_curves(RigAsker& rig, const ProbeOptions& options, std::vector<float>& motion) {
+std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options,
+                                          std::vector<float>& motion) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), vertices = rig.size() / 3;
   const CurveLimits limits{options.curve_tolerance * rig.diagonal(), 1e-6 * rig.diagonal(), options.max_knots};
@@ -127,7 +128,7 @@ std::vector<double> telling_places(const Control& control, const ControlCurve& c
   return places;
 }
 
-std::vector<CurveErrors> measure_curves(RigAsker& rig, const std::vector<ControlCurve>& curves) {
+std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves) {
   const RigSchema& schema = rig.schema();
   std::vector<CurveErrors> errors(curves.size());
   std::vector<Wanted> wanted;
@@ -140,8 +141,8 @@ std::vector<CurveErrors> measure_curves(RigAsker& rig, const std::vector<Control
   const double drop = 2e-6 * rig.diagonal();
   std::vector<SparseShape> answers(wanted.size());
   rig.begin("checking single controls", wanted.size());
-  ask_misses(rig, curves, wanted,
-             [&](std::size_t i, std::span<const float> miss) { answers[i] = make_sparse(0, miss, drop); });
+  evaluate_misses(rig, curves, wanted,
+                  [&](std::size_t i, std::span<const float> miss) { answers[i] = make_sparse(0, miss, drop); });
   for (std::size_t i = 0, place = 0; i < wanted.size(); ++i, ++place) {
     if (i > 0 && wanted[i].control != wanted[i - 1].control) place = 0;
     errors[wanted[i].control].errors[place] = std::move(answers[i]);
@@ -149,7 +150,7 @@ std::vector<CurveErrors> measure_curves(RigAsker& rig, const std::vector<Control
   return errors;
 }
 
-double test_curves(RigAsker& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed) {
+double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed) {
   const RigSchema& schema = rig.schema();
   std::vector<Wanted> wanted;
   for (std::size_t c = 0; c < curves.size(); ++c)
@@ -162,7 +163,7 @@ double test_curves(RigAsker& rig, const std::vector<ControlCurve>& curves, std::
   if (wanted.size() > rig.left()) wanted.resize(rig.left());
   std::vector<double> errors(wanted.size());
   rig.begin("testing single controls", wanted.size());
-  ask_misses(rig, curves, wanted, [&](std::size_t i, std::span<const float> miss) {
+  evaluate_misses(rig, curves, wanted, [&](std::size_t i, std::span<const float> miss) {
     for (std::size_t k = 0; k < miss.size(); k += 3)
       errors[i] = std::max(errors[i], std::hypot(double(miss[k]), miss[k + 1], miss[k + 2]));
   });
@@ -171,4 +172,4 @@ double test_curves(RigAsker& rig, const std::vector<ControlCurve>& curves, std::
   return largest;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

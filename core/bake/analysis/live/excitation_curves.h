@@ -6,17 +6,18 @@
 #include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/rig_analysis.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Curves of all controls, and how far each moves every vertex alone (controls x vertices, over D). Samples eighths of
 // every side of rest first, then where curves bend, in waves over some controls at a time. Controls for which the
 // budget does not suffice get the chord to as many ends as it allows.
-std::vector<ControlCurve> probe_curves(RigAsker& rig, const ProbeOptions& options, std::vector<float>& motion);
+std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options,
+                                          std::vector<float>& motion);
 
-// Places of a control at which interactions are looked for: an end of its range first, the most telling next.
+// Places of a control at which correctives are looked for: an end of its range first, the most telling next.
 std::vector<double> telling_places(const Control& control, const ControlCurve& curve);
 
-// What a curve leaves over at its telling places, rig units: what is subtracted before interactions are fitted, so that
+// What a curve leaves over at its telling places, rig units: what is subtracted before correctives are fitted, so that
 // they do not take up the errors of curves.
 struct CurveErrors {
   std::vector<double> places;       // of one control, as telling_places orders them
@@ -24,9 +25,9 @@ struct CurveErrors {
 };
 
 // One a control.
-std::vector<CurveErrors> measure_curves(RigAsker& rig, const std::vector<ControlCurve>& curves);
+std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves);
 
 // Largest distance of curves from the rig, over D, at a place of each side drawn from the seed.
-double test_curves(RigAsker& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed);
+double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed);
 
-}  // namespace fb
+}  // namespace fb::bake

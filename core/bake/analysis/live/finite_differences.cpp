@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t most_rounds = 16;  // toggles of each control
@@ -25,40 +25,40 @@ float draw_value(const Control& control, Random& random) {
 }
 
 // For every control in every round the number of its pose: controls in random order, a few to a pose.
-std::vector<Toggle> plan_toggles(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,
-                                 std::size_t together) {
+std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,
+                                               std::size_t together) {
   const std::size_t width = schema.control_count(), poses = (width + together - 1) / together;
-  std::vector<Toggle> toggles;
+  std::vector<FiniteDifference> differences;
   for (std::size_t round = 0; round < rounds; ++round) {
     Random random = open_stream(seed, Draw::order, round);
     std::vector<std::uint32_t> order(width);
     std::iota(order.begin(), order.end(), 0u);
     for (std::size_t i = width; i > 1; --i) std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
     for (std::size_t i = 0; i < width; ++i) {
-      Toggle& toggle = toggles.emplace_back();
+      FiniteDifference& toggle = differences.emplace_back();
       toggle.pose = static_cast<std::uint32_t>(round * poses + i / together);
       toggle.control = order[i];
       Random value = open_stream(seed, Draw::toggle, round * width + order[i]);
       toggle.value = draw_value(schema.controls[order[i]], value);
     }
   }
-  return toggles;
+  return differences;
 }
 
 }  // namespace
 
-DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
+DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), size = rig.size();
   const std::size_t together = std::clamp<std::size_t>(width / 16, 2, 16), poses = (width + together - 1) / together;
-  // A quarter of what is left at most: interactions cost more.
+  // A quarter of what is left at most: correctives cost more.
   const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.left() / 4 / (width + poses));
   if (rounds < most_rounds)
     rig.progress().note(
         format("the budget of rig calls allows %zu of %zu tries of each control among many", rounds, most_rounds));
-  DenseProbe dense;
+  DenseDifferences dense;
   dense.poses = rounds * poses;
-  dense.toggles = plan_toggles(schema, seed, rounds, together);
+  dense.differences = plan_differences(schema, seed, rounds, together);
   for (std::size_t p = 0; p < dense.poses; ++p) {
     Random random = open_stream(seed, Draw::pose, p);
     const float density = random.uniform(0.1f, 0.5f);
@@ -70,7 +70,7 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
   }
   const auto controls_of = [&](std::size_t p) { return std::span(dense.controls).subspan(p * width, width); };
   dense.displacements.resize(dense.poses * size);
-  rig.begin("probing many controls", dense.poses + dense.toggles.size());
+  rig.begin("probing many controls", dense.poses + dense.differences.size());
   rig.ask(
       dense.poses,
       [&](std::size_t p, std::span<float> pose) {
@@ -81,9 +81,9 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
       });
   const double drop = 2e-6 * rig.diagonal();
   rig.ask(
-      dense.toggles.size(),
+      dense.differences.size(),
       [&](std::size_t i, std::span<float> pose) {
-        Toggle& toggle = dense.toggles[i];
+        FiniteDifference& toggle = dense.differences[i];
         const std::span<const float> from = controls_of(toggle.pose);
         std::copy(from.begin(), from.end(), pose.begin());
         if (from[toggle.control] != rig.rest()[toggle.control])
@@ -92,7 +92,7 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
           pose[toggle.control] = toggle.value;
       },
       [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        Toggle& toggle = dense.toggles[i];
+        FiniteDifference& toggle = dense.differences[i];
         const float* base = dense.displacements.data() + toggle.pose * size;
         const bool was_on = pose[toggle.control] == rig.rest()[toggle.control];
         const float sign = was_on ? -1.0f : 1.0f;
@@ -103,15 +103,16 @@ DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed) {
   return dense;
 }
 
-std::vector<float> toggled_motion(const DenseProbe& dense, const CurveBase& base, Over over, const RigAsker& rig) {
+std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Over over,
+                                     const RigEvaluator& rig) {
   const std::size_t width = rig.rest().size(), size = rig.size(), vertices = size / 3;
-  std::vector<std::vector<const Toggle*>> of_control(width);
-  for (const Toggle& toggle : dense.toggles) of_control[toggle.control].push_back(&toggle);
+  std::vector<std::vector<const FiniteDifference*>> of_control(width);
+  for (const FiniteDifference& toggle : dense.differences) of_control[toggle.control].push_back(&toggle);
   std::vector<float> motion(width * vertices);
   parallel_for(rig.parallel(), width, [&](std::size_t c, std::size_t) {
     std::vector<float> moved(size), pose(width), on(base.features.size()), off(base.features.size());
     std::vector<double> sums(vertices);
-    for (const Toggle* toggle : of_control[c]) {
+    for (const FiniteDifference* toggle : of_control[c]) {
       std::fill(moved.begin(), moved.end(), 0.0f);
       for (std::size_t k = 0; k < toggle->moved.vertices.size(); ++k)
         std::copy_n(toggle->moved.offsets.data() + 3 * k, 3, moved.data() + 3 * toggle->moved.vertices[k]);
@@ -137,4 +138,4 @@ std::vector<float> toggled_motion(const DenseProbe& dense, const CurveBase& base
   return motion;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,29 +6,30 @@
 #include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/sparse_blendshapes.h"
 
-namespace fb {
+namespace fb::bake {
 
 // One control moved between rest and elsewhere while many others are away from rest.
-struct Toggle {
+struct FiniteDifference {
   std::uint32_t pose = 0, control = 0;
   float value = 0;    // elsewhere
   SparseShape moved;  // what the rig moved: elsewhere minus at rest, rig units
 };
 
 // Poses with 10 to 50 % of the controls on, and each control toggled in some of them.
-struct DenseProbe {
+struct DenseDifferences {
   std::vector<float> controls;       // poses x controls
   std::vector<float> displacements;  // poses x 3 x vertices
-  std::vector<Toggle> toggles;
+  std::vector<FiniteDifference> differences;
   std::size_t poses = 0;
 };
 
 // As many toggles a control, 16 at most, as the budget allows; each block of controls in a pose of its own.
-DenseProbe probe_dense(RigAsker& rig, std::uint64_t seed);
+DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed);
 
 // Distance over D by which toggles move each vertex, of the rig less what `base` (may be empty) moves:
 // controls x vertices, the root mean square or the largest over a control's toggles.
 enum class Over { largest, root_mean_square };
-std::vector<float> toggled_motion(const DenseProbe& dense, const CurveBase& base, Over over, const RigAsker& rig);
+std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Over over,
+                                     const RigEvaluator& rig);
 
-}  // namespace fb
+}  // namespace fb::bake

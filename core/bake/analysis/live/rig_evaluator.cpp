@@ -7,7 +7,7 @@
 #include "bake/rig/evaluate_parallel.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_poses = 128;                 // 9 MB of 6,000 vertices
@@ -24,7 +24,7 @@ std::string describe(const RigSchema& schema, std::span<const float> rest, std::
 
 }  // namespace
 
-RigAsker::RigAsker(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress)
+RigEvaluator::RigEvaluator(Source& rig, const AnalysisOptions& options, const Parallel& parallel, Progress& progress)
     : rig_(&rig),
       budget_(options.rig_budget),
       parallel_(parallel),
@@ -34,12 +34,12 @@ RigAsker::RigAsker(Source& rig, const ProbeOptions& options, const Parallel& par
   if (!options.answers.empty()) log_.emplace(options.answers);
 }
 
-void RigAsker::begin(std::string_view stage, std::size_t count) {
+void RigEvaluator::begin(std::string_view stage, std::size_t count) {
   progress_->begin(stage, count);
   done_ = 0;
 }
 
-void RigAsker::answer(std::span<const float> controls, std::size_t count, std::span<float> points) {
+void RigEvaluator::answer(std::span<const float> controls, std::size_t count, std::span<float> points) {
   if (log_ && log_->find(controls, points)) return;
   const auto start = std::chrono::steady_clock::now();
   try {
@@ -55,7 +55,7 @@ void RigAsker::answer(std::span<const float> controls, std::size_t count, std::s
     log_->keep(points);
 }
 
-void RigAsker::ask(std::size_t count, const Fill& fill, const Visit& visit) {
+void RigEvaluator::ask(std::size_t count, const Fill& fill, const Visit& visit) {
   if (count > left())
     fail(Status::limit, "%zu poses are asked for where %llu are left", count, static_cast<unsigned long long>(left()));
   const std::vector<float>& rest_points = rig_->rest().points;
@@ -79,4 +79,4 @@ void RigAsker::ask(std::size_t count, const Fill& fill, const Visit& visit) {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -13,16 +13,16 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Asks a live rig for many poses in blocks, so that no more than a block of displacements is ever held, and counts.
-class RigAsker {
+class RigEvaluator {
  public:
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;  // controls are the rest pose before
   using Visit = std::function<void(std::size_t pose, std::span<const float> controls, std::span<float> displacement)>;
 
   // Within options.rig_budget; answers of a slow rig are kept in options.answers.
-  RigAsker(Source& rig, const ProbeOptions& options, const Parallel& parallel, Progress& progress);
+  RigEvaluator(Source& rig, const AnalysisOptions& options, const Parallel& parallel, Progress& progress);
 
   // A stage of `count` poses begins, which are then asked for in one or more calls.
   void begin(std::string_view stage, std::size_t count);
@@ -44,7 +44,7 @@ class RigAsker {
   void answer(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   Source* rig_;
-  std::optional<AnswerLog> log_;
+  std::optional<EvaluationCache> log_;
   std::uint64_t budget_, calls_ = 0, done_ = 0;  // done_: of the stage
   Parallel parallel_;
   Progress* progress_;
@@ -52,4 +52,4 @@ class RigAsker {
   double diagonal_;
 };
 
-}  // namespace fb
+}  // namespace fb::bake

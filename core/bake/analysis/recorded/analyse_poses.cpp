@@ -11,7 +11,7 @@
 #include "bake/analysis/rig_analysis.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t most_fitted = 6000;  // poses, evenly spaced
@@ -20,9 +20,9 @@ constexpr std::size_t most_alone = 24;     // poses of one control alone, a side
 constexpr std::size_t poses_a_term = 20;   // fitted for every pair given a term
 constexpr double straight_ridge = 1e-4, bent_ridge = 1e-3, pair_ridge = 1e-4;
 
-class RecordedProbe {
+class RecordedAnalysis {
  public:
-  RecordedProbe(const PoseSet& poses, const ProbeOptions& options, const Parallel& parallel, Progress& progress)
+  RecordedAnalysis(const PoseSet& poses, const AnalysisOptions& options, const Parallel& parallel, Progress& progress)
       : poses_(poses),
         schema_(poses.source().schema()),
         options_(options),
@@ -34,16 +34,16 @@ class RecordedProbe {
         diagonal_(poses.source().rest().diagonal()),
         curves_(rest_.size()) {}
 
-  Probe run() {
+  RigAnalysis run() {
     if (poses_.size() == 0) fail(Status::invalid_argument, "there are no poses to fit a base to");
     sort_poses();
     fit_alone();
     fit_together();
     fit_pairs();
     assemble();
-    std::vector<const CurveBase*> parts;
+    std::vector<const SparseBlendshapes*> parts;
     for (const ControlCurve& curve : curves_) parts.push_back(&curve.part);
-    for (const CurveBase& part : pairs_) parts.push_back(&part);
+    for (const SparseBlendshapes& part : pairs_) parts.push_back(&part);
     probe_.motion = motion_of(schema_, parts, size_ / 3, diagonal_, parallel_);
     probe_.residual_motion =
         missed_with(recorded(fitted_, probe_.base), probe_.motion, diagonal_, parallel_, progress_);
@@ -127,28 +127,28 @@ class RecordedProbe {
     return samples;
   }
 
-  void append_curves(CurveBase& base) const {
-    std::vector<const CurveBase*> parts;
+  void append_curves(SparseBlendshapes& base) const {
+    std::vector<const SparseBlendshapes*> parts;
     for (const ControlCurve& curve : curves_) parts.push_back(&curve.part);
     append(base, parts);
   }
 
-  RecordedPoses recorded(std::span<const std::size_t> picked, const CurveBase& base) const {
+  RecordedPoses recorded(std::span<const std::size_t> picked, const SparseBlendshapes& base) const {
     return {&poses_, controls_, rest_, picked, &base};
   }
 
-  HeldPoses held_poses(const CurveBase& base) const {
+  HoldoutSet held_poses(const SparseBlendshapes& base) const {
     std::vector<float> controls, left(held_.size() * size_);
     for (const std::size_t i : held_) controls.insert(controls.end(), pose(i).begin(), pose(i).end());
     if (!held_.empty()) recorded(held_, base).read(0, held_.size(), left, parallel_);
-    return HeldPoses(std::move(controls), std::move(left), rest_, parallel_);
+    return HoldoutSet(std::move(controls), std::move(left), rest_, parallel_);
   }
 
   // Curves of the sides of controls that were not recorded alone: straight on each side, with a bend half way where
   // enough poses tell of it. What brings held poses no closer goes, bends before lines.
   void fit_together() {
     if (fitted_.empty()) return;
-    CurveBase known;
+    SparseBlendshapes known;
     append_curves(known);
     std::vector<Feature> features;
     std::vector<std::uint32_t> carriers;
@@ -172,29 +172,29 @@ class RecordedProbe {
         ridge.push_back(bent_ridge);
       }
     }
-    std::vector<CurveBase> parts =
+    std::vector<SparseBlendshapes> parts =
         parts_of(features, regress(recorded(fitted_, known), features, carriers, ridge, parallel_, progress_),
                  options_.curve_tolerance);
     std::stable_partition(parts.begin(), parts.end(),
-                          [](const CurveBase& part) { return part.features[0].kind == Feature::Kind::hat; });
+                          [](const SparseBlendshapes& part) { return part.features[0].kind == Feature::Kind::hat; });
     keep_helpful(known, parts);
-    for (const CurveBase& part : parts) {
+    for (const SparseBlendshapes& part : parts) {
       ControlCurve& curve = curves_[part.features[0].control];
-      const CurveBase* whole[] = {&part};
+      const SparseBlendshapes* whole[] = {&part};
       append(curve.part, whole);
     }
   }
 
   // A part of its own for every shape that moves some vertex further than `least`, over D.
-  std::vector<CurveBase> parts_of(std::span<const Feature> features, std::vector<SparseShape> shapes,
-                                  double least) const {
-    std::vector<CurveBase> parts;
+  std::vector<SparseBlendshapes> parts_of(std::span<const Feature> features, std::vector<SparseShape> shapes,
+                                          double least) const {
+    std::vector<SparseBlendshapes> parts;
     for (SparseShape& shape : shapes) {
       double largest = 0;
       for (std::size_t i = 0; i < shape.offsets.size(); i += 3)
         largest = std::max(largest, std::hypot(double(shape.offsets[i]), shape.offsets[i + 1], shape.offsets[i + 2]));
       if (largest <= least * diagonal_) continue;
-      CurveBase& part = parts.emplace_back();
+      SparseBlendshapes& part = parts.emplace_back();
       shape.feature = import_feature(part.features, features, shape.feature);
       part.shapes.push_back(std::move(shape));
     }
@@ -202,19 +202,19 @@ class RecordedProbe {
   }
 
   // Leaves the parts that bring held poses closer to the recording.
-  void keep_helpful(const CurveBase& known, std::vector<CurveBase>& parts) const {
-    HeldPoses held = held_poses(known);
-    std::vector<const CurveBase*> pointers;
-    for (const CurveBase& part : parts) {
+  void keep_helpful(const SparseBlendshapes& known, std::vector<SparseBlendshapes>& parts) const {
+    HoldoutSet held = held_poses(known);
+    std::vector<const SparseBlendshapes*> pointers;
+    for (const SparseBlendshapes& part : parts) {
       held.add(part, 1);
       pointers.push_back(&part);
     }
     const std::vector<bool> kept = held.judge(pointers);
-    std::vector<CurveBase> helpful;
+    std::vector<SparseBlendshapes> helpful;
     for (std::size_t p = 0; p < parts.size(); ++p)
       if (kept[p]) helpful.push_back(std::move(parts[p]));
     parts = std::move(helpful);
-    const HeldPoses::Error error = held.error();
+    const HoldoutSet::Error error = held.error();
     if (!held_.empty() && !pointers.empty())
       progress_.note(
           format("%zu of %zu shapes fitted to recorded poses help; %zu poses kept back are off by %.2e (rms) "
@@ -233,7 +233,7 @@ class RecordedProbe {
   void fit_pairs() {
     const std::size_t most = std::min<std::size_t>(options_.max_pairs, fitted_.size() / poses_a_term);
     if (most == 0) return;
-    CurveBase known;
+    SparseBlendshapes known;
     append_curves(known);
     std::vector<Feature> features;
     for (std::uint32_t c = 0; c < rest_.size(); ++c) features.push_back(factor(c));
@@ -244,7 +244,7 @@ class RecordedProbe {
       carriers.push_back(add_feature(features, {Feature::Kind::product, 0, 1, 0, 0, a, b}));
     const std::vector<double> ridge(carriers.size(), pair_ridge);
     pairs_ = parts_of(features, regress(recorded(fitted_, known), features, carriers, ridge, parallel_, progress_),
-                      options_.term_tolerance);
+                      options_.corrective_tolerance);
     std::reverse(pairs_.begin(), pairs_.end());  // the last found are judged first
     keep_helpful(known, pairs_);
   }
@@ -252,24 +252,24 @@ class RecordedProbe {
   void assemble() {
     for (const ControlCurve& curve : curves_) probe_.linear_controls += curve.part.shapes.size() == 1;
     append_curves(probe_.base);
-    for (const CurveBase& part : pairs_) {
+    for (const SparseBlendshapes& part : pairs_) {
       const Feature& product = part.features[part.shapes[0].feature];
-      Interaction interaction;
-      interaction.controls = {part.features[product.first].control, part.features[product.second].control};
-      std::sort(interaction.controls.begin(), interaction.controls.end());
-      for (const float offset : part.shapes[0].offsets) interaction.energy += double(offset) * offset;
-      interaction.energy /= diagonal_ * diagonal_;
-      const CurveBase* whole[] = {&part};
-      interaction.features = append(probe_.base, whole)[0];
-      probe_.interactions.push_back(std::move(interaction));
+      Corrective corrective;
+      corrective.controls = {part.features[product.first].control, part.features[product.second].control};
+      std::sort(corrective.controls.begin(), corrective.controls.end());
+      for (const float offset : part.shapes[0].offsets) corrective.energy += double(offset) * offset;
+      corrective.energy /= diagonal_ * diagonal_;
+      const SparseBlendshapes* whole[] = {&part};
+      corrective.features = append(probe_.base, whole)[0];
+      probe_.correctives.push_back(std::move(corrective));
     }
-    std::stable_sort(probe_.interactions.begin(), probe_.interactions.end(),
-                     [](const Interaction& a, const Interaction& b) { return a.energy > b.energy; });
+    std::stable_sort(probe_.correctives.begin(), probe_.correctives.end(),
+                     [](const Corrective& a, const Corrective& b) { return a.energy > b.energy; });
   }
 
   const PoseSet& poses_;
   const RigSchema& schema_;
-  const ProbeOptions& options_;
+  const AnalysisOptions& options_;
   const Parallel& parallel_;
   Progress& progress_;
   std::vector<float> controls_, rest_;
@@ -278,14 +278,15 @@ class RecordedProbe {
   std::vector<ControlCurve> curves_;
   std::vector<std::vector<std::size_t>> alone_;  // poses of control c alone, at 2 c below rest and at 2 c + 1 above
   std::vector<std::size_t> fitted_, held_;
-  std::vector<CurveBase> pairs_;
-  Probe probe_;
+  std::vector<SparseBlendshapes> pairs_;
+  RigAnalysis probe_;
 };
 
 }  // namespace
 
-Probe probe_poses(const PoseSet& poses, const ProbeOptions& options, const Parallel& parallel, Progress& progress) {
-  return RecordedProbe(poses, options, parallel, progress).run();
+RigAnalysis analyse_poses(const PoseSet& poses, const AnalysisOptions& options, const Parallel& parallel,
+                          Progress& progress) {
+  return RecordedAnalysis(poses, options, parallel, progress).run();
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,15 +5,15 @@
 
 #include "bake/analysis/activation_curve.h"
 
-namespace fb {
+namespace fb::bake {
 
-std::vector<float> motion_of(const RigSchema& schema, std::span<const CurveBase* const> parts, std::size_t vertices,
-                             double diagonal, const Parallel& parallel) {
+std::vector<float> motion_of(const RigSchema& schema, std::span<const SparseBlendshapes* const> parts,
+                             std::size_t vertices, double diagonal, const Parallel& parallel) {
   const std::vector<float> rest = schema.rest_pose();
   std::vector<float> motion(rest.size() * vertices);
   parallel_for(parallel, rest.size(), [&](std::size_t c, std::size_t) {
     std::vector<float> moved(3 * vertices);
-    for (const CurveBase* part : parts) {
+    for (const SparseBlendshapes* part : parts) {
       const auto has_control = [&](std::size_t control) {
         return std::any_of(part->features.begin(), part->features.end(),
                            [&](const Feature& f) { return !f.of_features() && f.control == control; });
@@ -93,4 +93,4 @@ std::vector<float> missed_with(const RecordedPoses& recorded, std::span<const fl
   return missed;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -6,7 +6,7 @@
 #include "bake/linalg/gemm.h"
 #include "base/random.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t sketch_width = 48;  // numbers a pose that stand for what is left of it
@@ -117,4 +117,4 @@ std::vector<ControlPair> telling_pairs(const RecordedPoses& recorded, std::span<
   return chosen;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -7,7 +7,7 @@
 
 #include "bake/analysis/recorded/regression.h"
 
-namespace fb {
+namespace fb::bake {
 
 using ControlPair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -19,4 +19,4 @@ std::vector<ControlPair> telling_pairs(const RecordedPoses& recorded, std::span<
                                        std::size_t most, std::uint64_t seed, const Parallel& parallel,
                                        Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

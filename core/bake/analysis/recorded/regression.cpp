@@ -6,7 +6,7 @@
 
 #include "bake/linalg/gemm.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr std::size_t block_poses = 128;
@@ -104,4 +104,4 @@ std::vector<SparseShape> regress(const RecordedPoses& recorded, std::span<const 
   return shapes;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Recorded poses seen as what is left of them once a base is taken away.
 struct RecordedPoses {
@@ -17,7 +17,7 @@ struct RecordedPoses {
   std::span<const float> controls;      // of all poses of the set
   std::span<const float> rest;          // pose
   std::span<const std::size_t> picked;  // ascending
-  const CurveBase* base;
+  const SparseBlendshapes* base;
 
   std::span<const float> pose(std::size_t i) const { return controls.subspan(picked[i] * rest.size(), rest.size()); }
   // Displacements left over in picked poses [first, first + count): count x 3 x vertices.
@@ -31,4 +31,4 @@ std::vector<SparseShape> regress(const RecordedPoses& recorded, std::span<const 
                                  std::span<const std::uint32_t> carriers, std::span<const double> ridge,
                                  const Parallel& parallel, Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::bake

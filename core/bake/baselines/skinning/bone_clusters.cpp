@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr int moves_a_round = 3;           // of vertices between clusters
@@ -42,7 +42,7 @@ void drop_empty(Clusters& clusters) {
   clusters.count = kept;
 }
 
-void move_vertices(Clusters& clusters, const Mesh& rest, const HeldPoses& poses, const std::array<float, 3>& centre,
+void move_vertices(Clusters& clusters, const Mesh& rest, const HoldoutSet& poses, const std::array<float, 3>& centre,
                    const Parallel& parallel) {
   const Skeleton skeleton = skeleton_of(clusters, centre);
   std::vector<float> transforms;
@@ -96,7 +96,7 @@ bool split_worst(Clusters& clusters, const Mesh& rest, std::uint32_t most) {
 
 }  // namespace
 
-Skeleton cluster_vertices(const Mesh& rest, const HeldPoses& poses, std::uint32_t bones, const Parallel& parallel,
+Skeleton cluster_vertices(const Mesh& rest, const HoldoutSet& poses, std::uint32_t bones, const Parallel& parallel,
                           Progress& progress) {
   const std::size_t vertices = rest.vertex_count();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -116,4 +116,4 @@ Skeleton cluster_vertices(const Mesh& rest, const HeldPoses& poses, std::uint32_
   return skeleton_of(clusters, centre);
 }
 
-}  // namespace fb
+}  // namespace fb::bake

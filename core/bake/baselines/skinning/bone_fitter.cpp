@@ -4,7 +4,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 // A bone smaller than this part of the diagonal keeps its orientation.
@@ -89,4 +89,4 @@ void BoneFitter::fit(std::span<const float> displacements, std::span<float> tran
     Eigen::Map<RowMajor>(transforms.data() + 12 * b) = fitted.middleCols<4>(4 * b).cast<float>();
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/baselines/skinning/skeleton.h"
 
-namespace fb {
+namespace fb::bake {
 
 // Rigid transforms of all bones for displacements of poses. Everything it needs of the mesh is a few small matrices of
 // products of the columns c = weight * (v - centre, 1).
@@ -26,4 +26,4 @@ class BoneFitter {
   double stiffness_;          // keeps bones of nearly no extent from turning
 };
 
-}  // namespace fb
+}  // namespace fb::bake

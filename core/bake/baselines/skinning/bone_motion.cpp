@@ -5,10 +5,10 @@
 #include "bake/baselines/skinning/bone_fitter.h"
 #include "bake/linalg/gemm.h"
 
-namespace fb {
+namespace fb::bake {
 
-HeldPoses::HeldPoses(const PoseSet& poses, std::size_t most, Progress& progress) {
-  const PoseSet some = poses.thinned(most);
+HoldoutSet::HoldoutSet(const PoseSet& poses, std::size_t most, Progress& progress) {
+  const PoseSet some = poses.subsampled(most);
   const std::size_t rows = poses.source().rest().points.size();
   count = some.size();
   displacements.resize(count * rows);
@@ -22,7 +22,7 @@ HeldPoses::HeldPoses(const PoseSet& poses, std::size_t most, Progress& progress)
   }
 }
 
-void fit_poses(const Skeleton& skeleton, const Mesh& rest, const HeldPoses& poses, std::uint32_t sweeps,
+void fit_poses(const Skeleton& skeleton, const Mesh& rest, const HoldoutSet& poses, std::uint32_t sweeps,
                std::vector<float>& transforms, const Parallel& parallel) {
   const BoneFitter fitter(skeleton, rest);
   const bool warm = !transforms.empty();
@@ -34,7 +34,7 @@ void fit_poses(const Skeleton& skeleton, const Mesh& rest, const HeldPoses& pose
   });
 }
 
-BoneMotion::BoneMotion(const Skeleton& skeleton, const Mesh& rest, const HeldPoses& poses,
+BoneMotion::BoneMotion(const Skeleton& skeleton, const Mesh& rest, const HoldoutSet& poses,
                        const std::vector<float>& transforms, const Parallel& parallel)
     : skeleton_(&skeleton), rest_(&rest) {
   const std::size_t bones = skeleton.bone_count(), numbers = skeleton.numbers(), rows = 3 * poses.count;
@@ -80,4 +80,4 @@ void BoneMotion::form(std::size_t vertex, Eigen::MatrixXd& products, Eigen::Vect
   }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

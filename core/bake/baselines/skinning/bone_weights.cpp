@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr double sum_stiffness = 1e4;  // of the penalty, over the mean of the form's diagonal
@@ -82,4 +82,4 @@ void solve_weights(Skeleton& skeleton, const BoneMotion& motion, const SurfaceGr
   });
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -3,7 +3,7 @@
 #include "bake/baselines/skinning/bone_motion.h"
 #include "bake/regions/surface_graph.h"
 
-namespace fb {
+namespace fb::bake {
 
 // New weights of all vertices for the bones' motion, starting from those the skeleton has: the best non-negative ones
 // with sum 1, at most bones_a_vertex, where a weight that differs by 1 from a neighbour's costs `smoothing`.
@@ -14,4 +14,4 @@ void solve_weights(Skeleton& skeleton, const BoneMotion& motion, const SurfaceGr
 // Squares Problems", 1974; the sum is held by a stiff penalty.
 Eigen::VectorXd solve_simplex(Eigen::MatrixXd form, Eigen::VectorXd against);
 
-}  // namespace fb
+}  // namespace fb::bake

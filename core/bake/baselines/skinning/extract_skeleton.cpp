@@ -7,7 +7,7 @@
 #include "bake/regions/surface_graph.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::bake {
 namespace {
 
 constexpr int smoothing_sweeps = 3;  // of weights over the mesh a round
@@ -42,7 +42,7 @@ Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, 
                           Progress& progress) {
   if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find bones in");
   const Mesh& rest = poses.source().rest();
-  const HeldPoses held(poses, options.poses, progress);
+  const HoldoutSet held(poses, options.poses, progress);
   Skeleton skeleton = cluster_vertices(rest, held, std::max(1u, options.bones), parallel, progress);
   const SurfaceGraph graph(rest, {});
   const double smoothing = std::pow(options.smoothing * rest.diagonal(), 2) * static_cast<double>(held.count);
@@ -58,4 +58,4 @@ Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, 
   return skeleton;
 }
 
-}  // namespace fb
+}  // namespace fb::bake

@@ -2,7 +2,7 @@
 
 #include "bake/regions/surface_graph.h"
 
-namespace fb {
+namespace fb::bake {
 
 double weight_roughness(const Skeleton& skeleton, const Mesh& rest) {
   std::vector<double> difference(skeleton.bone_count());
@@ -55,4 +55,4 @@ void add_skinned(const Skeleton& skeleton, const Mesh& rest, std::span<const flo
     }
 }
 
-}  // namespace fb
+}  // namespace fb::bake

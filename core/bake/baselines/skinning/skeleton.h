@@ -12,7 +12,7 @@
 #include "base/progress.h"
 #include "model/mesh.h"
 
-namespace fb {
+namespace fb::bake {
 
 // What holds a vertex: at most so many bones.
 inline constexpr std::size_t bones_a_vertex = 4;
@@ -54,4 +54,4 @@ std::vector<float> skinning_shapes(const Skeleton& skeleton, const Mesh& rest);
 void add_skinned(const Skeleton& skeleton, const Mesh& rest, std::span<const float> transforms, float sign,
                  std::span<float> displacements);
 
-}  // namespace fb
+}  // namespace fb::bake

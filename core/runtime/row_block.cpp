@@ -1,11 +1,11 @@
-#include "runtime/row_chunk.h"
+#include "runtime/row_block.h"
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::runtime {
 namespace {
 
-PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& memory) {
+PanelMatrix digits_of(const PackedRowBlock& group, std::pmr::memory_resource& memory) {
   const auto wide = std::count_if(group.columns.begin(), group.columns.end(), [](const auto& c) { return c.wide; });
   PanelMatrix digits(PanelMatrix::Form::columns, group.row_count, group.columns.size() + static_cast<std::size_t>(wide),
                      memory);
@@ -21,7 +21,7 @@ PanelMatrix digits_of(const PackedRowGroup& group, std::pmr::memory_resource& me
 
 }  // namespace
 
-RowChunk::RowChunk(const PackedRowGroup& group, std::pmr::memory_resource& memory)
+RowBlock::RowBlock(const PackedRowBlock& group, std::pmr::memory_resource& memory)
     : first_row_(group.first_row),
       column_count_(group.columns.size()),
       columns_(&memory),
@@ -37,7 +37,7 @@ RowChunk::RowChunk(const PackedRowGroup& group, std::pmr::memory_resource& memor
       }
 }
 
-std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t first_column,
+std::pair<RowBlock::Span, RowBlock::Span> RowBlock::summands_of(std::uint32_t first_column,
                                                                 std::uint32_t last_column) const {
   const auto part = [&](std::size_t begin, std::size_t end) {
     const auto at = [&](std::uint32_t column) {
@@ -49,7 +49,7 @@ std::pair<RowChunk::Span, RowChunk::Span> RowChunk::summands_of(std::uint32_t fi
   return {part(0, column_count_), part(column_count_, columns_.size())};
 }
 
-void RowChunk::run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const {
+void RowBlock::run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const {
   for (std::uint32_t first = 0; first < row_count(); first += digits_.panel_rows()) {
     std::int32_t sums[block_poses * most_rows];
     digits_.sum(kernels, first, summands.panel_inputs(), sums);
@@ -60,7 +60,7 @@ void RowChunk::run(const PoseKernels& kernels, const Quantized& summands, const 
   }
 }
 
-void RowChunk::displacements(std::size_t place, float* moved) const {
+void RowBlock::displacements(std::size_t place, float* moved) const {
   const auto wide = std::lower_bound(columns_.begin() + column_count_, columns_.end(), columns_[place]);
   const std::size_t high = wide - columns_.begin();
   const bool has_high = wide != columns_.end() && *wide == columns_[place];
@@ -70,4 +70,4 @@ void RowChunk::displacements(std::size_t place, float* moved) const {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::runtime

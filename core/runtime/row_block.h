@@ -11,13 +11,13 @@
 #include "runtime/panel_matrix.h"
 #include "runtime/quantized.h"
 
-namespace fb {
+namespace fb::runtime {
 
 // Summand s is coefficient column(s) times scale(s); a wide column has two, one for each digit. Every column's values
 // or low digits come first, then the high digits of wide columns; in both parts columns ascend.
-class RowChunk {
+class RowBlock {
  public:
-  RowChunk(const PackedRowGroup& group, std::pmr::memory_resource& memory);
+  RowBlock(const PackedRowBlock& group, std::pmr::memory_resource& memory);
 
   std::uint32_t first_row() const { return first_row_; }
   std::uint32_t row_count() const { return digits_.rows(); }
@@ -39,7 +39,7 @@ class RowChunk {
       for (std::size_t p = 0; p < poses; ++p) summands[p] = coefficients[columns_[s] * poses + p] * scales_[s];
   }
 
-  // Asks the processor for the digits of these summands: which are needed next no prefetcher can guess.
+  // Asks the processor for the digits of these summands: which are needed next no prefetcher can prediction.
   void fetch(const std::uint32_t* places, std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i) digits_.fetch(places[i]);
   }
@@ -62,4 +62,4 @@ class RowChunk {
   PanelMatrix digits_;
 };
 
-}  // namespace fb
+}  // namespace fb::runtime
