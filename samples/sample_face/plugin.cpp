@@ -1,5 +1,5 @@
 // The sample face behind the rig plugin ABI: the one file that exports a symbol and lets no exception out.
-#include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 
 #include <cstdio>
 #include <exception>
@@ -26,7 +26,7 @@ struct Plugin {
 
   Plugin() : shots(make_shots(rig.controls())) {
     for (const Control& c : rig.controls().list())
-      controls.push_back({c.name.c_str(), c.group.c_str(), c.two_sided ? -1.0f : 0.0f, 1.0f, 0.0f});
+      controls.push_back({c.name.c_str(), c.group.c_str(), c.two_sided ? -1.0f : 0.0f, 1.0f, 0.0f, 0});
     for (const Shot& s : shots)
       clips.push_back(
           {s.name.c_str(), FB_CLIP_SHOT, std::int32_t(s.split), s.fps, std::uint32_t(s.frames), 0, s.values.data()});
@@ -48,9 +48,7 @@ void destroy(void* user) {
 
 void fill(const Plugin& plugin, fb_rig& rig) {
   const FaceMesh& mesh = plugin.rig.mesh();
-  rig = {};
-  rig.struct_size = sizeof(fb_rig);
-  rig.abi = FB_RIG_ABI;
+  fb_rig_init(&rig);
   rig.name = "sample face";
   rig.units = "cm";
   rig.up_axis = "y";

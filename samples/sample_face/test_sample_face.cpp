@@ -1,6 +1,6 @@
 // The promises of the sample face: sizes, rest, smoothness, and that lids and lips touch without crossing.
 #include <doctest/doctest.h>
-#include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 
 #include <cmath>
 #include <cstdint>

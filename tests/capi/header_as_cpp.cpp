@@ -1,6 +1,7 @@
 // The C headers compile as C++, and the numbers the core throws are those the ABI pins.
 #include <facebaker/facebaker.h>
 #include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 
 #include "base/status.h"
 

@@ -14,7 +14,7 @@
 static const float cube[3 * VERTICES] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
 static const uint32_t sizes[] = {4, 4};
 static const uint32_t corners[] = {0, 1, 2, 3, 4, 5, 6, 7};
-static const fb_rig_control rig_controls[CONTROLS] = {{"lift", "top", 0, 1, 0}, {"slide", NULL, -1, 1, 0}};
+static const fb_rig_control rig_controls[CONTROLS] = {{"lift", "top", 0, 1, 0, 0}, {"slide", NULL, -1, 1, 0, 0}};
 
 /* lift raises the upper four vertices, slide moves all of them along x. */
 static fb_status evaluate(void* user, uint64_t poses, const float* controls, float* positions, char* message,
@@ -33,22 +33,32 @@ static fb_status evaluate(void* user, uint64_t poses, const float* controls, flo
 }
 
 static fb_rig describe(int* broken) {
-  fb_rig rig = {.struct_size = sizeof rig,
-                .abi = FB_RIG_ABI,
-                .name = "cube",
-                .units = "m",
-                .up_axis = "z",
-                .flags = FB_RIG_THREAD_SAFE,
-                .control_count = CONTROLS,
-                .controls = rig_controls,
-                .vertex_count = VERTICES,
-                .polygon_count = 2,
-                .rest_positions = cube,
-                .polygon_sizes = sizes,
-                .polygon_corners = corners,
-                .user = broken,
-                .evaluate = evaluate};
+  fb_rig rig;
+  fb_rig_init(&rig);
+  rig.name = "cube";
+  rig.units = "m";
+  rig.up_axis = "z";
+  rig.flags = FB_RIG_THREAD_SAFE;
+  rig.control_count = CONTROLS;
+  rig.controls = rig_controls;
+  rig.vertex_count = VERTICES;
+  rig.polygon_count = 2;
+  rig.rest_positions = cube;
+  rig.polygon_sizes = sizes;
+  rig.polygon_corners = corners;
+  rig.user = broken;
+  rig.evaluate = evaluate;
   return rig;
+}
+
+/* A source of one path or of a rig. */
+static fb_status open_source(const char* path, const fb_rig* rig, fb_source** source) {
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.paths = &path;
+  desc.path_count = path ? 1 : 0;
+  desc.rig = rig;
+  return fb_source_open(&desc, source);
 }
 
 static char folder[64];
@@ -89,20 +99,21 @@ static void a_rig_becomes_a_face(void** state) {
   (void)state;
   int broken = 0;
   const fb_rig rig = describe(&broken);
-  const fb_source source = {NULL, &rig};
+  fb_source* source = NULL;
+  assert_ok(open_source(NULL, &rig, &source));
   Watch seen = {0, 0};
   fb_bake_desc desc;
   fb_bake_desc_init(&desc);
   desc.threads = 1;
-  desc.sources = &source;
-  desc.source_count = 1;
+  desc.source = source;
   desc.archive = in_folder("cube.fbk");
   desc.recipe = "linear";
   desc.poses = 100;
-  desc.progress = watch;
-  desc.progress_user = &seen;
-  assert_ok(fb_bake(&desc));
+  desc.callbacks.progress = watch;
+  desc.callbacks.user = &seen;
+  assert_ok(fb_bake(&desc, NULL));
   assert_true(seen.calls > 0);
+  fb_source_close(source);
 
   fb_model* model = NULL;
   fb_scratch* scratch = NULL;
@@ -127,19 +138,19 @@ static void a_rig_is_sampled_to_a_dataset_that_can_be_baked(void** state) {
   snprintf(directory, sizeof directory, "%s/dataset", folder);
   fb_sample_desc sampling;
   fb_sample_desc_init(&sampling);
-  sampling.source.rig = &rig;
+  assert_ok(open_source(NULL, &rig, &sampling.source));
   sampling.directory = directory;
   sampling.poses = 100;
-  assert_ok(fb_sample(&sampling));
+  assert_ok(fb_sample(&sampling, NULL));
+  fb_source_close(sampling.source);
 
-  const fb_source source = {directory, NULL};
   fb_bake_desc desc;
   fb_bake_desc_init(&desc);
-  desc.sources = &source;
-  desc.source_count = 1;
+  assert_ok(open_source(directory, NULL, &desc.source));
   desc.archive = in_folder("from_dataset.fbk");
   desc.recipe = "linear";
-  assert_ok(fb_bake(&desc));
+  assert_ok(fb_bake(&desc, NULL));
+  fb_source_close(desc.source);
   fb_model* model = NULL;
   assert_ok(fb_load(in_folder("from_dataset.fbk"), NULL, &model));
   assert_int_equal(fb_vertex_count(model), VERTICES);
@@ -153,68 +164,98 @@ static void a_host_may_interrupt(void** state) {
   Watch seen = {0, 1};
   fb_sample_desc desc;
   fb_sample_desc_init(&desc);
-  desc.source.rig = &rig;
+  assert_ok(open_source(NULL, &rig, &desc.source));
   desc.directory = in_folder("interrupted");
   desc.poses = 100;
-  desc.progress = watch;
-  desc.progress_user = &seen;
-  assert_int_equal(fb_sample(&desc), FB_ERROR_INTERRUPTED);
+  desc.callbacks.progress = watch;
+  desc.callbacks.user = &seen;
+  assert_int_equal(fb_sample(&desc, NULL), FB_ERROR_INTERRUPTED);
+  fb_source_close(desc.source);
 }
 
 static void assert_bake_refused(const fb_bake_desc* desc, fb_status expected, const char* message_part) {
-  assert_int_equal(fb_bake(desc), expected);
+  assert_int_equal(fb_bake(desc, NULL), expected);
   if (!strstr(fb_last_error(), message_part)) fail_msg("\"%s\" does not contain \"%s\"", fb_last_error(), message_part);
   assert_int_not_equal(access(desc->archive ? desc->archive : "", F_OK), 0);
 }
 
-static void wrong_requests_are_refused(void** state) {
+static void assert_open_refused(const fb_source_desc* desc, fb_status expected, const char* message_part) {
+  fb_source* source = NULL;
+  assert_int_equal(fb_source_open(desc, &source), expected);
+  if (!strstr(fb_last_error(), message_part)) fail_msg("\"%s\" does not contain \"%s\"", fb_last_error(), message_part);
+  assert_null(source);
+}
+
+static void wrong_sources_are_refused(void** state) {
   (void)state;
   int broken = 1;
   const fb_rig rig = describe(&broken);
-  const fb_source two[2] = {{NULL, &rig}, {"nowhere", NULL}}, both = {"nowhere", &rig}, none = {NULL, NULL};
+  const char* const paths[2] = {"nowhere", NULL};
+  fb_source_desc good, desc;
+  fb_source_desc_init(&good);
+  good.rig = &rig;
+  assert_open_refused(&good, FB_ERROR_RIG, "out of clay");
+  desc = good, desc.paths = paths, desc.path_count = 1;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
+  desc = good, desc.rig = NULL;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
+  desc.path_count = 1;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "paths");
+  desc.paths = paths;
+  assert_open_refused(&desc, FB_ERROR_NOT_FOUND, "nowhere");
+  desc.path_count = 2;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "paths");
+  desc = good, desc.struct_size = 4;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "struct_size");
+  fb_rig older = rig;
+  older.abi = FB_RIG_ABI - 1;
+  desc = good, desc.rig = &older;
+  assert_open_refused(&desc, FB_ERROR_UNSUPPORTED, "rig ABI 1");
+  assert_int_equal(fb_source_open(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_source_open(&good, NULL), FB_ERROR_INVALID_ARGUMENT);
+  fb_source_desc_init(NULL);
+  fb_source_close(NULL);
+}
+
+static void wrong_requests_are_refused(void** state) {
+  (void)state;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  fb_source* source = NULL;
+  assert_ok(open_source(NULL, &rig, &source));
+  broken = 1;
   fb_bake_desc good, desc;
   fb_bake_desc_init(&good);
-  good.sources = two;
-  good.source_count = 1;
+  good.source = source;
   good.archive = in_folder("refused.fbk");
   assert_bake_refused(&good, FB_ERROR_RIG, "out of clay");
-  desc = good, desc.sources = NULL;
-  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "sources");
+  desc = good, desc.source = NULL;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "source");
   desc = good, desc.archive = NULL;
   assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "archive");
-  desc = good, desc.source_count = 0;
-  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "source");
-  desc = good, desc.source_count = 2;
-  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "alone");
-  desc = good, desc.sources = &both;
-  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
-  desc = good, desc.sources = &none;
-  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "either");
-  desc = good, desc.sources = two + 1;
-  assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "nowhere");
-  desc = good, desc.use = "toast";
-  assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "toast");
+  desc = good, desc.use = 7;
+  assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "use 7");
   desc = good, desc.struct_size = 4;
   assert_bake_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "struct_size");
   broken = 0;
   desc = good, desc.recipe = "soup";
   assert_bake_refused(&desc, FB_ERROR_NOT_FOUND, "soup");
-  assert_int_equal(fb_bake(NULL), FB_ERROR_INVALID_ARGUMENT);
-  assert_int_equal(fb_sample(NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_bake(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_sample(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
   fb_sample_desc sampling;
   fb_sample_desc_init(&sampling);
-  sampling.source.rig = &rig;
-  assert_int_equal(fb_sample(&sampling), FB_ERROR_INVALID_ARGUMENT);
+  sampling.source = source;
+  assert_int_equal(fb_sample(&sampling, NULL), FB_ERROR_INVALID_ARGUMENT);
   assert_non_null(strstr(fb_last_error(), "directory"));
   fb_sample_desc_init(NULL);
   fb_bake_desc_init(NULL);
+  fb_source_close(source);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_rig_becomes_a_face),
-      cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
-      cmocka_unit_test(a_host_may_interrupt),
+      cmocka_unit_test(a_rig_becomes_a_face),       cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
+      cmocka_unit_test(a_host_may_interrupt),       cmocka_unit_test(wrong_sources_are_refused),
       cmocka_unit_test(wrong_requests_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -65,21 +65,24 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, tangent_vertex_stride, 168);
 }
 
-static void layout_of_bake_structs(void** state) {
+static void layout_of_rigs(void** state) {
   (void)state;
   assert_int_equal(sizeof(fb_rig_control), 32);
+  assert_at(fb_rig_control, name, 0);
+  assert_at(fb_rig_control, group, 8);
   assert_at(fb_rig_control, minimum, 16);
   assert_at(fb_rig_control, maximum, 20);
   assert_at(fb_rig_control, rest, 24);
 
   assert_int_equal(sizeof(fb_rig_clip), 40);
+  assert_at(fb_rig_clip, name, 0);
   assert_at(fb_rig_clip, kind, 8);
   assert_at(fb_rig_clip, split, 12);
   assert_at(fb_rig_clip, fps, 16);
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 144);
+  assert_int_equal(sizeof(fb_rig), 152);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -88,40 +91,256 @@ static void layout_of_bake_structs(void** state) {
   assert_at(fb_rig, flags, 32);
   assert_at(fb_rig, control_count, 36);
   assert_at(fb_rig, controls, 40);
-  assert_at(fb_rig, vertex_count, 48);
-  assert_at(fb_rig, polygon_count, 52);
-  assert_at(fb_rig, rest_positions, 56);
-  assert_at(fb_rig, polygon_sizes, 64);
-  assert_at(fb_rig, polygon_corners, 72);
-  assert_at(fb_rig, clip_count, 80);
-  assert_at(fb_rig, clips, 88);
-  assert_at(fb_rig, user, 96);
-  assert_at(fb_rig, evaluate, 104);
-  assert_at(fb_rig, destroy, 112);
-  assert_at(fb_rig, uv_count, 120);
-  assert_at(fb_rig, uvs, 128);
-  assert_at(fb_rig, uv_corners, 136);
+  assert_at(fb_rig, control_stride, 48);
+  assert_at(fb_rig, clip_stride, 52);
+  assert_at(fb_rig, vertex_count, 56);
+  assert_at(fb_rig, polygon_count, 60);
+  assert_at(fb_rig, rest_positions, 64);
+  assert_at(fb_rig, polygon_sizes, 72);
+  assert_at(fb_rig, polygon_corners, 80);
+  assert_at(fb_rig, clip_count, 88);
+  assert_at(fb_rig, clips, 96);
+  assert_at(fb_rig, user, 104);
+  assert_at(fb_rig, evaluate, 112);
+  assert_at(fb_rig, destroy, 120);
+  assert_at(fb_rig, uv_count, 128);
+  assert_at(fb_rig, uvs, 136);
+  assert_at(fb_rig, uv_corners, 144);
+}
 
-  assert_int_equal(sizeof(fb_source), 16);
-  assert_int_equal(sizeof(fb_sample_desc), 72);
+static void layout_of_sources(void** state) {
+  (void)state;
+  assert_int_equal(sizeof(fb_callbacks), 24);
+  assert_at(fb_callbacks, user, 0);
+  assert_at(fb_callbacks, progress, 8);
+  assert_at(fb_callbacks, note, 16);
+
+  assert_int_equal(sizeof(fb_source_desc), 48);
+  assert_at(fb_source_desc, struct_size, 0);
+  assert_at(fb_source_desc, path_count, 4);
+  assert_at(fb_source_desc, paths, 8);
+  assert_at(fb_source_desc, rig, 16);
+  assert_at(fb_source_desc, callbacks, 24);
+
+  assert_int_equal(sizeof(fb_source_info), 104);
+  assert_at(fb_source_info, struct_size, 0);
+  assert_at(fb_source_info, flags, 4);
+  assert_at(fb_source_info, name, 8);
+  assert_at(fb_source_info, units, 16);
+  assert_at(fb_source_info, up_axis, 24);
+  assert_at(fb_source_info, diagonal, 32);
+  assert_at(fb_source_info, control_count, 40);
+  assert_at(fb_source_info, clip_count, 44);
+  assert_at(fb_source_info, vertex_count, 48);
+  assert_at(fb_source_info, polygon_count, 52);
+  assert_at(fb_source_info, polygon_corner_count, 56);
+  assert_at(fb_source_info, uv_count, 60);
+  assert_at(fb_source_info, rest_positions, 64);
+  assert_at(fb_source_info, polygon_sizes, 72);
+  assert_at(fb_source_info, polygon_corners, 80);
+  assert_at(fb_source_info, uvs, 88);
+  assert_at(fb_source_info, uv_corners, 96);
+
+  assert_int_equal(sizeof(fb_clip), 48);
+  assert_at(fb_clip, struct_size, 0);
+  assert_at(fb_clip, kind, 4);
+  assert_at(fb_clip, split, 8);
+  assert_at(fb_clip, readable, 12);
+  assert_at(fb_clip, name, 16);
+  assert_at(fb_clip, fps, 24);
+  assert_at(fb_clip, frames, 32);
+  assert_at(fb_clip, controls, 40);
+}
+
+static void layout_of_requests(void** state) {
+  (void)state;
+  assert_int_equal(sizeof(fb_sample_desc), 104);
+  assert_at(fb_sample_desc, struct_size, 0);
+  assert_at(fb_sample_desc, threads, 4);
   assert_at(fb_sample_desc, source, 8);
-  assert_at(fb_sample_desc, directory, 24);
-  assert_at(fb_sample_desc, poses, 32);
-  assert_at(fb_sample_desc, seed, 40);
-  assert_at(fb_sample_desc, mix, 48);
-  assert_at(fb_sample_desc, progress, 56);
-  assert_at(fb_sample_desc, progress_user, 64);
+  assert_at(fb_sample_desc, directory, 16);
+  assert_at(fb_sample_desc, poses, 24);
+  assert_at(fb_sample_desc, seed, 32);
+  assert_at(fb_sample_desc, mix, 40);
+  assert_at(fb_sample_desc, rig_budget, 48);
+  assert_at(fb_sample_desc, shots, 56);
+  assert_at(fb_sample_desc, clip_count, 60);
+  assert_at(fb_sample_desc, clips, 64);
+  assert_at(fb_sample_desc, clip_stride, 72);
+  assert_at(fb_sample_desc, callbacks, 80);
 
-  assert_int_equal(sizeof(fb_bake_desc), 80);
-  assert_at(fb_bake_desc, sources, 8);
-  assert_at(fb_bake_desc, source_count, 16);
-  assert_at(fb_bake_desc, archive, 24);
-  assert_at(fb_bake_desc, recipe, 32);
-  assert_at(fb_bake_desc, use, 40);
-  assert_at(fb_bake_desc, poses, 48);
-  assert_at(fb_bake_desc, seed, 56);
-  assert_at(fb_bake_desc, progress, 64);
-  assert_at(fb_bake_desc, progress_user, 72);
+  assert_int_equal(sizeof(fb_bake_desc), 152);
+  assert_at(fb_bake_desc, struct_size, 0);
+  assert_at(fb_bake_desc, threads, 4);
+  assert_at(fb_bake_desc, source, 8);
+  assert_at(fb_bake_desc, archive, 16);
+  assert_at(fb_bake_desc, recipe, 24);
+  assert_at(fb_bake_desc, use, 32);
+  assert_at(fb_bake_desc, epochs, 36);
+  assert_at(fb_bake_desc, poses, 40);
+  assert_at(fb_bake_desc, mix, 48);
+  assert_at(fb_bake_desc, rig_budget, 56);
+  assert_at(fb_bake_desc, seed, 64);
+  assert_at(fb_bake_desc, max_bytes, 72);
+  assert_at(fb_bake_desc, max_error, 80);
+  assert_at(fb_bake_desc, force, 88);
+  assert_at(fb_bake_desc, measure, 92);
+  assert_at(fb_bake_desc, learning_curve, 96);
+  assert_at(fb_bake_desc, licence, 104);
+  assert_at(fb_bake_desc, created, 112);
+  assert_at(fb_bake_desc, work, 120);
+  assert_at(fb_bake_desc, callbacks, 128);
+
+  assert_int_equal(sizeof(fb_compare_desc), 104);
+  assert_at(fb_compare_desc, struct_size, 0);
+  assert_at(fb_compare_desc, threads, 4);
+  assert_at(fb_compare_desc, source, 8);
+  assert_at(fb_compare_desc, methods, 16);
+  assert_at(fb_compare_desc, method_count, 24);
+  assert_at(fb_compare_desc, epochs, 28);
+  assert_at(fb_compare_desc, poses, 32);
+  assert_at(fb_compare_desc, mix, 40);
+  assert_at(fb_compare_desc, rig_budget, 48);
+  assert_at(fb_compare_desc, seed, 56);
+  assert_at(fb_compare_desc, learning_curve, 64);
+  assert_at(fb_compare_desc, work, 72);
+  assert_at(fb_compare_desc, callbacks, 80);
+
+  assert_int_equal(sizeof(fb_eval_desc), 56);
+  assert_at(fb_eval_desc, struct_size, 0);
+  assert_at(fb_eval_desc, threads, 4);
+  assert_at(fb_eval_desc, archive, 8);
+  assert_at(fb_eval_desc, source, 16);
+  assert_at(fb_eval_desc, split, 24);
+  assert_at(fb_eval_desc, measure, 28);
+  assert_at(fb_eval_desc, callbacks, 32);
+
+  assert_int_equal(sizeof(fb_pack_desc), 96);
+  assert_at(fb_pack_desc, struct_size, 0);
+  assert_at(fb_pack_desc, force, 4);
+  assert_at(fb_pack_desc, path, 8);
+  assert_at(fb_pack_desc, bytes, 16);
+  assert_at(fb_pack_desc, byte_count, 24);
+  assert_at(fb_pack_desc, out, 32);
+  assert_at(fb_pack_desc, seed, 40);
+  assert_at(fb_pack_desc, max_bytes, 48);
+  assert_at(fb_pack_desc, max_error, 56);
+  assert_at(fb_pack_desc, licence, 64);
+  assert_at(fb_pack_desc, callbacks, 72);
+}
+
+static void layout_of_results(void** state) {
+  (void)state;
+  assert_int_equal(sizeof(fb_errors), 64);
+  assert_at(fb_errors, frames, 0);
+  assert_at(fb_errors, mse, 8);
+  assert_at(fb_errors, rms, 16);
+  assert_at(fb_errors, mean, 24);
+  assert_at(fb_errors, p99, 32);
+  assert_at(fb_errors, max, 40);
+  assert_at(fb_errors, mfm, 48);
+  assert_at(fb_errors, worst_frame, 56);
+
+  assert_int_equal(sizeof(fb_method), 272);
+  assert_at(fb_method, struct_size, 0);
+  assert_at(fb_method, use, 4);
+  assert_at(fb_method, name, 8);
+  assert_at(fb_method, archive, 16);
+  assert_at(fb_method, archive_bytes, 24);
+  assert_at(fb_method, poses, 32);
+  assert_at(fb_method, parameters, 40);
+  assert_at(fb_method, coefficients, 48);
+  assert_at(fb_method, rig_calls, 56);
+  assert_at(fb_method, train_seconds, 64);
+  assert_at(fb_method, unseen, 72);
+  assert_at(fb_method, dependency, 136);
+  assert_at(fb_method, quantisation, 200);
+  assert_at(fb_method, clip_count, 264);
+
+  assert_int_equal(sizeof(fb_clip_errors), 88);
+  assert_at(fb_clip_errors, struct_size, 0);
+  assert_at(fb_clip_errors, kind, 4);
+  assert_at(fb_clip_errors, split, 8);
+  assert_at(fb_clip_errors, name, 16);
+  assert_at(fb_clip_errors, errors, 24);
+
+  assert_int_equal(sizeof(fb_failure), 24);
+  assert_at(fb_failure, struct_size, 0);
+  assert_at(fb_failure, use, 4);
+  assert_at(fb_failure, name, 8);
+  assert_at(fb_failure, reason, 16);
+
+  assert_int_equal(sizeof(fb_sample_result), 32);
+  assert_at(fb_sample_result, struct_size, 0);
+  assert_at(fb_sample_result, poses, 8);
+  assert_at(fb_sample_result, evaluated, 16);
+  assert_at(fb_sample_result, rig_calls, 24);
+
+  assert_int_equal(sizeof(fb_verify_result), 32);
+  assert_at(fb_verify_result, struct_size, 0);
+  assert_at(fb_verify_result, bytes, 8);
+  assert_at(fb_verify_result, poses, 16);
+  assert_at(fb_verify_result, vertices, 24);
+
+  assert_int_equal(sizeof(fb_pack_result), 112);
+  assert_at(fb_pack_result, struct_size, 0);
+  assert_at(fb_pack_result, met, 4);
+  assert_at(fb_pack_result, archive, 8);
+  assert_at(fb_pack_result, archive_bytes, 16);
+  assert_at(fb_pack_result, bytes_before, 24);
+  assert_at(fb_pack_result, format_before, 32);
+  assert_at(fb_pack_result, format, 36);
+  assert_at(fb_pack_result, step_factor, 40);
+  assert_at(fb_pack_result, moved, 48);
+}
+
+static void layout_of_archives(void** state) {
+  (void)state;
+  assert_int_equal(sizeof(fb_archive_info), 120);
+  assert_at(fb_archive_info, struct_size, 0);
+  assert_at(fb_archive_info, format_version, 4);
+  assert_at(fb_archive_info, bytes, 8);
+  assert_at(fb_archive_info, byte_count, 16);
+  assert_at(fb_archive_info, name, 24);
+  assert_at(fb_archive_info, recipe, 32);
+  assert_at(fb_archive_info, licence, 40);
+  assert_at(fb_archive_info, certificate, 48);
+  assert_at(fb_archive_info, provenance, 56);
+  assert_at(fb_archive_info, section_count, 64);
+  assert_at(fb_archive_info, note_count, 68);
+  assert_at(fb_archive_info, proof_poses, 72);
+  assert_at(fb_archive_info, proof_vertices, 76);
+  assert_at(fb_archive_info, vertex_count, 80);
+  assert_at(fb_archive_info, control_count, 84);
+  assert_at(fb_archive_info, feature_count, 88);
+  assert_at(fb_archive_info, direct_count, 92);
+  assert_at(fb_archive_info, region_count, 96);
+  assert_at(fb_archive_info, coefficient_count, 100);
+  assert_at(fb_archive_info, parameter_count, 104);
+  assert_at(fb_archive_info, value_count, 112);
+
+  assert_int_equal(sizeof(fb_section), 32);
+  assert_at(fb_section, struct_size, 0);
+  assert_at(fb_section, name, 8);
+  assert_at(fb_section, stored_bytes, 16);
+  assert_at(fb_section, unpacked_bytes, 24);
+
+  assert_int_equal(sizeof(fb_region), 40);
+  assert_at(fb_region, struct_size, 0);
+  assert_at(fb_region, layer_count, 4);
+  assert_at(fb_region, name, 8);
+  assert_at(fb_region, inputs, 16);
+  assert_at(fb_region, input_count, 24);
+  assert_at(fb_region, gate_count, 28);
+  assert_at(fb_region, gate_inputs, 32);
+
+  assert_int_equal(sizeof(fb_layer), 24);
+  assert_at(fb_layer, struct_size, 0);
+  assert_at(fb_layer, inputs, 4);
+  assert_at(fb_layer, outputs, 8);
+  assert_at(fb_layer, activation, 12);
+  assert_at(fb_layer, skip, 16);
+  assert_at(fb_layer, bits, 20);
 }
 
 static void init_functions_set_sizes_and_defaults(void** state) {
@@ -197,7 +416,11 @@ static void version_as_string_and_number_agree(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(layout_of_runtime_structs),
-      cmocka_unit_test(layout_of_bake_structs),
+      cmocka_unit_test(layout_of_rigs),
+      cmocka_unit_test(layout_of_sources),
+      cmocka_unit_test(layout_of_requests),
+      cmocka_unit_test(layout_of_results),
+      cmocka_unit_test(layout_of_archives),
       cmocka_unit_test(init_functions_set_sizes_and_defaults),
       cmocka_unit_test(structs_of_other_headers_are_filled_to_their_size),
       cmocka_unit_test(statuses_have_names),

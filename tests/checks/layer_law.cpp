@@ -23,7 +23,8 @@ std::string layer_of(const std::string& path) {
   }
   if (begins(path, "core/bake/measure/")) return "bake/measure";
   if (begins(path, "capi/include/")) return "public headers";
-  if (begins(path, "capi/")) return stem.find("bake") != std::string::npos ? "authoring C ABI" : "C ABI";
+  if (begins(path, "capi/bake/")) return "authoring C ABI";
+  if (begins(path, "capi/")) return "C ABI";
   const std::size_t begin = begins(path, "core/") ? 5 : 0, end = path.find('/', begin);
   return end == std::string::npos ? "" : path.substr(begin, end - begin);
 }

@@ -1,4 +1,4 @@
-// A rig that lies: whatever a plugin can put into the structs of facebaker_bake.h without breaking the promise that
+// A rig that lies: whatever a plugin can put into the structs of facebaker_rig.h without breaking the promise that
 // pointers point to what the counts say.
 #include <cstring>
 #include <list>
@@ -67,6 +67,8 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   fb_rig rig{};
   const std::uint8_t oddities = in.number<std::uint8_t>();
   rig.struct_size = oddities & 1 ? in.number<std::uint32_t>() : sizeof rig;
+  rig.control_stride = sizeof(fb_rig_control);
+  rig.clip_stride = sizeof(fb_rig_clip);
   rig.abi = oddities & 2 ? in.number<std::uint32_t>() : FB_RIG_ABI;
   rig.flags = in.number<std::uint8_t>();
   rig.name = lie.text(in);
@@ -77,7 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   for (std::uint32_t c = in.below(5); c > 0; --c) {
     const char *name = lie.text(in), *group = lie.text(in);
     const float low = in.number<float>(), high = in.number<float>(), rest = in.number<float>();
-    lie.controls.push_back({name, group, low, high, rest});
+    lie.controls.push_back({name, group, low, high, rest, 0});
   }
   for (std::uint32_t v = 3 * in.below(6); v > 0; --v) lie.rest.push_back(in.number<float>());
   lie.moved = lie.rest;

@@ -1,7 +1,7 @@
 // A rig plugin opened the way a host does it, for tests.
 #pragma once
 
-#include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 
 #include <string>
 #include <vector>

@@ -1,144 +1,575 @@
-/* FaceBaker authoring: describe a rig, sample it, bake it. C99; link libfacebaker_bake (which holds the runtime too).
+/** @file
+ * FaceBaker authoring: open rigs and recordings, sample them, bake faces, measure and pack them. C99; link
+ * libfacebaker_bake, which holds the runtime too. The command line tool does everything through this header.
  *
- * A rig is anything that can say which controls it has, what its rest mesh is, and where the vertices go for a pose:
- * a plugin (librig_NAME.so exporting fb_rig_open) or an fb_rig filled by the host itself.
- * Statuses and fb_last_error are those of facebaker.h.
+ * Shape of use:
+ *
+ *     fb_source_open -> fb_bake(desc, &report) -> fb_report_json(report) -> fb_report_free, fb_source_close
+ *     fb_archive_open -> fb_eval, fb_verify, fb_inspect -> fb_archive_close
+ *
+ * Statuses, fb_last_error, struct_size and the growth of structs are as facebaker.h describes them. Every description
+ * (`fb_..._desc`) is filled with defaults by its `_init`, and so is every struct that a function fills (`_init` sets
+ * its struct_size). Flags are uint32_t, 0 or 1. Strings are UTF-8 and zero-terminated.
+ *
+ * Threads: objects (fb_source, fb_archive, fb_report) may be read from any number of threads at once unless a function
+ * says otherwise. Calls that evaluate a source (fb_source_read, fb_source_evaluate, fb_sample, fb_bake, fb_compare,
+ * fb_eval) run on one source one at a time, unless its info has FB_RIG_THREAD_SAFE. A call never depends in its results
+ * on the number of threads.
+ *
+ * Stability: declarations marked "Unstable" may still change in a minor version before 1.0; all others only grow.
  */
 #ifndef FACEBAKER_FACEBAKER_BAKE_H
 #define FACEBAKER_FACEBAKER_BAKE_H
 
 #include <facebaker/facebaker.h>
+#include <facebaker/facebaker_rig.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* ---- A rig ------------------------------------------------------------------------------------------------------- */
+/* ---- Progress, notes, cancelling --------------------------------------------------------------------------------- */
 
-#define FB_RIG_ABI 1 /* changes only when an older plugin could not be used any more */
+/** How a call that takes long reports to its host. Either function may be null. They are called from the calling thread
+ * or from one that the call started, never two at once; they must not throw and must not call the same source. */
+typedef struct fb_callbacks {
+  void* user; /**< passed to both */
+  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0. Return non-zero to
+   * stop: the call ends with FB_ERROR_INTERRUPTED at the next point where nothing is lost, and the same call goes on
+   * from there where a work folder or dataset keeps what is done. */
+  int32_t (*progress)(void* user, const char* stage, uint64_t done, uint64_t total);
+  /** A sentence that is no error: a clip left out, a value clamped, what analysis found. Valid during the call. */
+  void (*note)(void* user, const char* sentence);
+} fb_callbacks;
 
-typedef struct fb_rig_control {
-  const char* name;  /* UTF-8, unique, not empty */
-  const char* group; /* the region it belongs to ("brows", "mouth"); null or "": none. Sampling combines regions. */
-  float minimum, maximum;
-  float rest; /* value in the rest pose, within the range */
-} fb_rig_control;
+/* ---- Sources: where poses come from ------------------------------------------------------------------------------ */
 
-#define FB_CLIP_SHOT 0       /* animation: consecutive frames */
-#define FB_CLIP_EXCITATION 1 /* one control at a time */
-#define FB_CLIP_REGIONAL 2   /* combinations of regional expressions */
-#define FB_CLIP_CALISTHENICS 3
-#define FB_CLIP_DENSE 4 /* many controls of many regions at once */
+/** An opened rig or recording. Immutable but for what its rig keeps. */
+typedef struct fb_source fb_source;
 
-#define FB_SPLIT_TRAIN 0
-#define FB_SPLIT_VALIDATION 1
-#define FB_SPLIT_TEST 2 /* never used for training or for any choice */
+typedef struct fb_source_desc {
+  uint32_t struct_size;
+  uint32_t path_count;      /**< of paths; 0 with a rig */
+  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, or "sample" for the
+                               built-in face; several are one character: same controls, same rest mesh */
+  const fb_rig* rig;        /**< in place of paths: a rig that the host filled. Borrowed until fb_source_close, which
+                               does not call destroy. */
+  fb_callbacks callbacks;   /**< note: what was found while opening */
+} fb_source_desc;
 
-/* Controls over time that belong to the rig: its shots. */
-typedef struct fb_rig_clip {
-  const char* name;
-  int32_t kind;  /* FB_CLIP_... */
-  int32_t split; /* FB_SPLIT_... */
-  double fps;    /* frames a second, > 0 */
-  uint32_t frames;
-  uint32_t reserved;
-  const float* controls; /* frames x control_count */
-} fb_rig_clip;
+FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
+static inline void fb_source_desc_init(fb_source_desc* to) {
+  fb_source_desc_fill(to, (uint32_t)sizeof *to);
+}
 
-#define FB_RIG_THREAD_SAFE 1u /* evaluate may be called from several threads at once */
+/** Opens a source and checks everything it declares; a rig's rest pose is evaluated once. *source is owned by the
+ * caller. Fails with NOT_FOUND, IO, BAD_DATA, NOT_FINITE, RIG or UNSUPPORTED and a message that names the file, field,
+ * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. */
+FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
+/** Null is allowed. No call may be using the source. */
+FB_API void fb_source_close(fb_source* source);
 
-/* All pointers are owned by the rig and stay valid and unchanged until destroy. */
-typedef struct fb_rig {
-  uint32_t struct_size; /* sizeof(fb_rig) as the plugin was compiled */
-  uint32_t abi;         /* FB_RIG_ABI */
-  const char* name;     /* of the character */
-  const char* units;    /* "cm", "m", ... */
-  const char* up_axis;  /* "y" or "z" */
-  uint32_t flags;       /* FB_RIG_... */
+#define FB_SOURCE_LIVE 2u /**< new poses can be evaluated; without it the source is a recording */
+
+/** What a source is. Strings and arrays are the source's and live as long as it does. */
+typedef struct fb_source_info {
+  uint32_t struct_size;
+  uint32_t flags;      /**< FB_SOURCE_LIVE, FB_RIG_THREAD_SAFE */
+  const char* name;    /**< of the character */
+  const char* units;   /**< of positions */
+  const char* up_axis; /**< "y" or "z" */
+  double diagonal;     /**< of the rest mesh's bounding box, in units: what every reported error is divided by */
   uint32_t control_count;
-  const fb_rig_control* controls;
+  uint32_t clip_count;
   uint32_t vertex_count;
   uint32_t polygon_count;
-  const float* rest_positions;     /* 3 x vertex_count, what evaluate gives with all controls at rest */
-  const uint32_t* polygon_sizes;   /* corners of each polygon, >= 3 */
-  const uint32_t* polygon_corners; /* vertex indices, polygon after polygon */
-  uint32_t clip_count;             /* may be 0 */
+  uint32_t polygon_corner_count;
+  uint32_t uv_count;               /**< 0: no texture coordinates */
+  const float* rest_positions;     /**< 3 x vertex_count, xyz interleaved */
+  const uint32_t* polygon_sizes;   /**< corners of each polygon */
+  const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
+  const float* uvs;                /**< 2 x uv_count, v growing upwards */
+  const uint32_t* uv_corners;      /**< polygon_corner_count indices of pairs; null without texture coordinates */
+} fb_source_info;
+
+FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
+static inline void fb_source_info_init(fb_source_info* to) {
+  fb_source_info_fill(to, (uint32_t)sizeof *to);
+}
+FB_API fb_status fb_source_describe(const fb_source* source, fb_source_info* info);
+
+/** Fills *control for index < control_count; see fb_control_at. Its strings are the source's. */
+FB_API fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control);
+
+/** A clip of a source. */
+typedef struct fb_clip {
+  uint32_t struct_size;
+  int32_t kind;          /**< FB_CLIP_... */
+  int32_t split;         /**< FB_SPLIT_... */
+  uint32_t readable;     /**< 0: a plan, controls without recorded positions */
+  const char* name;      /**< unique in the source */
+  double fps;            /**< frames a second */
+  uint64_t frames;       /**< at least 1 */
+  const float* controls; /**< frames x control_count */
+} fb_clip;
+
+FB_API void fb_clip_fill(fb_clip* to, uint32_t struct_size);
+static inline void fb_clip_init(fb_clip* to) {
+  fb_clip_fill(to, (uint32_t)sizeof *to);
+}
+/** Fills *clip for index < clip_count; its pointers are the source's. */
+FB_API fb_status fb_source_clip_at(const fb_source* source, uint32_t index, fb_clip* clip);
+
+/** Positions of frames [first, first + count) of a clip: count x 3 x vertex_count floats, object space, in units.
+ * Recorded frames are read, a live rig's are evaluated. `position_floats`: size of the buffer, checked. Fails by clip,
+ * frame and vertex on what is not finite. */
+FB_API fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first, uint64_t count, float* positions,
+                                uint64_t position_floats);
+
+/** Positions of new poses of a live source: controls is poses x control_count, all within their ranges, positions is
+ * poses x 3 x vertex_count floats; `position_floats`: size of that buffer, checked. On `threads` threads (at most
+ * 4,096; 0: all) if the source is thread-safe. Fails with INVALID_ARGUMENT on a recording, and by pose on what cannot
+ * be evaluated. */
+FB_API fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t poses, uint32_t threads,
+                                    float* positions, uint64_t position_floats);
+
+/** Fails with BAD_DATA, saying where they differ, unless the model has the source's controls (names, order, ranges) and
+ * number of vertices. */
+FB_API fb_status fb_source_check_model(const fb_source* source, const fb_model* model);
+
+/** Frames of an animation in a NumPy file (.npy, version 1 or 2, little-endian, C order) of shape frames x
+ * control_count. Reads the header only. Fails with NOT_FOUND, IO or BAD_DATA, naming the file. */
+FB_API fb_status fb_clip_file_frames(const char* path, uint32_t control_count, uint64_t* frames);
+/** Reads frames [first, first + count) of such a file into count x control_count floats. Values are as the file has
+ * them: neither clamped nor checked. */
+FB_API fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t first, uint64_t count,
+                                   float* controls);
+
+/* ---- Reports: what a call found out ------------------------------------------------------------------------------ */
+
+/** The result of a call, as a JSON document and as structs. Immutable but for fb_report_details. All that its functions
+ * give out is the report's and lives as long as it does. */
+typedef struct fb_report fb_report;
+
+/** Null is allowed. */
+FB_API void fb_report_free(fb_report* report);
+
+/** The call's document: indented JSON that ends in a newline. Keys are only ever added. Null of null. */
+FB_API const char* fb_report_json(const fb_report* report);
+
+/** Unstable. All that a page about faces shows, as JSON, of fb_bake, fb_compare and fb_eval; docs/measuring.md explains
+ * the figures. {"name", "units", "diagonal", "rig_calls", "measured_split", "methods", "failed"}; each method has what
+ * compare's document has, and besides
+ *   "clips"[]: "frame_mse", "frame_max" (a number a frame),
+ *   "kinds"[]: the figures of all clips of a kind,
+ *   "quality": "vertex_rms" (a number a vertex), "vertex_region" (an index into "region_names", or their count),
+ *   "worst_frames"[]: {"clip" (index), "frame", "mse", "max"}, the worst first, at least 12 frames apart,
+ *   "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage", "stages"[]}.
+ * Figures that were not measured are null. The text is made by the first call; not thread-safe for one report. */
+FB_API fb_status fb_report_details(fb_report* report, const char** json);
+
+/** Distances of vertices from the true rig, over the diagonal D of the rest mesh. This struct is part of others and
+ * never changes. */
+typedef struct fb_errors {
+  uint64_t frames;      /**< measured; 0: nothing was, and the rest is 0 */
+  double mse;           /**< mean of the squared distance over D^2, of all vertices and frames */
+  double rms;           /**< its square root */
+  double mean;          /**< mean distance */
+  double p99;           /**< 99 % of all vertices are nearer */
+  double max;           /**< worst vertex of all frames */
+  double mfm;           /**< mean over frames of the frame's worst vertex */
+  uint64_t worst_frame; /**< the frame of max, counted over what was measured */
+} fb_errors;
+
+/* What a face is for. */
+#define FB_USE_VARIANT 0 /**< makes shots: none is trained on */
+#define FB_USE_BACKLOT 1 /**< preserves a character whose shots exist: they are trained on */
+
+/** A face that was baked or measured. */
+typedef struct fb_method {
+  uint32_t struct_size;
+  int32_t use;            /**< FB_USE_... */
+  const char* name;       /**< the recipe; of fb_eval the archive's */
+  const void* archive;    /**< bytes of the .fbk; for fb_load_memory or fb_archive_open_memory */
+  uint64_t archive_bytes; /**< of them */
+  uint64_t poses;         /**< trained on; 0: not known */
+  uint64_t parameters;    /**< trained numbers */
+  uint64_t coefficients;  /**< columns of the basis */
+  uint64_t rig_calls;     /**< poses evaluated besides the recorded ones */
+  double train_seconds;   /**< basis and networks, without sampling */
+  fb_errors unseen;       /**< on clips that were not trained on (fb_eval: on the clips asked for) */
+  fb_errors dependency;   /**< on poses trained on */
+  fb_errors quantisation; /**< fb_bake: of the packed face against that of floats */
+  uint32_t clip_count;    /**< of fb_report_clip_at */
   uint32_t reserved;
-  const fb_rig_clip* clips;
-  void* user;
-  /* Evaluates a block of poses: controls is poses x control_count, positions receives poses x 3 x vertex_count.
-   * Returns FB_OK, or an error after writing a sentence into message (message_size bytes, zero-terminated). Values
-   * are always within their ranges. */
-  fb_status (*evaluate)(void* user, uint64_t poses, const float* controls, float* positions, char* message,
-                        uint32_t message_size);
-  /* Frees everything the rig owns; may be null. */
-  void (*destroy)(void* user);
-  /* Texture coordinates, kept for who poses the face: 2 x uv_count floats, u and v, v growing upwards; and for each of
-   * polygon_corners which of them it has, below uv_count. 0, or a struct_size that ends before them: none. */
-  uint32_t uv_count;
-  uint32_t reserved_uv;
-  const float* uvs;
-  const uint32_t* uv_corners;
-} fb_rig;
+} fb_method;
 
-/* Fills *rig. The one symbol a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so that
- * data beside it can be found. *rig comes zeroed, with room for a struct up to four times as long. On failure writes a
- * sentence into message and leaves nothing to destroy. */
-typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* message, uint32_t message_size);
-#define FB_RIG_OPEN_SYMBOL "fb_rig_open"
+FB_API void fb_method_fill(fb_method* to, uint32_t struct_size);
+static inline void fb_method_init(fb_method* to) {
+  fb_method_fill(to, (uint32_t)sizeof *to);
+}
+/** Faces of the report: 1 of fb_bake and fb_eval, one for every method and use of fb_compare, else 0. */
+FB_API uint32_t fb_report_method_count(const fb_report* report);
+FB_API fb_status fb_report_method_at(const fb_report* report, uint32_t index, fb_method* method);
 
-/* ---- Sampling and baking ----------------------------------------------------------------------------------------- */
+/** Errors on one clip. */
+typedef struct fb_clip_errors {
+  uint32_t struct_size;
+  int32_t kind;  /**< FB_CLIP_... */
+  int32_t split; /**< FB_SPLIT_... */
+  uint32_t reserved;
+  const char* name;
+  fb_errors errors;
+} fb_clip_errors;
 
-/* Called now and then from the calling thread with the stage ("training") and its progress; return non-zero to stop
- * with FB_ERROR_INTERRUPTED, keeping what is done. */
-typedef int32_t (*fb_progress)(void* user, const char* stage, uint64_t done, uint64_t total);
+FB_API void fb_clip_errors_fill(fb_clip_errors* to, uint32_t struct_size);
+static inline void fb_clip_errors_init(fb_clip_errors* to) {
+  fb_clip_errors_fill(to, (uint32_t)sizeof *to);
+}
+/** Errors of a method on its clip at index < clip_count, in the order of the source's clips. */
+FB_API fb_status fb_report_clip_at(const fb_report* report, uint32_t method, uint32_t index, fb_clip_errors* clip);
 
-/* Where poses come from: a path (dataset folder, rig plugin, .glb, .gltf or "sample") or a rig the host filled. */
-typedef struct fb_source {
-  const char* path;  /* null if rig is given */
-  const fb_rig* rig; /* borrowed for the call; destroy is not called */
-} fb_source;
+/** A method of fb_compare that could not be baked or measured. */
+typedef struct fb_failure {
+  uint32_t struct_size;
+  int32_t use; /**< FB_USE_... */
+  const char* name;
+  const char* reason;
+} fb_failure;
+
+FB_API void fb_failure_fill(fb_failure* to, uint32_t struct_size);
+static inline void fb_failure_init(fb_failure* to) {
+  fb_failure_fill(to, (uint32_t)sizeof *to);
+}
+FB_API uint32_t fb_report_failure_count(const fb_report* report);
+FB_API fb_status fb_report_failure_at(const fb_report* report, uint32_t index, fb_failure* failure);
+
+/** The recording that fb_compare made of a live rig, which has the clips that were measured on; null where those are
+ * the source's own. Do not close it. Its frames are read from the work folder. */
+FB_API fb_source* fb_report_source(const fb_report* report);
+
+/* ---- Sampling ---------------------------------------------------------------------------------------------------- */
 
 typedef struct fb_sample_desc {
   uint32_t struct_size;
-  uint32_t threads; /* at most 4,096; 0: all */
-  fb_source source;
-  const char* directory; /* the dataset folder to write; what is already sampled there is kept and continued */
-  uint64_t poses;        /* default 20,000 */
-  uint64_t seed;         /* default 1 */
-  const char* mix;       /* "paper" or "dense" (default): how poses are spread over the kinds */
-  fb_progress progress;  /* may be null */
-  void* progress_user;
+  uint32_t threads;         /**< at most 4,096; 0 (default): all */
+  fb_source* source;        /**< a live one */
+  const char* directory;    /**< the dataset folder to write; one begun with the same options is continued */
+  uint64_t poses;           /**< new training poses; default 20,000 */
+  uint64_t seed;            /**< default 1 */
+  const char* mix;          /**< how poses are spread over the kinds: "dense" (default) or "paper" */
+  uint64_t rig_budget;      /**< poses evaluated at most, for whatever reason; `poses` is cut to what it leaves. 0
+                               (default): no limit */
+  uint32_t shots;           /**< 1 (default): also the rig's own clips */
+  uint32_t clip_count;      /**< of clips */
+  const fb_rig_clip* clips; /**< more clips to evaluate; values beyond their range are clamped */
+  uint32_t clip_stride;     /**< bytes from a clip to the next; default sizeof(fb_rig_clip) */
+  uint32_t reserved;
+  fb_callbacks callbacks;
 } fb_sample_desc;
 
 FB_API void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size);
 static inline void fb_sample_desc_init(fb_sample_desc* to) {
   fb_sample_desc_fill(to, (uint32_t)sizeof *to);
 }
-/* Plans and evaluates training poses and writes them as a dataset folder. */
-FB_API fb_status fb_sample(const fb_sample_desc* desc);
+/** Plans and evaluates training poses and writes them as a dataset folder, shard by shard. `report` may be null. Fails
+ * with INVALID_ARGUMENT on a recording, BAD_DATA on a folder that holds something else, RIG, NOT_FINITE, IO. */
+FB_API fb_status fb_sample(const fb_sample_desc* desc, fb_report** report);
+
+typedef struct fb_sample_result {
+  uint32_t struct_size;
+  uint32_t reserved;
+  uint64_t poses;     /**< in the dataset */
+  uint64_t evaluated; /**< of those, in this call */
+  uint64_t rig_calls; /**< poses evaluated in this call, for whatever reason */
+} fb_sample_result;
+
+FB_API void fb_sample_result_fill(fb_sample_result* to, uint32_t struct_size);
+static inline void fb_sample_result_init(fb_sample_result* to) {
+  fb_sample_result_fill(to, (uint32_t)sizeof *to);
+}
+/** Refused with INVALID_ARGUMENT for the report of another call. */
+FB_API fb_status fb_report_sample(const fb_report* report, fb_sample_result* result);
+
+/* ---- Baking ------------------------------------------------------------------------------------------------------ */
+
+/** Recipes that fb_bake and fb_compare know: "hero" and "compact", and those they are compared with ("paper", "linear",
+ * ...). Static storage; null for index >= fb_recipe_count. */
+FB_API uint32_t fb_recipe_count(void);
+FB_API const char* fb_recipe_name(uint32_t index);
+
+/* What to measure; or-ed. */
+#define FB_MEASURE_QUALITY 1u /**< normals, jitter, jumps at borders, errors by region, control, vertex and frame */
+#define FB_MEASURE_LOCALITY                                                                 \
+  2u /**< whether controls move vertices that they do not move in the rig; of a live source \
+        only, else left out */
 
 typedef struct fb_bake_desc {
   uint32_t struct_size;
-  uint32_t threads;         /* at most 4,096; 0: all */
-  const fb_source* sources; /* datasets of one character together, or one rig */
-  uint32_t source_count;
+  uint32_t threads;    /**< at most 4,096; 0 (default): all */
+  fb_source* source;   /**< a live one is sampled first */
+  const char* archive; /**< the .fbk to write: complete or not at all */
+  const char* recipe;  /**< default "hero" */
+  int32_t use;         /**< FB_USE_...; default FB_USE_BACKLOT */
+  uint32_t epochs;     /**< passes over the training poses; 0 (default): the recipe's own */
+  uint64_t poses;      /**< sampled from a live source; default 20,000 */
+  const char* mix;     /**< of those: "dense" (default) or "paper" */
+  uint64_t rig_budget; /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
+  uint64_t seed;       /**< of everything random; default 1 */
+  uint64_t max_bytes;  /**< of the archive: as precise as they allow; 0 (default): the recipe's precision */
+  double max_error;    /**< largest distance of a vertex on validation poses, over the diagonal: in as few bytes as it
+                          allows; 0 (default): none; max_bytes comes first */
+  uint32_t force;      /**< 1: write a face that meets neither max_bytes nor max_error; 0 (default): fail with LIMIT */
+  uint32_t measure;    /**< FB_MEASURE_..., for the report: on clips of the split test, or of validation where there is
+                          none; locality within what rig_budget leaves. Default 0 */
+  uint32_t learning_curve; /**< 1: bake on parts of the poses too, for the report; takes about as long again */
   uint32_t reserved;
-  const char* archive;  /* the .fbk to write; "<archive>.work" beside it keeps what is done until it is whole */
-  const char* recipe;   /* "hero" (default), "compact", or one of those to compare with: "paper", "linear", ... */
-  const char* use;      /* "variant" (no shots in training) or "backlot" (default) */
-  uint64_t poses;       /* sampled when the source is a rig; default 20,000 */
-  uint64_t seed;        /* default 1 */
-  fb_progress progress; /* may be null */
-  void* progress_user;
+  const char* licence; /**< text that goes into the archive; null (default): none */
+  const char*
+      created;      /**< a date for the provenance; null (default): none, so that the same seed gives the same bytes */
+  const char* work; /**< folder that keeps what makes resuming possible; null (default): "<archive>.work", removed
+                       once the archive is whole */
+  fb_callbacks callbacks;
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);
 static inline void fb_bake_desc_init(fb_bake_desc* to) {
   fb_bake_desc_fill(to, (uint32_t)sizeof *to);
 }
-/* Trains, packs and verifies; the archive appears complete or not at all. */
-FB_API fb_status fb_bake(const fb_bake_desc* desc);
+/** Samples a live source, trains, packs, measures and verifies a face and writes its archive. Interrupted, the same
+ * call goes on from the work folder. `report` may be null. Fails with NOT_FOUND on a recipe there is not, LIMIT on a
+ * size or error that cannot be met, BAD_DATA, RIG, NOT_FINITE, IO, INTERRUPTED; the archive is then as it was before.
+ */
+FB_API fb_status fb_bake(const fb_bake_desc* desc, fb_report** report);
+
+/* ---- Comparing --------------------------------------------------------------------------------------------------- */
+
+typedef struct fb_compare_desc {
+  uint32_t struct_size;
+  uint32_t threads;           /**< at most 4,096; 0 (default): all */
+  fb_source* source;          /**< a live one, or a recording with clips of the split test */
+  const char* const* methods; /**< recipes; null (default): "linear", "paper-tuned", "hero" */
+  uint32_t method_count;
+  uint32_t epochs;         /**< passes over the training poses; 0 (default): each recipe's own */
+  uint64_t poses;          /**< sampled from a live source; default 20,000 */
+  const char* mix;         /**< of those: "dense" (default) or "paper" */
+  uint64_t rig_budget;     /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
+  uint64_t seed;           /**< default 1 */
+  uint32_t learning_curve; /**< 1: bake on parts of the poses too */
+  uint32_t reserved;
+  const char* work; /**< folder for intermediate files, kept so that the same call goes on; null (default): a temporary
+                       one, removed by fb_report_free */
+  fb_callbacks callbacks;
+} fb_compare_desc;
+
+FB_API void fb_compare_desc_fill(fb_compare_desc* to, uint32_t struct_size);
+static inline void fb_compare_desc_init(fb_compare_desc* to) {
+  fb_compare_desc_fill(to, (uint32_t)sizeof *to);
+}
+/** Bakes several methods on the same poses and measures them, with quality and, of a live source, locality, on the same
+ * clips. A method that fails is among the report's failures; if all fail, the first error is the call's. */
+FB_API fb_status fb_compare(const fb_compare_desc* desc, fb_report** report);
+
+/* ---- Archives ---------------------------------------------------------------------------------------------------- */
+
+/** An archive read with everything in it, for measuring and inspecting; for posing load it with fb_load. Immutable. */
+typedef struct fb_archive fb_archive;
+
+/** Reads the archive at `path`. Files may come from anyone: every size is checked before it is believed. *archive is
+ * owned by the caller. Fails as fb_load does. */
+FB_API fb_status fb_archive_open(const char* path, fb_archive** archive);
+/** The same from memory, which is copied. `name` (null: "memory") stands for the path in reports. */
+FB_API fb_status fb_archive_open_memory(const void* bytes, uint64_t size, const char* name, fb_archive** archive);
+/** Null is allowed. */
+FB_API void fb_archive_close(fb_archive* archive);
+
+/** What an archive holds. Strings and arrays are the archive's; texts it has not are "". */
+typedef struct fb_archive_info {
+  uint32_t struct_size;
+  uint32_t format_version; /**< major * 1,000 + minor */
+  const void* bytes;       /**< of the file; for fb_load_memory */
+  uint64_t byte_count;
+  const char* name;        /**< of the character */
+  const char* recipe;      /**< from the provenance */
+  const char* licence;     /**< text */
+  const char* certificate; /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
+  const char* provenance;  /**< a JSON object: how the face was made */
+  uint32_t section_count;  /**< of fb_archive_section_at */
+  uint32_t note_count;     /**< of fb_archive_note_at */
+  uint32_t proof_poses;    /**< that fb_verify evaluates again */
+  uint32_t proof_vertices; /**< whose positions are kept beside the hashes of all */
+  uint32_t vertex_count;
+  uint32_t control_count;
+  uint32_t feature_count;
+  uint32_t direct_count;      /**< features that are coefficients themselves */
+  uint32_t region_count;      /**< of fb_archive_region_at */
+  uint32_t coefficient_count; /**< columns of the basis */
+  uint64_t parameter_count;   /**< weights and biases of the networks */
+  uint64_t value_count;       /**< numbers of the basis */
+} fb_archive_info;
+
+FB_API void fb_archive_info_fill(fb_archive_info* to, uint32_t struct_size);
+static inline void fb_archive_info_init(fb_archive_info* to) {
+  fb_archive_info_fill(to, (uint32_t)sizeof *to);
+}
+FB_API fb_status fb_archive_describe(const fb_archive* archive, fb_archive_info* info);
+
+typedef struct fb_section {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;
+  uint64_t stored_bytes;   /**< in the file */
+  uint64_t unpacked_bytes; /**< in memory, before the model is made of it */
+} fb_section;
+
+FB_API void fb_section_fill(fb_section* to, uint32_t struct_size);
+static inline void fb_section_init(fb_section* to) {
+  fb_section_fill(to, (uint32_t)sizeof *to);
+}
+FB_API fb_status fb_archive_section_at(const fb_archive* archive, uint32_t index, fb_section* section);
+/** What was odd but harmless, such as an optional section that was skipped; null for index >= note_count. */
+FB_API const char* fb_archive_note_at(const fb_archive* archive, uint32_t index);
+
+/** Bytes of the model that each of these poses reads, which is what its speed comes from; controls: poses x
+ * control_count, bytes: a number a pose. docs/measuring.md has the rule, which does not depend on the processor. */
+FB_API fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls, uint64_t poses,
+                                       uint64_t* bytes);
+
+/* The networks in floats, for those who evaluate a face by other means. Unstable. */
+
+/** Unstable. The value of every feature in a pose (control_count values, within their ranges): feature_count floats. */
+FB_API fb_status fb_archive_features(const fb_archive* archive, const float* controls, float* features);
+/** Unstable. Indices of the features that are coefficients, the first direct_count ones. */
+FB_API const uint32_t* fb_archive_direct(const fb_archive* archive);
+
+/** Unstable. A region: a network that gives the next layer[last].outputs coefficients, after the direct ones and those
+ * of the regions before it, less what it gives at rest. */
+typedef struct fb_region {
+  uint32_t struct_size;
+  uint32_t layer_count;
+  const char* name;
+  const uint32_t* inputs; /**< indices of its input features */
+  uint32_t input_count;
+  uint32_t gate_count;         /**< 0: no gate */
+  const uint32_t* gate_inputs; /**< the coefficients are 0 while all but one of these features are 0 */
+} fb_region;
+
+FB_API void fb_region_fill(fb_region* to, uint32_t struct_size);
+static inline void fb_region_init(fb_region* to) {
+  fb_region_fill(to, (uint32_t)sizeof *to);
+}
+FB_API fb_status fb_archive_region_at(const fb_archive* archive, uint32_t index, fb_region* region);
+
+/* Activations. */
+#define FB_ACTIVATION_LINEAR 0
+#define FB_ACTIVATION_RELU 1
+#define FB_ACTIVATION_TANH 2
+#define FB_ACTIVATION_SILU 3
+
+/** Unstable. y = activation(W x + bias), plus x with `skip`. */
+typedef struct fb_layer {
+  uint32_t struct_size;
+  uint32_t inputs, outputs;
+  int32_t activation; /**< FB_ACTIVATION_... */
+  uint32_t skip;
+  uint32_t bits; /**< of a stored weight: 8 or 16 */
+} fb_layer;
+
+FB_API void fb_layer_fill(fb_layer* to, uint32_t struct_size);
+static inline void fb_layer_init(fb_layer* to) {
+  fb_layer_fill(to, (uint32_t)sizeof *to);
+}
+FB_API fb_status fb_archive_layer_at(const fb_archive* archive, uint32_t region, uint32_t layer, fb_layer* to);
+/** Unstable. weights: outputs x inputs floats, a row an output; bias: outputs floats. */
+FB_API fb_status fb_archive_layer_values(const fb_archive* archive, uint32_t region, uint32_t layer, float* weights,
+                                         float* bias);
+
+/** Everything worth knowing of an archive as the document of `inspect`. */
+FB_API fb_status fb_inspect(const fb_archive* archive, fb_report** report);
+
+/* ---- Measuring and verifying ------------------------------------------------------------------------------------- */
+
+typedef struct fb_eval_desc {
+  uint32_t struct_size;
+  uint32_t threads; /**< at most 4,096; 0 (default): all */
+  const fb_archive* archive;
+  fb_source* source; /**< of the same face: same controls, same rest mesh */
+  int32_t split;     /**< which clips: FB_SPLIT_...; default FB_SPLIT_TEST */
+  uint32_t measure;  /**< besides errors: FB_MEASURE_...; default 0 */
+  fb_callbacks callbacks;
+} fb_eval_desc;
+
+FB_API void fb_eval_desc_fill(fb_eval_desc* to, uint32_t struct_size);
+static inline void fb_eval_desc_init(fb_eval_desc* to) {
+  fb_eval_desc_fill(to, (uint32_t)sizeof *to);
+}
+/** Compares an archive, evaluated by the runtime that ships, with the true rig. Fails with BAD_DATA on another face or
+ * where there is no such clip. */
+FB_API fb_status fb_eval(const fb_eval_desc* desc, fb_report** report);
+
+/** Evaluates the poses of the archive's proof and compares them bit for bit. Fails with CORRUPT, naming pose and
+ * vertex. `report` may be null. An archive without a proof is whole, with 0 poses in the report. */
+FB_API fb_status fb_verify(const fb_archive* archive, fb_report** report);
+
+typedef struct fb_verify_result {
+  uint32_t struct_size;
+  uint32_t reserved;
+  uint64_t bytes;    /**< of the archive */
+  uint64_t poses;    /**< evaluated */
+  uint64_t vertices; /**< of each */
+} fb_verify_result;
+
+FB_API void fb_verify_result_fill(fb_verify_result* to, uint32_t struct_size);
+static inline void fb_verify_result_init(fb_verify_result* to) {
+  fb_verify_result_fill(to, (uint32_t)sizeof *to);
+}
+/** Refused with INVALID_ARGUMENT for the report of another call. */
+FB_API fb_status fb_report_verify(const fb_report* report, fb_verify_result* result);
+
+/* ---- Packing ----------------------------------------------------------------------------------------------------- */
+
+typedef struct fb_pack_desc {
+  uint32_t struct_size;
+  uint32_t force;      /**< 1: write a face that does not meet max_bytes or max_error; 0 (default): fail with LIMIT */
+  const char* path;    /**< the archive to pack, of this format version or 0.2 */
+  const void* bytes;   /**< in place of path: the archive in memory */
+  uint64_t byte_count; /**< of bytes */
+  const char* out;     /**< the .fbk to write: complete or not at all; may be path; null: only into the report */
+  uint64_t seed;       /**< of the poses that precision is measured on, and of a new proof; default 1 */
+  uint64_t max_bytes;  /**< of the new archive: no less precise than they need; 0 (default): any */
+  double max_error; /**< how far a vertex may move from where it was, over the diagonal: in as few bytes as it allows;
+                       0 (default): nowhere; max_bytes comes first */
+  const char* licence; /**< text in place of the archive's; null (default): kept */
+  fb_callbacks callbacks;
+} fb_pack_desc;
+
+FB_API void fb_pack_desc_fill(fb_pack_desc* to, uint32_t struct_size);
+static inline void fb_pack_desc_init(fb_pack_desc* to) {
+  fb_pack_desc_fill(to, (uint32_t)sizeof *to);
+}
+/** Packs an archive again, without training: into this version of the format, into fewer bytes, with another licence.
+ * Without a target the face poses as it did, to the last bit, and its proof is kept. `report` may be null. Fails as
+ * fb_archive_open does, and with LIMIT, saying what could be met, on a target that cannot be. */
+FB_API fb_status fb_pack(const fb_pack_desc* desc, fb_report** report);
+
+typedef struct fb_pack_result {
+  uint32_t struct_size;
+  uint32_t met;           /**< 0: a target was not met (with force) */
+  const void* archive;    /**< bytes of the new archive */
+  uint64_t archive_bytes; /**< of them */
+  uint64_t bytes_before;
+  uint32_t format_before; /**< format version, major * 1,000 + minor */
+  uint32_t format;
+  double step_factor; /**< by which the steps of the basis were multiplied; 1: as they were */
+  fb_errors moved;    /**< from where vertices were, on seeded poses; frames 0: nowhere */
+} fb_pack_result;
+
+FB_API void fb_pack_result_fill(fb_pack_result* to, uint32_t struct_size);
+static inline void fb_pack_result_init(fb_pack_result* to) {
+  fb_pack_result_fill(to, (uint32_t)sizeof *to);
+}
+/** Refused with INVALID_ARGUMENT for the report of another call. */
+FB_API fb_status fb_report_pack(const fb_report* report, fb_pack_result* result);
 
 #ifdef __cplusplus
 }

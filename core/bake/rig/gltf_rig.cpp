@@ -236,7 +236,8 @@ class GltfRigReader {
     std::size_t resting_elsewhere = 0, widened = 0;
     for (std::size_t t = 0; t < count(); ++t) {
       const float rest = defaults.empty() ? 0 : static_cast<float>(defaults[t]);
-      fb_rig_control control{rig_->control_names[t].c_str(), nullptr, std::min(0.0f, rest), std::max(1.0f, rest), rest};
+      fb_rig_control control{rig_->control_names[t].c_str(), nullptr, std::min(0.0f, rest),
+                             std::max(1.0f, rest),           rest,    0};
       for (const Clip& clip : rig_->clips)
         for (std::size_t f = 0; f < clip.frames; ++f) {
           control.minimum = std::min(control.minimum, clip.controls[f * count() + t]);
@@ -263,8 +264,7 @@ class GltfRigReader {
       from.rig_clips.push_back({clip.name.c_str(), FB_CLIP_SHOT, FB_SPLIT_TRAIN, clip.fps,
                                 checked_u32(clip.frames, "frames"), 0, clip.controls.data()});
     fb_rig& rig = from.rig;
-    rig.struct_size = sizeof(fb_rig);
-    rig.abi = FB_RIG_ABI;
+    fb_rig_init(&rig);
     rig.name = from.name.c_str();
     rig.units = "m";
     rig.up_axis = "y";

@@ -1,14 +1,21 @@
 #include "bake/rig/rig_description.h"
 
 #include <cmath>
+#include <cstddef>
 #include <unordered_set>
 
 namespace fb::bake {
 namespace {
 
-// The rig's name as errors show it; set once the name itself has been read.
+// An element of an array whose elements may be longer than this header's.
+template <class T>
+const T& element(const T* array, std::uint32_t stride, std::size_t index) {
+  return *reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(array) + index * stride);
+}
+
+// Copies the parts of an fb_rig; its messages begin with `who`.
 struct Reader {
-  std::string who = "rig";
+  std::string who = "rig";  // as messages name the rig; with its name once that has been read
 
   const char* text(const char* value, const char* field) const {
     if (!value) fail(Status::rig, "%s: %s is null", who.c_str(), field);
@@ -23,6 +30,14 @@ struct Reader {
     return pointer;
   }
 
+  template <class T>
+  void check_stride(std::uint32_t stride, const char* field, const char* type) const {
+    if (stride < sizeof(T))
+      fail(Status::rig, "%s: %s is %u, less than the %zu bytes of an %s", who.c_str(), field, stride, sizeof(T), type);
+    if (stride % alignof(T) != 0)
+      fail(Status::rig, "%s: %s is %u, not a multiple of %zu bytes", who.c_str(), field, stride, alignof(T));
+  }
+
   RigSchema schema(const fb_rig& rig) const {
     RigSchema schema;
     schema.name = rig.name;
@@ -31,8 +46,9 @@ struct Reader {
     if (schema.up_axis != "y" && schema.up_axis != "z")
       fail(Status::rig, "%s: up_axis is \"%s\", not \"y\" or \"z\"", who.c_str(), rig.up_axis);
     const fb_rig_control* controls = array(rig.controls, rig.control_count, "controls", "control_count");
+    check_stride<fb_rig_control>(rig.control_stride, "control_stride", "fb_rig_control");
     for (std::uint32_t i = 0; i < rig.control_count; ++i) {
-      const fb_rig_control& c = controls[i];
+      const fb_rig_control& c = element(controls, rig.control_stride, i);
       schema.controls.push_back({text(c.name, format("the name of control %u", i).c_str()), c.minimum, c.maximum,
                                  c.rest, c.group ? c.group : ""});
     }
@@ -99,7 +115,8 @@ struct Reader {
 RigDescription describe(const fb_rig& rig) {
   Reader reader;
   if (rig.abi != FB_RIG_ABI)
-    fail(Status::unsupported, "rig: made for rig ABI %u, this is rig ABI %u", rig.abi, unsigned{FB_RIG_ABI});
+    fail(Status::unsupported, "rig: made for rig ABI %u, this library has rig ABI %u: compile it against its header",
+         rig.abi, unsigned{FB_RIG_ABI});
   if (rig.struct_size < smallest_rig)
     fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, smallest_rig);
   reader.who = format("rig \"%s\"", reader.text(rig.name, "name"));
@@ -112,10 +129,13 @@ RigDescription describe(const fb_rig& rig) {
     if (error.status() == Status::rig) throw;
     fail(Status::rig, "%s: %s", reader.who.c_str(), error.what());
   }
-  if (rig.clip_count > 0 && !rig.clips) fail(Status::rig, "%s: clips is null", reader.who.c_str());
+  if (rig.clip_count > 0) {
+    if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.who.c_str());
+    reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");
+  }
   std::unordered_set<std::string> names;
   for (std::uint32_t i = 0; i < rig.clip_count; ++i) {
-    description.clips.push_back(reader.clip(rig.clips[i], i, description.schema));
+    description.clips.push_back(reader.clip(element(rig.clips, rig.clip_stride, i), i, description.schema));
     const std::string& name = description.clips.back().name;
     if (!names.insert(name).second)
       fail(Status::rig, "%s: clip name \"%s\" occurs twice", reader.who.c_str(), name.c_str());

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bake/rig/source.h"
-#include "facebaker/facebaker_bake.h"
+#include "facebaker/facebaker_rig.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 

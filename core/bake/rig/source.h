@@ -15,7 +15,7 @@
 
 namespace fb::bake {
 
-// Same numbers as FB_CLIP_... and FB_SPLIT_... in facebaker_bake.h.
+// Same numbers as FB_CLIP_... and FB_SPLIT_... in facebaker_rig.h.
 enum class ClipKind : std::int32_t { shot = 0, excitation = 1, regional = 2, calisthenics = 3, dense = 4 };
 enum class Split : std::int32_t { train = 0, validation = 1, test = 2 };
 

@@ -104,6 +104,24 @@ static void give_uvs(fb_rig* rig, uint32_t count) {
   rig->uv_corners = of_corners;
 }
 
+/* As if compiled with a later header, whose controls and clips have a field more. */
+static void lengthen(fb_rig* rig) {
+  static struct {
+    fb_rig_control control;
+    uint64_t later;
+  } long_controls[controls];
+  static struct {
+    fb_rig_clip clip;
+    uint64_t later;
+  } long_clips[shots];
+  for (int c = 0; c < controls; ++c) long_controls[c].control = rig->controls[c], long_controls[c].later = UINT64_MAX;
+  for (int s = 0; s < shots; ++s) long_clips[s].clip = rig->clips[s], long_clips[s].later = UINT64_MAX;
+  rig->controls = &long_controls->control;
+  rig->clips = &long_clips->clip;
+  rig->control_stride = sizeof *long_controls;
+  rig->clip_stride = sizeof *long_clips;
+}
+
 FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint32_t message_size);
 
 FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint32_t message_size) {
@@ -120,7 +138,11 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   if (!*lie) return FB_OK;
   /* what a host cannot read it cannot destroy either */
   LIE("abi") free(rig->user), rig->abi = FB_RIG_ABI + 1;
+  LIE("older abi") free(rig->user), rig->abi = FB_RIG_ABI - 1;
   LIE("struct size") free(rig->user), rig->struct_size = 8;
+  LIE("control stride") rig->control_stride = offsetof(fb_rig_control, rest);
+  LIE("clip stride") rig->clip_stride = 0;
+  LIE("longer structs") lengthen(rig);
   LIE("no name") rig->name = NULL;
   LIE("no units") rig->units = "";
   LIE("up axis") rig->up_axis = "x";

@@ -53,6 +53,16 @@ TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
   CHECK(recorded->rest().uv_corners == rig->rest().uv_corners);
 }
 
+TEST_CASE("controls and clips of a later header are read by their stride") {
+  const auto rig = open_liar("longer structs");
+  const auto toy = open_toy();
+  REQUIRE(rig->schema().control_count() == toy->schema().control_count());
+  CHECK(rig->schema().controls[5].name == "mouthWide");
+  CHECK(rig->schema().controls[2].rest == 0.5f);
+  CHECK(rig->clips().at(1).name == "frown");
+  CHECK(rig->clips()[1].controls == toy->clips()[1].controls);
+}
+
 TEST_CASE("a rig that lies is refused by name") {
   const struct {
     const char* lie;
@@ -60,8 +70,11 @@ TEST_CASE("a rig that lies is refused by name") {
     const char* message;
   } lies[] = {
       {"open fails", Status::rig, "the licence server is asleep"},
-      {"abi", Status::unsupported, "rig ABI 2"},
+      {"abi", Status::unsupported, "made for rig ABI 3, this library has rig ABI 2"},
+      {"older abi", Status::unsupported, "made for rig ABI 1, this library has rig ABI 2: compile it against"},
       {"struct size", Status::rig, "struct_size is 8"},
+      {"control stride", Status::rig, "control_stride is 24, less than the 32 bytes of an fb_rig_control"},
+      {"clip stride", Status::rig, "clip_stride is 0, less than the 40 bytes of an fb_rig_clip"},
       {"no name", Status::rig, "name is null"},
       {"no units", Status::rig, "rig \"toy\": units is empty"},
       {"up axis", Status::rig, "up_axis is \"x\""},

@@ -1,7 +1,7 @@
 /* A small nonlinear rig for tests: a 7 x 7 sheet of quads, a stray vertex and a triangle that uses it.
  * Region "brow" has a two-sided twist and a control whose rest value is not its minimum; region "mouth" opens by a
  * rotation, and opening and pressing together meet in a corrective. Two short shots, one of them for tests. */
-#include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,9 +18,9 @@ typedef struct toy {
 } toy;
 
 static const fb_rig_control toy_controls[controls] = {
-    {"browRaise", "brow", 0.0f, 1.0f, 0.0f}, {"browTwist", "brow", -1.0f, 1.0f, 0.0f},
-    {"browLift", "brow", 0.0f, 2.0f, 0.5f},  {"jawOpen", "mouth", 0.0f, 1.0f, 0.0f},
-    {"lipPress", "mouth", 0.0f, 1.0f, 0.0f}, {"mouthWide", "mouth", 0.0f, 1.0f, 0.0f},
+    {"browRaise", "brow", 0.0f, 1.0f, 0.0f, 0}, {"browTwist", "brow", -1.0f, 1.0f, 0.0f, 0},
+    {"browLift", "brow", 0.0f, 2.0f, 0.5f, 0},  {"jawOpen", "mouth", 0.0f, 1.0f, 0.0f, 0},
+    {"lipPress", "mouth", 0.0f, 1.0f, 0.0f, 0}, {"mouthWide", "mouth", 0.0f, 1.0f, 0.0f, 0},
 };
 
 static void pose_vertex(const float* c, int row, int column, float* out) {
@@ -94,9 +94,7 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   }
   fill_mesh(t);
   fill_shots(t);
-  memset(rig, 0, sizeof *rig);
-  rig->struct_size = sizeof *rig;
-  rig->abi = FB_RIG_ABI;
+  fb_rig_init(rig);
   rig->name = "toy";
   rig->units = "cm";
   rig->up_axis = "y";

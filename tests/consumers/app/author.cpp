@@ -8,9 +8,9 @@ int main() {
   fb_bake_desc desc;
   fb_bake_desc_init(&desc);
   try {
-    facebaker::check(fb_bake(&desc));
+    facebaker::check(fb_bake(&desc, nullptr));
   } catch (const facebaker::Error& error) {
-    return error.status() == FB_ERROR_INVALID_ARGUMENT && std::strstr(error.what(), "sources") ? 0 : 1;
+    return error.status() == FB_ERROR_INVALID_ARGUMENT && std::strstr(error.what(), "source") ? 0 : 1;
   }
   return 1;
 }

@@ -43,9 +43,7 @@ void PluginRig::add_clip(const std::string& name, std::int32_t kind, std::int32_
 }
 
 void PluginRig::hand_over(std::unique_ptr<PluginRig> self, fb_rig* rig) {
-  *rig = {};
-  rig->struct_size = sizeof(fb_rig);
-  rig->abi = FB_RIG_ABI;
+  fb_rig_init(rig);
   rig->name = self->name_.c_str();
   rig->units = self->units_.c_str();
   rig->up_axis = "y";

@@ -1,7 +1,7 @@
 // A rig plugin as a C++ object: subclasses describe themselves and pose; this class speaks the C ABI for them.
 #pragma once
 
-#include <facebaker/facebaker_bake.h>
+#include <facebaker/facebaker_rig.h>
 
 #include <deque>
 #include <memory>

@@ -1,0 +1,62 @@
+#include "bake/authoring.h"
+
+#include <cstdlib>
+#include <system_error>
+
+#include "base/status.h"
+
+namespace fb::capi {
+
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "facebaker-XXXXXX").string();
+  if (!mkdtemp(pattern.data())) fail(Status::io, "%s: cannot be made", pattern.c_str());
+  path_ = pattern;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+void HostProgress::begin(std::string_view stage, std::uint64_t total) {
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
+  total_ = total;
+  report(0);
+}
+
+void HostProgress::update(std::uint64_t done) {
+  const std::lock_guard lock(mutex_);
+  report(done);
+}
+
+void HostProgress::report(std::uint64_t done) {
+  if (callbacks_.progress && callbacks_.progress(callbacks_.user, stage_.c_str(), done, total_) != 0) cancelled_ = true;
+}
+
+void HostProgress::note(std::string_view sentence) {
+  const std::lock_guard lock(mutex_);
+  if (callbacks_.note) callbacks_.note(callbacks_.user, std::string(sentence).c_str());
+}
+
+Parallel parallel_of(std::uint32_t threads) {
+  if (threads > 4096) fail(Status::invalid_argument, "%u threads", threads);
+  return {static_cast<int>(threads)};
+}
+
+bake::Source& source_of(const fb_source* source, const char* field) {
+  require(source, field);
+  return *source->source;
+}
+
+bake::Use use_of(std::int32_t use) {
+  if (use != FB_USE_VARIANT && use != FB_USE_BACKLOT)
+    fail(Status::invalid_argument, "use %d is neither FB_USE_VARIANT nor FB_USE_BACKLOT", use);
+  return use == FB_USE_VARIANT ? bake::Use::variant : bake::Use::backlot;
+}
+
+fb_errors c_errors(const bake::Errors& errors) {
+  return {errors.frames, errors.mse, errors.rms, errors.mean, errors.p99, errors.max, errors.mfm, errors.worst_frame};
+}
+
+}  // namespace fb::capi

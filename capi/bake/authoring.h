@@ -1,0 +1,124 @@
+// What the files of the authoring half share: its objects, progress, and the filling of structs.
+#pragma once
+
+#include <facebaker/facebaker_bake.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "abi_guard.h"
+#include "archive/reader.h"
+#include "bake/documents.h"
+#include "bake/pipeline/compare.h"
+#include "bake/rig/source.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+struct fb_source {
+  std::unique_ptr<fb::bake::Source> source;
+};
+
+struct fb_archive {
+  std::string name;  // stands for the path in reports
+  std::vector<std::byte> bytes;
+  fb::archive::Archive contents;
+  std::string recipe;
+  std::vector<float> rest_controls;
+};
+
+namespace fb::capi {
+
+// A folder for intermediate files, removed with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// Passes progress and notes on to a host, one call at a time, and its wish to stop back.
+class HostProgress final : public Progress {
+ public:
+  explicit HostProgress(const fb_callbacks& callbacks) : callbacks_(callbacks) {}
+
+  void begin(std::string_view stage, std::uint64_t total) override;
+  void update(std::uint64_t done) override;
+  bool cancelled() const override { return cancelled_; }
+  void note(std::string_view sentence) override;
+
+ private:
+  void report(std::uint64_t done);  // with the lock held
+
+  fb_callbacks callbacks_;
+  std::mutex mutex_;
+  std::string stage_;
+  std::uint64_t total_ = 0;
+  std::atomic<bool> cancelled_ = false;
+};
+
+// Fails on more than 4,096.
+Parallel parallel_of(std::uint32_t threads);
+
+// The source of a description; fails naming the field unless there is one.
+bake::Source& source_of(const fb_source* source, const char* field);
+
+// Fails unless `use` is one of FB_USE_...
+bake::Use use_of(std::int32_t use);
+// "" of null.
+inline std::string text_or_empty(const char* text) {
+  return text ? text : "";
+}
+
+fb_errors c_errors(const bake::Errors& errors);
+
+// Fills a caller's struct as far as its struct_size goes.
+template <class Struct>
+void write_struct(Struct* to, Struct full, const char* type) {
+  require(to, type);
+  require_size(to->struct_size, type);
+  full.struct_size = to->struct_size;
+  std::memcpy(static_cast<void*>(to), &full, std::min<std::size_t>(to->struct_size, sizeof full));
+}
+
+// An element of a caller's array whose elements may be longer than this header's.
+template <class T>
+const T& element(const T* array, std::uint32_t stride, std::size_t index) {
+  return *reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(array) + index * stride);
+}
+
+}  // namespace fb::capi
+
+struct fb_report {
+  std::string json;
+  std::optional<fb::capi::TemporaryFolder> folder;  // outlives the recording that lies in it
+  fb::bake::CompareReport faces;
+  fb::capi::Measured measured;
+  fb::bake::Errors quantisation;  // of fb_bake
+  fb_source recorded;             // of fb_compare on a live rig
+  std::string details;            // empty: not made yet
+  std::vector<std::byte> packed;  // of fb_pack
+  std::optional<fb_sample_result> sample;
+  std::optional<fb_verify_result> verify;
+  std::optional<fb_pack_result> pack;
+};
+
+namespace fb::capi {
+
+// Hands a finished report to a caller who wants one.
+inline void hand_over(std::unique_ptr<fb_report> report, fb_report** to) {
+  if (to) *to = report.release();
+}
+
+}  // namespace fb::capi

@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <array>
+
+#include "bake/authoring.h"
+#include "bake/pipeline/recipe_table.h"
+
+using fb::fail;
+using fb::Status;
+using namespace fb::capi;
+
+namespace {
+
+const std::vector<std::string>& recipes() {
+  static const std::vector<std::string> names = fb::bake::recipe_names();
+  return names;
+}
+
+fb::bake::BakeOptions options_of(const fb_bake_desc& desc) {
+  require(desc.recipe, "fb_bake_desc: recipe");
+  require(desc.mix, "fb_bake_desc: mix");
+  fb::bake::BakeOptions options;
+  options.recipe = desc.recipe;
+  options.use = use_of(desc.use);
+  options.seed = desc.seed;
+  options.poses = desc.poses;
+  options.mix = desc.mix;
+  options.rig_budget = desc.rig_budget;
+  options.epochs = desc.epochs;
+  options.max_bytes = desc.max_bytes;
+  options.max_error = desc.max_error;
+  options.licence = text_or_empty(desc.licence);
+  options.created = text_or_empty(desc.created);
+  options.learning_curve = desc.learning_curve != 0;
+  options.parallel = parallel_of(desc.threads);
+  options.work = text_or_empty(desc.work);
+  return options;
+}
+
+// Measures the archive on clips it was not trained on, if the source has any.
+void measure_unseen(fb_report& report, fb::bake::Source& source, const fb::Parallel& parallel, fb::Progress& progress) {
+  fb::bake::MethodReport& face = report.faces.methods[0];
+  const auto& clips = source.clips();
+  for (const fb::bake::Split split : {fb::bake::Split::test, fb::bake::Split::validation}) {
+    if (std::none_of(clips.begin(), clips.end(), [&](const auto& clip) { return clip.split == split; })) continue;
+    face.independent =
+        fb::bake::evaluate_archive(face.archive, source, split, parallel, progress, fb::bake::Detail::quality);
+    report.measured.split = split;
+    return;
+  }
+}
+
+// Within what the bake left of the rig's budget.
+void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bake::BakeOptions& options,
+                      std::uint64_t rig_calls, fb::Progress& progress) {
+  const std::uint64_t left =
+      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, rig_calls) : UINT64_MAX;
+  const auto locality = fb::bake::locality_within(left, source.schema().control_count());
+  if (!locality || !source.live()) return;
+  fb::bake::MethodReport& face = report.faces.methods[0];
+  const std::array<std::span<const std::byte>, 1> archives = {face.archive};
+  face.locality = fb::bake::measure_locality(archives, source, *locality, options.parallel, progress).at(0);
+}
+
+std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked baked, const fb::bake::Source& source) {
+  auto report = std::make_unique<fb_report>();
+  report->json = bake_json(desc.archive, baked);
+  report->quantisation = baked.quantisation;
+  report->faces.name = source.schema().name;
+  report->faces.units = source.schema().units;
+  report->faces.diagonal = source.rest().diagonal();
+  report->faces.rig_calls = baked.rig_calls;
+  fb::bake::MethodReport& face = report->faces.methods.emplace_back();
+  face.name = desc.recipe;
+  face.use = use_of(desc.use);
+  face.bytes = baked.archive.size();
+  face.parameters = baked.parameters;
+  face.coefficients = baked.coefficients;
+  face.poses = baked.poses;
+  face.train_seconds = baked.train_seconds;
+  face.archive = std::move(baked.archive);
+  face.stats = std::move(baked.stats);
+  return report;
+}
+
+}  // namespace
+
+extern "C" {
+
+uint32_t fb_recipe_count(void) {
+  return static_cast<uint32_t>(recipes().size());
+}
+
+const char* fb_recipe_name(uint32_t index) {
+  return index < recipes().size() ? recipes()[index].c_str() : nullptr;
+}
+
+void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
+  const fb::bake::BakeOptions options;
+  fb_bake_desc defaults = {};
+  defaults.recipe = "hero";
+  defaults.use = FB_USE_BACKLOT;
+  defaults.poses = options.poses;
+  defaults.mix = "dense";
+  defaults.seed = options.seed;
+  fill_struct(to, struct_size, defaults);
+}
+
+fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    const fb_bake_desc known = read_struct(*desc, fb_bake_desc_init, "fb_bake_desc");
+    fb::bake::Source& source = source_of(known.source, "fb_bake_desc: source");
+    require(known.archive, "fb_bake_desc: archive");
+    const fb::bake::BakeOptions options = options_of(known);
+    HostProgress progress(known.callbacks);
+    fb::bake::Baked baked = fb::bake::bake_to_file(source, known.archive, options, progress);
+    const std::uint64_t rig_calls = baked.rig_calls;
+    auto made = report_of(known, std::move(baked), source);
+    if (known.measure & FB_MEASURE_QUALITY) measure_unseen(*made, source, options.parallel, progress);
+    if (known.measure & FB_MEASURE_LOCALITY) measure_locality(*made, source, options, rig_calls, progress);
+    hand_over(std::move(made), report);
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,64 @@
+#include "bake/authoring.h"
+
+using fb::fail;
+using fb::Status;
+using namespace fb::capi;
+
+namespace {
+
+std::vector<std::string> methods_of(const fb_compare_desc& desc) {
+  if (!desc.methods) return {"linear", "paper-tuned", "hero"};
+  std::vector<std::string> methods;
+  for (std::uint32_t m = 0; m < desc.method_count; ++m) {
+    require(desc.methods[m], "fb_compare_desc: one of methods");
+    methods.emplace_back(desc.methods[m]);
+  }
+  return methods;
+}
+
+fb::bake::BakeOptions options_of(const fb_compare_desc& desc) {
+  require(desc.mix, "fb_compare_desc: mix");
+  fb::bake::BakeOptions options;
+  options.seed = desc.seed;
+  options.poses = desc.poses;
+  options.mix = desc.mix;
+  options.rig_budget = desc.rig_budget;
+  options.epochs = desc.epochs;
+  options.learning_curve = desc.learning_curve != 0;
+  options.parallel = parallel_of(desc.threads);
+  options.work = text_or_empty(desc.work);
+  return options;
+}
+
+}  // namespace
+
+extern "C" {
+
+void fb_compare_desc_fill(fb_compare_desc* to, uint32_t struct_size) {
+  const fb::bake::BakeOptions options;
+  fb_compare_desc defaults = {};
+  defaults.poses = options.poses;
+  defaults.mix = "dense";
+  defaults.seed = options.seed;
+  fill_struct(to, struct_size, defaults);
+}
+
+fb_status fb_compare(const fb_compare_desc* desc, fb_report** report) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    require(report, "report");
+    const fb_compare_desc known = read_struct(*desc, fb_compare_desc_init, "fb_compare_desc");
+    fb::bake::Source& source = source_of(known.source, "fb_compare_desc: source");
+    fb::bake::BakeOptions options = options_of(known);
+    HostProgress progress(known.callbacks);
+    auto made = std::make_unique<fb_report>();
+    if (options.work.empty()) options.work = made->folder.emplace().path();
+    made->faces = fb::bake::compare(source, methods_of(known), options, progress);
+    made->recorded.source = std::move(made->faces.recorded);
+    made->measured.split = fb::bake::Split::test;
+    made->json = compare_json(made->faces);
+    *report = made.release();
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,46 @@
+// The results of the authoring calls as JSON documents: indented, ending in a newline, bytes that are no UTF-8
+// replaced, figures that are not finite null. Keys are an interface: they are only ever added.
+#pragma once
+
+#include <facebaker/facebaker_bake.h>
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "archive/reader.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/locality.h"
+#include "bake/measure/verify.h"
+#include "bake/pipeline/bake.h"
+#include "bake/pipeline/compare.h"
+#include "bake/sampling/sampling.h"
+
+namespace fb::capi {
+
+std::string json_text(const nlohmann::ordered_json& json);
+
+std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
+std::string bake_json(const std::string& archive, const bake::Baked& baked);
+// "quality" and "locality" are null where they were not measured.
+std::string eval_json(const std::string& archive, const bake::EvalReport& report,
+                      const std::optional<bake::Locality>& locality);
+std::string compare_json(const bake::CompareReport& report);
+std::string verify_json(const std::string& archive, const bake::VerifyReport& report);
+std::string pack_json(const std::string& archive, const std::string& out, const fb_pack_result& result);
+// total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.
+std::string inspect_json(const std::string& path, const archive::Archive& archive, std::uint64_t total_bytes,
+                         std::uint64_t runtime_bytes);
+
+// Which clips the errors of a report are of.
+struct Measured {
+  std::optional<bake::Split> split;  // none: all clips, or nothing was measured
+};
+// See fb_report_details.
+std::string details_json(const bake::CompareReport& report, const Measured& measured);
+
+// What the archive says about how it was made: the provenance's "recipe", "" if it has none.
+std::string recipe_of(const archive::Archive& archive);
+
+}  // namespace fb::capi

@@ -1,0 +1,107 @@
+#include <nlohmann/json.hpp>
+
+#include "bake/documents.h"
+
+namespace fb::capi {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using archive::Archive;
+
+const char* name_of(Activation activation) {
+  switch (activation) {
+    case Activation::linear:
+      return "linear";
+    case Activation::relu:
+      return "relu";
+    case Activation::tanh:
+      return "tanh";
+    case Activation::silu:
+      return "silu";
+  }
+  return "";
+}
+
+Json network_of(const PackedModel& model) {
+  Json regions = Json::array();
+  for (const PackedRegion& region : model.regions) {
+    Json layers = Json::array();
+    for (const PackedLayer& layer : region.layers)
+      layers.push_back({{"inputs", layer.inputs},
+                        {"outputs", layer.outputs},
+                        {"activation", name_of(layer.activation)},
+                        {"skip", layer.skip},
+                        {"bits", layer.wide ? 16 : 8}});
+    regions.push_back({{"name", region.name},
+                       {"inputs", region.features.size()},
+                       {"gate", region.gate.features.size()},
+                       {"layers", std::move(layers)}});
+  }
+  return {{"features", model.features.size()},
+          {"direct", model.direct.size()},
+          {"coefficients", model.columns},
+          {"parameters", model.parameter_count()},
+          {"regions", std::move(regions)}};
+}
+
+Json control_list(const RigSchema& schema) {
+  Json controls = Json::array();
+  for (const Control& control : schema.controls)
+    controls.push_back({{"name", control.name},
+                        {"min", control.minimum},
+                        {"max", control.maximum},
+                        {"default", control.rest},
+                        {"group", control.group}});
+  return controls;
+}
+
+// An object of bounded depth whatever the archive holds, else null: files come from anyone, and printing JSON recurses.
+Json object_in(const std::string& text) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
+  Json json = Json::parse(text, shallow, false);
+  return json.is_object() ? json : Json();
+}
+
+Json provenance_of(const Archive& archive) {
+  const Json json = object_in(archive.model.provenance);
+  return json.is_null() ? Json::object() : json;
+}
+
+}  // namespace
+
+std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
+                         std::uint64_t runtime_bytes) {
+  const PackedModel& model = archive.model;
+  Json bytes = {{"total", total_bytes}};
+  for (const archive::SectionInfo& section : archive.sections) bytes[section.name] = section.stored_bytes;
+  const std::string recipe = recipe_of(archive);
+  return json_text(
+      {{"archive", path},
+       {"format_version", archive.format_version},
+       {"name", model.schema.name},
+       {"units", model.schema.units},
+       {"up_axis", model.schema.up_axis},
+       {"vertices", model.rest.vertex_count()},
+       {"controls", model.schema.control_count()},
+       {"polygons", model.rest.polygon_sizes.size()},
+       {"diagonal", model.rest.diagonal()},
+       {"recipe", recipe.empty() ? Json() : Json(recipe)},
+       {"bytes", std::move(bytes)},
+       {"runtime_bytes", runtime_bytes},
+       {"certificate", object_in(archive.text.certificate)},
+       {"network", network_of(model)},
+       {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
+       {"control_list", control_list(model.schema)},
+       {"licence", archive.text.licence},
+       {"proof", {{"poses", archive.proof.hashes.size()}, {"vertices", archive.proof.vertices.size()}}},
+       {"notes", archive.notes},
+       {"provenance", provenance_of(archive)}});
+}
+
+std::string recipe_of(const Archive& archive) {
+  const Json provenance = provenance_of(archive);
+  const auto found = provenance.find("recipe");
+  return found != provenance.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+}  // namespace fb::capi

@@ -1,0 +1,258 @@
+#include <nlohmann/json.hpp>
+
+#include "bake/documents.h"
+
+namespace fb::capi {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace fb::bake;
+
+constexpr std::size_t leaks_listed = 10, worst_frames_listed = 16;
+
+void add_figures(Json& to, const Errors& errors) {
+  to["frames"] = errors.frames;
+  to["mse"] = errors.mse;
+  to["rms"] = errors.rms;
+  to["mean"] = errors.mean;
+  to["p99"] = errors.p99;
+  to["max"] = errors.max;
+  to["mfm"] = errors.mfm;
+  to["worst_frame"] = errors.worst_frame;
+}
+
+Json figures(const Errors& errors) {
+  Json json;
+  add_figures(json, errors);
+  return json;
+}
+
+Json clip_list(const EvalReport& report) {
+  Json list = Json::array();
+  for (const ClipErrors& clip : report.clips) {
+    Json json = {{"name", clip.name}, {"kind", name_of(clip.kind)}, {"split", name_of(clip.split)}};
+    add_figures(json, clip.errors);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+Json touched(const TouchedBytes& bytes) {
+  return {{"poses", bytes.poses},
+          {"mean", bytes.mean},
+          {"p95", bytes.p95},
+          {"max", bytes.max},
+          {"all", bytes.runtime_bytes}};
+}
+
+Json part_list(const std::vector<PartErrors>& parts, const char* count) {
+  Json list = Json::array();
+  for (const PartErrors& part : parts)
+    list.push_back({{"name", part.name}, {count, part.count}, {"mse", part.mse}, {"max", part.max}});
+  return list;
+}
+
+Json quality_of(const EvalReport& report) {
+  if (!report.quality) return nullptr;
+  const Quality& q = *report.quality;
+  return {{"normal_degrees_rms", q.normal_rms},
+          {"normal_degrees_p99", q.normal_p99},
+          {"jitter", q.jitter},
+          {"jitter_frames", q.jitter_frames},
+          {"border_jump", q.border_jump},
+          {"inside_jump", q.inside_jump},
+          {"border_edges", q.border_edges},
+          {"regions", part_list(q.regions, "vertices")},
+          {"controls", part_list(q.controls, "frames")}};
+}
+
+Json locality_of(const std::optional<Locality>& locality) {
+  if (!locality) return nullptr;
+  Json worst = Json::array();
+  for (const ControlLeak& leak : locality->leaks) {
+    if (leak.leak == 0 || worst.size() == leaks_listed) break;
+    worst.push_back({{"control", leak.control}, {"leak", leak.leak}, {"vertex", leak.vertex}});
+  }
+  return {{"largest", locality->largest},
+          {"share_above", locality->above},
+          {"tolerance", locality->options.tolerance},
+          {"still", locality->options.still},
+          {"poses", locality->options.poses},
+          {"worst", std::move(worst)}};
+}
+
+Json method_of(const MethodReport& method) {
+  return {{"name", method.name},
+          {"use", name_of(method.use)},
+          {"total", figures(method.independent.total)},
+          {"clips", clip_list(method.independent)},
+          {"dependency", figures(method.dependency)},
+          {"bytes", method.bytes},
+          {"touched_bytes", touched(method.independent.touched)},
+          {"parameters", method.parameters},
+          {"coefficients", method.coefficients},
+          {"bones", method.stats.bones},
+          {"poses", method.poses},
+          {"train_seconds", method.train_seconds},
+          {"rig_calls", method.stats.rig_calls},
+          {"quality", quality_of(method.independent)},
+          {"locality", locality_of(method.locality)}};
+}
+
+Json failures_of(const CompareReport& report) {
+  Json failed = Json::array();
+  for (const MethodFailure& failure : report.failures)
+    failed.push_back({{"name", failure.name}, {"use", name_of(failure.use)}, {"reason", failure.reason}});
+  return failed;
+}
+
+void add_frames(Json& clips, const EvalReport& report) {
+  for (std::size_t c = 0; c < report.clips.size(); ++c) {
+    Json mse = Json::array(), max = Json::array();
+    for (const FrameErrors& frame : report.clips[c].frames) {
+      mse.push_back(frame.mse);
+      max.push_back(frame.max);
+    }
+    clips[c]["frame_mse"] = std::move(mse);
+    clips[c]["frame_max"] = std::move(max);
+  }
+}
+
+Json kind_list(const EvalReport& report) {
+  Json list = Json::array();
+  for (const KindErrors& kind : report.kinds) {
+    Json json = {{"kind", name_of(kind.kind)}};
+    add_figures(json, kind.errors);
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+Json worst_frame_list(const EvalReport& report) {
+  Json list = Json::array();
+  for (const FrameOfClip& frame : worst_frames(report, worst_frames_listed))
+    list.push_back(
+        {{"clip", frame.clip}, {"frame", frame.frame}, {"mse", frame.errors.mse}, {"max", frame.errors.max}});
+  return list;
+}
+
+Json stats_of(const BakeStats& stats) {
+  Json regions = Json::array(), learning = Json::array(), stages = Json::array();
+  for (const RegionStats& region : stats.regions) {
+    Json epochs = Json::array();
+    for (const EpochLoss& epoch : region.epochs)
+      epochs.push_back({{"training", epoch.training}, {"validation", epoch.validation}});
+    regions.push_back({{"name", region.name},
+                       {"vertices", region.vertices},
+                       {"inputs", region.inputs},
+                       {"coefficients", region.coefficients},
+                       {"parameters", region.parameters},
+                       {"energy", region.energy},
+                       {"validation", region.validation},
+                       {"restarts", region.restarts},
+                       {"epochs", std::move(epochs)}});
+  }
+  for (const LearningPoint& point : stats.learning)
+    learning.push_back({{"poses", point.poses}, {"mse", point.mse}, {"max", point.max}});
+  for (const StageTime& stage : stats.stages) stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+  return {{"notes", stats.notes},
+          {"regions", std::move(regions)},
+          {"learning", std::move(learning)},
+          {"coverage", stats.coverage},
+          {"stages", std::move(stages)}};
+}
+
+Json detailed_method(const MethodReport& method) {
+  Json json = method_of(method);
+  add_frames(json["clips"], method.independent);
+  json["kinds"] = kind_list(method.independent);
+  if (const auto& quality = method.independent.quality) {
+    json["quality"]["vertex_rms"] = quality->vertex_rms;
+    json["quality"]["vertex_region"] = quality->parts.labels;
+    json["quality"]["region_names"] = quality->parts.names;
+  }
+  json["worst_frames"] = worst_frame_list(method.independent);
+  json["stats"] = stats_of(method.stats);
+  return json;
+}
+
+}  // namespace
+
+std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string sample_json(const std::string& dataset, const SampleReport& report) {
+  return json_text({{"dataset", dataset},
+                    {"poses", report.poses},
+                    {"evaluated", report.evaluated},
+                    {"rig_calls", report.rig_calls}});
+}
+
+std::string bake_json(const std::string& archive, const Baked& baked) {
+  return json_text({{"archive", archive},
+                    {"bytes", baked.archive.size()},
+                    {"poses", baked.poses},
+                    {"rig_calls", baked.rig_calls},
+                    {"coefficients", baked.coefficients},
+                    {"parameters", baked.parameters},
+                    {"train_seconds", baked.train_seconds},
+                    {"quantisation", figures(baked.quantisation)}});
+}
+
+std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality) {
+  return json_text({{"archive", archive},
+                    {"units", report.units},
+                    {"diagonal", report.diagonal},
+                    {"clips", clip_list(report)},
+                    {"total", figures(report.total)},
+                    {"touched_bytes", touched(report.touched)},
+                    {"quality", quality_of(report)},
+                    {"locality", locality_of(locality)}});
+}
+
+std::string compare_json(const CompareReport& report) {
+  Json methods = Json::array();
+  for (const MethodReport& method : report.methods) methods.push_back(method_of(method));
+  return json_text({{"name", report.name},
+                    {"units", report.units},
+                    {"diagonal", report.diagonal},
+                    {"rig_calls", report.rig_calls},
+                    {"methods", std::move(methods)},
+                    {"failed", failures_of(report)}});
+}
+
+std::string verify_json(const std::string& archive, const VerifyReport& report) {
+  return json_text(
+      {{"archive", archive}, {"bytes", report.bytes}, {"poses", report.poses}, {"vertices", report.vertices}});
+}
+
+std::string pack_json(const std::string& archive, const std::string& out, const fb_pack_result& result) {
+  const auto version = [](std::uint32_t format) {
+    return std::to_string(format / 1000) + "." + std::to_string(format % 1000);
+  };
+  return json_text(
+      {{"archive", archive},
+       {"bytes_before", result.bytes_before},
+       {"format_before", version(result.format_before)},
+       {"out", out},
+       {"bytes", result.archive_bytes},
+       {"format", version(result.format)},
+       {"met", result.met != 0},
+       {"step_factor", result.step_factor},
+       {"moved", {{"frames", result.moved.frames}, {"mse", result.moved.mse}, {"max", result.moved.max}}}});
+}
+
+std::string details_json(const CompareReport& report, const Measured& measured) {
+  Json methods = Json::array();
+  for (const MethodReport& method : report.methods) methods.push_back(detailed_method(method));
+  return json_text({{"name", report.name},
+                    {"units", report.units},
+                    {"diagonal", report.diagonal},
+                    {"rig_calls", report.rig_calls},
+                    {"measured_split", measured.split ? Json(name_of(*measured.split)) : Json()},
+                    {"methods", std::move(methods)},
+                    {"failed", failures_of(report)}});
+}
+
+}  // namespace fb::capi

@@ -1,0 +1,79 @@
+#include <cmath>
+
+#include "bake/authoring.h"
+#include "bake/sampling/sampling.h"
+#include "base/checked.h"
+
+using fb::fail;
+using fb::Status;
+using namespace fb::capi;
+
+namespace {
+
+fb::bake::Clip clip_of(const fb_rig_clip& from, std::uint32_t index, std::size_t controls) {
+  if (!from.name || !*from.name) fail(Status::invalid_argument, "fb_sample_desc: clip %u has no name", index);
+  if (from.kind < FB_CLIP_SHOT || from.kind > FB_CLIP_DENSE)
+    fail(Status::invalid_argument, "clip \"%s\" is of unknown kind %d", from.name, from.kind);
+  if (from.split < FB_SPLIT_TRAIN || from.split > FB_SPLIT_TEST)
+    fail(Status::invalid_argument, "clip \"%s\" belongs to unknown split %d", from.name, from.split);
+  if (!std::isfinite(from.fps) || from.fps <= 0)
+    fail(Status::invalid_argument, "clip \"%s\" has %g frames a second", from.name, from.fps);
+  if (!from.controls) fail(Status::invalid_argument, "the controls of clip \"%s\" are null", from.name);
+  const std::size_t values = fb::checked_multiply(from.frames, controls, "frames x controls");
+  return {from.name,   static_cast<fb::bake::ClipKind>(from.kind), static_cast<fb::bake::Split>(from.split), from.fps,
+          from.frames, {from.controls, from.controls + values}};
+}
+
+fb::bake::SamplingOptions options_of(const fb_sample_desc& desc, std::size_t controls) {
+  require(desc.mix, "fb_sample_desc: mix");
+  fb::bake::SamplingOptions options;
+  options.poses = desc.poses;
+  options.seed = desc.seed;
+  options.mix = desc.mix;
+  options.shots = desc.shots != 0;
+  options.rig_budget = desc.rig_budget;
+  if (desc.clip_count == 0) return options;
+  require(desc.clips, "fb_sample_desc: clips");
+  if (desc.clip_stride < sizeof(fb_rig_clip) || desc.clip_stride % alignof(fb_rig_clip) != 0)
+    fail(Status::invalid_argument, "fb_sample_desc: clip_stride is %u bytes", desc.clip_stride);
+  for (std::uint32_t c = 0; c < desc.clip_count; ++c)
+    options.extra.push_back(clip_of(element(desc.clips, desc.clip_stride, c), c, controls));
+  return options;
+}
+
+}  // namespace
+
+extern "C" {
+
+void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size) {
+  const fb::bake::SamplingOptions options;
+  fb_sample_desc defaults = {};
+  defaults.poses = options.poses;
+  defaults.seed = options.seed;
+  defaults.mix = "dense";
+  defaults.shots = 1;
+  defaults.clip_stride = sizeof(fb_rig_clip);
+  fill_struct(to, struct_size, defaults);
+}
+
+fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    const fb_sample_desc known = read_struct(*desc, fb_sample_desc_init, "fb_sample_desc");
+    fb::bake::Source& source = source_of(known.source, "fb_sample_desc: source");
+    require(known.directory, "fb_sample_desc: directory");
+    if (!source.live())
+      fail(Status::invalid_argument,
+           "\"%s\" is a recording, which has no new poses; sample a rig plugin, a glTF file or \"sample\"",
+           source.schema().name.c_str());
+    HostProgress progress(known.callbacks);
+    const fb::bake::SampleReport sampled = fb::bake::sample(source, options_of(known, source.schema().control_count()),
+                                                            known.directory, parallel_of(known.threads), progress);
+    auto made = std::make_unique<fb_report>();
+    made->json = sample_json(known.directory, sampled);
+    made->sample = fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls};
+    hand_over(std::move(made), report);
+  });
+}
+
+}  // extern "C"

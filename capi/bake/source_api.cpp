@@ -1,0 +1,205 @@
+#include "bake/authoring.h"
+#include "bake/dataset/npy.h"
+#include "bake/dataset/open_source.h"
+#include "bake/rig/evaluate_parallel.h"
+#include "bake/rig/rig_source.h"
+#include "base/checked.h"
+
+using fb::fail;
+using fb::Status;
+using namespace fb::capi;
+
+namespace {
+
+// A host's rig, which may be shorter or longer than this header's.
+std::unique_ptr<fb::bake::Source> open_rig(const fb_rig& given) {
+  fb_rig rig = {};
+  std::memcpy(&rig, &given, std::min<std::size_t>(std::max<std::size_t>(given.struct_size, 8), sizeof rig));
+  return std::make_unique<fb::bake::RigSource>(rig);
+}
+
+std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc) {
+  if (desc.rig && desc.path_count > 0)
+    fail(Status::invalid_argument, "fb_source_desc: either a rig or paths, not both");
+  if (desc.rig) return open_rig(*desc.rig);
+  if (desc.path_count == 0) fail(Status::invalid_argument, "fb_source_desc: either a rig or paths are needed");
+  require(desc.paths, "fb_source_desc: paths");
+  std::vector<std::string> paths;
+  for (std::uint32_t p = 0; p < desc.path_count; ++p) {
+    require(desc.paths[p], "fb_source_desc: one of paths");
+    paths.emplace_back(desc.paths[p]);
+  }
+  return fb::bake::open_sources(paths);
+}
+
+fb_source_info info_of(const fb::bake::Source& source) {
+  const fb::RigSchema& schema = source.schema();
+  const fb::Mesh& rest = source.rest();
+  fb_source_info info = {};
+  info.flags = (source.live() ? FB_SOURCE_LIVE : 0u) | (source.thread_safe() ? FB_RIG_THREAD_SAFE : 0u);
+  info.name = schema.name.c_str();
+  info.units = schema.units.c_str();
+  info.up_axis = schema.up_axis.c_str();
+  info.diagonal = rest.diagonal();
+  info.control_count = static_cast<std::uint32_t>(schema.control_count());
+  info.clip_count = static_cast<std::uint32_t>(source.clips().size());
+  info.vertex_count = static_cast<std::uint32_t>(rest.vertex_count());
+  info.polygon_count = static_cast<std::uint32_t>(rest.polygon_sizes.size());
+  info.polygon_corner_count = static_cast<std::uint32_t>(rest.polygon_corners.size());
+  info.uv_count = static_cast<std::uint32_t>(rest.uvs.size() / 2);
+  info.rest_positions = rest.points.data();
+  info.polygon_sizes = rest.polygon_sizes.data();
+  info.polygon_corners = rest.polygon_corners.data();
+  info.uvs = info.uv_count > 0 ? rest.uvs.data() : nullptr;
+  info.uv_corners = info.uv_count > 0 ? rest.uv_corners.data() : nullptr;
+  return info;
+}
+
+// Fails unless a buffer holds exactly these poses.
+void check_positions(const fb::bake::Source& source, std::uint64_t poses, const float* positions,
+                     std::uint64_t position_floats) {
+  require(positions, "positions");
+  const std::size_t needed = fb::checked_multiply(poses, source.rest().points.size(), "poses x 3 x vertices");
+  if (position_floats < needed)
+    fail(Status::invalid_argument, "positions has %llu floats, %llu poses need %zu",
+         static_cast<unsigned long long>(position_floats), static_cast<unsigned long long>(poses), needed);
+}
+
+fb::RigSchema schema_of(const fb_model* model) {
+  fb::RigSchema schema;
+  schema.name = fb_name(model);
+  for (std::uint32_t c = 0; c < fb_control_count(model); ++c) {
+    fb_control control;
+    fb_control_init(&control);
+    fb_control_at(model, c, &control);
+    schema.controls.push_back({control.name, control.minimum, control.maximum, control.rest, control.group});
+  }
+  return schema;
+}
+
+fb::bake::NpyFile open_clip_file(const char* path, std::uint32_t control_count) {
+  require(path, "path");
+  fb::bake::NpyFile file(path);
+  if (file.shape().size() != 2 || file.shape()[1] != control_count)
+    fail(Status::bad_data, "%s: shape %s is not frames x %u, the number of controls", path, file.shape_text().c_str(),
+         control_count);
+  if (file.rows() == 0) fail(Status::bad_data, "%s: no frames", path);
+  return file;
+}
+
+}  // namespace
+
+extern "C" {
+
+void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    require(source, "source");
+    const fb_source_desc known = read_struct(*desc, fb_source_desc_init, "fb_source_desc");
+    auto opened = std::make_unique<fb_source>(fb_source{open(known)});
+    HostProgress progress(known.callbacks);
+    for (const std::string& note : opened->source->notes()) progress.note(note);
+    *source = opened.release();
+  });
+}
+
+void fb_source_close(fb_source* source) {
+  delete source;
+}
+
+void fb_source_info_fill(fb_source_info* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_source_describe(const fb_source* source, fb_source_info* info) {
+  return abi_guard([&] { write_struct(info, info_of(source_of(source, "source")), "fb_source_info"); });
+}
+
+fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control) {
+  return abi_guard([&] {
+    const auto& controls = source_of(source, "source").schema().controls;
+    if (index >= controls.size()) fail(Status::invalid_argument, "control %u of %zu", index, controls.size());
+    const fb::Control& found = controls[index];
+    write_struct(control, {0, 0, found.name.c_str(), found.group.c_str(), found.minimum, found.maximum, found.rest, 0},
+                 "fb_control");
+  });
+}
+
+void fb_clip_fill(fb_clip* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_source_clip_at(const fb_source* source, uint32_t index, fb_clip* clip) {
+  return abi_guard([&] {
+    const fb::bake::Source& from = source_of(source, "source");
+    if (index >= from.clips().size()) fail(Status::invalid_argument, "clip %u of %zu", index, from.clips().size());
+    const fb::bake::Clip& found = from.clips()[index];
+    write_struct(clip,
+                 {0, static_cast<std::int32_t>(found.kind), static_cast<std::int32_t>(found.split),
+                  from.readable(index) ? 1u : 0u, found.name.c_str(), found.fps, found.frames, found.controls.data()},
+                 "fb_clip");
+  });
+}
+
+fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first, uint64_t count, float* positions,
+                         uint64_t position_floats) {
+  return abi_guard([&] {
+    fb::bake::Source& from = source_of(source, "source");
+    if (clip >= from.clips().size()) fail(Status::invalid_argument, "clip %u of %zu", clip, from.clips().size());
+    const fb::bake::Clip& found = from.clips()[clip];
+    if (first > found.frames || count > found.frames - first)
+      fail(Status::invalid_argument, "clip \"%s\" has %zu frames, not %llu from frame %llu on", found.name.c_str(),
+           found.frames, static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
+    if (!from.readable(clip))
+      fail(Status::invalid_argument, "clip \"%s\" is a plan: it has no positions yet", found.name.c_str());
+    check_positions(from, count, positions, position_floats);
+    from.read(clip, first, count, {positions, count * from.rest().points.size()});
+  });
+}
+
+fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t poses, uint32_t threads,
+                             float* positions, uint64_t position_floats) {
+  return abi_guard([&] {
+    fb::bake::Source& from = source_of(source, "source");
+    require(controls, "controls");
+    check_positions(from, poses, positions, position_floats);
+    const std::size_t width = fb::checked_multiply(poses, from.schema().control_count(), "poses x controls");
+    fb::bake::evaluate_parallel(from, {controls, width}, poses, {positions, poses * from.rest().points.size()},
+                                parallel_of(threads));
+  });
+}
+
+fb_status fb_source_check_model(const fb_source* source, const fb_model* model) {
+  return abi_guard([&] {
+    const fb::bake::Source& from = source_of(source, "source");
+    require(model, "model");
+    check_same_controls(schema_of(model), "the archive", from.schema(), "the source");
+    if (from.rest().vertex_count() != fb_vertex_count(model))
+      fail(Status::bad_data, "the archive has %u vertices, the source %zu", fb_vertex_count(model),
+           from.rest().vertex_count());
+  });
+}
+
+fb_status fb_clip_file_frames(const char* path, uint32_t control_count, uint64_t* frames) {
+  return abi_guard([&] {
+    require(frames, "frames");
+    *frames = open_clip_file(path, control_count).rows();
+  });
+}
+
+fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t first, uint64_t count, float* controls) {
+  return abi_guard([&] {
+    require(controls, "controls");
+    const fb::bake::NpyFile file = open_clip_file(path, control_count);
+    if (first > file.rows() || count > file.rows() - first)
+      fail(Status::invalid_argument, "%s: has %zu frames, not %llu from frame %llu on", path, file.rows(),
+           static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
+    file.read(first, count, {controls, count * control_count});
+  });
+}
+
+}  // extern "C"

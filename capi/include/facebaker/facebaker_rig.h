@@ -1,0 +1,113 @@
+/** @file
+ * A rig as FaceBaker sees it: what a plugin (librig_NAME.so) fills and exports, and what a host fills for
+ * fb_source_open. C99; a plugin links no library. Statuses are those of facebaker.h.
+ *
+ * samples/sample_face/plugin.cpp is a complete plugin.
+ */
+#ifndef FACEBAKER_FACEBAKER_RIG_H
+#define FACEBAKER_FACEBAKER_RIG_H
+
+#include <facebaker/facebaker.h>
+#include <string.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Version of fb_rig and of what it points to. Changes only when an older plugin could not be used any more: a rig of
+ * another version is refused with FB_ERROR_UNSUPPORTED. */
+#define FB_RIG_ABI 2
+
+/** A control of a rig. An array of these has its stride in fb_rig, so that it may grow. */
+typedef struct fb_rig_control {
+  const char* name;  /**< unique, not empty */
+  const char* group; /**< the control group ("brows", "mouth"); null or "": none. Sampling combines groups. */
+  float minimum;     /**< minimum < maximum, both finite */
+  float maximum;
+  float rest;        /**< value in the rest pose, within the range */
+  uint32_t reserved; /**< 0 */
+} fb_rig_control;
+
+/* Kinds of clips. */
+#define FB_CLIP_SHOT 0         /**< animation: consecutive frames */
+#define FB_CLIP_EXCITATION 1   /**< one control at a time */
+#define FB_CLIP_REGIONAL 2     /**< combinations of the expressions of control groups */
+#define FB_CLIP_CALISTHENICS 3 /**< random controls, about a dozen at once */
+#define FB_CLIP_DENSE 4        /**< many controls of many groups at once */
+
+/* What a clip may be used for. */
+#define FB_SPLIT_ALL (-1)     /**< in fb_eval_desc only: every clip */
+#define FB_SPLIT_TRAIN 0      /**< training */
+#define FB_SPLIT_VALIDATION 1 /**< choices during training */
+#define FB_SPLIT_TEST 2       /**< measuring; never used for training or for any choice */
+
+/** Controls over time. An array of these has a stride beside it, so that it may grow. */
+typedef struct fb_rig_clip {
+  const char* name;      /**< unique, not empty */
+  int32_t kind;          /**< FB_CLIP_... */
+  int32_t split;         /**< FB_SPLIT_TRAIN, _VALIDATION or _TEST */
+  double fps;            /**< frames a second, > 0 */
+  uint32_t frames;       /**< at least 1 */
+  uint32_t reserved;     /**< 0 */
+  const float* controls; /**< frames x control_count */
+} fb_rig_clip;
+
+#define FB_RIG_THREAD_SAFE 1u /**< fb_rig::evaluate may be called from several threads at once */
+
+/** A rig: anything that can say which controls it has, what its rest mesh is, and where the vertices are in a pose. A
+ * plugin (librig_NAME.so, which exports fb_rig_open) or a host fills it; begin with fb_rig_init. All pointers are owned
+ * by the rig and stay valid and unchanged until destroy. */
+typedef struct fb_rig {
+  uint32_t struct_size;            /**< sizeof(fb_rig) as the plugin was compiled */
+  uint32_t abi;                    /**< FB_RIG_ABI as the plugin was compiled */
+  const char* name;                /**< of the character */
+  const char* units;               /**< of positions: "cm", "m", ... */
+  const char* up_axis;             /**< "y" or "z" */
+  uint32_t flags;                  /**< FB_RIG_..., or-ed */
+  uint32_t control_count;          /**< at least 1 */
+  const fb_rig_control* controls;  /**< control_count of them; their order is the order of every pose */
+  uint32_t control_stride;         /**< bytes from a control to the next: sizeof(fb_rig_control) as compiled */
+  uint32_t clip_stride;            /**< bytes from a clip to the next: sizeof(fb_rig_clip) as compiled */
+  uint32_t vertex_count;           /**< at least 1 */
+  uint32_t polygon_count;          /**< at least 1 */
+  const float* rest_positions;     /**< 3 x vertex_count: what evaluate gives with all controls at rest, to 1e-5 of the
+                                      diagonal */
+  const uint32_t* polygon_sizes;   /**< corners of each polygon, >= 3 */
+  const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
+  uint32_t clip_count;             /**< the rig's own animation; may be 0 */
+  uint32_t reserved;               /**< 0 */
+  const fb_rig_clip* clips;        /**< clip_count of them, all values within their ranges */
+  void* user;                      /**< passed to evaluate and destroy */
+  /** Evaluates a block of poses: controls is poses x control_count, positions receives poses x 3 x vertex_count floats,
+   * finite, object space, in `units`. Values of controls are always within their ranges. The same controls give the
+   * same positions whenever they are evaluated. Returns FB_OK, or an error after writing a sentence into message
+   * (message_size bytes, zero-terminated). */
+  fb_status (*evaluate)(void* user, uint64_t poses, const float* controls, float* positions, char* message,
+                        uint32_t message_size);
+  /** Frees everything the rig owns; may be null. */
+  void (*destroy)(void* user);
+  uint32_t uv_count;          /**< texture coordinates; 0, or a struct_size that ends before them: none */
+  uint32_t reserved_uv;       /**< 0 */
+  const float* uvs;           /**< 2 x uv_count: u and v interleaved, v growing upwards */
+  const uint32_t* uv_corners; /**< for each of polygon_corners its pair of uvs, < uv_count */
+} fb_rig;
+
+/** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */
+static inline void fb_rig_init(fb_rig* rig) {
+  memset(rig, 0, sizeof *rig);
+  rig->struct_size = (uint32_t)sizeof *rig;
+  rig->abi = FB_RIG_ABI;
+  rig->control_stride = (uint32_t)sizeof(fb_rig_control);
+  rig->clip_stride = (uint32_t)sizeof(fb_rig_clip);
+}
+
+/** Fills *rig: the one symbol that a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so
+ * that data beside it can be found. *rig comes zeroed, with room for a struct up to four times as long. On failure
+ * writes a sentence into message (message_size bytes, zero-terminated) and leaves nothing to destroy. */
+typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* message, uint32_t message_size);
+#define FB_RIG_OPEN_SYMBOL "fb_rig_open"
+
+#ifdef __cplusplus
+}
+#endif
+#endif
