@@ -12,6 +12,7 @@
 #include "commands/commands.h"
 #include "commands/interrupt.h"
 
+namespace fb::tool {
 namespace {
 
 // Threads that spin while they wait for each other make training several times slower as soon as anything else runs on
@@ -41,28 +42,30 @@ std::string farewell(const CLI::App& tool) {
 }
 
 }  // namespace
+}  // namespace fb::tool
 
 int main(int argc, char** argv) {
+  using namespace fb::tool;
   wait_without_spinning(argv);
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
-  fb::add_sample(tool);
-  fb::add_bake(tool);
-  fb::add_eval(tool);
-  fb::add_compare(tool);
-  fb::add_inspect(tool);
-  fb::add_verify(tool);
-  fb::add_pack(tool);
-  fb::add_pose(tool);
-  fb::add_bench(tool);
+  add_sample(tool);
+  add_bake(tool);
+  add_eval(tool);
+  add_compare(tool);
+  add_inspect(tool);
+  add_verify(tool);
+  add_pack(tool);
+  add_pose(tool);
+  add_bench(tool);
   // Last, for commands inherit it; only the tool itself has it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
       "or \"sample\", the built-in face.\n"
       "Exit code: 0 success, 1 failure, 2 wrong use.");
 
-  fb::watch_interrupts();
+  watch_interrupts();
   try {
     tool.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout)) fb::fail(fb::Status::io, "standard output: writing failed");

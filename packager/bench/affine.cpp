@@ -1,6 +1,6 @@
 #include "bench/affine.h"
 
-namespace fb {
+namespace fb::tool {
 
 extern const AffineKernels affine_base;
 #if defined(__x86_64__)
@@ -15,4 +15,4 @@ const AffineKernels& affine_kernels() {
   return affine_base;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

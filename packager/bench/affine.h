@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace fb {
+namespace fb::tool {
 
 struct AffineKernels {
   const char* name;  // of the instruction set Eigen was compiled for
@@ -19,4 +19,4 @@ struct AffineKernels {
 // Compiled for the widest vectors this processor has.
 const AffineKernels& affine_kernels();
 
-}  // namespace fb
+}  // namespace fb::tool

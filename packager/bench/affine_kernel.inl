@@ -3,7 +3,7 @@
 
 #include "bench/affine.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 using Matrix = Eigen::Map<const Eigen::MatrixXf>;
@@ -49,4 +49,4 @@ void silu(std::size_t count, const float* x, float* y) {
 extern const AffineKernels FB_AFFINE;
 const AffineKernels FB_AFFINE = {FB_AFFINE_NAME, multiply, rectify, silu};
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "model/feature_values.h"
 
-namespace fb {
+namespace fb::tool {
 
 PaperNetwork::PaperNetwork(std::size_t controls, std::size_t vertices, std::uint64_t seed) {
   constexpr std::size_t depth = 8, width = 256, components = 200;
@@ -114,4 +114,4 @@ std::size_t FloatModel::bytes() const {
   return numbers * sizeof(float);
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -9,7 +9,7 @@
 #include "bench/affine.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::tool {
 
 // The network of the paper: 8 layers of 256, relu, skips, 200 components and a dense basis; weights drawn from a seed,
 // for time does not depend on them.
@@ -46,4 +46,4 @@ class FloatModel {
   std::vector<std::vector<float>> groups_;
 };
 
-}  // namespace fb
+}  // namespace fb::tool

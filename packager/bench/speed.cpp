@@ -16,7 +16,7 @@
 #include "bench/thread_time.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace bake;
 using namespace runtime;
@@ -227,4 +227,4 @@ Speed measure_speed(std::span<const std::byte> archive, std::span<const float> c
   return speed;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

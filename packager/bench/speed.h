@@ -9,7 +9,7 @@
 #include "base/progress.h"
 #include "model/packed_model.h"
 
-namespace fb {
+namespace fb::tool {
 
 // Microseconds of processor time a pose.
 struct SpeedLine {
@@ -36,8 +36,4 @@ struct SpeedOptions {
 Speed measure_speed(std::span<const std::byte> archive, std::span<const float> controls, const SpeedOptions& options,
                     Progress& progress);
 
-// For people, and as comma-separated values with a line a figure.
-std::string speed_text(const Speed& speed);
-std::string speed_csv(const Speed& speed);
-
-}  // namespace fb
+}  // namespace fb::tool

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace fb {
+namespace fb::tool {
 
 // Microseconds this thread has run, where the system tells: what other programs take of a shared machine is not
 // counted.
@@ -16,4 +16,4 @@ inline double thread_time() {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-}  // namespace fb
+}  // namespace fb::tool

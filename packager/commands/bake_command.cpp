@@ -15,7 +15,7 @@
 #include "commands/table.h"
 #include "report/face_report.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 namespace {
 
@@ -141,4 +141,4 @@ void add_bake(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -12,8 +12,9 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/speed_text.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace bake;
 namespace {
@@ -89,4 +90,4 @@ void add_bench(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

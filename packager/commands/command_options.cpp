@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 
-namespace fb {
+namespace fb::tool {
 
 std::string whole_number(const std::string& word) {
   const bool digits = !word.empty() && word.find_first_not_of("0123456789") == std::string::npos;
@@ -93,4 +93,4 @@ void add_report(CLI::App& command, std::string& folder, const char* also) {
       ->type_name("DIR");
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -11,7 +11,7 @@ namespace CLI {
 class App;
 }
 
-namespace fb {
+namespace fb::tool {
 
 // For options that count: the text of what is wrong with a word, empty if it is a whole number that is not negative
 // and fits 64 bits.
@@ -32,4 +32,4 @@ void add_json_flag(CLI::App& command, bool& json);
 // `also` continues the sentence of the help: what is written besides.
 void add_report(CLI::App& command, std::string& folder, const char* also = "");
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@ namespace CLI {
 class App;
 }
 
-namespace fb {
+namespace fb::tool {
 
 void add_sample(CLI::App& tool);
 void add_bake(CLI::App& tool);
@@ -18,4 +18,4 @@ void add_pack(CLI::App& tool);
 void add_pose(CLI::App& tool);
 void add_bench(CLI::App& tool);
 
-}  // namespace fb
+}  // namespace fb::tool

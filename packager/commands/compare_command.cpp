@@ -19,7 +19,7 @@
 #include "commands/table.h"
 #include "report/face_report.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 namespace {
 
@@ -167,4 +167,4 @@ void add_compare(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

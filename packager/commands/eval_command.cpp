@@ -16,7 +16,7 @@
 #include "commands/table.h"
 #include "report/face_report.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace bake;
 namespace {
@@ -100,4 +100,4 @@ void add_eval(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,7 +7,7 @@
 #include "commands/command_options.h"
 #include "report/face_report.h"
 
-namespace fb {
+namespace fb::tool {
 
 void FigureOutputs::add_to(CLI::App& command, const char* also) {
   command.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
@@ -32,4 +32,4 @@ void write_report(const std::filesystem::path& folder, const std::string& name, 
   write_file(folder / (name + ".md"), table);
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,7 +7,7 @@ namespace CLI {
 class App;
 }
 
-namespace fb {
+namespace fb::tool {
 
 // Where the figures of a measuring command go: --json FILE, --report DIR, standard output.
 struct FigureOutputs {
@@ -25,4 +25,4 @@ struct FigureOutputs {
 void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,
                   const std::string& table);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -10,7 +10,7 @@
 #include "commands/table.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace runtime;
 namespace {
@@ -97,4 +97,4 @@ void add_inspect(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@
 #include "commands/json_text.h"
 #include "commands/table.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -158,4 +158,4 @@ std::string recipe_of(const Archive& archive) {
   return found != provenance.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-}  // namespace fb
+}  // namespace fb::tool

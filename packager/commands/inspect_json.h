@@ -5,7 +5,7 @@
 
 #include "archive/reader.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 
 // Everything worth knowing of an archive as JSON text, indented, ending in a newline. Keys are an interface: they are
@@ -23,4 +23,4 @@ std::string recipe_of(const Archive& archive);
 // "linear", "relu", ...
 std::string name_of(Activation activation);
 
-}  // namespace fb
+}  // namespace fb::tool

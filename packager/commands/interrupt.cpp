@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 std::atomic<bool> requested{false};
@@ -36,4 +36,4 @@ bool interrupt_requested() {
   return requested;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -12,7 +12,7 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace bake;
 namespace {
@@ -110,4 +110,4 @@ void add_pack(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

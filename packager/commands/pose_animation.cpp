@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 std::vector<float> column_displacements(const PackedModel& model, std::uint32_t column) {
@@ -77,4 +77,4 @@ MorphAnimation animate(const PackedModel& model, const Evaluator& evaluator, std
   return animation;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@
 #include "model/packed_model.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace runtime;
 
 // A clip (frames x controls) as morph targets over the rest mesh: the frames themselves, or, where there are more of
@@ -19,4 +19,4 @@ MorphAnimation animate(const PackedModel& model, const Evaluator& evaluator, std
 std::vector<float> evaluate_frames(const Evaluator& evaluator, std::span<const float> controls,
                                    const Parallel& parallel);
 
-}  // namespace fb
+}  // namespace fb::tool

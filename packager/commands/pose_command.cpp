@@ -18,9 +18,10 @@
 #include "commands/progress_bar.h"
 #include "export/obj_file.h"
 #include "render/png_file.h"
-#include "render/portrait.h"
+#include "render/pose_renderer.h"
+#include "report/model_mesh.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace bake;
 namespace {
@@ -45,14 +46,14 @@ struct PoseCommand {
   double worst_ = 0;                // largest distance from the true rig over the diagonal, if there is one beside
 };
 
-Canvas canvas_from(const std::string& size) {
-  Canvas canvas;
+Resolution resolution_from(const std::string& size) {
+  Resolution resolution;
   int read = 0;
-  if (std::sscanf(size.c_str(), "%5dx%5d%n", &canvas.width, &canvas.height, &read) != 2 ||
-      read != static_cast<int>(size.size()) || std::min(canvas.width, canvas.height) < 16 ||
-      std::max(canvas.width, canvas.height) > 8192)
+  if (std::sscanf(size.c_str(), "%5dx%5d%n", &resolution.width, &resolution.height, &read) != 2 ||
+      read != static_cast<int>(size.size()) || std::min(resolution.width, resolution.height) < 16 ||
+      std::max(resolution.width, resolution.height) > 8192)
     fail(Status::invalid_argument, "--size %s: give WIDTHxHEIGHT, each from 16 to 8192", size.c_str());
-  return canvas;
+  return resolution;
 }
 
 // The clip's frames become NAME.0000.obj, NAME.0001.obj, ...; a single pose keeps the name given.
@@ -76,8 +77,8 @@ void PoseCommand::write_still_files(const PackedModel& model, const Evaluator& e
   const std::size_t width = evaluator.control_count(), points = 3 * evaluator.vertex_count();
   const bool picture = out.ends_with(".png");
   const auto truth = beside.empty() ? nullptr : open_truth(beside, model, archive);
-  std::optional<Portrait> portrait;
-  if (picture) portrait.emplace(model.rest, model.schema.up_axis, view, canvas_from(size), parallel);
+  std::optional<PoseRenderer> renderer;
+  if (picture) renderer.emplace(mesh_view_of(model.rest), model.schema.up_axis, view, resolution_from(size), parallel);
   ProgressBar progress;
   if (poses.frames > 1) progress.begin("writing frames", poses.frames);
   for (std::size_t f = 0; f < poses.frames; ++f) {
@@ -85,13 +86,13 @@ void PoseCommand::write_still_files(const PackedModel& model, const Evaluator& e
     const std::vector<float> positions = evaluate_frames(evaluator, controls, parallel);
     const std::string path = numbered(out, f, poses.frames > 1);
     if (!picture) {
-      write_obj(path, model.schema.name, model.rest, positions);
+      write_obj(path, model.schema.name, mesh_view_of(model.rest), positions);
     } else if (!truth) {
-      write_png(path, portrait->draw(positions));
+      write_png(path, renderer->draw(positions));
     } else {
       std::vector<float> expected(points);
       truth->evaluate(controls, 1, expected);
-      const auto comparison = portrait->draw_beside({"true rig", expected}, {{"archive", positions}}, full_scale);
+      const auto comparison = renderer->draw_comparison({"true rig", expected}, {{"archive", positions}}, full_scale);
       write_png(path, comparison.image);
       worst_ = std::max(worst_, comparison.differences[0].max);
     }
@@ -135,7 +136,8 @@ void PoseCommand::run() {
   if (!glb) {
     write_still_files(model, evaluator, poses);
   } else {
-    GlbScene scene = {model.schema.name, model.schema.units, model.schema.up_axis, &model.rest, model.rest.points, {}};
+    GlbScene scene = {model.schema.name,        model.schema.units, model.schema.up_axis,
+                      mesh_view_of(model.rest), model.rest.points,  {}};
     std::vector<float> positions;
     if (poses.frames > 1)
       scene.animation = animate(model, evaluator, poses.controls, fps, parallel);
@@ -194,4 +196,4 @@ void add_pose(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -8,7 +8,7 @@
 #include "base/checked.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 namespace {
 
@@ -88,4 +88,4 @@ Poses read_poses(const PoseRequest& request, const RigSchema& schema) {
   return poses;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,7 +7,7 @@
 
 #include "model/rig_schema.h"
 
-namespace fb {
+namespace fb::tool {
 
 struct PoseRequest {
   std::vector<std::string> set;  // "NAME=VALUE"
@@ -25,4 +25,4 @@ struct Poses {
 // naming the closest there is, and on what is no number.
 Poses read_poses(const PoseRequest& request, const RigSchema& schema);
 
-}  // namespace fb
+}  // namespace fb::tool

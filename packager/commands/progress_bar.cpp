@@ -9,7 +9,7 @@
 #include "base/status.h"
 #include "commands/interrupt.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 constexpr auto redraw_interval = std::chrono::milliseconds(100);
@@ -98,4 +98,4 @@ void ProgressBar::finish_stage() {
   stage_.clear();
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@
 
 #include "base/progress.h"
 
-namespace fb {
+namespace fb::tool {
 
 // Progress on standard error: a bar that is redrawn in place on a terminal, a plain line now and then elsewhere. Asks
 // interrupt.h whether to stop. All members may be called from any thread.
@@ -39,4 +39,4 @@ class ProgressBar final : public Progress {
 // "1:05:09", "2:07", "9 s".
 std::string duration_text(double seconds);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -4,7 +4,7 @@
 
 #include "commands/json_text.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -139,4 +139,4 @@ std::string verify_json(const std::string& archive, const VerifyReport& report) 
       {{"archive", archive}, {"bytes", report.bytes}, {"poses", report.poses}, {"vertices", report.vertices}});
 }
 
-}  // namespace fb
+}  // namespace fb::tool

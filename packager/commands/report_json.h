@@ -11,7 +11,7 @@
 #include "bake/pipeline/bake.h"
 #include "bake/pipeline/compare.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 
 // "quality" and "locality" are null where they were not measured.
@@ -20,4 +20,4 @@ std::string compare_json(const CompareReport& report);
 std::string bake_json(const std::string& archive, const Baked& baked);
 std::string verify_json(const std::string& archive, const VerifyReport& report);
 
-}  // namespace fb
+}  // namespace fb::tool

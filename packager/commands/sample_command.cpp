@@ -11,7 +11,7 @@
 #include "commands/json_text.h"
 #include "commands/progress_bar.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 namespace {
 
@@ -80,4 +80,4 @@ void add_sample(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 // Characters of UTF-8 text, each taken to be one column wide.
@@ -37,4 +37,4 @@ std::string Table::text() const {
   return text;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace fb {
+namespace fb::tool {
 
 // Rows of words and numbers for people: the first column flush left, the others flush right.
 class Table {
@@ -18,4 +18,4 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -8,7 +8,7 @@
 #include "commands/commands.h"
 #include "commands/report_json.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 namespace {
 
@@ -39,4 +39,4 @@ void add_verify(CLI::App& tool) {
   app->callback([command] { command->run(); });
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -11,16 +11,16 @@
 #include "base/checked.h"
 #include "base/file.h"
 #include "base/status.h"
+#include "base/surface.h"
 #include "export/uv_seams.h"
-#include "model/surface.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
-// Puts arrays into the one buffer of a .glb and describes them.
-class Packer {
+// Appends arrays to the one buffer of a .glb, with their views and accessors.
+class BufferWriter {
  public:
-  explicit Packer(tinygltf::Model& model) : model_(model) { model_.buffers.emplace_back(); }
+  explicit BufferWriter(tinygltf::Model& model) : model_(model) { model_.buffers.emplace_back(); }
 
   template <class T>
   int view(std::span<const T> values, int target) {
@@ -37,35 +37,35 @@ class Packer {
   }
 
   int scalars(std::span<const float> values) {
-    tinygltf::Accessor accessor = described(values, 1);
+    tinygltf::Accessor accessor = accessor_of(values, 1);
     accessor.bufferView = view(values, 0);
     return add(accessor);
   }
 
   int vectors(std::span<const float> values, int width = 3) {
-    tinygltf::Accessor accessor = described(values, width);
+    tinygltf::Accessor accessor = accessor_of(values, width);
     accessor.bufferView = view(values, TINYGLTF_TARGET_ARRAY_BUFFER);
     return add(accessor);
   }
 
-  // Vectors most of which may be zero.
+  // Vectors; sparse if less than half of them are not zero.
   int displacements(std::span<const float> values) {
     std::vector<std::uint32_t> indices;
-    std::vector<float> kept;
+    std::vector<float> nonzero;
     for (std::size_t v = 0; v < values.size() / 3; ++v) {
       const auto vector = values.subspan(3 * v, 3);
       if (vector[0] == 0 && vector[1] == 0 && vector[2] == 0) continue;
       indices.push_back(static_cast<std::uint32_t>(v));
-      kept.insert(kept.end(), vector.begin(), vector.end());
+      nonzero.insert(nonzero.end(), vector.begin(), vector.end());
     }
     if (indices.empty() || indices.size() > values.size() / 6) return vectors(values);
-    tinygltf::Accessor accessor = described(values, 3);
+    tinygltf::Accessor accessor = accessor_of(values, 3);
     accessor.sparse.isSparse = true;
     accessor.sparse.count = static_cast<int>(indices.size());
     accessor.sparse.indices.bufferView = view(std::span<const std::uint32_t>(indices), 0);
     accessor.sparse.indices.byteOffset = 0;
     accessor.sparse.indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-    accessor.sparse.values.bufferView = view(std::span<const float>(kept), 0);
+    accessor.sparse.values.bufferView = view(std::span<const float>(nonzero), 0);
     accessor.sparse.values.byteOffset = 0;
     return add(accessor);
   }
@@ -80,7 +80,7 @@ class Packer {
   }
 
  private:
-  static tinygltf::Accessor described(std::span<const float> values, int width) {
+  static tinygltf::Accessor accessor_of(std::span<const float> values, int width) {
     tinygltf::Accessor accessor;
     accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
     accessor.type = width == 3 ? TINYGLTF_TYPE_VEC3 : width == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_SCALAR;
@@ -104,15 +104,15 @@ class Packer {
 };
 
 std::vector<float> unit_normals(std::span<const std::uint32_t> triangles, std::span<const float> points) {
-  std::vector<float> flat;
+  std::vector<float> normals;
   for (Vector3 n : vertex_normals(triangles, points)) {
-    if (!(length(n) > 0)) n = {0, 0, 1};  // a vertex without a face; glTF wants unit length all the same
-    flat.insert(flat.end(), {n.x, n.y, n.z});
+    if (!(length(n) > 0)) n = {0, 0, 1};  // a vertex without a polygon; glTF requires unit length
+    normals.insert(normals.end(), {n.x, n.y, n.z});
   }
-  return flat;
+  return normals;
 }
 
-// How the normals change for one unit of a target's weight, measured where the weight is largest.
+// Change of the normals for one unit of a target's weight, measured at the target's largest weight.
 std::vector<float> normal_displacements(std::span<const std::uint32_t> triangles, std::span<const float> base,
                                         std::span<const float> base_normals, std::span<const float> target,
                                         float weight) {
@@ -139,15 +139,15 @@ double metres(const std::string& units) {
   return found == table.end() ? 1.0 : found->second;
 }
 
-void add_animation(tinygltf::Model& model, Packer& packer, const GlbScene& scene,
+void add_animation(tinygltf::Model& model, BufferWriter& buffer, const GlbScene& scene,
                    std::span<const std::uint32_t> triangles, std::span<const float> normals, const SplitMesh& split) {
   const MorphAnimation& animation = scene.animation;
   tinygltf::Mesh& mesh = model.meshes[0];
   for (std::size_t t = 0; t < animation.targets.size(); ++t) {
     std::map<std::string, int> attributes = {
-        {"POSITION", packer.displacements(split.with_copies(animation.targets[t]))}};
+        {"POSITION", buffer.displacements(split.with_copies(animation.targets[t]))}};
     const float weight = largest_weight(animation, t);
-    attributes["NORMAL"] = packer.displacements(split.with_copies(
+    attributes["NORMAL"] = buffer.displacements(split.with_copies(
         weight != 0 ? normal_displacements(triangles, scene.base, normals, animation.targets[t], weight)
                     : std::vector<float>(scene.base.size())));
     mesh.primitives[0].targets.push_back(std::move(attributes));
@@ -156,8 +156,8 @@ void add_animation(tinygltf::Model& model, Packer& packer, const GlbScene& scene
   std::vector<float> times;
   for (std::size_t f = 0; f < animation.frames(); ++f) times.push_back(static_cast<float>(f / animation.fps));
   tinygltf::AnimationSampler sampler;
-  sampler.input = packer.scalars(times);
-  sampler.output = packer.scalars(animation.weights);
+  sampler.input = buffer.scalars(times);
+  sampler.output = buffer.scalars(animation.weights);
   sampler.interpolation = "LINEAR";
   tinygltf::AnimationChannel channel;
   channel.sampler = 0;
@@ -170,42 +170,34 @@ void add_animation(tinygltf::Model& model, Packer& packer, const GlbScene& scene
   model.animations.push_back(clip);
 }
 
-}  // namespace
-
-void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
-  const std::vector<std::uint32_t> triangles = scene.topology->triangles();
-  const std::vector<float> normals = unit_normals(triangles, scene.base);
-  const SplitMesh split = split_at_seams(*scene.topology);
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "FaceBaker " FB_VERSION;
-  Packer packer(model);
-
+tinygltf::Primitive primitive_of(BufferWriter& buffer, const GlbScene& scene, std::span<const float> normals,
+                                 const SplitMesh& split) {
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.material = 0;
-  primitive.attributes["POSITION"] = packer.vectors(split.with_copies(scene.base));
-  primitive.attributes["NORMAL"] = packer.vectors(split.with_copies(normals));
+  primitive.attributes["POSITION"] = buffer.vectors(split.with_copies(scene.base));
+  primitive.attributes["NORMAL"] = buffer.vectors(split.with_copies(normals));
   if (!split.uvs.empty()) {
     std::vector<float> uvs = split.uvs;
-    for (std::size_t i = 1; i < uvs.size(); i += 2) uvs[i] = 1 - uvs[i];  // glTF counts v downwards
-    primitive.attributes["TEXCOORD_0"] = packer.vectors(uvs, 2);
+    for (std::size_t i = 1; i < uvs.size(); i += 2) uvs[i] = 1 - uvs[i];  // in glTF v grows downwards
+    primitive.attributes["TEXCOORD_0"] = buffer.vectors(uvs, 2);
   }
-  primitive.indices = packer.indices(split.triangles);
-  model.meshes.emplace_back();
-  model.meshes[0].name = scene.name;
-  model.meshes[0].primitives.push_back(primitive);
+  primitive.indices = buffer.indices(split.triangles);
+  return primitive;
+}
 
+tinygltf::Material clay_material() {
   tinygltf::Material material;
   material.name = "clay";
   material.pbrMetallicRoughness.baseColorFactor = {0.5, 0.345, 0.275, 1};
   material.pbrMetallicRoughness.metallicFactor = 0;
   material.pbrMetallicRoughness.roughnessFactor = 0.7;
   material.doubleSided = true;
-  model.materials.push_back(material);
+  return material;
+}
 
-  if (!scene.animation.targets.empty()) add_animation(model, packer, scene, triangles, normals, split);
-
+// One node with the mesh, scaled and turned to glTF's metres and y up.
+void add_node(tinygltf::Model& model, const GlbScene& scene) {
   tinygltf::Node node;
   node.name = scene.name;
   node.mesh = 0;
@@ -215,16 +207,35 @@ void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
   model.scenes.emplace_back();
   model.scenes[0].nodes.push_back(0);
   model.defaultScene = 0;
+}
 
-  // The container counts bytes in 32 bits.
+}  // namespace
+
+void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
+  const std::vector<std::uint32_t> triangles = scene.mesh.triangles();
+  const std::vector<float> normals = unit_normals(triangles, scene.base);
+  const SplitMesh split = split_at_seams(scene.mesh);
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = "FaceBaker " FB_VERSION;
+  BufferWriter buffer(model);
+  const tinygltf::Primitive primitive = primitive_of(buffer, scene, normals, split);
+  model.meshes.emplace_back();
+  model.meshes[0].name = scene.name;
+  model.meshes[0].primitives.push_back(primitive);
+  model.materials.push_back(clay_material());
+  if (!scene.animation.targets.empty()) add_animation(model, buffer, scene, triangles, normals, split);
+  add_node(model, scene);
+
+  // A .glb counts its bytes in 32 bits.
   if (model.buffers[0].data.size() > 0xf0000000u)
     fail(Status::limit, "%s: %zu bytes of animation are more than a .glb holds; write fewer frames", path.c_str(),
          model.buffers[0].data.size());
   std::ostringstream stream;
   tinygltf::TinyGLTF writer;
   if (!writer.WriteGltfSceneToStream(&model, stream, false, true))
-    fail(Status::internal, "%s: glTF refused", path.c_str());
+    fail(Status::internal, "%s: tinygltf refused to write it", path.c_str());
   write_file(path, stream.str());
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -4,19 +4,19 @@
 
 #include "base/file.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 template <class Number>
 void append(std::string& text, Number number) {
-  char digits[32];  // the shortest digits that give the same number back
+  char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
   text.append(digits, end);
 }
 
 }  // namespace
 
-void write_obj(const std::filesystem::path& path, const std::string& name, const Mesh& mesh,
+void write_obj(const std::filesystem::path& path, const std::string& name, const MeshView& mesh,
                std::span<const float> points) {
   std::string text = "o ";
   for (const char c : name) text += c > ' ' ? c : '_';
@@ -43,4 +43,4 @@ void write_obj(const std::filesystem::path& path, const std::string& name, const
   write_file(path, text);
 }
 
-}  // namespace fb
+}  // namespace fb::tool

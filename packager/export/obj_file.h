@@ -4,13 +4,13 @@
 #include <span>
 #include <string>
 
-#include "model/mesh.h"
+#include "render/mesh_view.h"
 
-namespace fb {
+namespace fb::tool {
 
-// Writes a Wavefront .obj: `points` (3 x vertices) in vertex order with as many digits as a float needs, and the
-// polygons of `mesh` as they are, quads kept, with their texture coordinates. `name` names the object.
-void write_obj(const std::filesystem::path& path, const std::string& name, const Mesh& mesh,
+// Writes a Wavefront .obj with an object `name`: points (3 x vertices) with the shortest digits that give the same
+// floats, and the polygons of the mesh with their texture coordinates, not triangulated.
+void write_obj(const std::filesystem::path& path, const std::string& name, const MeshView& mesh,
                std::span<const float> points);
 
-}  // namespace fb
+}  // namespace fb::tool

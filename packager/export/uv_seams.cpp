@@ -4,7 +4,7 @@
 
 #include "base/checked.h"
 
-namespace fb {
+namespace fb::tool {
 
 std::vector<float> SplitMesh::with_copies(std::span<const float> vectors) const {
   std::vector<float> all(vectors.begin(), vectors.end());
@@ -13,33 +13,35 @@ std::vector<float> SplitMesh::with_copies(std::span<const float> vectors) const 
   return all;
 }
 
-SplitMesh split_at_seams(const Mesh& mesh) {
+SplitMesh split_at_seams(const MeshView& mesh) {
   SplitMesh split;
   if (mesh.uvs.empty()) {
     split.triangles = mesh.triangles();
     return split;
   }
   constexpr std::uint32_t none = UINT32_MAX;
-  std::vector<std::uint32_t> pair_of(mesh.vertex_count(), none);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> copies;  // of a vertex with a pair
-  Mesh parts = mesh;
+  std::vector<std::uint32_t> uv_of(mesh.vertex_count(), none);              // of each vertex and copy
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> copies;  // by vertex and texture coordinate
+  std::vector<std::uint32_t> corners(mesh.polygon_corners.begin(), mesh.polygon_corners.end());
   for (std::size_t c = 0; c < mesh.polygon_corners.size(); ++c) {
-    const std::uint32_t vertex = mesh.polygon_corners[c], pair = mesh.uv_corners[c];
-    if (pair_of[vertex] == none) pair_of[vertex] = pair;
-    if (pair_of[vertex] == pair) continue;
-    const auto [copy, added] = copies.try_emplace({vertex, pair}, checked_u32(pair_of.size(), "vertices"));
+    const std::uint32_t vertex = mesh.polygon_corners[c], uv = mesh.uv_corners[c];
+    if (uv_of[vertex] == none) uv_of[vertex] = uv;
+    if (uv_of[vertex] == uv) continue;
+    const auto [copy, added] = copies.try_emplace({vertex, uv}, checked_u32(uv_of.size(), "vertices"));
     if (added) {
       split.copied.push_back(vertex);
-      pair_of.push_back(pair);
+      uv_of.push_back(uv);
     }
-    parts.polygon_corners[c] = copy->second;
+    corners[c] = copy->second;
   }
-  for (const std::uint32_t pair : pair_of) {
-    split.uvs.push_back(pair == none ? 0 : mesh.uvs[2 * std::size_t(pair)]);
-    split.uvs.push_back(pair == none ? 0 : mesh.uvs[2 * std::size_t(pair) + 1]);
+  for (const std::uint32_t uv : uv_of) {
+    split.uvs.push_back(uv == none ? 0 : mesh.uvs[2 * std::size_t(uv)]);
+    split.uvs.push_back(uv == none ? 0 : mesh.uvs[2 * std::size_t(uv) + 1]);
   }
-  split.triangles = parts.triangles();
+  MeshView copied_mesh = mesh;
+  copied_mesh.polygon_corners = corners;
+  split.triangles = copied_mesh.triangles();
   return split;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

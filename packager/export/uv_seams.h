@@ -4,21 +4,20 @@
 #include <span>
 #include <vector>
 
-#include "model/mesh.h"
+#include "render/mesh_view.h"
 
-namespace fb {
+namespace fb::tool {
 
-// A mesh for files that know one pair of texture coordinates a vertex: where a vertex lies on a seam, copies of it,
-// after all others, have its other pairs.
+// A mesh for formats with one texture coordinate a vertex: vertices on UV seams are duplicated, after all others.
 struct SplitMesh {
-  std::vector<std::uint32_t> copied;  // the vertex each copy is of
-  std::vector<float> uvs;             // one pair a vertex and copy, (0, 0) for a vertex without a polygon; may be empty
+  std::vector<std::uint32_t> copied;     // the original vertex of each copy
+  std::vector<float> uvs;                // u and v of each vertex and copy; (0, 0) without a polygon; empty: none
   std::vector<std::uint32_t> triangles;  // of vertices and copies
 
-  // 3 x vertices numbers, with those of the copies.
+  // 3 x vertices numbers, followed by those of the copies.
   std::vector<float> with_copies(std::span<const float> vectors) const;
 };
 
-SplitMesh split_at_seams(const Mesh& mesh);
+SplitMesh split_at_seams(const MeshView& mesh);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -4,15 +4,16 @@
 #include <cmath>
 #include <limits>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
-constexpr int directions = 64;
-constexpr int map_size = 256;  // of a depth map, pixels
+// More of either makes shadows smoother and rendering slower.
+constexpr int direction_count = 64;
+constexpr int depth_map_size = 256;  // pixels
 
-// Spread evenly over the sphere along a golden-angle spiral.
+// Evenly spread over the sphere: a golden-angle spiral.
 Vector3 direction(int index) {
-  const float y = 1 - 2 * (index + 0.5f) / directions, radius = std::sqrt(1 - y * y);
+  const float y = 1 - 2 * (index + 0.5f) / direction_count, radius = std::sqrt(1 - y * y);
   const float angle = 2.39996323f * index;
   return {radius * std::cos(angle), y, radius * std::sin(angle)};
 }
@@ -22,7 +23,8 @@ struct Sphere {
   float radius = 0;
 };
 
-Sphere around(std::span<const float> points) {
+// Around the bounding box of the points.
+Sphere bounding_sphere(std::span<const float> points) {
   const float infinity = std::numeric_limits<float>::infinity();
   Vector3 low = {infinity, infinity, infinity}, high = low * -1.0f;
   for (std::size_t v = 0; v < points.size() / 3; ++v) {
@@ -33,85 +35,89 @@ Sphere around(std::span<const float> points) {
   return {(low + high) * 0.5f, 0.5f * length(high - low)};
 }
 
-// The mesh seen from far away along one direction: of each pixel the height of the surface nearest to the viewer.
+// Orthographic depth map of the mesh, seen from one direction.
 class DepthMap {
  public:
   DepthMap(std::span<const std::uint32_t> triangles, std::span<const float> points, const Sphere& bounds,
            Vector3 towards)
-      : towards_(towards), bounds_(bounds), heights_(map_size * map_size, -std::numeric_limits<float>::infinity()) {
+      : towards_(towards),
+        bounds_(bounds),
+        heights_(depth_map_size * depth_map_size, -std::numeric_limits<float>::infinity()) {
     const Vector3 helper = std::fabs(towards.y) < 0.9f ? Vector3{0, 1, 0} : Vector3{1, 0, 0};
     right_ = normalized(cross(helper, towards));
     up_ = cross(towards, right_);
     for (std::size_t t = 0; t + 2 < triangles.size(); t += 3)
-      draw(place(vector_at(points.data(), triangles[t])), place(vector_at(points.data(), triangles[t + 1])),
-           place(vector_at(points.data(), triangles[t + 2])));
+      rasterize(project(vector_at(points.data(), triangles[t])), project(vector_at(points.data(), triangles[t + 1])),
+                project(vector_at(points.data(), triangles[t + 2])));
   }
 
-  bool hides(Vector3 point) const {
-    const Vector3 p = place(point);
-    const int x = std::clamp(static_cast<int>(p.x), 0, map_size - 1),
-              y = std::clamp(static_cast<int>(p.y), 0, map_size - 1);
-    return heights_[y * map_size + x] > p.z;
+  bool occludes(Vector3 point) const {
+    const Vector3 p = project(point);
+    const int x = std::clamp(static_cast<int>(p.x), 0, depth_map_size - 1),
+              y = std::clamp(static_cast<int>(p.y), 0, depth_map_size - 1);
+    return heights_[y * depth_map_size + x] > p.z;
   }
 
  private:
-  // Pixels across, and height in the points' own unit.
-  Vector3 place(Vector3 point) const {
+  // x and y in pixels, z towards the viewer in the unit of the points.
+  Vector3 project(Vector3 point) const {
     const Vector3 d = point - bounds_.centre;
-    const float scale = 0.5f * map_size / bounds_.radius;
-    return {(dot(d, right_)) * scale + 0.5f * map_size, dot(d, up_) * scale + 0.5f * map_size, dot(d, towards_)};
+    const float scale = 0.5f * depth_map_size / bounds_.radius;
+    return {(dot(d, right_)) * scale + 0.5f * depth_map_size, dot(d, up_) * scale + 0.5f * depth_map_size,
+            dot(d, towards_)};
   }
 
-  void draw(Vector3 a, Vector3 b, Vector3 c) {
+  void rasterize(Vector3 a, Vector3 b, Vector3 c) {
     const float twice_area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
     if (!(std::fabs(twice_area) > 1e-6f)) return;
-    const auto pixel = [](float value) { return std::clamp(static_cast<int>(value), 0, map_size - 1); };
+    const auto pixel = [](float value) { return std::clamp(static_cast<int>(value), 0, depth_map_size - 1); };
     for (int y = pixel(std::min({a.y, b.y, c.y})); y <= pixel(std::max({a.y, b.y, c.y})); ++y)
       for (int x = pixel(std::min({a.x, b.x, c.x})); x <= pixel(std::max({a.x, b.x, c.x})); ++x) {
         const float px = x + 0.5f - a.x, py = y + 0.5f - a.y;
         const float wb = (px * (c.y - a.y) - (c.x - a.x) * py) / twice_area;
         const float wc = ((b.x - a.x) * py - px * (b.y - a.y)) / twice_area;
         if (wb < 0 || wc < 0 || wb + wc > 1) continue;
-        float& height = heights_[y * map_size + x];
+        float& height = heights_[y * depth_map_size + x];
         height = std::max(height, a.z + wb * (b.z - a.z) + wc * (c.z - a.z));
       }
   }
 
   Vector3 right_, up_, towards_;
   const Sphere& bounds_;
-  std::vector<float> heights_;
+  std::vector<float> heights_;  // of the surface nearest to the viewer, a pixel each
 };
 
 }  // namespace
 
-std::vector<float> vertex_exposure(std::span<const std::uint32_t> triangles, std::span<const float> points,
-                                   std::span<const Vector3> normals, const Parallel& parallel) {
-  // One depth map a direction says which vertices that part of the sky reaches; directions are added up in order.
+std::vector<float> vertex_ambient_occlusion(std::span<const std::uint32_t> triangles, std::span<const float> points,
+                                            std::span<const Vector3> normals, const Parallel& parallel) {
+  // One depth map a direction gives the vertices lit from there; directions are summed in order, so that the result
+  // does not depend on threads.
   const std::size_t vertices = normals.size();
-  const Sphere bounds = around(points);
+  const Sphere bounds = bounding_sphere(points);
   if (!(bounds.radius > 0)) return std::vector<float>(vertices, 1.0f);
-  const float lift = 4 * bounds.radius / map_size;  // off the surface, so that it does not hide itself
-  std::vector<Vector3> sky;
-  for (int d = 0; d < directions; ++d) sky.push_back(direction(d));
-  std::vector<std::vector<float>> light(directions, std::vector<float>(vertices));
-  parallel_for(parallel, directions, [&](std::size_t index, std::size_t) {
-    const Vector3 towards = sky[index];
+  const float bias = 4 * bounds.radius / depth_map_size;  // off the surface, so that it does not occlude itself
+  std::vector<Vector3> directions;
+  for (int d = 0; d < direction_count; ++d) directions.push_back(direction(d));
+  std::vector<std::vector<float>> light(direction_count, std::vector<float>(vertices));
+  parallel_for(parallel, direction_count, [&](std::size_t index, std::size_t) {
+    const Vector3 towards = directions[index];
     const DepthMap map(triangles, points, bounds, towards);
     for (std::size_t v = 0; v < vertices; ++v) {
-      const float facing = dot(normals[v], towards);
-      if (facing > 0 && !map.hides(vector_at(points.data(), v) + normals[v] * lift)) light[index][v] = facing;
+      const float cosine = dot(normals[v], towards);
+      if (cosine > 0 && !map.occludes(vector_at(points.data(), v) + normals[v] * bias)) light[index][v] = cosine;
     }
   });
-  std::vector<float> ambient_occlusion(vertices);
+  std::vector<float> reached_share(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
-    float reached = 0, whole = 0;
-    for (int d = 0; d < directions; ++d) {
+    float reached = 0, hemisphere = 0;
+    for (int d = 0; d < direction_count; ++d) {
       reached += light[d][v];
-      whole += std::max(0.0f, dot(normals[v], sky[d]));
+      hemisphere += std::max(0.0f, dot(normals[v], directions[d]));
     }
-    ambient_occlusion[v] = whole > 0 ? reached / whole : 1.0f;
+    reached_share[v] = hemisphere > 0 ? reached / hemisphere : 1.0f;
   }
-  return ambient_occlusion;
+  return reached_share;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,12 +7,11 @@
 #include "base/parallel.h"
 #include "base/vector3.h"
 
-namespace fb {
+namespace fb::tool {
 
-// How much of the sky over each vertex is not hidden by the mesh itself: 1 in the open, near 0 deep in a mouth.
-// Weighted by the cosine to the normal, as matt surfaces gather light. triangles: three vertex indices each; points: 3
-// x vertices.
-std::vector<float> vertex_exposure(std::span<const std::uint32_t> triangles, std::span<const float> points,
-                                   std::span<const Vector3> normals, const Parallel& parallel);
+// Ambient light that reaches each vertex past the mesh itself: 1 in the open, near 0 deep in a mouth. Cosine-weighted,
+// as for a Lambertian surface. triangles: three vertex indices each; points: 3 x vertices; normals: one a vertex.
+std::vector<float> vertex_ambient_occlusion(std::span<const std::uint32_t> triangles, std::span<const float> points,
+                                            std::span<const Vector3> normals, const Parallel& parallel);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
-bool inside(const Box& box, Vector3 p) {
+bool inside(const BoundingBox& box, Vector3 p) {
   return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y && p.z >= box.low.z &&
          p.z <= box.high.z;
 }
@@ -27,7 +27,7 @@ Vector3 Camera::to_camera(Vector3 point) const {
   return {dot(d, right), dot(d, up), dot(d, back)};
 }
 
-Camera frame(std::span<const float> points, std::string_view up_axis, const View& view, float aspect) {
+Camera fit_camera(std::span<const float> points, std::string_view up_axis, const View& view, float aspect) {
   constexpr float radians = 3.14159265f / 180;
   const bool z_up = up_axis == "z";
   const Vector3 world_up = z_up ? Vector3{0, 0, 1} : Vector3{0, 1, 0};
@@ -42,25 +42,25 @@ Camera frame(std::span<const float> points, std::string_view up_axis, const View
   camera.aspect = aspect;
   camera.focal = 1 / std::tan(0.5f * view.field_of_view * radians);
 
-  const auto wanted = [&](std::size_t vertex) {
+  const auto in_region = [&](std::size_t vertex) {
     return !view.region || inside(*view.region, vector_at(points.data(), vertex));
   };
   const std::size_t vertices = points.size() / 3;
   Extent x, y, z;
   for (std::size_t v = 0; v < vertices; ++v) {
-    if (!wanted(v)) continue;
+    if (!in_region(v)) continue;
     const Vector3 p = camera.to_camera(vector_at(points.data(), v));
     x.include(p.x);
     y.include(p.y);
     z.include(p.z);
   }
   if (!(x.low <= x.high)) x = y = z = {-1, 1};
-  // A point is in the picture when focal * |y| <= (distance - z) * usable, and the same for x with the aspect.
+  // A point is in the image when focal * |y| <= (distance - z) * usable, and the same for x / aspect.
   const float usable = 1 - 2 * view.margin;
   const float size = std::max({x.high - x.low, y.high - y.low, z.high - z.low, 1e-20f});
   float distance = z.high + 0.05f * size;
   for (std::size_t v = 0; v < vertices; ++v) {
-    if (!wanted(v)) continue;
+    if (!in_region(v)) continue;
     const Vector3 p = camera.to_camera(vector_at(points.data(), v));
     const float reach = std::max(std::fabs(p.y - y.middle()), std::fabs(p.x - x.middle()) / aspect);
     distance = std::max(distance, p.z + reach * camera.focal / usable);
@@ -69,4 +69,4 @@ Camera frame(std::span<const float> points, std::string_view up_axis, const View
   return camera;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

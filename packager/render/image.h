@@ -1,13 +1,12 @@
-// Pictures in memory: what the rasteriser fills, what captions are drawn into, what becomes a PNG.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace fb {
+namespace fb::tool {
 
-// A colour as screens show it (sRGB), 8 bits a channel.
+// sRGB, 8 bits a channel.
 struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
   bool operator==(const Rgb&) const = default;
@@ -24,4 +23,4 @@ struct Image {
   const Rgb& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
 };
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "base/status.h"
 
-namespace fb {
+namespace fb::tool {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   AtomicFile file(path);
@@ -16,7 +16,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
     AtomicFile& file;
     std::exception_ptr failure;
   } sink{file, nullptr};
-  // The exception waits until stb, which is C, has returned.
+  // stb is C: an exception is kept until it has returned.
   const auto write = [](void* context, void* data, int size) {
     Sink& to = *static_cast<Sink*>(context);
     try {
@@ -29,8 +29,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
                                              image.width * static_cast<int>(sizeof(Rgb)));
   if (sink.failure) std::rethrow_exception(sink.failure);
   if (!written)
-    fail(Status::out_of_memory, "%s: no memory for a picture of %d x %d", path.c_str(), image.width, image.height);
+    fail(Status::out_of_memory, "%s: no memory for an image of %d x %d", path.c_str(), image.width, image.height);
   file.commit();
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -4,9 +4,9 @@
 
 #include "render/image.h"
 
-namespace fb {
+namespace fb::tool {
 
-// Writes a PNG, whole or not at all; fails with io and the path.
+// Writes a PNG, complete or not at all. Fails with io, naming the path.
 void write_png(const std::filesystem::path& path, const Image& image);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -1,4 +1,4 @@
-// Draws posed meshes without a graphics card: the same pixels everywhere, whatever the thread count.
+// A software rasteriser: the same pixels on every machine, whatever the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 #include "render/camera.h"
 #include "render/image.h"
 
-namespace fb {
+namespace fb::tool {
 
 struct Scene {
   std::span<const std::uint32_t> triangles;  // three vertex indices each
   std::span<const float> points;             // 3 x vertices
-  std::span<const float> scalars = {};       // one a vertex: coloured by map_colour; empty: clay
-  float scalar_full = 1;                     // the scalar at the end of the colour map
+  std::span<const float> scalars = {};       // one a vertex, coloured by map_colour; empty: a clay render
+  float scale_max = 1;                       // the scalar at the end of the colour map
 };
 
-struct Canvas {
+struct Resolution {
   int width = 640, height = 800;
-  int samples = 3;  // samples x samples rays a pixel
+  int samples = 3;  // supersampling: samples x samples a pixel
 };
 
-// Both sides of a surface are drawn, the inside darker. Triangles that reach behind the camera are left out.
-Image render(const Scene& scene, const Camera& camera, const Canvas& canvas, const Parallel& parallel = {});
+// Both sides of a surface are drawn, the back faces darker. Triangles that reach behind the camera are left out.
+Image render(const Scene& scene, const Camera& camera, const Resolution& resolution, const Parallel& parallel = {});
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 struct Light {
   Vector3 direction;  // towards it, camera space
   Vector3 colour;
-  float wrap;  // how far the light reaches around the terminator, as a large lamp does
+  float wrap;  // wrap lighting: how far beyond 90 degrees it reaches, as an area light does
 };
 
-// Key from the upper left, weaker cool fill from the right, two rims from behind.
+// Key light from the upper left, weaker cool fill light from the right, two rim lights from behind.
 const Light lights[] = {
     {normalized({-0.55f, 0.60f, 0.65f}), {1.18f, 1.10f, 1.00f}, 0.15f},
     {normalized({0.85f, 0.05f, 0.55f}), {0.22f, 0.26f, 0.32f}, 0.30f},
@@ -25,26 +25,26 @@ const Light lights[] = {
 Vector3 shade_clay(Vector3 normal, Vector3 to_eye, float ambient_occlusion, Vector3 colour) {
   const float sky = 0.5f + 0.5f * normal.y;
   Vector3 diffuse = mix(Vector3{0.10f, 0.085f, 0.08f}, Vector3{0.19f, 0.21f, 0.24f}, sky);
-  Vector3 gloss;
+  Vector3 specular;
   for (const Light& light : lights) {
-    const float facing = (dot(normal, light.direction) + light.wrap) / (1 + light.wrap);
-    if (facing <= 0) continue;
-    diffuse = diffuse + light.colour * facing;
-    // Blinn (1977), with a broad lobe: skin is rough.
+    const float cosine = (dot(normal, light.direction) + light.wrap) / (1 + light.wrap);
+    if (cosine <= 0) continue;
+    diffuse = diffuse + light.colour * cosine;
+    // Specular lobe of Blinn (1977), broad: skin is rough.
     const float half = std::max(0.0f, dot(normal, normalized(light.direction + to_eye)));
     const float h4 = half * half * half * half, h16 = h4 * h4 * h4 * h4;
-    gloss = gloss + light.colour * (0.09f * h16 * h4 * facing);
+    specular = specular + light.colour * (0.09f * h16 * h4 * cosine);
   }
-  // The lamps are large, so what sees little of the sky sees little of them too.
-  return (colour * diffuse + gloss) * (0.04f + 0.96f * ambient_occlusion);
+  // The lights are large, so ambient occlusion dims them too.
+  return (colour * diffuse + specular) * (0.04f + 0.96f * ambient_occlusion);
 }
 
-Vector3 shade_map(Vector3 normal, float ambient_occlusion, Vector3 colour) {
-  const float facing = std::max(0.0f, dot(normal, lights[0].direction));
-  return colour * (0.40f + 0.25f * ambient_occlusion + 0.35f * facing);
+Vector3 shade_colour_map(Vector3 normal, float ambient_occlusion, Vector3 colour) {
+  const float cosine = std::max(0.0f, dot(normal, lights[0].direction));
+  return colour * (0.40f + 0.25f * ambient_occlusion + 0.35f * cosine);
 }
 
-Vector3 backdrop(float t) {
+Vector3 background(float t) {
   return mix(Vector3{0.16f, 0.18f, 0.21f}, Vector3{0.42f, 0.44f, 0.46f}, t * t * (3 - 2 * t));
 }
 
@@ -62,4 +62,4 @@ Rgb to_srgb(Vector3 c) {
   return {channel(c.x), channel(c.y), channel(c.z)};
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -10,7 +10,7 @@
 #include <stb/stb_easy_font.h>
 #pragma GCC diagnostic pop
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 std::string printable(std::string line) {
@@ -50,4 +50,4 @@ void draw_text(Image& image, int x, int y, const std::string& line, Rgb colour, 
   }
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@
 #include "report/report_pictures.h"
 #include "report/report_view.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 bool is_report(const std::filesystem::path& folder) {
@@ -52,4 +52,4 @@ void write_face_report(const std::filesystem::path& folder, const FaceReport& re
   write_file(folder / "index.html", page.page());
 }
 
-}  // namespace fb
+}  // namespace fb::tool

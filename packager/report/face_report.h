@@ -6,7 +6,7 @@
 
 #include "bake/pipeline/compare.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace bake;
 
 // Fails with io unless the folder is missing, empty or a report; then makes it one, so that whoever finds
@@ -28,4 +28,4 @@ struct FaceReport {
 void write_face_report(const std::filesystem::path& folder, const FaceReport& report, const Parallel& parallel,
                        Progress& progress);
 
-}  // namespace fb
+}  // namespace fb::tool

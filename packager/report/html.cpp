@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 constexpr std::string_view style = R"(<style>
@@ -117,4 +117,4 @@ std::string Html::page() const {
          contents_ + "</nav>\n" + body_ + "</body>\n</html>\n";
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace fb {
+namespace fb::tool {
 
 // Text as HTML shows it: markup characters become entities, control characters and bytes that are no UTF-8 become '?'.
 std::string escape_html(std::string_view text);
@@ -37,4 +37,4 @@ inline constexpr std::string_view report_mark =
     "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
     "<meta name=\"generator\" content=\"FaceBaker report\">\n";
 
-}  // namespace fb
+}  // namespace fb::tool

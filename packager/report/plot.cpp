@@ -6,7 +6,7 @@
 #include "base/status.h"
 #include "report/html.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 constexpr double decades_at_most = 12;
@@ -210,4 +210,4 @@ std::string draw_bars(const std::vector<std::string>& series, const std::vector<
   return svg + "</svg>\n";
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace fb {
+namespace fb::tool {
 
 struct Curve {
   std::string name;
@@ -34,4 +34,4 @@ struct Bar {
 std::string draw_bars(const std::vector<std::string>& series, const std::vector<int>& colours,
                       const std::vector<Bar>& bars, bool logarithmic);
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -7,7 +7,7 @@
 #include "report/plot.h"
 #include "report/report_view.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 constexpr std::size_t clips_shown = 8, controls_shown = 24;
@@ -189,4 +189,4 @@ void add_training(Html& page, const ReportView& view) {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::tool

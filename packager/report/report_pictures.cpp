@@ -8,17 +8,18 @@
 #include "archive/reader.h"
 #include "base/status.h"
 #include "render/colour_map.h"
-#include "render/panels.h"
+#include "render/montage.h"
 #include "render/png_file.h"
-#include "render/portrait.h"
+#include "render/pose_renderer.h"
+#include "report/model_mesh.h"
 #include "runtime/evaluator.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 using namespace runtime;
 namespace {
 
-constexpr Canvas canvas = {460, 575, 3};
+constexpr Resolution resolution = {460, 575, 3};
 constexpr std::size_t expressive_frames = 4, frames_looked_at = 1000, worst_shown = 4, fields_shown = 4;
 constexpr double moving = 2e-3;  // of the diagonal: what moves less need not be in the picture
 
@@ -30,7 +31,7 @@ struct FrameAddress {
 View view_of(Source& source, const std::vector<FrameAddress>& frames) {
   const std::vector<float>& rest = source.rest().points;
   const double still = moving * source.rest().diagonal();
-  Box box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  BoundingBox box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
   std::vector<float> points(rest.size());
   for (const FrameAddress& at : frames) {
     source.read(at.clip, at.frame, 1, points);
@@ -54,9 +55,9 @@ class Studio {
          const Parallel& parallel)
       : source_(source),
         folder_(folder),
-        portrait_(source.rest(), source.schema().up_axis, view_of(source, shown), canvas, parallel) {}
+        renderer_(mesh_view_of(source.rest()), source.schema().up_axis, view_of(source, shown), resolution, parallel) {}
 
-  const Portrait& portrait() const { return portrait_; }
+  const PoseRenderer& renderer() const { return renderer_; }
   FrameAddress find(const std::string& clip, std::size_t frame) const {
     for (std::size_t c = 0; c < source_.clips().size(); ++c)
       if (source_.clips()[c].name == clip) return {c, frame};
@@ -67,18 +68,18 @@ class Studio {
   }
 
   // The rig and these methods in one frame, with what they are off, as a picture of the folder.
-  Portrait::Comparison show(const std::string& file, const FrameAddress& at, const ReportView& view,
-                            const std::vector<const MethodReport*>& methods) {
+  PoseRenderer::Comparison show(const std::string& file, const FrameAddress& at, const ReportView& view,
+                                const std::vector<const MethodReport*>& methods) {
     const Clip& clip = source_.clips()[at.clip];
     const std::size_t width = source_.schema().control_count();
     const std::span<const float> controls(&clip.controls[at.frame * width], width);
     std::vector<float> truth(source_.rest().points.size());
     source_.read(at.clip, at.frame, 1, truth);
     std::vector<std::vector<float>> posed;
-    std::vector<Portrait::Posed> faces;
+    std::vector<PoseRenderer::Pose> faces;
     for (const MethodReport* method : methods) posed.push_back(pose(face(*method), controls));
     for (std::size_t m = 0; m < methods.size(); ++m) faces.push_back({view.label(*methods[m]), posed[m]});
-    Portrait::Comparison comparison = portrait_.draw_beside({"true rig", truth}, faces, 0);
+    PoseRenderer::Comparison comparison = renderer_.draw_comparison({"true rig", truth}, faces, 0);
     write(file, comparison.image);
     return comparison;
   }
@@ -99,11 +100,11 @@ class Studio {
 
   Source& source_;
   std::filesystem::path folder_;
-  Portrait portrait_;
+  PoseRenderer renderer_;
   std::map<const MethodReport*, std::unique_ptr<Evaluator>> faces_;
 };
 
-std::string errors_text(const Portrait::Comparison& comparison, const std::vector<std::string>& names) {
+std::string errors_text(const PoseRenderer::Comparison& comparison, const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     text += format("%s %s: rms %.1e, worst vertex %.1e.", i ? " " : "", names[i].c_str(), comparison.differences[i].rms,
@@ -191,11 +192,11 @@ void add_error_maps(Html& page, const ReportView& view, const Source& source, St
     if (panels.size() == fields_shown) break;
     const std::vector<float>& rms = method.independent.quality->vertex_rms;
     const float worst = *std::max_element(rms.begin(), rms.end()), full = round_scale(worst);
-    panels.push_back({studio.portrait().draw_field(source.rest().points, rms, full),
+    panels.push_back({studio.renderer().draw_scalars(source.rest().points, rms, full),
                       format("%s\nworst %.1e", view.label(method).c_str(), worst), full});
   }
   if (panels.empty()) return;
-  studio.write("error_map.png", compose(panels));
+  studio.write("error_map.png", make_montage(panels));
   page.heading("Error over the face");
   page.picture("error_map.png",
                "Root mean square error of each vertex over all measured frames, as a fraction of the "
@@ -228,4 +229,4 @@ void add_pictures(Html& page, const ReportView& view, Source& frames, const std:
   add_error_maps(page, view, frames, studio);
 }
 
-}  // namespace fb
+}  // namespace fb::tool

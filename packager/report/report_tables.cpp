@@ -8,7 +8,7 @@
 #include "report/plot.h"
 #include "report/report_view.h"
 
-namespace fb {
+namespace fb::tool {
 using namespace archive;
 namespace {
 
@@ -212,4 +212,4 @@ void add_sizes(Html& page, const ReportView& view) {
   page.raw(draw_bars({"kB"}, {1}, bars, false));
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -6,7 +6,7 @@
 
 #include "base/status.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 // Recipes by what a reader wants to see of a face, the last first wanted; any other recipe comes before them.
@@ -52,4 +52,4 @@ std::string figure_text(double value) {
   return std::isfinite(value) ? format("%.2e", value) : "-";
 }
 
-}  // namespace fb
+}  // namespace fb::tool

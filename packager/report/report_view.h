@@ -8,7 +8,7 @@
 #include "report/face_report.h"
 #include "report/html.h"
 
-namespace fb {
+namespace fb::tool {
 
 // The methods of a report, and the roles some of them play in it.
 class ReportView {
@@ -49,4 +49,4 @@ void add_locality(Html& page, const ReportView& view);
 void add_training(Html& page, const ReportView& view);
 void add_sizes(Html& page, const ReportView& view);
 
-}  // namespace fb
+}  // namespace fb::tool

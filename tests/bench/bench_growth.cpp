@@ -18,6 +18,7 @@ namespace {
 
 using namespace fb;
 using namespace fb::runtime;
+using namespace fb::tool;
 
 constexpr std::uint32_t regions = 8, hidden = 112, outputs = 100, block_vertices = 64;
 constexpr std::size_t frames = 48, rounds = 7;

@@ -19,6 +19,7 @@
 namespace {
 
 using namespace fb;
+using namespace fb::tool;
 using dnnl::memory;
 
 constexpr std::size_t batch = 256, poses = 200, rounds = 7;

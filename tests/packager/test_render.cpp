@@ -5,17 +5,18 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "model/surface.h"
+#include "base/surface.h"
 #include "render/ambient_occlusion.h"
 #include "render/colour_map.h"
-#include "render/panels.h"
+#include "render/montage.h"
 #include "render/png_file.h"
-#include "render/portrait.h"
+#include "render/pose_renderer.h"
 #include "render/rasterizer.h"
 #include "render/shading.h"
 #include "render/text.h"
 
 using namespace fb;
+using namespace fb::tool;
 
 namespace {
 
@@ -72,11 +73,11 @@ std::size_t differing(const std::vector<bool>& a, const std::vector<bool>& b) {
   return count;
 }
 
-const Canvas small = {.width = 160, .height = 160, .samples = 2};
+const Resolution small = {.width = 160, .height = 160, .samples = 2};
 
 Image draw(const Shape& shape, const View& view = {}, const std::vector<float>& scalars = {}, float full = 1) {
-  return render({.triangles = shape.triangles, .points = shape.points, .scalars = scalars, .scalar_full = full},
-                frame(shape.points, "y", view, 1), small);
+  return render({.triangles = shape.triangles, .points = shape.points, .scalars = scalars, .scale_max = full},
+                fit_camera(shape.points, "y", view, 1), small);
 }
 
 }  // namespace
@@ -92,8 +93,8 @@ TEST_CASE("the camera fits what it frames into the picture, up to the margin") {
 TEST_CASE("a region is what has to be in the picture, in place of the whole") {
   const Shape shape = sphere();
   View view;
-  view.region = Box{{-0.3f, -0.3f, 0.5f}, {0.3f, 0.3f, 2}};
-  const Camera near = frame(shape.points, "y", view, 1), whole = frame(shape.points, "y", {}, 1);
+  view.region = BoundingBox{{-0.3f, -0.3f, 0.5f}, {0.3f, 0.3f, 2}};
+  const Camera near = fit_camera(shape.points, "y", view, 1), whole = fit_camera(shape.points, "y", {}, 1);
   CHECK(near.position.z < 0.7f * whole.position.z);
   float farthest = 0;  // from the middle of the picture; 1 is its edge
   for (std::size_t v = 0; v < shape.points.size() / 3; ++v) {
@@ -132,7 +133,7 @@ TEST_CASE("z-up is y-up turned") {
   view.pitch = 15;
   const Image a = draw(shape, view);
   const Image b =
-      render({.triangles = turned.triangles, .points = turned.points}, frame(turned.points, "z", view, 1), small);
+      render({.triangles = turned.triangles, .points = turned.points}, fit_camera(turned.points, "z", view, 1), small);
   CHECK(differing(silhouette(a), silhouette(b)) < 10);
   const Rgb middle_a = a.at(80, 80), middle_b = b.at(80, 80);
   CHECK(std::abs(middle_a.r - middle_b.r) <= 2);
@@ -146,7 +147,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
     for (const std::uint32_t corner : square().triangles) both.triangles.push_back(corner + 4);
     const float first = front_first ? 1.0f : 0.0f;
     const Image image = draw(both, {}, {first, first, first, first, 1 - first, 1 - first, 1 - first, 1 - first});
-    const Rgb seen = image.at(80, 80), full = to_srgb(shade_map({0, 0, 1}, 1, map_colour(1, 1)));
+    const Rgb seen = image.at(80, 80), full = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(1, 1)));
     CHECK(std::abs(seen.r - full.r) <= 2);
     CHECK(std::abs(seen.g - full.g) <= 2);
   }
@@ -155,7 +156,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
 TEST_CASE("an error map shows known values in the colours of its scale") {
   for (const float value : {0.0f, 0.25f, 0.5f, 1.0f, 3.0f}) {
     const Image image = draw(square(), {}, std::vector<float>(4, value), 1);
-    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_map({0, 0, 1}, 1, map_colour(value, 1)));
+    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(value, 1)));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
@@ -173,26 +174,27 @@ TEST_CASE("an error map shows known values in the colours of its scale") {
 
 TEST_CASE("a face beside the truth is measured over the diagonal and shown on the scale asked for") {
   const Shape shape = square();
-  const Mesh rest = {shape.points, {4}, {0, 1, 2, 3}};
+  const std::vector<std::uint32_t> sizes = {4}, corners = {0, 1, 2, 3};
+  const MeshView rest = {shape.points, sizes, corners};
   std::vector<float> off = shape.points;
   for (std::size_t v = 0; v < 4; ++v) off[3 * v + 2] -= 0.2f;
   const double distance = 0.2 / std::sqrt(8.0);
-  const Portrait portrait(rest, "y", {}, small, {});
+  const PoseRenderer renderer(rest, "y", {}, small, {});
   for (const float full : {0.0f, 0.4f}) {
-    const Portrait::Comparison beside = portrait.draw_beside({"truth", shape.points}, {{"archive", off}}, full);
-    const Portrait::Difference difference = beside.differences.at(0);
+    const PoseRenderer::Comparison beside = renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, full);
+    const PoseRenderer::Difference difference = beside.differences.at(0);
     CHECK(difference.max == doctest::Approx(distance));
     CHECK(difference.rms == doctest::Approx(distance));
     const float scale = full > 0 ? full : round_scale(float(distance));
     const Rgb seen = beside.image.at(3 * 8 + 2 * 160 + 80, 8 + 80),
-              expected = to_srgb(shade_map({0, 0, 1}, 1, map_colour(float(distance), scale)));
+              expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(float(distance), scale)));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
   }
   off[2] = shape.points[2];  // one of four is where it belongs
-  const Portrait::Difference three =
-      portrait.draw_beside({"truth", shape.points}, {{"archive", off}}, 0).differences.at(0);
+  const PoseRenderer::Difference three =
+      renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, 0).differences.at(0);
   CHECK(three.max == doctest::Approx(distance));
   CHECK(three.rms == doctest::Approx(distance * std::sqrt(0.75)));
 }
@@ -208,10 +210,10 @@ TEST_CASE("normals of a sphere point outwards, and it is open to the whole sky, 
   const Shape shape = sphere();
   auto normals = vertex_normals(shape.triangles, shape.points);
   for (std::size_t v = 0; v < normals.size(); ++v) CHECK(dot(normals[v], vector_at(shape.points.data(), v)) > 0.98f);
-  for (const float ambient_occlusion : vertex_exposure(shape.triangles, shape.points, normals, {}))
+  for (const float ambient_occlusion : vertex_ambient_occlusion(shape.triangles, shape.points, normals, {}))
     CHECK(ambient_occlusion > 0.97f);
   for (Vector3& n : normals) n = n * -1.0f;
-  for (const float ambient_occlusion : vertex_exposure(shape.triangles, shape.points, normals, {}))
+  for (const float ambient_occlusion : vertex_ambient_occlusion(shape.triangles, shape.points, normals, {}))
     CHECK(ambient_occlusion < 0.1f);
 }
 
@@ -235,7 +237,7 @@ TEST_CASE("a wall takes half of the sky from the floor beside it") {
   sheet({0, 0, -2}, {0, 0, 4}, {4, 0, 0});
   sheet({0, 0, -2}, {0, 4, 0}, {0, 0, 4});
   const std::vector<Vector3> upward(corner.points.size() / 3, {0, 1, 0});
-  const auto ambient_occlusion = vertex_exposure(corner.triangles, corner.points, upward, {});
+  const auto ambient_occlusion = vertex_ambient_occlusion(corner.triangles, corner.points, upward, {});
   const auto on_floor = [&](int i, int j) { return ambient_occlusion[i * (steps + 1) + j]; };
   CHECK(on_floor(steps / 2, 3) == doctest::Approx(0.55).epsilon(0.15));
   CHECK(on_floor(steps / 2, steps) > 0.8f);
@@ -245,22 +247,22 @@ TEST_CASE("a wall takes half of the sky from the floor beside it") {
 TEST_CASE("pictures do not depend on threads") {
   const Shape shape = sphere();
   const Scene scene = {.triangles = shape.triangles, .points = shape.points};
-  const Camera camera = frame(shape.points, "y", {}, 1);
+  const Camera camera = fit_camera(shape.points, "y", {}, 1);
   CHECK(render(scene, camera, small, {.threads = 1}).pixels == render(scene, camera, small, {.threads = 4}).pixels);
 }
 
 TEST_CASE("points that are behind the camera or not there do no harm") {
   Shape shape = sphere();
-  Camera camera = frame(shape.points, "y", {}, 1);
+  Camera camera = fit_camera(shape.points, "y", {}, 1);
   camera.position = {0, 0, 0};
   CHECK(render({.triangles = shape.triangles, .points = shape.points}, camera, small).pixels.size() == 160 * 160);
-  CHECK(share(silhouette(render({.triangles = {}, .points = {}}, frame({}, "y", {}, 1), small))) == 0);
+  CHECK(share(silhouette(render({.triangles = {}, .points = {}}, fit_camera({}, "y", {}, 1), small))) == 0);
 }
 
 TEST_CASE("panels stand side by side with their scale, and text stays inside the picture") {
   const Image red(100, 80, {255, 0, 0}), blue(100, 80, {0, 0, 255});
-  const Image plain = compose({{red, "left", {}}, {blue, "right", {}}});
-  const Image scaled = compose({{red, "left", {}}, {blue, "right", 0.5f}});
+  const Image plain = make_montage({{red, "left", {}}, {blue, "right", {}}});
+  const Image scaled = make_montage({{red, "left", {}}, {blue, "right", 0.5f}});
   CHECK(plain.width > 200);
   CHECK(plain.height > 80 + text_height(1));
   CHECK(scaled.width > plain.width);

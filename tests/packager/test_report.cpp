@@ -11,6 +11,7 @@
 #include "tool_run.h"
 
 using namespace fb;
+using namespace fb::tool;
 
 namespace {
 

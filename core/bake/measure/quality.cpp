@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bake/regions/surface_graph.h"
-#include "model/surface.h"
+#include "base/surface.h"
 
 namespace fb::bake {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/panels.h"
+#include "render/montage.h"
 
 #include <algorithm>
 
@@ -7,43 +7,44 @@
 #include "render/shading.h"
 #include "render/text.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
-constexpr Rgb paper = {247, 247, 248}, ink = {38, 40, 46};
-constexpr int gap = 8, bar_width = 22, bar_gap = 6, scale_magnification = 2;
+constexpr Rgb background_colour = {247, 247, 248}, text_colour = {38, 40, 46};
+constexpr int gap = 8, bar_width = 22, bar_gap = 6, label_magnification = 2;
 
 void paste(Image& onto, const Image& image, int x, int y) {
   for (int row = 0; row < image.height; ++row) std::copy_n(&image.at(0, row), image.width, &onto.at(x, y + row));
 }
 
-// The numbers beside a bar, from 0 up.
-std::vector<std::string> numbers_of_scale(float full) {
+// The labels of a colour bar, from 0 up.
+std::vector<std::string> tick_labels(float scale_max) {
   constexpr int intervals = 4;
-  std::vector<std::string> numbers = {"0"};
-  for (int tick = 1; tick <= intervals; ++tick) numbers.push_back(format("%.3g", full * tick / intervals));
-  return numbers;
+  std::vector<std::string> labels = {"0"};
+  for (int tick = 1; tick <= intervals; ++tick) labels.push_back(format("%.3g", scale_max * tick / intervals));
+  return labels;
 }
 
-int scale_width(float full) {
+int colour_bar_width(float scale_max) {
   int widest = 0;
-  for (const std::string& number : numbers_of_scale(full))
-    widest = std::max(widest, text_width(number, scale_magnification));
+  for (const std::string& label : tick_labels(scale_max))
+    widest = std::max(widest, text_width(label, label_magnification));
   return bar_width + bar_gap + widest + gap;
 }
 
-void draw_scale(Image& onto, int x, int y, int height, float full) {
-  constexpr int magnification = scale_magnification;
+void draw_colour_bar(Image& onto, int x, int y, int height, float scale_max) {
+  constexpr int magnification = label_magnification;
   const int top = y + text_height(magnification), bottom = y + height - text_height(magnification);
   for (int row = top; row < bottom; ++row) {
-    const Rgb colour = to_srgb(map_colour(full * (bottom - 1 - row) / (bottom - 1 - top), full));
+    const Rgb colour = to_srgb(map_colour(scale_max * (bottom - 1 - row) / (bottom - 1 - top), scale_max));
     for (int column = 0; column < bar_width; ++column) onto.at(x + column, row) = colour;
   }
-  const std::vector<std::string> numbers = numbers_of_scale(full);
-  const int intervals = static_cast<int>(numbers.size()) - 1;
+  const std::vector<std::string> labels = tick_labels(scale_max);
+  const int intervals = static_cast<int>(labels.size()) - 1;
   for (int tick = 0; tick <= intervals; ++tick) {
     const int row = bottom - (bottom - top) * tick / intervals;
-    draw_text(onto, x + bar_width + bar_gap, row - text_height(magnification) / 2, numbers[tick], ink, magnification);
+    draw_text(onto, x + bar_width + bar_gap, row - text_height(magnification) / 2, labels[tick], text_colour,
+              magnification);
   }
 }
 
@@ -59,11 +60,11 @@ std::vector<std::string> lines_of(const std::string& caption) {
 
 }  // namespace
 
-Image compose(const std::vector<Panel>& panels) {
+Image make_montage(const std::vector<Panel>& panels) {
   int width = gap, height = 0, magnification = 2;
   std::size_t lines = 1;
   for (const Panel& panel : panels) {
-    width += panel.image.width + gap + (panel.scale_full ? scale_width(*panel.scale_full) : 0);
+    width += panel.image.width + gap + (panel.scale_max ? colour_bar_width(*panel.scale_max) : 0);
     height = std::max(height, panel.image.height);
     const std::vector<std::string> caption = lines_of(panel.caption);
     lines = std::max(lines, caption.size());
@@ -71,23 +72,23 @@ Image compose(const std::vector<Panel>& panels) {
       if (text_width(line, magnification) > panel.image.width) magnification = 1;
   }
   const int line_height = text_height(magnification) + gap / 2;
-  Image sheet(width, 3 * gap + height + static_cast<int>(lines) * line_height, paper);
+  Image montage(width, 3 * gap + height + static_cast<int>(lines) * line_height, background_colour);
   int x = gap;
   for (const Panel& panel : panels) {
-    paste(sheet, panel.image, x, gap);
+    paste(montage, panel.image, x, gap);
     int y = 2 * gap + height;
     for (const std::string& line : lines_of(panel.caption)) {
       const int indent = std::max(0, (panel.image.width - text_width(line, magnification)) / 2);
-      draw_text(sheet, x + indent, y, line, ink, magnification);
+      draw_text(montage, x + indent, y, line, text_colour, magnification);
       y += line_height;
     }
     x += panel.image.width + gap;
-    if (panel.scale_full) {
-      draw_scale(sheet, x, gap, height, *panel.scale_full);
-      x += scale_width(*panel.scale_full);
+    if (panel.scale_max) {
+      draw_colour_bar(montage, x, gap, height, *panel.scale_max);
+      x += colour_bar_width(*panel.scale_max);
     }
   }
-  return sheet;
+  return montage;
 }
 
-}  // namespace fb
+}  // namespace fb::tool

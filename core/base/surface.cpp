@@ -1,4 +1,4 @@
-#include "model/surface.h"
+#include "base/surface.h"
 
 namespace fb {
 

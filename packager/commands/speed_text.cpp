@@ -1,8 +1,9 @@
+#include "commands/speed_text.h"
+
 #include "base/status.h"
-#include "bench/speed.h"
 #include "commands/table.h"
 
-namespace fb {
+namespace fb::tool {
 namespace {
 
 // How many times quicker than the paper's network under the same conditions; "" where there is none.
@@ -36,4 +37,4 @@ std::string speed_csv(const Speed& speed) {
   return csv + begin + quoted("loading") + format(",%.3f,,,\n", speed.load);
 }
 
-}  // namespace fb
+}  // namespace fb::tool

@@ -1,4 +1,4 @@
-// What shading and measuring need to know of a posed mesh at its vertices.
+// Normals of a posed mesh, for shading, export and measuring.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace fb {
 
-// Unit normals, averaged over the polygons around a vertex weighted by their area; null where there is no polygon.
+// Unit vertex normals, averaged over the adjacent triangles weighted by their area; null for a vertex without one.
 // triangles: three vertex indices each; points: 3 x vertices.
 std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, std::span<const float> points);
 
