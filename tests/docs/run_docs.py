@@ -8,7 +8,8 @@ folder that looks like a fresh clone whose build/release is BUILD:
 
     sh      is run by bash; the first command that fails ends the test
     python  is run by this interpreter, with the Python package and libfacebaker of the build
-    c, cpp  is compiled with warnings as errors against the public headers; with a main() it is linked and run too
+    c, cpp  is compiled with warnings as errors against the public headers, or as code of core/ if it includes "..." files;
+            with a main() it is linked and run too
     text    after one of these: what it prints. Words must agree; numbers only after <!-- exact -->, because they depend
             on the machine; "..." stands for anything, on a line of its own for any number of lines
     others  are not looked at
@@ -37,7 +38,7 @@ ORDER = ("README.md", "docs/README.md", "docs/how-it-works.md", "docs/how-a-bake
          "docs/extending.md")
 NUMBER = r"[-+]?(?:\d[\d,]*\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 RULE = "|-: "  # what empty lines and the rules below the heads of tables are made of
-C_FLAGS = {"c": ["-std=c99", "-pedantic"], "cpp": ["-std=c++17"]}
+C_FLAGS = {"c": ["-std=c99", "-pedantic"], "cpp": ["-std=c++17"], "core": ["-std=c++20", "-Icore", "-Ipackager"]}
 
 
 def pages_of(root):
@@ -176,7 +177,8 @@ class Runner:
         self.count += 1
         source = self.write(f"block_{self.count}.{block.language}", block.code)
         compiler = "cc" if block.language == "c" else "c++"
-        command = [compiler, *C_FLAGS[block.language], "-Wall", "-Wextra", "-Werror", source, "-Icapi/include"]
+        inside = '#include "' in block.text  # an example of code of this tree, not of its users
+        command = [compiler, *C_FLAGS["core" if inside else block.language], "-Wall", "-Wextra", "-Werror", source, "-Icapi/include"]
         if not re.search(r"\bint main\(", block.text):
             self.call([*command, "-fsyntax-only"], block)
             return ""

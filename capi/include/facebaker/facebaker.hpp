@@ -1,5 +1,7 @@
-// FaceBaker runtime for C++17: the handles of facebaker.h as objects, its statuses as exceptions. Header only, with no
-// ABI of its own; the comments of facebaker.h hold here too.
+/** @file
+ * FaceBaker runtime for C++17: the handles of facebaker.h as objects, its statuses as exceptions. Header only, without
+ * an ABI of its own; what facebaker.h says of shapes, units, threads and errors holds here too.
+ */
 #ifndef FACEBAKER_FACEBAKER_HPP
 #define FACEBAKER_FACEBAKER_HPP
 
@@ -13,71 +15,87 @@
 #include <utility>
 #include <vector>
 
+/** Objects over the handles of facebaker.h. */
 namespace facebaker {
 
+/** A call that failed: what() is fb_last_error(). */
 class Error : public std::runtime_error {
  public:
+  /** For a status that is not FB_OK, on the thread where it was returned. */
   explicit Error(fb_status status) : std::runtime_error(fb_last_error()), status_(status) {}
+  /** FB_ERROR_... */
   fb_status status() const noexcept { return status_; }
 
  private:
   fb_status status_;
 };
 
+/** Throws Error unless the status is FB_OK. */
 inline void check(fb_status status) {
   if (status != FB_OK) throw Error(status);
 }
 
-// A loaded face. Copies share it; it is freed with the last of them. One that was moved from may only be assigned to or
-// destroyed.
+/** A loaded face. Copies share it; it is freed with the last of them. One that was moved from may only be assigned to
+ * or destroyed. Threads may share a face. */
 class Model {
  public:
+  /** Loads a file; see fb_load. `desc` may be null. */
   explicit Model(const std::string& path, const fb_load_desc* desc = nullptr) {
     check(fb_load(path.c_str(), desc, &handle_));
   }
+  /** Loads an archive in memory; see fb_load_memory. */
   Model(const void* bytes, std::size_t size, const fb_load_desc* desc = nullptr) {
     check(fb_load_memory(bytes, size, desc, &handle_));
   }
+  /** Shares the face. */
   Model(const Model& other) noexcept : handle_(other.handle_) { fb_retain(handle_); }
+  /** Takes the face over. */
   Model(Model&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  /** Shares or takes over the face of another, and releases its own. */
   Model& operator=(Model other) noexcept {
     std::swap(handle_, other.handle_);
     return *this;
   }
   ~Model() { fb_release(handle_); }
 
+  /** Of the character. */
   std::string_view name() const { return fb_name(handle_); }
+  /** Vertices of the mesh. */
   std::uint32_t vertex_count() const { return fb_vertex_count(handle_); }
+  /** Floats in a pose. */
   std::uint32_t control_count() const { return fb_control_count(handle_); }
+  /** Name, group and range of a control; see fb_control_at. */
   fb_control control(std::uint32_t index) const {
     fb_control control;
     fb_control_init(&control);
     check(fb_control_at(handle_, index, &control));
     return control;
   }
-  // The index of a control by its exact name; the error names the closest one there is.
+  /** The index of a control by its exact name; the error names the closest one there is. */
   std::uint32_t find(std::string_view name) const {
     std::uint32_t index = 0;
     check(fb_find_control(handle_, std::string(name).c_str(), &index));
     return index;
   }
-  // A pose to start from: all controls at rest.
+  /** A pose to start from: all controls at rest. */
   std::vector<float> rest_controls() const {
     const float* rest = fb_rest_controls(handle_);
     return std::vector<float>(rest, rest + control_count());
   }
+  /** 3 x vertex_count() floats, owned by the face. */
   const float* rest_positions() const { return fb_rest_positions(handle_); }
 
-  // For what has no member here.
+  /** For what has no member here. */
   fb_model* get() const noexcept { return handle_; }
 
  private:
   fb_model* handle_ = nullptr;
 };
 
-// Working memory of evaluations: one object per thread.
+/** Working memory of evaluations, one object for each thread; keeps its face loaded. */
 class Scratch {
  public:
+  /** `workers`: threads of a batch at most; see fb_scratch_create. */
   explicit Scratch(const Model& model, std::uint32_t workers = 1) : model_(model) {
     check(fb_scratch_create(model_.get(), workers, &handle_));
   }
@@ -85,13 +103,16 @@ class Scratch {
   Scratch& operator=(const Scratch&) = delete;
   ~Scratch() { fb_scratch_destroy(handle_); }
 
-  // controls: model.control_count() floats; positions: 3 x model.vertex_count() floats.
+  /** One pose. controls: model.control_count() floats; positions: 3 x model.vertex_count() floats. */
   void evaluate(const float* controls, float* positions) {
     check(fb_evaluate(model_.get(), handle_, controls, positions));
   }
+  /** Many poses; see fb_evaluate_batch. */
   void evaluate(const fb_batch_desc& batch) { check(fb_evaluate_batch(model_.get(), handle_, &batch)); }
+  /** Control values that the last evaluation clamped to their ranges. */
   std::uint64_t clamped_count() const { return fb_clamped_count(handle_); }
 
+  /** For what has no member here. */
   fb_scratch* get() const noexcept { return handle_; }
 
  private:
