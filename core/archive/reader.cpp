@@ -1,38 +1,100 @@
 #include "archive/reader.h"
 
-#include "archive/container/container.h"
+#include "archive/coding/coding_reader.h"
+#include "archive/geometry/geometry_reader.h"
 #include "archive/section_reader.h"
 
 namespace fb::archive {
 namespace {
 
-// Unpacks one section and hands it to `read`; gives back what that returns.
-template <class Read>
-auto open(const std::vector<StoredSection>& sections, const char* name, Budget& budget, Read&& read) {
-  const StoredSection* section = find_section(sections, name);
-  if (!section) fail(Status::corrupt, "the archive has no section \"%s\"", name);
-  const std::vector<std::byte> raw = section->unpack(budget);
-  ByteReader in(raw, section->where(), budget);
-  return read(in);
-}
-
-bool known(std::string_view name) {
-  for (const char* k : {section::definition, section::polygons, section::geometry, section::network, section::weights,
-                        section::basis, section::basis_values, section::uvs, section::provenance, section::licence,
-                        section::certificate, section::proof})
-    if (name == k) return true;
+bool is_known(std::string_view name) {
+  for (const char* known : {section::definition, section::polygons, section::geometry, section::network,
+                            section::weights, section::basis, section::basis_values, section::uvs, section::provenance,
+                            section::licence, section::certificate, section::proof})
+    if (name == known) return true;
   return false;
 }
 
-// The parts are sound by themselves; what follows is whether they fit each other, and whether numbers are finite.
-void check_whole(const PackedModel& model) {
-  try {
-    check(model);
-  } catch (const Error& error) {
-    if (error.status() == Status::unsupported) throw;
-    fail(Status::corrupt, "the archive contradicts itself: %s", error.what());
+// Reads sections into an archive. Each section is decompressed, read and released before the next.
+class ArchiveReader {
+  bool contains(const char* name) const { return find_section(sections_, name) != nullptr; }
+
+  template <class Read>
+  auto read(const char* name, Read&& read) {
+    const StoredSection& section = require_section(sections_, name);
+    const std::vector<std::byte> raw = section.decompress(budget_);
+    ByteReader in(raw, section.where(), budget_);
+    return read(in);
   }
-}
+
+ public:
+  ArchiveReader(const std::vector<StoredSection>& sections, const ReadLimits& limits)
+      : sections_(sections), budget_(limits.max_model_bytes) {}
+
+  void list_sections() {
+    for (const StoredSection& section : sections_) {
+      archive.sections.push_back(section.info);
+      if (is_known(section.info.name)) continue;
+      if (section.info.required)
+        fail(Status::unsupported, "%s is required and unknown to this library", section.where().c_str());
+      archive.notes.push_back(format("%s is unknown and was skipped", section.where().c_str()));
+    }
+  }
+
+  void read_definition_section() {
+    Definition definition = read(section::definition, read_definition);
+    model_.schema = std::move(definition.schema);
+    archive.vertices = definition.vertices;
+  }
+
+  // Positions and texture coordinates are kept only with `mesh`; polygons are needed to decode the basis, too.
+  void read_mesh(bool mesh) {
+    const std::uint32_t vertices = archive.vertices;
+    RestPoints rest = read(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices); });
+    read(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, rest.triangles, model_.rest); });
+    if (!mesh) return;
+    model_.rest.points = std::move(rest.points);
+    if (contains(section::uvs)) read(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model_.rest); });
+  }
+
+  void read_behaviour() {
+    read(section::network, [&](ByteReader& in) { read_network(in, model_); });
+    read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
+    read(section::basis, [&](ByteReader& in) { read_basis(in, archive.vertices, model_); });
+    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, archive.vertices, model_); });
+  }
+
+  void read_texts() {
+    const auto text = [&](const char* name) { return contains(name) ? read(name, read_text) : std::string(); };
+    model_.provenance = text(section::provenance);
+    archive.text.licence = text(section::licence);
+    archive.text.certificate = text(section::certificate);
+  }
+
+  void read_proof_section() {
+    if (contains(section::proof))
+      archive.proof = read(section::proof, [&](ByteReader& in) {
+        return read_proof(in, model_.schema.control_count(), archive.vertices);
+      });
+  }
+
+  // Sections are valid by themselves; this checks that they fit each other and that all numbers are finite.
+  void check_model() const {
+    try {
+      check(model_);
+    } catch (const Error& error) {
+      if (error.status() == Status::unsupported) throw;
+      fail(Status::corrupt, "the archive contradicts itself: %s", error.what());
+    }
+  }
+
+  Archive archive;
+
+ private:
+  const std::vector<StoredSection>& sections_;
+  Budget budget_;
+  PackedModel& model_ = archive.model;
+};
 
 }  // namespace
 
@@ -40,49 +102,19 @@ std::uint32_t archive_format_version() {
   return archive_major * 1000u + archive_minor;
 }
 
-Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Layers layers) {
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts) {
   const std::vector<StoredSection> sections = read_container(bytes);
-  Archive archive;
-  archive.format_version = archive_format_version();
-  for (const StoredSection& section : sections) {
-    archive.sections.push_back(section.info);
-    if (known(section.info.name)) continue;
-    if (section.info.required)
-      fail(Status::unsupported, "%s is required and unknown to this library", section.where().c_str());
-    archive.notes.push_back(format("%s is unknown and was skipped", section.where().c_str()));
-  }
-
-  Budget budget(limits.max_model_bytes);
-  PackedModel& model = archive.model;
-  const auto part = [&](const char* name, auto&& read) { return open(sections, name, budget, read); };
-  Definition definition = part(section::definition, read_definition);
-  model.schema = std::move(definition.schema);
-  const std::uint32_t vertices = archive.vertices = definition.vertices;
-  const bool mesh = has(layers, Layers::mesh), behaviour = has(layers, Layers::behaviour);
-  if (mesh || behaviour) {
-    RestPoints rest = part(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices); });
-    part(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, rest.triangles, model.rest); });
-    if (mesh) model.rest.points = std::move(rest.points);
-    if (mesh && find_section(sections, section::uvs))
-      part(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model.rest); });
-  }
-  if (behaviour) {
-    part(section::network, [&](ByteReader& in) { read_network(in, model); });
-    part(section::weights, [&](ByteReader& in) { read_weights(in, model); });
-    part(section::basis, [&](ByteReader& in) { read_basis(in, vertices, model); });
-    part(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, model); });
-  }
-  const auto text = [&](const char* name) {
-    return has(layers, Layers::text) && find_section(sections, name) ? part(name, read_text) : std::string();
-  };
-  model.provenance = text(section::provenance);
-  archive.text.licence = text(section::licence);
-  archive.text.certificate = text(section::certificate);
-  if (mesh && behaviour) check_whole(model);
-  if (has(layers, Layers::proof) && find_section(sections, section::proof))
-    archive.proof =
-        part(section::proof, [&](ByteReader& in) { return read_proof(in, model.schema.control_count(), vertices); });
-  return archive;
+  ArchiveReader reader(sections, limits);
+  reader.archive.format_version = archive_format_version();
+  reader.list_sections();
+  reader.read_definition_section();
+  const bool mesh = has(parts, Parts::mesh), behaviour = has(parts, Parts::behaviour);
+  if (mesh || behaviour) reader.read_mesh(mesh);
+  if (behaviour) reader.read_behaviour();
+  if (has(parts, Parts::text)) reader.read_texts();
+  if (mesh && behaviour) reader.check_model();
+  if (has(parts, Parts::proof)) reader.read_proof_section();
+  return std::move(reader.archive);
 }
 
 }  // namespace fb::archive

@@ -1,7 +1,5 @@
 #include "archive/section_reader.h"
 
-#include "archive/container/layout.h"
-
 namespace fb::archive {
 namespace {
 
@@ -12,8 +10,8 @@ Feature read_feature(ByteReader& in) {
     fail(Status::unsupported, "%s has a feature of unknown kind %u", in.where().c_str(),
          static_cast<unsigned>(feature.kind));
   if (feature.of_features()) {
-    feature.first = in.number<std::uint32_t>("a feature's parts");
-    feature.second = in.number<std::uint32_t>("a feature's parts");
+    feature.first = in.number<std::uint32_t>("a feature's operands");
+    feature.second = in.number<std::uint32_t>("a feature's operands");
     return feature;
   }
   feature.control = in.number<std::uint32_t>("a feature's control");
@@ -29,10 +27,10 @@ PackedLayer read_layer(ByteReader& in, bool in_planes) {
   layer.outputs = in.number<std::uint32_t>("a layer's width");
   layer.activation = static_cast<Activation>(in.number<std::uint8_t>("an activation"));
   const auto flags = in.number<std::uint8_t>("a layer's flags");
-  if (flags & ~(layer_skips | layer_is_wide))
+  if (flags & ~(layer_skip_flag | layer_16_bit_flag))
     fail(Status::unsupported, "%s has a layer of unknown flags 0x%x", in.where().c_str(), flags);
-  layer.skip = flags & layer_skips;
-  layer.wide = flags & layer_is_wide;
+  layer.skip = flags & layer_skip_flag;
+  layer.wide = flags & layer_16_bit_flag;
   const auto floats = [&](const char* what) {
     return in_planes ? in.float_planes(layer.outputs, what) : in.numbers<float>(layer.outputs, what);
   };
@@ -50,7 +48,7 @@ Definition read_definition(ByteReader& in) {
   schema.units = in.string("the units");
   schema.up_axis = in.string("the up axis");
   definition.vertices = in.number<std::uint32_t>("the number of vertices");
-  if (definition.vertices > max_vertices) in.damaged("more vertices than the format allows");
+  if (definition.vertices > max_vertices) in.corrupt("more vertices than the format allows");
   const std::uint32_t controls = in.count(20, "controls");
   in.budget().take(controls, sizeof(Control), "controls");
   schema.controls.resize(controls);
@@ -59,13 +57,13 @@ Definition read_definition(ByteReader& in) {
     control.group = in.string("a control's group");
     control.minimum = in.number<float>("a control's minimum");
     control.maximum = in.number<float>("a control's maximum");
-    control.rest = in.number<float>("a control's default");
+    control.rest = in.number<float>("a control's rest value");
   }
   in.end();
   return definition;
 }
 
-void read_network(ByteReader& in, PackedModel& model, LayerTail tail) {
+void read_network(ByteReader& in, PackedModel& model, ReadLayerWeights read_layer_weights) {
   const std::uint32_t features = in.count(9, "features");
   in.budget().take(features, sizeof(Feature), "features");
   model.features.reserve(features);
@@ -83,8 +81,8 @@ void read_network(ByteReader& in, PackedModel& model, LayerTail tail) {
     in.budget().take(layers, sizeof(PackedLayer), "layers");
     region.layers.reserve(layers);
     for (std::uint32_t l = 0; l < layers; ++l) {
-      region.layers.push_back(read_layer(in, tail == nullptr));
-      if (tail) tail(in, region.layers.back());
+      region.layers.push_back(read_layer(in, read_layer_weights == nullptr));
+      if (read_layer_weights) read_layer_weights(in, region.layers.back());
     }
   }
   in.end();
@@ -97,7 +95,7 @@ Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices) {
   proof.hashes = in.numbers<std::uint64_t>(poses, "proof hashes");
   proof.vertices = in.numbers<std::uint32_t>(in.count(4, "proof vertices"), "proof vertices");
   for (const std::uint32_t vertex : proof.vertices)
-    if (vertex >= vertices) in.damaged("the proof names a vertex that does not exist");
+    if (vertex >= vertices) in.corrupt("the proof names a vertex that does not exist");
   proof.positions =
       in.numbers<float>(checked_multiply(poses, checked_multiply(proof.vertices.size(), 3, "proof"), "proof positions"),
                         "proof positions");
@@ -109,7 +107,7 @@ std::string read_text(ByteReader& in) {
   const auto bytes = in.take(in.left(), "text");
   in.budget().take(bytes.size(), 1, "text");
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.find('\0') != std::string::npos) in.damaged("a text holds a zero byte");
+  if (text.find('\0') != std::string::npos) in.corrupt("a text holds a zero byte");
   return text;
 }
 

@@ -1,14 +1,9 @@
 #include "archive/section_writer.h"
 
-#include "archive/container/layout.h"
-#include "base/checked.h"
+#include "archive/section_reader.h"
 
 namespace fb::archive {
 namespace {
-
-void write_count(ByteWriter& out, std::size_t count, const char* what) {
-  out.number(checked_u32(count, what));
-}
 
 void write_feature(ByteWriter& out, const Feature& feature) {
   out.number(static_cast<std::uint8_t>(feature.kind));
@@ -24,7 +19,7 @@ void write_feature(ByteWriter& out, const Feature& feature) {
 }
 
 void write_list(ByteWriter& out, const std::vector<std::uint32_t>& list, const char* what) {
-  write_count(out, list.size(), what);
+  out.count(list.size(), what);
   out.numbers(list);
 }
 
@@ -32,9 +27,9 @@ void write_layer(ByteWriter& out, const PackedLayer& layer) {
   out.number(layer.inputs);
   out.number(layer.outputs);
   out.number(static_cast<std::uint8_t>(layer.activation));
-  out.number(static_cast<std::uint8_t>((layer.skip ? layer_skips : 0) | (layer.wide ? layer_is_wide : 0)));
-  out.planes(layer.bias);
-  out.planes(layer.scales);
+  out.number(static_cast<std::uint8_t>((layer.skip ? layer_skip_flag : 0) | (layer.wide ? layer_16_bit_flag : 0)));
+  out.float_planes(layer.bias);
+  out.float_planes(layer.scales);
 }
 
 }  // namespace
@@ -47,8 +42,8 @@ ByteWriter write_definition(const PackedModel& model) {
   out.string(schema.up_axis, "the up axis");
   if (model.rest.vertex_count() > max_vertices)
     fail(Status::limit, "%zu vertices; an archive holds %u", model.rest.vertex_count(), max_vertices);
-  write_count(out, model.rest.vertex_count(), "vertices");
-  write_count(out, schema.control_count(), "controls");
+  out.count(model.rest.vertex_count(), "vertices");
+  out.count(schema.control_count(), "controls");
   for (const Control& control : schema.controls) {
     out.string(control.name, "a control's name");
     out.string(control.group, "a control's group");
@@ -61,16 +56,16 @@ ByteWriter write_definition(const PackedModel& model) {
 
 ByteWriter write_network(const PackedModel& model) {
   ByteWriter out;
-  write_count(out, model.features.size(), "features");
+  out.count(model.features.size(), "features");
   for (const Feature& feature : model.features) write_feature(out, feature);
   write_list(out, model.direct, "direct coefficients");
-  write_count(out, model.regions.size(), "regions");
+  out.count(model.regions.size(), "regions");
   for (const PackedRegion& region : model.regions) {
     out.string(region.name, "a region's name");
     write_list(out, region.features, "region features");
     write_list(out, region.gate.features, "gate features");
     out.number(region.gate.slope);
-    write_count(out, region.layers.size(), "layers");
+    out.count(region.layers.size(), "layers");
     for (const PackedLayer& layer : region.layers) write_layer(out, layer);
   }
   return out;
@@ -87,7 +82,7 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
     if (vertex >= model.rest.vertex_count())
       fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.vertex_count());
   ByteWriter out;
-  write_count(out, poses, "proof poses");
+  out.count(poses, "proof poses");
   out.numbers(proof.controls);
   out.numbers(proof.hashes);
   write_list(out, proof.vertices, "proof vertices");

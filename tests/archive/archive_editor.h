@@ -1,4 +1,4 @@
-// Takes an archive apart, lets a test change anything in it, and puts it together with checksums that hold.
+// Takes an archive apart so that a test can change anything in it, and assembles it with valid checksums.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "archive/container/container.h"
+#include "archive/container/container_reader.h"
 #include "base/hash.h"
 
 namespace fb {
@@ -30,7 +30,7 @@ void append(Bytes& bytes, T value) {
   patch(bytes, bytes.size() - sizeof value, value);
 }
 
-// Makes the first of the floats that lie in planes from byte `at` on, after their number, infinite.
+// Sets to infinity the first of the floats stored in planes at byte `at`, after their count.
 inline void patch_infinity(Bytes& bytes, std::size_t at) {
   std::uint32_t count;
   std::memcpy(&count, bytes.data() + at - sizeof count, sizeof count);
@@ -38,12 +38,12 @@ inline void patch_infinity(Bytes& bytes, std::size_t at) {
   for (std::size_t plane = 0; plane < 4; ++plane) patch(bytes, at + plane * count, infinity[plane]);
 }
 
-// Where field `offset` of row `row` of the section table lies in the file.
+// The position in the file of the field at `offset` in row `row` of the section table.
 inline std::size_t table_at(std::size_t row, std::size_t offset) {
   return header_bytes + row * table_row_bytes + offset;
 }
 
-// Makes both outer checksums hold again after a change to header, table or sections.
+// Updates table checksum and file checksum after a change to header, table or sections.
 inline Bytes sealed(Bytes bytes) {
   std::uint32_t count;
   std::memcpy(&count, bytes.data() + 12, sizeof count);
@@ -60,7 +60,7 @@ struct ArchiveEditor {
     std::uint64_t raw_bytes = 0;
     Bytes stored;
 
-    // Replaces the contents, unpacked.
+    // Replaces the contents, uncompressed.
     void set(Bytes contents) {
       codec = 0;
       raw_bytes = contents.size();
@@ -70,12 +70,12 @@ struct ArchiveEditor {
   std::uint16_t major = archive_major, minor = archive_minor;
   std::vector<Section> sections;
 
-  // Opens an archive with all its sections unpacked.
+  // Opens an archive and decompresses all its sections.
   explicit ArchiveEditor(std::span<const std::byte> bytes) {
     Budget budget(UINT64_MAX);
     for (const StoredSection& section : read_container(bytes)) {
       sections.push_back({section.info.name, section.info.required ? section_required : 0u, 0, 0, {}});
-      sections.back().set(section.unpack(budget));
+      sections.back().set(section.decompress(budget));
     }
   }
 
@@ -88,7 +88,7 @@ struct ArchiveEditor {
 
   Bytes bytes() const {
     Bytes out;
-    for (const unsigned char c : archive_magic) append(out, c);
+    for (const unsigned char c : archive_signature) append(out, c);
     append(out, major);
     append(out, minor);
     append(out, static_cast<std::uint32_t>(sections.size()));

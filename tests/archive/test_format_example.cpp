@@ -1,4 +1,4 @@
-// The worked example of FORMAT.md is what this library writes, and reads.
+// The worked example of FORMAT.md matches what this library writes and reads.
 #include <doctest/doctest.h>
 
 #include <cctype>
@@ -27,7 +27,7 @@ PackedModel example_model() {
   return model;
 }
 
-// The bytes of the lines "0040  89 46 ..." of FORMAT.md, whose offsets have to run on.
+// The bytes of the lines "0040  89 46 ..." of FORMAT.md; each line's offset must continue the one before.
 Bytes documented_bytes() {
   const Bytes file = read_file(FB_FORMAT_MD);
   std::istringstream lines(std::string(reinterpret_cast<const char*>(file.data()), file.size()));
@@ -53,7 +53,7 @@ TEST_CASE("the example in FORMAT.md reads as the model it describes") {
   CHECK(archive.model.groups[0].columns[0].scale == model.groups[0].columns[0].scale);
 }
 
-TEST_CASE("the writer gives the example in FORMAT.md") {
+TEST_CASE("the writer produces the example in FORMAT.md") {
   const Bytes written = write_archive(example_model(), {});
   if (std::getenv("FB_PRINT_EXAMPLE"))
     for (std::size_t at = 0; at < written.size(); at += 16) {
@@ -62,7 +62,7 @@ TEST_CASE("the writer gives the example in FORMAT.md") {
         line += format(" %02x", unsigned(written[i]));
       MESSAGE(line);
     }
-  // Section by section, unpacked: another version of zstd may pack otherwise.
+  // Section by section, decompressed: another version of zlib may compress differently.
   const ArchiveEditor expected(documented_bytes()), actual(written);
   REQUIRE(actual.sections.size() == expected.sections.size());
   for (std::size_t s = 0; s < actual.sections.size(); ++s) {

@@ -1,4 +1,4 @@
-// Archives that are cut, damaged or made to mislead: every one is refused with a sentence, none is believed.
+// Truncated, damaged and forged archives: each is refused with a message.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -50,7 +50,8 @@ Bytes tiny_archive() {
   return write_archive(model, proof);
 }
 
-// The rest mesh as an edgebreaker mesh, where the tiny model's is a list of points; its positions multiples of `step`.
+// An archive whose rest mesh is an edgebreaker mesh (the tiny model's is a point cloud), its positions multiples of
+// `step`.
 Bytes manifold_archive(float step = 0) {
   PackedModel model = tiny_packed_model();
   model.rest = grid_mesh(6, 5);
@@ -75,7 +76,7 @@ Bytes changed(const char* section, const std::function<void(Bytes&)>& change) {
 
 }  // namespace
 
-TEST_CASE("the editor gives back what it opened") {
+TEST_CASE("the editor reassembles what it opened") {
   const Bytes bytes = ArchiveEditor(tiny_archive()).bytes();
   CHECK(outcome(bytes).status == Status::ok);
 }
@@ -84,7 +85,9 @@ TEST_CASE("every prefix is refused") {
   const Bytes bytes = tiny_archive();
   check_refused({}, Status::not_an_archive, "empty");
   for (std::size_t size = 1; size < bytes.size(); ++size) {
-    const Bytes prefix(bytes.begin(), bytes.begin() + size);  // its own allocation, so that sanitizers see its end
+    const Bytes prefix(
+        bytes.begin(),
+        bytes.begin() + size);  // an allocation of its own, so that sanitizers detect reads beyond its end
     check_refused(prefix, Status::corrupt, format("truncated: it ends at byte %zu", size));
   }
 }
@@ -104,7 +107,7 @@ TEST_CASE("every flipped bit is refused") {
   CHECK(outcome(bytes).status == Status::ok);
 }
 
-TEST_CASE("damage is named with its place") {
+TEST_CASE("damage is reported with its offset") {
   Bytes bytes = tiny_archive();
   const auto sections = read_container(bytes);
   for (const StoredSection& section : sections) {
@@ -141,13 +144,14 @@ TEST_CASE("other files are not archives") {
 TEST_CASE("other format versions are refused by number") {
   ArchiveEditor archive(tiny_archive());
   archive.minor = 7;
-  CHECK(outcome(archive.bytes()).status == Status::ok);  // what it added would be refused where it is met
+  CHECK(outcome(archive.bytes()).status ==
+        Status::ok);  // features of a newer minor version are refused where they occur
   archive.major = 3;
   check_refused(archive.bytes(), Status::unsupported, "format version 3.7; this library reads 1.0");
   archive.major = 0;
   check_refused(archive.bytes(), Status::unsupported, "format version 0.7; this library reads 1.0");
   archive.minor = 2;
-  check_refused(archive.bytes(), Status::unsupported, "\"facebaker pack\" makes one of the other");
+  check_refused(archive.bytes(), Status::unsupported, "\"facebaker pack\" converts it");
   archive.major = 3;
   archive.minor = 7;
   // A newer version may lay out everything after its number differently.
@@ -184,7 +188,7 @@ TEST_CASE("a missing section is refused by name") {
   }
 }
 
-TEST_CASE("a table that lies is refused") {
+TEST_CASE("a forged section table is refused") {
   const Bytes bytes = tiny_archive();
   const auto lie = [&](std::size_t at, auto value, Status status, const char* part) {
     Bytes patched = bytes;
@@ -201,12 +205,12 @@ TEST_CASE("a table that lies is refused") {
   lie(table_at(0, 16), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
   lie(table_at(1, 20), std::uint32_t(9), Status::unsupported, "unknown codec 9");
   lie(table_at(1, 40), std::uint64_t(1) << 50, Status::limit, "beyond the limit");
-  lie(table_at(1, 40), std::uint64_t(1) << 20, Status::corrupt, "does not unpack to the 1048576 bytes");
-  lie(table_at(1, 20), std::uint32_t(0), Status::corrupt, "not packed, yet declares");
+  lie(table_at(1, 40), std::uint64_t(1) << 20, Status::corrupt, "does not decompress to the 1048576 bytes");
+  lie(table_at(1, 20), std::uint32_t(0), Status::corrupt, "not compressed, yet declares");
 
   Bytes many = bytes;
   patch(many, 12, std::uint32_t(65));
-  check_refused(many, Status::corrupt, "announces 65 sections");
+  check_refused(many, Status::corrupt, "declares 65 sections");
   ArchiveEditor archive(bytes);
   archive.sections.push_back(archive.sections[0]);
   check_refused(archive.bytes(), Status::corrupt, "already is a section of this name");
@@ -218,7 +222,7 @@ TEST_CASE("a table that lies is refused") {
   check_refused(sealed(gap), Status::corrupt, "the last section ends at byte");
 }
 
-TEST_CASE("a packed section is one deflated stream and nothing more") {
+TEST_CASE("a compressed section is one deflate stream and nothing more") {
   const Bytes bytes = tiny_archive();
   const auto followed_by = [&](const Bytes& more) {
     ArchiveEditor archive(bytes);
@@ -231,17 +235,17 @@ TEST_CASE("a packed section is one deflated stream and nothing more") {
     return archive.bytes();
   };
   CHECK(outcome(followed_by({})).status == Status::ok);
-  check_refused(followed_by(text("x")), Status::corrupt, "does not unpack to the");
+  check_refused(followed_by(text("x")), Status::corrupt, "does not decompress to the");
   ArchiveEditor other(bytes);
   const StoredSection packed = read_container(bytes)[1];
   other["polygons"] = {"polygons", section_required, 2, packed.info.raw_bytes + 1,
                        Bytes(packed.stored.begin(), packed.stored.end())};
-  check_refused(other.bytes(), Status::corrupt, "does not unpack to the");
+  check_refused(other.bytes(), Status::corrupt, "does not decompress to the");
   other["polygons"].raw_bytes -= 2;
-  check_refused(other.bytes(), Status::corrupt, "does not unpack to the");
+  check_refused(other.bytes(), Status::corrupt, "does not decompress to the");
 }
 
-TEST_CASE("contents that lie are refused by section") {
+TEST_CASE("forged contents are refused by section") {
   const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* part) {
     check_refused(changed(section, [&](Bytes& b) { patch(b, at, value); }), status, part);
   };
@@ -256,7 +260,7 @@ TEST_CASE("contents that lie are refused by section") {
   lie("geometry", 8, 0.75f, Status::corrupt, "no power of two");
   lie("geometry", 8, std::uint32_t(0x7f800000), Status::corrupt, "no power of two");
   lie("geometry", 8, 0.5f, Status::corrupt, "cannot be decoded");
-  lie("geometry", 12, std::uint8_t(0), Status::corrupt, "not of the kind");
+  lie("geometry", 12, std::uint8_t(0), Status::corrupt, "not of the type");
   lie("geometry", 23, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
   lie("polygons", 8 + 4 * 21, std::uint32_t(2), Status::unsupported, "unknown coding 2");
   lie("network", 0, UINT32_MAX, Status::corrupt, "features need more than");
@@ -269,13 +273,13 @@ TEST_CASE("contents that lie are refused by section") {
   lie("network", 174, std::uint8_t(4), Status::unsupported, "unknown flags 0x4");
   lie("basis", 0, std::uint32_t(3), Status::corrupt, "section \"basis\"");
   lie("basis", 4, std::uint32_t(2), Status::corrupt, "the order flag is neither 0 nor 1");
-  lie("basis", 8, std::uint8_t(0), Status::corrupt, "the order does not name every vertex once");
-  lie("basis", 11, std::uint8_t(0xff), Status::corrupt, "the order does not name every vertex once");
-  lie("basis", 128, UINT32_MAX, Status::corrupt, "row groups need more than");
+  lie("basis", 8, std::uint8_t(0), Status::corrupt, "the order does not list every vertex once");
+  lie("basis", 11, std::uint8_t(0xff), Status::corrupt, "the order does not list every vertex once");
+  lie("basis", 128, UINT32_MAX, Status::corrupt, "row blocks need more than");
   lie("basis", 132, std::uint8_t(64), Status::corrupt, "do not add up to the number of rows");
-  lie("basis", 140, UINT32_MAX, Status::corrupt, "group steps needs");
-  lie("basis", 160, std::uint8_t(9), Status::corrupt, "a row group that does not exist");
-  lie("basis", 161, std::uint8_t(0), Status::corrupt, "lies twice in one row group");
+  lie("basis", 140, UINT32_MAX, Status::corrupt, "row blocks of segments needs");
+  lie("basis", 160, std::uint8_t(9), Status::corrupt, "a row block that does not exist");
+  lie("basis", 161, std::uint8_t(0), Status::corrupt, "lies twice in one row block");
   lie("basis", 192, std::uint8_t(4), Status::unsupported, "unknown flags 0x4");
   lie("basis", 192, std::uint8_t(1), Status::corrupt, "a column has no scale");
   lie("basis", 200, UINT32_MAX, Status::corrupt, "scales need more than");
@@ -289,8 +293,8 @@ TEST_CASE("contents that lie are refused by section") {
   lie("proof", 36, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
 }
 
-// A section of coded symbols whose one context gives this symbol for ever, with so many words of 0 in stream 0.
-Bytes always(std::size_t contexts, std::size_t context, std::uint8_t symbol, std::uint32_t words = 0) {
+// Coded symbols in which one context always decodes to this symbol, with `words` words of 0 in stream 0.
+Bytes constant_symbols(std::size_t contexts, std::size_t context, std::uint8_t symbol, std::uint32_t words = 0) {
   Bytes out;
   for (std::size_t c = 0; c < contexts; ++c) append(out, std::uint8_t(c == context));
   append(out, std::uint16_t(0));  // the table of all others
@@ -304,32 +308,36 @@ Bytes always(std::size_t contexts, std::size_t context, std::uint8_t symbol, std
   return out;
 }
 
-TEST_CASE("numbers beyond their range, or too few of them, are refused") {
+TEST_CASE("values beyond their range, or too few of them, are refused") {
   const auto values = [](const char* section, const Bytes& contents) {
     return changed(section, [&](Bytes& b) { b = contents; });
   };
-  constexpr std::size_t alone = 86;  // the context of a piece without neighbours
-  CHECK(outcome(values("basis-values", always(255, alone, 0))).status == Status::ok);  // all of them 0
-  check_refused(values("basis-values", always(255, alone, 255)), Status::corrupt, "a value beyond its range");
-  check_refused(values("basis-values", always(255, alone, 33)), Status::corrupt, "too few coded symbols");
-  check_refused(values("basis-values", always(255, alone, 33, 9)), Status::corrupt, "a value beyond its range");
-  check_refused(values("basis-values", always(255, 0, 91)), Status::corrupt, "predicted from what is not there");
-  check_refused(values("weights", always(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
-  CHECK(outcome(values("weights", always(9, 0, 127))).status == Status::corrupt);
-  const Bytes states = always(255, alone, 0);
+  constexpr std::size_t isolated = 86;  // the class context of a vertex without coded neighbours
+  CHECK(outcome(values("basis-values", constant_symbols(255, isolated, 0))).status == Status::ok);  // all of them 0
+  check_refused(values("basis-values", constant_symbols(255, isolated, 255)), Status::corrupt,
+                "a value beyond its range");
+  check_refused(values("basis-values", constant_symbols(255, isolated, 33)), Status::corrupt, "too few coded symbols");
+  check_refused(values("basis-values", constant_symbols(255, isolated, 33, 9)), Status::corrupt,
+                "a value beyond its range");
+  check_refused(values("basis-values", constant_symbols(255, 0, 91)), Status::corrupt,
+                "a predictor that does not exist");
+  check_refused(values("weights", constant_symbols(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
+  CHECK(outcome(values("weights", constant_symbols(9, 0, 127))).status == Status::corrupt);
+  const Bytes states = constant_symbols(255, isolated, 0);
   for (const std::size_t stream : {0u, 3u}) {
     Bytes wrong = states;
     patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65535));
     check_refused(values("basis-values", wrong), Status::corrupt, "state is too small");
     patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65537));
-    check_refused(values("basis-values", wrong), Status::corrupt, "do not end as they should");
+    check_refused(values("basis-values", wrong), Status::corrupt, "does not end in its final state");
     patch(wrong = states, wrong.size() - 32 + 4 * stream, UINT32_MAX);
     check_refused(values("basis-values", wrong), Status::corrupt, "do not fill the section");
   }
-  check_refused(values("basis-values", always(255, alone, 0, 1)), Status::corrupt, "too many coded symbols");
+  check_refused(values("basis-values", constant_symbols(255, isolated, 0, 1)), Status::corrupt,
+                "too many coded symbols");
 }
 
-TEST_CASE("texture coordinates that lie are refused") {
+TEST_CASE("forged texture coordinates are refused") {
   const auto lie = [](bool by_vertex, std::size_t at, auto value, Status status, const char* message) {
     PackedModel model = tiny_packed_model();
     by_vertex ? give_uvs_by_vertex(model.rest) : give_uvs(model.rest);
@@ -343,7 +351,7 @@ TEST_CASE("texture coordinates that lie are refused") {
   lie(false, 0, std::uint32_t(0), Status::corrupt, "there are no texture coordinates");
   lie(false, 0, UINT32_MAX, Status::corrupt, "texture coordinates needs");
   lie(false, 4, std::uint32_t(2), Status::unsupported, "unknown coding 2");
-  lie(false, 4, std::uint32_t(1), Status::corrupt, "not one a vertex");
+  lie(false, 4, std::uint32_t(1), Status::corrupt, "not that of the vertices");
   lie(false, 8 + 8 * 60, std::uint8_t(120), Status::corrupt, "names a texture coordinate that does not exist");
   lie(true, 4, std::uint32_t(0), Status::corrupt, "corners needs");
   lie(true, 8 + 3 * 30, std::uint8_t(0x7f), Status::corrupt, "not finite");  // the rest of infinity
@@ -369,7 +377,7 @@ TEST_CASE("contents cut short or too long are refused") {
   }
 }
 
-// With valid checksums around it, a changed byte may mean another valid model; it must never crash or run away.
+// With valid checksums, a changed byte may give another valid model, but never a crash or unbounded memory.
 TEST_CASE("changed contents never crash the reader") {
   for (const Bytes& bytes : {tiny_archive(), manifold_archive(), manifold_archive(0x1p-8f)}) {
     const ArchiveEditor whole(bytes);
@@ -386,7 +394,7 @@ TEST_CASE("changed contents never crash the reader") {
   }
 }
 
-TEST_CASE("the caller's limit holds") {
+TEST_CASE("the caller's memory limit is kept") {
   const Bytes bytes = tiny_archive();
   check_refused(bytes, Status::limit, "beyond the limit of 4000 bytes", {4000});
   CHECK(outcome(bytes, {1000000}).status == Status::ok);

@@ -1,4 +1,4 @@
-// What is written comes back, to the last bit.
+// Reading restores what was written, bit for bit.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ Proof random_proof(const PackedModel& model, std::size_t poses) {
 
 }  // namespace
 
-TEST_CASE("a model comes back with all its parts") {
+TEST_CASE("a model is restored with all its parts") {
   PackedModel model = tiny_packed_model();
   model.schema.units = "furlongs";
   model.schema.up_axis = std::string("z");
@@ -117,12 +117,12 @@ TEST_CASE("a model comes back with all its parts") {
   CHECK(archive.sections.size() == 11);
 }
 
-TEST_CASE("many seeds, sizes and values come back") {
+TEST_CASE("many seeds, sizes and values are restored") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
     check_same(tiny_packed_model(seed), read_archive(write_archive(tiny_packed_model(seed), {})).model);
 }
 
-TEST_CASE("the ends of all ranges come back") {
+TEST_CASE("the limits of all ranges are restored") {
   PackedModel model = tiny_packed_model();
   PackedLayer &wide = model.regions[0].layers[0], &narrow = model.regions[0].layers[1];
   REQUIRE(wide.wide);
@@ -135,47 +135,47 @@ TEST_CASE("the ends of all ranges come back") {
   check_same(model, read_archive(write_archive(model, {})).model);
 }
 
-TEST_CASE("layers are read alone") {
+TEST_CASE("parts are read alone") {
   const PackedModel model = tiny_packed_model();
   const Bytes bytes = write_archive(model, random_proof(model, 2), {"mine", "{}"});
-  const Archive definition = read_archive(bytes, {}, Layers::definition);
+  const Archive definition = read_archive(bytes, {}, Parts::definition);
   CHECK(definition.model.schema.controls[2].name == "brow_raise");
   CHECK(definition.vertices == 30);
   CHECK(definition.model.rest.points.empty());
   CHECK(definition.model.rest.polygon_sizes.empty());
   CHECK(definition.model.features.empty());
   CHECK(definition.model.provenance.empty());
-  const Archive mesh = read_archive(bytes, {}, Layers::mesh);
+  const Archive mesh = read_archive(bytes, {}, Parts::mesh);
   CHECK(same_bits(mesh.model.rest.points, model.rest.points));
   CHECK(mesh.model.groups.empty());
-  const Archive behaviour = read_archive(bytes, {}, Layers::behaviour);
+  const Archive behaviour = read_archive(bytes, {}, Parts::behaviour);
   CHECK(behaviour.model.rest.points.empty());
   REQUIRE(behaviour.model.groups.size() == 2);
   CHECK(behaviour.model.groups[1].values == model.groups[1].values);
   CHECK(behaviour.model.regions[0].layers[0].weights == model.regions[0].layers[0].weights);
-  const Archive text = read_archive(bytes, {}, Layers::text | Layers::proof);
+  const Archive text = read_archive(bytes, {}, Parts::text | Parts::proof);
   CHECK(text.text.licence == "mine");
   CHECK(text.model.provenance == model.provenance);
   CHECK(text.proof.hashes.size() == 2);
   CHECK(text.model.regions.empty());
 }
 
-// Numbers that neighbours predict badly, rows cut within vertices, columns in a few groups only, no polygons at all.
-TEST_CASE("bases of every make come back") {
-  for (const std::uint32_t rows_of_group : {1u, 2u, 5u, 64u, 100u, 270u})
+// Values that neighbours predict badly, row blocks that split vertices, columns in few row blocks, no polygons at all.
+TEST_CASE("bases of every kind are restored") {
+  for (const std::uint32_t block_rows : {1u, 2u, 5u, 64u, 100u, 270u})
     for (const bool polygons : {true, false})
       for (const int reach : {0, 1, 2, 127, 32512}) {
-        Random random(rows_of_group + static_cast<std::uint64_t>(reach));
+        Random random(block_rows + static_cast<std::uint64_t>(reach));
         PackedModel model = tiny_packed_model();
         model.rest = grid_mesh(10, 9);
         if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
         model.order.clear();
         model.groups.clear();
         for (std::uint32_t v = 0; v < 90; ++v) model.order.push_back((v * 37 + 5) % 90);
-        for (std::uint32_t row = 0; row < 270; row += rows_of_group) {
+        for (std::uint32_t row = 0; row < 270; row += block_rows) {
           PackedRowBlock& group = model.groups.emplace_back();
           group.first_row = row;
-          group.row_count = std::min(rows_of_group, 270 - row);
+          group.row_count = std::min(block_rows, 270 - row);
           for (std::uint32_t c = 0; c < 5; ++c) {
             if (random.uniform() < 0.3f) continue;
             group.columns.push_back({c, reach > 127, random.uniform() < 0.5f ? 0.25f : random.uniform()});
@@ -188,7 +188,7 @@ TEST_CASE("bases of every make come back") {
       }
 }
 
-TEST_CASE("a smooth shape takes a part of what noise takes") {
+TEST_CASE("smooth columns take far fewer bytes than noise") {
   const auto bytes_of = [](bool smooth) {
     PackedModel model = tiny_packed_model();
     model.rest = grid_mesh(40, 40);
@@ -229,7 +229,7 @@ TEST_CASE("the same model gives the same bytes") {
   CHECK(write_archive(model, proof) != write_archive(tiny_packed_model(2), proof));
 }
 
-TEST_CASE("what does not fit is refused before anything is written") {
+TEST_CASE("inconsistent models and proofs are refused") {
   const PackedModel model = tiny_packed_model();
   Proof proof = random_proof(model, 2);
   proof.positions.pop_back();

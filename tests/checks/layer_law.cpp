@@ -18,7 +18,8 @@ std::string layer_of(const std::string& path) {
   const std::string name = path.substr(path.rfind('/') + 1);
   const std::string stem = name.substr(0, name.rfind('.'));
   if (begins(path, "core/archive/")) {
-    const bool writer = stem == "writer" || (stem.size() > 7 && stem.substr(stem.size() - 7) == "_writer");
+    const bool writer = stem == "writer" || (stem.size() > 7 && stem.substr(stem.size() - 7) == "_writer") ||
+                        path.find("/writer/") != std::string::npos;
     return writer ? "archive writer" : "archive reader";
   }
   if (begins(path, "core/bake/measure/")) return "bake/measure";

@@ -1,9 +1,9 @@
-// Any bytes given to the reader of archives: as they are, and with all checksums made to hold, so that what lies behind
-// them is reached. What is accepted is posed.
+// Feeds arbitrary bytes to the archive reader: as they are, and with all checksums corrected so that the code behind
+// them is reached. Accepted archives are evaluated.
 #include <cstring>
 #include <vector>
 
-#include "archive/container/layout.h"
+#include "archive/container/container_layout.h"
 #include "archive/reader.h"
 #include "base/hash.h"
 #include "base/status.h"
@@ -11,7 +11,7 @@
 
 namespace {
 
-constexpr std::uint64_t most_bytes = std::uint64_t(16) << 20;
+constexpr std::uint64_t max_bytes = std::uint64_t(16) << 20;
 
 using Bytes = std::vector<std::byte>;
 
@@ -27,13 +27,14 @@ void store(Bytes& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-// Rows follow each other from their stored sizes; the last takes what is left.
-Bytes sealed(Bytes bytes) {
+// Corrects signature, sizes and checksums. Sections follow each other by their stored sizes; the last extends to the
+// end.
+Bytes with_valid_checksums(Bytes bytes) {
   using namespace fb;
   using namespace fb::archive;
   using namespace fb::runtime;
   if (bytes.size() < header_bytes) return bytes;
-  std::memcpy(bytes.data(), archive_magic, sizeof archive_magic);
+  std::memcpy(bytes.data(), archive_signature, sizeof archive_signature);
   const auto count = load<std::uint32_t>(bytes, 12) % (max_sections + 1);
   store(bytes, 12, std::uint32_t(count));
   const std::size_t table = header_bytes + count * table_row_bytes, begin = table + checksum_bytes;
@@ -56,17 +57,17 @@ Bytes sealed(Bytes bytes) {
   return bytes;
 }
 
-void read_and_pose(const Bytes& bytes) {
+void read_and_evaluate(const Bytes& bytes) {
   try {
-    const fb::archive::Archive archive = fb::archive::read_archive(bytes, {most_bytes});
+    const fb::archive::Archive archive = fb::archive::read_archive(bytes, {max_bytes});
     const fb::runtime::Evaluator face(archive.model);
-    if (face.bytes() > most_bytes) return;
+    if (face.bytes() > max_bytes) return;
     fb::runtime::Workspace workspace(face);
     std::vector<float> controls, positions(archive.model.rest.points.size());
     for (const fb::Control& control : archive.model.schema.controls) controls.push_back(control.maximum);
     face.evaluate(controls.data(), positions.data(), workspace);
   } catch (const fb::Error& error) {
-    if (std::strlen(error.what()) < 10) __builtin_trap();  // every refusal says why
+    if (std::strlen(error.what()) < 10) __builtin_trap();  // every refusal has a message
   }
 }
 
@@ -75,7 +76,7 @@ void read_and_pose(const Bytes& bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   const auto* first = reinterpret_cast<const std::byte*>(data);
   const Bytes bytes(first, first + size);
-  read_and_pose(bytes);
-  read_and_pose(sealed(bytes));
+  read_and_evaluate(bytes);
+  read_and_evaluate(with_valid_checksums(bytes));
   return 0;
 }

@@ -1,5 +1,5 @@
-// Runs a fuzz target on every file of the folders given, for builds without libFuzzer: what was found once stays
-// tested. Fails if one takes more than a second.
+// Runs a fuzz target on every file of the given folders, for builds without libFuzzer: a regression test of all inputs
+// found by fuzzing. Fails if one takes more than a second.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -1,4 +1,5 @@
-// Archives kept for ever: what was accepted once is accepted, and poses to the same bits; what was refused is refused.
+// Golden archives: what was once accepted stays accepted and evaluates to the same bits; what was refused stays
+// refused.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-// Those kept, and those written when building.
+// The committed archives, and those written during the build.
 const std::vector<Path> folders = {FB_GOLDEN "/1.0", FB_GOLDEN_NEW};
 
 std::vector<Path> files_of(const Path& folder) {
@@ -29,7 +30,7 @@ std::vector<Path> files_of(const Path& folder) {
   return files;
 }
 
-const char* word_for(Status status) {
+const char* name_of(Status status) {
   switch (status) {
     case Status::not_an_archive:
       return "not_an_archive";
@@ -42,14 +43,14 @@ const char* word_for(Status status) {
   }
 }
 
-// What verifying says: "" if all is well, "unproven" if the file is sound and its proof does not hold.
+// The status of a refused archive; "unproven" if the archive is valid but its proof does not hold; otherwise "".
 std::string verdict(const Path& file) {
   const auto bytes = read_file(file);
   try {
     read_archive(bytes);
   } catch (const Error& error) {
     CHECK(std::string(error.what()).size() > 10);
-    return word_for(error.status());
+    return name_of(error.status());
   }
   try {
     verify_archive(bytes);
@@ -62,7 +63,7 @@ std::string verdict(const Path& file) {
 
 }  // namespace
 
-TEST_CASE("golden archives are accepted and pose as they did") {
+TEST_CASE("golden archives are accepted and evaluate as archived") {
   for (const Path& folder : folders) {
     const auto files = files_of(folder / "accepted");
     CHECK(files.size() >= 16);
@@ -70,7 +71,7 @@ TEST_CASE("golden archives are accepted and pose as they did") {
   }
 }
 
-TEST_CASE("golden archives that were refused are refused, for the same kind of reason") {
+TEST_CASE("rejected golden archives are refused with the same status") {
   for (const Path& folder : folders) {
     const auto files = files_of(folder / "rejected");
     CHECK(files.size() >= 40);
@@ -81,7 +82,7 @@ TEST_CASE("golden archives that were refused are refused, for the same kind of r
   }
 }
 
-TEST_CASE("what is written anew of an accepted archive reads the same") {
+TEST_CASE("an accepted archive survives being written and read again") {
   for (const Path& file : files_of(folders[0] / "accepted")) {
     const Archive first = read_archive(read_file(file));
     const auto again = write_archive(first.model, first.proof, first.text);
@@ -90,7 +91,7 @@ TEST_CASE("what is written anew of an accepted archive reads the same") {
   }
 }
 
-TEST_CASE("an archive of version 0.2 is told apart, and migrates") {
+TEST_CASE("an archive of version 0.2 is recognised and converted") {
   const auto old = read_file(FB_GOLDEN "/0.2/tri.fbk");
   CHECK_THROWS_WITH_AS(read_archive(old), doctest::Contains("facebaker pack"), Error);
   REQUIRE(is_version_0_2(old));

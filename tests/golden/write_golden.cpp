@@ -1,6 +1,6 @@
 // Writes the golden archives of this format version: write_golden FOLDER fills FOLDER/accepted with valid files, most
-// of a make our writer never gives, and FOLDER/rejected with files whose names begin with the status they are refused
-// with. Those kept beside this program were written by it once and stay as they are.
+// of a form our writer never produces, and FOLDER/rejected with files whose names begin with the status they are
+// refused with. The committed files were written by this program and never change.
 #include <zlib.h>
 
 #include <cmath>
@@ -27,12 +27,12 @@ Bytes text(const std::string& s) {
   return {bytes.begin(), bytes.end()};
 }
 
-Bytes proven(const PackedModel& model) {
+Bytes with_proof(const PackedModel& model) {
   return write_archive(model, make_proof(model, 1), {"Made for tests; no rights reserved.", "{\"dependency\": null}"});
 }
 
 Bytes edited(const Edit& edit, const PackedModel& model = tiny_packed_model()) {
-  ArchiveEditor archive(proven(model));
+  ArchiveEditor archive(with_proof(model));
   edit(archive);
   return archive.bytes();
 }
@@ -58,7 +58,7 @@ void deflate_section(ArchiveEditor::Section& section) {
   section.stored = packed;
 }
 
-// The least there can be: two vertices and one control that moves nothing.
+// The smallest valid model: two vertices and one control that moves nothing.
 PackedModel smallest() {
   PackedModel model;
   model.schema.controls = {{"c", 0, 1, 0, ""}};
@@ -67,7 +67,7 @@ PackedModel smallest() {
   return model;
 }
 
-// Positions on a grid and 20 quads that triangles tell, the vertices in an order that is not theirs.
+// Positions on a grid and 20 quads coded along triangles, the vertices in another order than Draco's.
 PackedModel regular(bool polygons) {
   PackedModel model = tiny_packed_model();
   model.rest = grid_mesh(6, 5);
@@ -79,28 +79,28 @@ PackedModel regular(bool polygons) {
   return model;
 }
 
-PackedModel with_uvs(void (*give)(Mesh&)) {
+PackedModel with_uvs(void (*add_uvs)(Mesh&)) {
   PackedModel model = regular(true);
-  give(model.rest);
+  add_uvs(model.rest);
   return model;
 }
 
-// Groups of so many rows, cut within vertices, some of them without columns; every number of a column random.
-PackedModel cut_model(std::uint32_t rows_of_group, bool polygons) {
+// Row blocks of so many rows, which split vertices; some without columns; random values.
+PackedModel split_model(std::uint32_t block_rows, bool polygons) {
   PackedModel model = tiny_packed_model();
   if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
-  Random random(rows_of_group);
+  Random random(block_rows);
   model.groups.clear();
-  for (std::uint32_t row = 0; row < 90; row += rows_of_group) {
+  for (std::uint32_t row = 0; row < 90; row += block_rows) {
     std::vector<std::uint32_t> columns;
     for (std::uint32_t c = 0; c < 5; ++c)
       if (random.uniform() < 0.6f) columns.push_back(c);
-    model.groups.push_back(random_group(random, row, std::min(rows_of_group, 90 - row), columns, 0.25f));
+    model.groups.push_back(random_group(random, row, std::min(block_rows, 90 - row), columns, 0.25f));
   }
   return model;
 }
 
-// A polygon of many corners, a vertex with more neighbours than are looked at, edges of three polygons, a lone vertex.
+// A polygon of many corners, a vertex with more neighbours than are used, edges of three polygons, isolated vertices.
 PackedModel odd_mesh() {
   PackedModel model = smallest();
   Random random(3);
@@ -154,18 +154,18 @@ Bytes many_sections() {
 
 void write_accepted(const std::filesystem::path& folder) {
   const auto write = [&](const char* name, const Bytes& bytes) { write_file(folder / name, bytes); };
-  write("tiny.fbk", proven(tiny_packed_model()));
-  write("manifold.fbk", proven(odd_mesh()));
-  write("smallest.fbk", proven(smallest()));
-  write("regular.fbk", proven(regular(true)));
-  write("regular-points.fbk", proven(regular(false)));
-  write("uvs.fbk", proven(with_uvs(give_uvs)));
-  write("uvs-by-vertex.fbk", proven(with_uvs(give_uvs_by_vertex)));
-  write("rows-1.fbk", proven(cut_model(1, true)));
-  write("rows-5.fbk", proven(cut_model(5, true)));
-  write("rows-5-points.fbk", proven(cut_model(5, false)));
-  write("overflow.fbk", proven(overflowing()));
-  write("long-names.fbk", proven(long_names()));
+  write("tiny.fbk", with_proof(tiny_packed_model()));
+  write("manifold.fbk", with_proof(odd_mesh()));
+  write("smallest.fbk", with_proof(smallest()));
+  write("regular.fbk", with_proof(regular(true)));
+  write("regular-points.fbk", with_proof(regular(false)));
+  write("uvs.fbk", with_proof(with_uvs(give_uvs)));
+  write("uvs-by-vertex.fbk", with_proof(with_uvs(give_uvs_by_vertex)));
+  write("rows-1.fbk", with_proof(split_model(1, true)));
+  write("rows-5.fbk", with_proof(split_model(5, true)));
+  write("rows-5-points.fbk", with_proof(split_model(5, false)));
+  write("overflow.fbk", with_proof(overflowing()));
+  write("long-names.fbk", with_proof(long_names()));
   write("unproven.fbk", write_archive(tiny_packed_model(2), {}));
   write("sections-64.fbk", many_sections());
   write("newer-minor.fbk", edited([](ArchiveEditor& archive) { archive.minor = 9; }));
@@ -186,100 +186,131 @@ void write_accepted(const std::filesystem::path& folder) {
         }));
 }
 
-void write_rejected(const std::filesystem::path& folder) {
-  const auto write = [&](const char* name, const Bytes& bytes) { write_file(folder / name, bytes); };
-  const auto lie = [&](const char* name, const char* section, std::size_t at, auto value) {
-    write(name, changed(section, [&](Bytes& b) { patch(b, at, value); }));
-  };
-  const Bytes whole = proven(tiny_packed_model());
+// Writes files into the folder of rejected archives.
+class RejectedWriter {
+ public:
+  explicit RejectedWriter(const std::filesystem::path& folder) : folder_(folder) {}
+
+  void write(const char* name, const Bytes& bytes) const { write_file(folder_ / name, bytes); }
+  // The tiny model, or another, with the number at byte `at` of a section's contents replaced.
+  template <class T>
+  void patched(const char* name, const char* section, std::size_t at, T value,
+               const PackedModel& model = tiny_packed_model()) const {
+    write(name, changed(
+                    section, [&](Bytes& b) { patch(b, at, value); }, model));
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+void write_rejected_containers(const RejectedWriter& out) {
+  const Bytes whole = with_proof(tiny_packed_model());
   Bytes other = whole;
-  write("not_an_archive-empty.fbk", {});
-  write("not_an_archive-text.fbk", text("#!/bin/sh\necho an archive\n"));
+  out.write("not_an_archive-empty.fbk", {});
+  out.write("not_an_archive-text.fbk", text("#!/bin/sh\necho an archive\n"));
   other.erase(other.begin() + 4);
-  write("corrupt-line-ends.fbk", other);
-  write("corrupt-cut-in-header.fbk", Bytes(whole.begin(), whole.begin() + 20));
-  write("corrupt-cut-in-table.fbk", Bytes(whole.begin(), whole.begin() + 200));
-  write("corrupt-cut-at-end.fbk", Bytes(whole.begin(), whole.end() - 1));
+  out.write("corrupt-line-ends.fbk", other);
+  out.write("corrupt-cut-in-header.fbk", Bytes(whole.begin(), whole.begin() + 20));
+  out.write("corrupt-cut-in-table.fbk", Bytes(whole.begin(), whole.begin() + 200));
+  out.write("corrupt-cut-at-end.fbk", Bytes(whole.begin(), whole.end() - 1));
   (other = whole).push_back(std::byte(0));
-  write("corrupt-byte-more.fbk", other);
+  out.write("corrupt-byte-more.fbk", other);
   (other = whole)[whole.size() / 2] ^= std::byte(4);
-  write("corrupt-bit.fbk", other);
+  out.write("corrupt-bit.fbk", other);
   (other = whole).back() ^= std::byte(0x80);
-  write("corrupt-checksum.fbk", other);
+  out.write("corrupt-checksum.fbk", other);
   patch(other = whole, table_at(1, 24), std::uint64_t(0));
-  write("corrupt-overlap.fbk", sealed(other));
-  write("unsupported-major.fbk", edited([](ArchiveEditor& archive) { archive.major = 2; }));
-  write("unsupported-required.fbk", edited([](ArchiveEditor& archive) {
-          archive["hair"].set(text("something newer"));
-          archive["hair"].flags = section_required;
-        }));
-  write("unsupported-flags.fbk", edited([](ArchiveEditor& archive) { archive["proof"].flags = 2; }));
-  write("unsupported-codec.fbk", edited([](ArchiveEditor& archive) { archive["network"].codec = 1; }));
-  write("corrupt-twice.fbk", edited([](ArchiveEditor& archive) { archive.sections.push_back(archive.sections[0]); }));
-  write("corrupt-missing.fbk",
-        edited([](ArchiveEditor& archive) { archive.sections.erase(archive.sections.begin()); }));
-  write("corrupt-stream-more.fbk", edited([](ArchiveEditor& archive) {
-          deflate_section(archive["basis"]);
-          archive["basis"].stored.push_back(std::byte(0));
-        }));
-  write("corrupt-stream-size.fbk", edited([](ArchiveEditor& archive) {
-          deflate_section(archive["basis"]);
-          ++archive["basis"].raw_bytes;
-        }));
+  out.write("corrupt-overlap.fbk", sealed(other));
+}
+
+void write_rejected_sections(const RejectedWriter& out) {
+  out.write("unsupported-major.fbk", edited([](ArchiveEditor& archive) { archive.major = 2; }));
+  out.write("unsupported-required.fbk", edited([](ArchiveEditor& archive) {
+              archive["hair"].set(text("something newer"));
+              archive["hair"].flags = section_required;
+            }));
+  out.write("unsupported-flags.fbk", edited([](ArchiveEditor& archive) { archive["proof"].flags = 2; }));
+  out.write("unsupported-codec.fbk", edited([](ArchiveEditor& archive) { archive["network"].codec = 1; }));
+  out.write("corrupt-twice.fbk",
+            edited([](ArchiveEditor& archive) { archive.sections.push_back(archive.sections[0]); }));
+  out.write("corrupt-missing.fbk",
+            edited([](ArchiveEditor& archive) { archive.sections.erase(archive.sections.begin()); }));
+  out.write("corrupt-stream-more.fbk", edited([](ArchiveEditor& archive) {
+              deflate_section(archive["basis"]);
+              archive["basis"].stored.push_back(std::byte(0));
+            }));
+  out.write("corrupt-stream-size.fbk", edited([](ArchiveEditor& archive) {
+              deflate_section(archive["basis"]);
+              ++archive["basis"].raw_bytes;
+            }));
   for (const char* name :
        {"definition", "polygons", "geometry", "network", "weights", "basis", "basis-values", "proof"}) {
     const std::string file = format("corrupt-%s-more.fbk", name);
-    write(file.c_str(), changed(name, [](Bytes& b) { b.resize(b.size() + 2); }));
+    out.write(file.c_str(), changed(name, [](Bytes& b) { b.resize(b.size() + 2); }));
   }
-  write("corrupt-zero-byte.fbk", changed("licence", [](Bytes& b) { b[3] = std::byte(0); }));
-  lie("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
-  lie("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
-  lie("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
-  lie("unsupported-point-order.fbk", "geometry", 0, std::uint32_t(2));
-  lie("corrupt-draco.fbk", "geometry", 12, std::uint8_t(0));
-  lie("corrupt-triangles.fbk", "geometry", 4, std::uint32_t(1));
-  lie("corrupt-grid.fbk", "geometry", 8, 0.75f);
-  lie("corrupt-floats-on-grid.fbk", "geometry", 8, 0.5f);
-  lie("unsupported-corners.fbk", "polygons", 8 + 4 * 21, std::uint32_t(2));
-  const auto lie_of_regular = [&](const char* name, const char* section, std::size_t at, auto value) {
-    write(name, changed(
-                    section, [&](Bytes& b) { patch(b, at, value); }, regular(true)));
-  };
-  lie_of_regular("corrupt-turn.fbk", "polygons", 8 + 4 * 20 + 4 + 4 * 20 + 7, std::uint8_t(6));
-  lie_of_regular("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 4, std::uint8_t(60));
-  lie_of_regular("corrupt-coarse-grid.fbk", "geometry", 8, 0x1p126f);
-  lie_of_regular("corrupt-grid-for-floats.fbk", "geometry", 8, 0.0f);
-  const auto lie_of_uvs = [&](const char* name, void (*give)(Mesh&), std::size_t at, auto value) {
-    write(name, changed(
-                    "uvs", [&](Bytes& b) { patch(b, at, value); }, with_uvs(give)));
-  };
-  lie_of_uvs("corrupt-no-uvs.fbk", give_uvs, 0, std::uint32_t(0));
-  lie_of_uvs("corrupt-uvs-by-vertex.fbk", give_uvs, 4, std::uint32_t(1));
-  lie_of_uvs("corrupt-uv-corner.fbk", give_uvs, 8 + 8 * 60, std::uint8_t(200));
-  lie_of_uvs("corrupt-uv-steps.fbk", give_uvs_by_vertex, 4, std::uint32_t(0));
-  lie_of_uvs("unsupported-uvs.fbk", give_uvs, 4, std::uint32_t(2));
-  lie("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
-  lie("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
-  lie("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));
-  lie("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
-  lie("corrupt-feature-loop.fbk", "network", 84, std::uint32_t(7));
-  lie("corrupt-gate-slope.fbk", "network", 157, 0.0f);
-  lie("unsupported-activation.fbk", "network", 173, std::uint8_t(9));
-  lie("unsupported-layer-flags.fbk", "network", 174, std::uint8_t(4));
-  lie("corrupt-columns.fbk", "basis", 0, std::uint32_t(3));
-  lie("corrupt-order.fbk", "basis", 8, std::uint8_t(0));
-  lie("corrupt-rows.fbk", "basis", 132, std::uint8_t(64));
-  lie("corrupt-place-group.fbk", "basis", 160, std::uint8_t(9));
-  lie("corrupt-place-twice.fbk", "basis", 161, std::uint8_t(0));
-  lie("unsupported-place-flags.fbk", "basis", 192, std::uint8_t(4));
-  lie("corrupt-place-scale.fbk", "basis", 192, std::uint8_t(1));
-  write("corrupt-scale.fbk", changed("basis", [](Bytes& b) { patch_infinity(b, 204); }));
-  lie("corrupt-frequencies.fbk", "weights", 12, std::uint16_t(0x7fff));
-  lie("corrupt-proof-vertex.fbk", "proof", 4 + 11 * 5 * 4 + 11 * 8 + 4, std::uint32_t(30));
-  write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
-  // Whole and sound, but it does not pose as it says.
-  lie("unproven-hash.fbk", "proof", 4 + 11 * 5 * 4 + 3 * 8, std::uint64_t(1));
-  lie("unproven-position.fbk", "proof", 4 + 11 * 5 * 4 + 11 * 8 + 4 + 16 * 4 + 40, 1e9f);
+}
+
+void write_rejected_geometry(const RejectedWriter& out) {
+  out.patched("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
+  out.patched("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
+  out.patched("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
+  out.patched("unsupported-point-order.fbk", "geometry", 0, std::uint32_t(2));
+  out.patched("corrupt-draco.fbk", "geometry", 12, std::uint8_t(0));
+  out.patched("corrupt-triangles.fbk", "geometry", 4, std::uint32_t(1));
+  out.patched("corrupt-grid.fbk", "geometry", 8, 0.75f);
+  out.patched("corrupt-floats-on-grid.fbk", "geometry", 8, 0.5f);
+  out.patched("unsupported-corners.fbk", "polygons", 8 + 4 * 21, std::uint32_t(2));
+  const PackedModel on_grid = regular(true);
+  out.patched("corrupt-edge-index.fbk", "polygons", 8 + 4 * 20 + 4 + 4 * 20 + 7, std::uint8_t(6), on_grid);
+  out.patched("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 4, std::uint8_t(60), on_grid);
+  out.patched("corrupt-coarse-grid.fbk", "geometry", 8, 0x1p126f, on_grid);
+  out.patched("corrupt-grid-for-floats.fbk", "geometry", 8, 0.0f, on_grid);
+  const PackedModel seam = with_uvs(give_uvs), by_vertex = with_uvs(give_uvs_by_vertex);
+  out.patched("corrupt-no-uvs.fbk", "uvs", 0, std::uint32_t(0), seam);
+  out.patched("corrupt-uvs-by-vertex.fbk", "uvs", 4, std::uint32_t(1), seam);
+  out.patched("corrupt-uv-corner.fbk", "uvs", 8 + 8 * 60, std::uint8_t(200), seam);
+  out.patched("corrupt-uv-deltas.fbk", "uvs", 4, std::uint32_t(0), by_vertex);
+  out.patched("unsupported-uvs.fbk", "uvs", 4, std::uint32_t(2), seam);
+}
+
+void write_rejected_behaviour(const RejectedWriter& out) {
+  out.patched("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
+  out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
+  out.patched("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));
+  out.patched("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
+  out.patched("corrupt-feature-loop.fbk", "network", 84, std::uint32_t(7));
+  out.patched("corrupt-gate-slope.fbk", "network", 157, 0.0f);
+  out.patched("unsupported-activation.fbk", "network", 173, std::uint8_t(9));
+  out.patched("unsupported-layer-flags.fbk", "network", 174, std::uint8_t(4));
+  out.patched("corrupt-columns.fbk", "basis", 0, std::uint32_t(3));
+  out.patched("corrupt-order.fbk", "basis", 8, std::uint8_t(0));
+  out.patched("corrupt-rows.fbk", "basis", 132, std::uint8_t(64));
+  out.patched("corrupt-segment-block.fbk", "basis", 160, std::uint8_t(9));
+  out.patched("corrupt-segment-twice.fbk", "basis", 161, std::uint8_t(0));
+  out.patched("unsupported-segment-flags.fbk", "basis", 192, std::uint8_t(4));
+  out.patched("corrupt-segment-scale.fbk", "basis", 192, std::uint8_t(1));
+  out.write("corrupt-scale.fbk", changed("basis", [](Bytes& b) { patch_infinity(b, 204); }));
+  out.patched("corrupt-frequencies.fbk", "weights", 12, std::uint16_t(0x7fff));
+  out.write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
+}
+
+void write_rejected_texts_and_proofs(const RejectedWriter& out) {
+  constexpr std::size_t hashes_at = 4 + 11 * 5 * 4, vertices_at = hashes_at + 11 * 8 + 4;
+  out.write("corrupt-zero-byte.fbk", changed("licence", [](Bytes& b) { b[3] = std::byte(0); }));
+  out.patched("corrupt-proof-vertex.fbk", "proof", vertices_at, std::uint32_t(30));
+  // Valid archives whose proof does not hold.
+  out.patched("unproven-hash.fbk", "proof", hashes_at + 3 * 8, std::uint64_t(1));
+  out.patched("unproven-position.fbk", "proof", vertices_at + 16 * 4 + 40, 1e9f);
+}
+
+void write_rejected(const std::filesystem::path& folder) {
+  const RejectedWriter out(folder);
+  write_rejected_containers(out);
+  write_rejected_sections(out);
+  write_rejected_geometry(out);
+  write_rejected_behaviour(out);
+  write_rejected_texts_and_proofs(out);
 }
 
 }  // namespace

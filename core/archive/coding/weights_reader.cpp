@@ -1,43 +1,43 @@
 #include <algorithm>
 
-#include "archive/coding/symbol_reader.h"
-#include "archive/container/layout.h"
-#include "archive/section_reader.h"
+#include "archive/coding/coding_reader.h"
+#include "archive/coding/contexts.h"
+#include "archive/coding/rans_reader.h"
 
 namespace fb::archive {
 namespace {
 
-// Two words are read for a weight at most.
-constexpr std::size_t weights_at_once = symbol_streams * SymbolStream::spare_words / 2;
+// Weights read between two checks for exhausted streams: a weight takes at most two words.
+constexpr std::size_t weights_per_check = stream_count * RansStream::padding_words / 2;
 
 template <bool wide>
-std::int16_t read_weight(const SymbolTables& tables, SymbolStream& in, std::uint32_t context) {
-  int weight = static_cast<int>(in.symbol(tables, context + (wide ? 3 : 0))) - largest_narrow;
-  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(tables, context + 6)) - 128;
+std::int16_t read_weight(const FrequencyTables& tables, RansStream& in, std::uint32_t context) {
+  int weight = static_cast<int>(in.symbol(tables, context + (wide ? high_digit_contexts : 0))) - largest_narrow;
+  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(tables, context + low_digit_contexts)) - 128;
   return static_cast<std::int16_t>(weight);
 }
 
-// Fills `weights`; false if the words run out before.
+// Fills `weights`; false if a stream is exhausted. `streams` is copied so that its states stay in registers.
 template <bool wide>
-bool read_layer(const SymbolTables& tables, SymbolStreams& in, std::uint32_t context,
+bool read_layer(const FrequencyTables& tables, RansStreams& streams, std::uint32_t context,
                 std::vector<std::int16_t>& weights) {
-  SymbolStreams at = in;
-  const auto sound = [&] {
-    return std::none_of(at.begin(), at.end(), [](const auto& stream) { return stream.exhausted(); });
+  RansStreams local = streams;
+  const auto valid = [&] {
+    return std::none_of(local.begin(), local.end(), [](const auto& stream) { return stream.exhausted(); });
   };
-  for (std::size_t i = 0; i < weights.size() && sound();)
-    for (const std::size_t end = std::min(i + weights_at_once, weights.size()); i < end;)
-      for (std::size_t stream = 0; stream < symbol_streams && i < end; ++stream, ++i)
-        weights[i] = read_weight<wide>(tables, at[stream], context);
-  in = at;
-  return sound();
+  for (std::size_t i = 0; i < weights.size() && valid();)
+    for (const std::size_t end = std::min(i + weights_per_check, weights.size()); i < end;)
+      for (std::size_t stream = 0; stream < stream_count && i < end; ++stream, ++i)
+        weights[i] = read_weight<wide>(tables, local[stream], context);
+  streams = local;
+  return valid();
 }
 
 }  // namespace
 
 void read_weights(ByteReader& in, PackedModel& model) {
-  const SymbolReader symbols(in, weight_contexts);
-  SymbolStreams at = symbols.begin();
+  const RansReader rans(in, weight_contexts);
+  RansStreams streams = rans.streams();
   for (PackedRegion& region : model.regions)
     for (std::size_t l = 0; l < region.layers.size(); ++l) {
       PackedLayer& layer = region.layers[l];
@@ -46,9 +46,9 @@ void read_weights(ByteReader& in, PackedModel& model) {
       layer.weights.resize(count);
       const std::uint32_t context = weight_context(l, region.layers.size());
       const auto read = layer.wide ? read_layer<true> : read_layer<false>;
-      if (!read(symbols.tables(), at, context, layer.weights)) symbols.end(at);
+      if (!read(rans.tables(), streams, context, layer.weights)) rans.end(streams);
     }
-  symbols.end(at);
+  rans.end(streams);
 }
 
 }  // namespace fb::archive

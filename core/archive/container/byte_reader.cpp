@@ -1,19 +1,19 @@
 #include "archive/container/byte_reader.h"
 
-#include "archive/container/layout.h"
+#include "archive/container/container_layout.h"
 
 namespace fb::archive {
 
 std::string ByteReader::string(const char* what) {
   const auto length = number<std::uint32_t>(what);
-  if (length > max_string_bytes) damaged("a string is longer than the format allows");
+  if (length > max_string_bytes) corrupt("a string is longer than the format allows");
   const auto bytes = take(length, what);
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.find('\0') != std::string::npos) damaged("a string holds a zero byte");
+  if (text.find('\0') != std::string::npos) corrupt("a string holds a zero byte");
   return text;
 }
 
-std::vector<std::uint32_t> ByteReader::planes32(std::uint64_t count, const char* what) {
+std::vector<std::uint32_t> ByteReader::planes(std::uint64_t count, const char* what) {
   const auto bytes = take(checked_multiply(count, 4, where_.c_str()), what);
   budget_.take(count, sizeof(std::uint32_t), what);
   std::vector<std::uint32_t> values(static_cast<std::size_t>(count));
@@ -24,22 +24,10 @@ std::vector<std::uint32_t> ByteReader::planes32(std::uint64_t count, const char*
 }
 
 std::vector<float> ByteReader::float_planes(std::uint64_t count, const char* what) {
-  const std::vector<std::uint32_t> bits = planes32(count, what);
+  const std::vector<std::uint32_t> bits = planes(count, what);
   std::vector<float> values;
   values.reserve(bits.size());
   for (const std::uint32_t number : bits) values.push_back(std::bit_cast<float>(number));
-  return values;
-}
-
-std::vector<std::int16_t> ByteReader::whole_numbers(std::uint64_t count, bool wide, const char* what) {
-  const auto bytes = take(wide ? checked_multiply(count, 2, where_.c_str()) : count, what);
-  budget_.take(count, sizeof(std::int16_t), what);
-  std::vector<std::int16_t> values(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto low = static_cast<std::uint16_t>(bytes[i]);
-    values[i] = wide ? static_cast<std::int16_t>(low | static_cast<std::uint16_t>(bytes[values.size() + i]) << 8)
-                     : static_cast<std::int8_t>(low);
-  }
   return values;
 }
 

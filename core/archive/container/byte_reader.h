@@ -1,4 +1,4 @@
-// Little-endian reading of untrusted bytes: nothing is read beyond the end or allocated beyond a budget.
+// Little-endian reading of untrusted bytes: never reads beyond the end, never allocates beyond a budget.
 #pragma once
 
 #include <bit>
@@ -14,10 +14,12 @@
 
 namespace fb::archive {
 
-// What is left of ReadLimits::max_model_bytes; asked before every allocation whose size comes from the file.
+// The memory a reader may still allocate. Charged before every allocation whose size comes from the file.
 class Budget {
  public:
   explicit Budget(std::uint64_t bytes) : total_(bytes), left_(bytes) {}
+
+  // Charges `count` items of `size` bytes. Fails with `limit`, naming `what`, if they exceed the budget.
   void take(std::uint64_t count, std::size_t size, const char* what) {
     if (count > left_ / size)
       fail(Status::limit, "%s: %llu items of %zu bytes go beyond the limit of %llu bytes for a model", what,
@@ -29,9 +31,11 @@ class Budget {
   std::uint64_t total_, left_;
 };
 
-// Reads one section's unpacked contents from front to back. Every failure is `corrupt` and names section and position.
+// Reads the unpacked contents of one section from front to back. Failures are `corrupt` and name section, byte offset
+// within the contents, and the field (`what`).
 class ByteReader {
  public:
+  // `where` names the section in messages. `bytes` and `budget` must outlive the reader.
   ByteReader(std::span<const std::byte> bytes, std::string where, Budget& budget)
       : bytes_(bytes), where_(std::move(where)), budget_(budget) {}
 
@@ -39,7 +43,7 @@ class ByteReader {
   std::size_t left() const { return bytes_.size() - at_; }
   Budget& budget() { return budget_; }
 
-  [[noreturn]] void damaged(const char* what) const {
+  [[noreturn]] void corrupt(const char* what) const {
     fail(Status::corrupt, "%s, at byte %zu of its contents: %s", where_.c_str(), at_, what);
   }
 
@@ -52,7 +56,7 @@ class ByteReader {
     return taken;
   }
 
-  // A count of items that each take at least `item_bytes` more bytes of the section, so it can be believed.
+  // A count of items, checked against the bytes left: each item takes at least `item_bytes` of them.
   std::uint32_t count(std::size_t item_bytes, const char* what) {
     const auto n = number<std::uint32_t>(what);
     if (n > left() / item_bytes)
@@ -77,14 +81,12 @@ class ByteReader {
   }
 
   std::string string(const char* what);
-  // Unpacks 32-bit numbers from four planes, least significant bytes first.
-  std::vector<std::uint32_t> planes32(std::uint64_t count, const char* what);
+  // `count` 32-bit numbers stored as four byte planes, the least significant first.
+  std::vector<std::uint32_t> planes(std::uint64_t count, const char* what);
   std::vector<float> float_planes(std::uint64_t count, const char* what);
-  // Whole numbers of 16 bits from two such planes where `wide`, else of one byte each.
-  std::vector<std::int16_t> whole_numbers(std::uint64_t count, bool wide, const char* what);
-  // Fails unless everything was read.
+  // Fails unless all bytes were read.
   void end() const {
-    if (left() != 0) damaged("the section should end here");
+    if (left() != 0) corrupt("the section should end here");
   }
 
  private:

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
-#include "archive/container/layout.h"
+#include "archive/container/container_layout.h"
+#include "base/checked.h"
 #include "base/status.h"
 
 namespace fb::archive {
@@ -30,13 +30,15 @@ class ByteWriter {
   void numbers(const std::vector<T>& values) {
     for (const T value : values) number(value);
   }
+  // Fails with `limit`, naming `what`, if the count exceeds 32 bits.
+  void count(std::size_t count, const char* what) { number(checked_u32(count, what)); }
   void raw(std::span<const std::byte> more) {
     const std::size_t end = bytes.size();
     bytes.resize(end + more.size());
     std::copy(more.begin(), more.end(), bytes.begin() + end);
   }
 
-  // Length and text; fails, naming `what`, if it is too long or holds a zero byte.
+  // Length and text. Fails, naming `what`, if the text is too long or holds a zero byte.
   void string(std::string_view text, const char* what) {
     if (text.size() > max_string_bytes)
       fail(Status::limit, "%s is %zu bytes long; an archive holds %u", what, text.size(), max_string_bytes);
@@ -44,22 +46,15 @@ class ByteWriter {
     number(static_cast<std::uint32_t>(text.size()));
     raw(std::as_bytes(std::span(text)));
   }
-  // All least significant bytes, then all the next: what compresses well of numbers that are small or alike.
-  template <class T>
-  void planes(const std::vector<T>& values) {
-    for (std::size_t plane = 0; plane < sizeof(T); ++plane)
-      for (const T value : values)
-        bytes.push_back(static_cast<std::byte>(static_cast<std::make_unsigned_t<T>>(value) >> (8 * plane)));
+  // Four byte planes, the least significant first: small or similar numbers compress well so.
+  void planes(const std::vector<std::uint32_t>& values) {
+    for (std::size_t plane = 0; plane < sizeof(std::uint32_t); ++plane)
+      for (const std::uint32_t value : values) bytes.push_back(static_cast<std::byte>(value >> (8 * plane)));
   }
-  void planes(const std::vector<float>& values) {
+  void float_planes(const std::vector<float>& values) {
     std::vector<std::uint32_t> bits;
     for (const float value : values) bits.push_back(std::bit_cast<std::uint32_t>(value));
     planes(bits);
-  }
-  // Planes of 16 bits where `wide`, else one byte each.
-  void whole_numbers(const std::vector<std::int16_t>& values, bool wide) {
-    if (wide) return planes(values);
-    for (const std::int16_t value : values) number(static_cast<std::int8_t>(value));
   }
 };
 

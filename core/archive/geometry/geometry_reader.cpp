@@ -1,27 +1,27 @@
+#include "archive/geometry/geometry_reader.h"
+
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_sequential_decoder.h>
 #include <draco/core/varint_decoding.h>
 
 #include <cmath>
+#include <cstring>
 #include <exception>
-
-#include "archive/container/layout.h"
-#include "archive/section_reader.h"
 
 namespace fb::archive {
 namespace {
 
-// Draco believes the counts it reads and allocates by them. Both decoders below stop it before it allocates, unless the
-// counts are those of the archive and the attributes exactly the ones the format has.
+// Draco allocates by the counts in its data without checking them. The two decoders below fail before it allocates,
+// unless the counts are those of the archive and the attributes those of the format.
 struct Expected {
   std::uint32_t vertices = 0;
   std::uint64_t triangles = 0;
-  float step = 0;  // of positions in whole numbers; 0: they are floats
+  float grid_step = 0;  // of integer positions; 0: positions are floats
 };
 
 bool is_position(const draco::PointAttribute& a, const Expected& expected) {
   return a.attribute_type() == draco::GeometryAttribute::POSITION && a.num_components() == 3 &&
-         a.data_type() == (expected.step > 0 ? draco::DT_INT32 : draco::DT_FLOAT32);
+         a.data_type() == (expected.grid_step > 0 ? draco::DT_INT32 : draco::DT_FLOAT32);
 }
 
 bool is_index(const draco::PointAttribute& a) {
@@ -29,9 +29,9 @@ bool is_index(const draco::PointAttribute& a) {
          a.num_components() == 1;
 }
 
-class GuardedPoints : public draco::PointCloudSequentialDecoder {
+class CheckedPointDecoder : public draco::PointCloudSequentialDecoder {
  public:
-  explicit GuardedPoints(Expected expected) : expected_(expected) {}
+  explicit CheckedPointDecoder(Expected expected) : expected_(expected) {}
 
  protected:
   bool DecodeGeometryData() override {
@@ -49,9 +49,9 @@ class GuardedPoints : public draco::PointCloudSequentialDecoder {
   Expected expected_;
 };
 
-class GuardedMesh : public draco::MeshEdgebreakerDecoder {
+class CheckedMeshDecoder : public draco::MeshEdgebreakerDecoder {
  public:
-  explicit GuardedMesh(Expected expected) : expected_(expected) {}
+  explicit CheckedMeshDecoder(Expected expected) : expected_(expected) {}
 
  protected:
   bool DecodeConnectivity() override {
@@ -73,63 +73,64 @@ class GuardedMesh : public draco::MeshEdgebreakerDecoder {
   Expected expected_;
 };
 
-// The bytes begin with Draco's own header: "DRACO", version, geometry, method, flags (0: no metadata).
+// Draco's own header: "DRACO", version, geometry type, encoding method, flags (0: no metadata).
 void check_draco_header(const ByteReader& in, std::span<const std::byte> bytes, std::uint8_t geometry,
                         std::uint8_t method, std::uint8_t minor) {
   const std::uint8_t header[11] = {'D', 'R', 'A', 'C', 'O', 2, minor, geometry, method, 0, 0};
   if (bytes.size() < sizeof header || std::memcmp(bytes.data(), header, sizeof header) != 0)
-    in.damaged("the Draco data is not of the kind the format allows");
+    in.corrupt("the Draco data is not of the type the format allows");
 }
 
-// Decodes all bytes, with a decoder above, into a cloud or mesh of as many points as there are vertices.
+// Decodes all bytes with one of the decoders above into a point cloud or mesh with one point per vertex.
 template <class Decoder, class Points>
 void decode(const ByteReader& in, std::span<const std::byte> bytes, Expected expected, Points& points) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   Decoder decoder(expected);
   if (!decoder.Decode({}, &buffer, &points).ok() || points.num_points() != expected.vertices)
-    in.damaged("the Draco data cannot be decoded");
-  if (buffer.remaining_size() != 0) in.damaged("the Draco data should end here");
+    in.corrupt("the Draco data cannot be decoded");
+  if (buffer.remaining_size() != 0) in.corrupt("the Draco data should end here");
 }
 
-// Gives `to` the x, y and z of a point.
-void take_position(const ByteReader& in, const draco::PointAttribute& positions, draco::PointIndex point, float step,
-                   float* to) {
-  if (step == 0) return positions.GetMappedValue(point, to);
-  std::int32_t numbers[3];
-  positions.GetMappedValue(point, numbers);
+// Writes the x, y and z of a point to `to`.
+void read_position(const ByteReader& in, const draco::PointAttribute& positions, draco::PointIndex point,
+                   float grid_step, float* to) {
+  if (grid_step == 0) return positions.GetMappedValue(point, to);
+  std::int32_t quantised[3];
+  positions.GetMappedValue(point, quantised);
   for (int axis = 0; axis < 3; ++axis) {
-    if (numbers[axis] < -most_steps || numbers[axis] > most_steps) in.damaged("a position is beyond its grid");
-    to[axis] = static_cast<float>(numbers[axis]) * step;
+    if (quantised[axis] < -max_grid_coordinate || quantised[axis] > max_grid_coordinate)
+      in.corrupt("a position is beyond its grid");
+    to[axis] = static_cast<float>(quantised[axis]) * grid_step;
   }
 }
 
-RestPoints decode_in_order(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
+RestPoints decode_point_cloud(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
   check_draco_header(in, bytes, draco::POINT_CLOUD, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, 3);
-  if (expected.triangles != 0) in.damaged("there are triangles without edgebreaker");
+  if (expected.triangles != 0) in.corrupt("a point cloud has triangles");
   draco::PointCloud cloud;
-  decode<GuardedPoints>(in, bytes, expected, cloud);
+  decode<CheckedPointDecoder>(in, bytes, expected, cloud);
   RestPoints out;
   out.points.resize(std::size_t(3) * expected.vertices);
   for (std::uint32_t v = 0; v < expected.vertices; ++v)
-    take_position(in, *cloud.attribute(0), draco::PointIndex(v), expected.step, &out.points[std::size_t(3) * v]);
+    read_position(in, *cloud.attribute(0), draco::PointIndex(v), expected.grid_step, &out.points[std::size_t(3) * v]);
   return out;
 }
 
-RestPoints decode_by_index(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
+RestPoints decode_mesh(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
   check_draco_header(in, bytes, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING, 2);
   draco::Mesh mesh;
-  decode<GuardedMesh>(in, bytes, expected, mesh);
+  decode<CheckedMeshDecoder>(in, bytes, expected, mesh);
   RestPoints out;
   out.points.resize(std::size_t(3) * expected.vertices);
   std::vector<std::uint32_t> vertex_of(expected.vertices);
-  std::vector<bool> given(expected.vertices);
+  std::vector<bool> present(expected.vertices);
   for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {
     std::uint32_t& vertex = vertex_of[point.value()];
     mesh.attribute(1)->GetMappedValue(point, &vertex);
-    if (vertex >= expected.vertices || given[vertex]) in.damaged("the Draco mesh does not give every vertex once");
-    given[vertex] = true;
-    take_position(in, *mesh.attribute(0), point, expected.step, &out.points[std::size_t(3) * vertex]);
+    if (vertex >= expected.vertices || present[vertex]) in.corrupt("the Draco mesh does not hold every vertex once");
+    present[vertex] = true;
+    read_position(in, *mesh.attribute(0), point, expected.grid_step, &out.points[std::size_t(3) * vertex]);
   }
   for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face)
     for (const draco::PointIndex& point : mesh.face(face)) out.triangles.push_back(vertex_of[point.value()]);
@@ -141,33 +142,34 @@ RestPoints decode_by_index(const ByteReader& in, std::span<const std::byte> byte
 RestPoints read_geometry(ByteReader& in, std::uint32_t vertices) {
   const auto order = in.number<std::uint32_t>("the order of points");
   const auto triangles = in.number<std::uint32_t>("the number of triangles");
-  const auto step = in.number<float>("the grid's step");
+  const auto grid_step = in.number<float>("the grid step");
   int exponent = 0;
-  if (step != 0 && !(std::isfinite(step) && step > 0 && std::frexp(step, &exponent) == 0.5f))
-    in.damaged("the grid's step is no power of two");
-  return read_draco(in, static_cast<PointOrder>(order), vertices, triangles, step);
+  if (grid_step != 0 && !(std::isfinite(grid_step) && grid_step > 0 && std::frexp(grid_step, &exponent) == 0.5f))
+    in.corrupt("the grid step is no power of two");
+  return read_draco(in, static_cast<PointOrder>(order), vertices, triangles, grid_step);
 }
 
-RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, std::uint64_t triangles, float step) {
+RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, std::uint64_t triangles,
+                      float grid_step) {
   const auto bytes = in.take(in.left(), "Draco data");
-  if (step == 0 && bytes.size() / 12 < vertices)
-    in.damaged("the Draco data is too short for the points of all vertices");
-  // About what Draco holds a vertex and a triangle while it decodes, and the points and triangles themselves.
+  if (grid_step == 0 && bytes.size() / 12 < vertices)
+    in.corrupt("the Draco data is too short for the points of all vertices");
+  // Estimates of what Draco allocates per vertex and triangle while decoding, plus the result.
   in.budget().take(vertices, 96, "rest points");
   in.budget().take(triangles, 96, "rest triangles");
   try {
     switch (order) {
       case PointOrder::as_stored:
-        return decode_in_order(in, bytes, {vertices, triangles, step});
+        return decode_point_cloud(in, bytes, {vertices, triangles, grid_step});
       case PointOrder::by_index:
-        return decode_by_index(in, bytes, {vertices, triangles, step});
+        return decode_mesh(in, bytes, {vertices, triangles, grid_step});
     }
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    in.damaged(error.what());
+    in.corrupt(error.what());
   }
   fail(Status::unsupported, "%s has points in unknown order %u", in.where().c_str(), static_cast<unsigned>(order));
 }

@@ -1,51 +1,65 @@
 #include <algorithm>
 
-#include "archive/geometry/polygon_edges.h"
-#include "archive/section_reader.h"
-#include "archive/section_writer.h"
-#include "base/checked.h"
+#include "archive/container/byte_reader.h"
+#include "archive/geometry/corner_coding.h"
+#include "archive/geometry/geometry_reader.h"
+#include "archive/geometry/geometry_writer.h"
 
 namespace fb::archive {
 namespace {
 
 void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
-  out.number(checked_u32(mesh.polygon_sizes.size(), "polygons"));
-  out.number(checked_u32(mesh.polygon_corners.size(), "polygon corners"));
+  out.count(mesh.polygon_sizes.size(), "polygons");
+  out.count(mesh.polygon_corners.size(), "polygon corners");
   out.planes(mesh.polygon_sizes);
   out.number(static_cast<std::uint32_t>(coding));
 }
 
-// Neighbouring polygons have neighbouring corners, so their differences are small and alike.
-ByteWriter in_steps(const Mesh& mesh) {
+// The zigzag differences of corners from their predictions. Those of neighbouring polygons are small and alike.
+std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes,
+                                         const std::vector<std::uint32_t>& corners) {
+  std::vector<std::uint32_t> deltas;
+  std::size_t at = 0;
+  std::uint32_t previous_size = 0;
+  for (const std::uint32_t size : sizes) {
+    for (std::uint32_t k = 0; k < size; ++k, ++at)
+      deltas.push_back(to_zigzag(corners[at] - predicted_corner(corners, at, k, previous_size)));
+    previous_size = size;
+  }
+  return deltas;
+}
+
+ByteWriter write_deltas(const Mesh& mesh) {
   ByteWriter out;
-  write_sizes(out, mesh, CornerCoding::steps);
-  out.planes(corner_steps(mesh.polygon_sizes, mesh.polygon_corners));
+  write_sizes(out, mesh, CornerCoding::deltas);
+  out.planes(corner_deltas(mesh.polygon_sizes, mesh.polygon_corners));
   return out;
 }
 
-ByteWriter along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+// Not every mesh can be coded so: the result must be checked.
+ByteWriter write_along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   ByteWriter out;
   write_sizes(out, mesh, CornerCoding::along_triangles);
   const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.vertex_count()));
-  std::vector<std::uint32_t> steps;
-  std::vector<std::uint8_t> turns;
+  std::vector<std::uint32_t> deltas;
+  std::vector<std::uint8_t> edge_indices;
   const std::uint32_t* polygon = mesh.polygon_corners.data();
-  std::span<const std::uint32_t> before;
+  std::span<const std::uint32_t> previous;
   for (const std::uint32_t size : mesh.polygon_sizes) {
-    steps.push_back(to_zigzag(polygon[0] - (before.empty() ? 0 : before[0])));
-    const auto from = nearest_first(edges, polygon[0], predicted_second(before, polygon[0]));
-    const auto turn = std::find_if(from.begin(), from.end(), [&](const auto& edge) { return edge.to == polygon[1]; });
-    turns.push_back(static_cast<std::uint8_t>(turn - from.begin()));
-    before = {polygon, size};
+    deltas.push_back(to_zigzag(polygon[0] - (previous.empty() ? 0 : previous[0])));
+    const auto from = sorted_edges(edges, polygon[0], predicted_second_corner(previous, polygon[0]));
+    const auto edge = std::find_if(from.begin(), from.end(), [&](const auto& e) { return e.to == polygon[1]; });
+    edge_indices.push_back(static_cast<std::uint8_t>(edge - from.begin()));
+    previous = {polygon, size};
     polygon += size;
   }
-  out.planes(steps);
-  out.numbers(turns);
+  out.planes(deltas);
+  out.numbers(edge_indices);
   return out;
 }
 
-// Whether the archive's own reader gets every corner back.
-bool gives_back(const ByteWriter& section, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+// Whether the archive's own reader restores every corner.
+bool is_lossless(const ByteWriter& section, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   try {
     Budget budget(UINT64_MAX);
     ByteReader in(section.bytes, "polygons", budget);
@@ -59,24 +73,27 @@ bool gives_back(const ByteWriter& section, const Mesh& mesh, const std::vector<s
 
 }  // namespace
 
-std::vector<std::uint32_t> corner_steps(const std::vector<std::uint32_t>& sizes,
-                                        const std::vector<std::uint32_t>& corners) {
-  std::vector<std::uint32_t> steps;
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at)
-      steps.push_back(to_zigzag(corners[at] - corner_before(corners, at, k, previous_size)));
-    previous_size = size;
-  }
-  return steps;
+ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  // Triangles determine the polygons only where each half-edge belongs to one triangle.
+  if (!triangles.empty())
+    if (ByteWriter section = write_along_triangles(mesh, triangles); is_lossless(section, mesh, triangles))
+      return section;
+  return write_deltas(mesh);
 }
 
-ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
-  // Only where every edge belongs to one triangle in each direction do triangles tell polygons.
-  if (!triangles.empty())
-    if (ByteWriter section = along_triangles(mesh, triangles); gives_back(section, mesh, triangles)) return section;
-  return in_steps(mesh);
+ByteWriter write_uvs(const Mesh& mesh) {
+  const std::size_t pairs = mesh.uvs.size() / 2;
+  const bool by_vertex = pairs == mesh.vertex_count() && mesh.uv_corners == mesh.polygon_corners;
+  ByteWriter out;
+  out.count(pairs, "texture coordinates");
+  out.number(static_cast<std::uint32_t>(by_vertex ? UvCoding::by_vertex : UvCoding::deltas));
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    std::vector<float> coordinates;
+    for (std::size_t i = axis; i < mesh.uvs.size(); i += 2) coordinates.push_back(mesh.uvs[i]);
+    out.float_planes(coordinates);
+  }
+  if (!by_vertex) out.planes(corner_deltas(mesh.polygon_sizes, mesh.uv_corners));
+  return out;
 }
 
 }  // namespace fb::archive

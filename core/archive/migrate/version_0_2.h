@@ -1,4 +1,4 @@
-// Archives of format version 0.2, which was never stable: what `facebaker pack` turns into archives of this version.
+// Reads archives of format version 0.2, for `facebaker pack` to convert. Versions before 1.0 were never stable.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@ namespace fb::archive {
 
 bool is_version_0_2(std::span<const std::byte> bytes);
 
-// As read_archive; the proof, which was another then, is left out. What a gate looks at is put in the order that
-// version 1.0 asks for.
+// As read_archive, without the proof, which had another meaning. Sorts the features of gates by control, as version 1.0
+// requires.
 Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& limits = {});
 
 }  // namespace fb::archive

@@ -2,124 +2,157 @@
 
 #include <cmath>
 
-#include "archive/coding/basis_symbols.h"
-#include "archive/coding/choose_predictors.h"
+#include "archive/coding/writer/choose_predictors.h"
+#include "archive/coding/writer/unit_symbols.h"
 
 namespace fb::bake {
 namespace {
 
-// Calls with(state, piece, group, offset of the column's values) for all pieces as they are coded, which must
-// tell the state what was made of the piece.
-template <class With>
-void piece_by_piece(const PackedModel& model, const std::vector<std::vector<archive::BasisPiece>>& pieces,
-                    With&& with) {
-  archive::ColumnState state(model.rest.vertex_count());
-  for (const std::vector<archive::ColumnPlace>& places : archive::column_places(model)) {
-    for (const auto& [g, index] : places) {
-      const PackedRowBlock& group = model.groups[g];
-      state.begin_place(group.columns[index].wide);
-      for (const archive::BasisPiece& piece : pieces[g])
-        with(state, piece, g, std::size_t(index) * group.row_count + piece.row);
+using archive::AxisVector;
+using archive::CodingUnit;
+using archive::ColumnHistory;
+using archive::ColumnSegment;
+
+using Units = std::vector<std::vector<CodingUnit>>;  // by row block, in coding order
+
+// Calls function(history, unit, row block, index of the unit's first value in the block) for all units of all columns
+// in coding order. The function records in `history` what the unit is coded as.
+template <class Function>
+void for_each_unit(const PackedModel& model, const Units& units, Function&& function) {
+  ColumnHistory history(model.rest.vertex_count());
+  for (const std::vector<ColumnSegment>& segments : archive::column_segments(model)) {
+    for (const auto& [b, index] : segments) {
+      const PackedRowBlock& block = model.groups[b];
+      history.begin_segment(block.columns[index].wide);
+      for (const CodingUnit& unit : units[b])
+        function(history, unit, b, std::size_t(index) * block.row_count + unit.row);
     }
-    for (const archive::ColumnPlace& place : places) state.forget(pieces[place.group]);
+    for (const ColumnSegment& segment : segments) history.clear(units[segment.block]);
   }
 }
 
-// Counts symbols; then says what one costs.
-class Costs {
+// Counts symbols as a sink of write_unit; finish() turns the counts into bits per symbol.
+class SymbolCosts {
  public:
-  void symbol(std::size_t context, std::uint32_t value) { ++of_[256 * context + value]; }
+  void symbol(std::size_t context, std::uint32_t value) { ++costs_[256 * context + value]; }
   void bits(std::uint32_t, std::uint32_t) {}
 
-  void settle() {
+  void finish() {
     for (std::size_t context = 0; context < archive::basis_contexts; ++context) {
-      float* const of = &of_[256 * context];
+      float* const costs = &costs_[256 * context];
       float sum = 0;
-      for (std::size_t value = 0; value < 256; ++value) sum += of[value] += 0.01f;  // nothing is impossible
-      for (std::size_t value = 0; value < 256; ++value) of[value] = std::log2(sum / of[value]);
+      for (std::size_t value = 0; value < 256; ++value) sum += costs[value] += 0.01f;  // symbols that did not occur
+      for (std::size_t value = 0; value < 256; ++value) costs[value] = std::log2(sum / costs[value]);
     }
   }
-  float of(std::size_t context, std::uint32_t value) const { return of_[256 * context + value]; }
+  float bits_of(std::size_t context, std::uint32_t value) const { return costs_[256 * context + value]; }
 
  private:
-  std::vector<float> of_ = std::vector<float>(256 * archive::basis_contexts);
+  std::vector<float> costs_ = std::vector<float>(256 * archive::basis_contexts);
 };
 
-struct Price {
-  void symbol(std::size_t context, std::uint32_t value) { bits_ += costs_.of(context, value); }
-  void bits(std::uint32_t count, std::uint32_t) { bits_ += static_cast<float>(count); }
-  const Costs& costs_;
-  float bits_ = 0;
+// Adds up the bits of the symbols written, as a sink of write_unit.
+struct BitCounter {
+  void symbol(std::size_t context, std::uint32_t value) { total += costs.bits_of(context, value); }
+  void bits(std::uint32_t count, std::uint32_t) { total += static_cast<float>(count); }
+  const SymbolCosts& costs;
+  float total = 0;
 };
 
-// The first tells what symbols cost where they are chosen so, and from which predictors vertices are predicted best
-// then.
-constexpr int rounds = 2;
-
-// What symbols cost in the model as it is.
-Costs costs_in(const PackedModel& model, const std::vector<std::vector<archive::BasisPiece>>& pieces) {
-  Costs costs;
-  piece_by_piece(model, pieces,
-                 [&](archive::ColumnState& state, const archive::BasisPiece& piece, std::uint32_t g, std::size_t at) {
-                   const archive::AxisNumbers numbers = archive::numbers_of(state, piece, &model.groups[g].values[at]),
-                                              residuals = archive::residuals_of(state, piece, numbers);
-                   archive::code_piece(costs, state, piece, residuals);
-                   state.set(piece.slot, numbers, residuals, archive::class_of(residuals));
-                 });
-  costs.settle();
+// The cost of symbols in the model as it is quantised now.
+SymbolCosts measure_costs(const PackedModel& model, const Units& units) {
+  SymbolCosts costs;
+  for_each_unit(model, units, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
+    const AxisVector values = archive::values_of_vertex(history, unit, &model.groups[b].values[at]),
+                     residuals = archive::residuals_of(history, unit, values);
+    archive::write_unit(costs, history, unit, residuals);
+    history.set(unit.rank, values, residuals, archive::class_of(residuals));
+  });
+  costs.finish();
   return costs;
 }
 
+// Chooses the values of one unit.
+struct UnitQuantiser {
+  const SymbolCosts& costs;
+  double lambda;
+  const ColumnHistory& history;
+  const CodingUnit& unit;
+  const float* exact;            // by axis; read only on the unit's axes
+  AxisVector values, residuals;  // rounded to nearest
+
+  std::uint32_t first() const { return unit.axis; }
+  std::uint32_t end() const { return std::uint32_t(unit.axis) + unit.count; }
+
+  // Rate + lambda * distortion if values and residuals change so.
+  double cost(AxisVector changes) const {
+    BitCounter counter{costs};
+    double squares = 0;
+    AxisVector changed = residuals;
+    for (std::uint32_t axis = first(); axis < end(); ++axis) {
+      changed[axis] += changes[axis];
+      const double error = double(values[axis] + changes[axis]) - exact[axis];
+      squares += error * error;
+    }
+    archive::write_unit(counter, history, unit, changed);
+    return counter.total + lambda * squares;
+  }
+
+  // By axis, a change by one towards the prediction, or 0 where the residual is 0 or the value would be a whole step
+  // from `exact`.
+  AxisVector possible_changes() const {
+    AxisVector changes{};
+    for (std::uint32_t axis = first(); axis < end(); ++axis) {
+      const int change = residuals[axis] > 0 ? -1 : residuals[axis] < 0 ? 1 : 0;
+      if (std::fabs(values[axis] + change - exact[axis]) < 1) changes[axis] = change;
+    }
+    return changes;
+  }
+
+  // Applies that subset of the possible changes which costs least.
+  void quantise() {
+    const AxisVector possible = possible_changes();
+    if (archive::class_of(possible) == 0) return;
+    AxisVector best{};
+    double least = cost(best);
+    for (int subset = 1; subset < 8; ++subset) {
+      AxisVector changes{};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (subset >> axis & 1) changes[axis] = possible[axis];
+      const double with_changes = cost(changes);
+      if (with_changes < least) least = with_changes, best = changes;
+    }
+    values += best;
+    residuals += best;
+  }
+};
+
+// Costs and predictors depend on the values and these on costs and predictors: the second round uses those of the
+// first.
+constexpr int rounds = 2;
+
 }  // namespace
 
-void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double bits_per_step) {
+void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double lambda) {
   std::vector<std::vector<std::int16_t>> nearest;
-  for (const PackedRowBlock& group : model.groups) nearest.push_back(group.values);
+  for (const PackedRowBlock& block : model.groups) nearest.push_back(block.values);
   for (int round = 0; round < rounds; ++round) {
-    const auto pieces = archive::best_pieces(model);
-    const Costs costs = costs_in(model, pieces);
-    piece_by_piece(model, pieces,
-                   [&](archive::ColumnState& state, const archive::BasisPiece& piece, std::uint32_t g, std::size_t at) {
-                     const float* const value = exact[g].data() + at - piece.axis;  // by axis
-                     archive::AxisNumbers numbers = archive::numbers_of(state, piece, &nearest[g][at]),
-                                          residuals = archive::residuals_of(state, piece, numbers);
-                     const std::uint32_t first = piece.axis, end = first + piece.count;
-                     const auto price = [&](archive::AxisNumbers changes) {
-                       Price sum{costs};
-                       double squares = 0;
-                       archive::AxisNumbers changed = residuals;
-                       for (std::uint32_t axis = first; axis < end; ++axis) {
-                         changed[axis] += changes[axis];
-                         const double off = double(numbers[axis] + changes[axis]) - value[axis];
-                         squares += off * off;
-                       }
-                       archive::code_piece(sum, state, piece, changed);
-                       return sum.bits_ + bits_per_step * squares;
-                     };
-                     // A row may go one step towards what is predicted for it, if it does not come a whole step from
-                     // its value.
-                     archive::AxisNumbers towards{}, best{};
-                     for (std::uint32_t axis = first; axis < end; ++axis) {
-                       const int change = residuals[axis] > 0 ? -1 : residuals[axis] < 0 ? 1 : 0;
-                       if (std::fabs(numbers[axis] + change - value[axis]) < 1) towards[axis] = change;
-                     }
-                     if (archive::class_of(towards) > 0) {
-                       double least = price(best);
-                       for (int rows = 1; rows < 8; ++rows) {
-                         archive::AxisNumbers changes{};
-                         for (std::size_t axis = 0; axis < 3; ++axis)
-                           if (rows >> axis & 1) changes[axis] = towards[axis];
-                         const double cost = price(changes);
-                         if (cost < least) least = cost, best = changes;
-                       }
-                     }
-                     for (std::uint32_t axis = first; axis < end; ++axis) {
-                       numbers[axis] += best[axis];
-                       residuals[axis] += best[axis];
-                       model.groups[g].values[at + axis - first] = static_cast<std::int16_t>(numbers[axis]);
-                     }
-                     state.set(piece.slot, numbers, residuals, archive::class_of(residuals));
-                   });
+    const Units units = archive::choose_predictors(model);
+    const SymbolCosts costs = measure_costs(model, units);
+    for_each_unit(model, units, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
+      const AxisVector values = archive::values_of_vertex(history, unit, &nearest[b][at]);
+      UnitQuantiser quantiser{costs,
+                              lambda,
+                              history,
+                              unit,
+                              exact[b].data() + at - unit.axis,
+                              values,
+                              archive::residuals_of(history, unit, values)};
+      quantiser.quantise();
+      for (std::uint32_t i = 0; i < unit.count; ++i)
+        model.groups[b].values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
+      history.set(unit.rank, quantiser.values, quantiser.residuals, archive::class_of(quantiser.residuals));
+    });
   }
 }
 

@@ -1,4 +1,4 @@
-// Rounding with an eye on what an archive makes of it.
+// Rate-distortion optimised quantisation of the basis.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,15 @@
 
 namespace fb::bake {
 
-// Rounds the numbers of the basis anew: of the whole numbers near a value that which costs least, where a square of a
-// step of error costs as much as `bits_per_step` bits of the archive. `exact`: for each row group what its values are
-// rounded from, in steps. No number comes to lie a whole step from what it stands for that was nearer before; scales
-// and columns stay. Where a bit more would divide an error of 1/12 of a squared step by 4, one is worth 2 ln 2 / 12 of
-// a squared step; a step of 5/6 rounded so gives the error of a whole one and 7 to 10 % fewer bytes.
+// The default lambda, in bits per squared quantisation step. At high rates one more bit divides the mean squared error,
+// 1/12 of a squared step, by 4, so a bit is worth 2 ln 2 / 12 of a squared step, about 1 / 8.7. With 6 and a step of
+// 5/6, the error is that of rounding to nearest with a step of 1, in 7 to 10 % fewer bytes.
 inline constexpr double bits_per_squared_step = 6;
-void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double bits_per_step);
+
+// Quantises the values of the basis again so that rate + lambda * distortion is least: the bits that the archive's
+// coder takes, plus `lambda` bits per squared step of error. `exact`: for each row block, the values before rounding,
+// in steps and in the order of PackedRowBlock::values. The model holds them rounded to nearest; a value moves by at
+// most one, and only if it stays less than a step from `exact`. Scales and columns do not change.
+void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double lambda);
 
 }  // namespace fb::bake

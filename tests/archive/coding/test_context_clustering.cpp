@@ -1,10 +1,10 @@
-// Contexts share tables of frequencies where that saves bytes.
+// Contexts share frequency tables where that saves bytes.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
-#include "archive/coding/context_clustering.h"
-#include "archive/coding/symbol_reader.h"
+#include "archive/coding/rans_reader.h"
+#include "archive/coding/writer/context_clustering.h"
 
 namespace fb {
 using namespace archive;
@@ -18,9 +18,9 @@ SymbolCounts counts_of(std::initializer_list<std::pair<std::uint32_t, std::uint3
 
 }  // namespace
 
-TEST_CASE("contexts that are alike share a table, others do not") {
+TEST_CASE("similar contexts share a table, others do not") {
   const SymbolCounts low = counts_of({{0, 9000}, {1, 1000}}), high = counts_of({{0, 1000}, {1, 9000}});
-  const SymbolCounts rare = counts_of({{0, 2}, {1, 1}});  // not worth a table of its own
+  const SymbolCounts rare = counts_of({{0, 2}, {1, 1}});  // a table of its own would cost more than it saves
   const std::vector<SymbolCounts> contexts = {counts_of({}), low, high, low, rare, high};
   CHECK(cluster_contexts(contexts) == std::vector<std::uint8_t>{0, 0, 1, 0, 0, 1});
 }
@@ -29,7 +29,7 @@ TEST_CASE("there are no more tables than the format allows") {
   std::vector<SymbolCounts> contexts;
   for (std::uint32_t c = 0; c < 200; ++c) contexts.push_back(counts_of({{c, 100000}, {c + 1, 50000}}));
   const std::vector<std::uint8_t> tables = cluster_contexts(contexts);
-  CHECK(*std::max_element(tables.begin(), tables.end()) == most_tables - 1);
+  CHECK(*std::max_element(tables.begin(), tables.end()) == max_tables - 1);
 }
 
 TEST_CASE("without symbols there is one table") {

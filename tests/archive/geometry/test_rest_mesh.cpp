@@ -1,10 +1,11 @@
-// Rest meshes survive exactly, however odd: vertices, their order, every bit; polygons, their order, first corners.
+// Rest meshes are restored exactly, whatever their topology: vertices and polygons in order, first corners, every bit.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "archive/geometry/geometry_reader.h"
 #include "archive/reader.h"
 #include "archive/writer.h"
 #include "archive_editor.h"
@@ -46,7 +47,7 @@ T stored(const Mesh& mesh, const char* section, std::size_t at) {
 PointOrder stored_order(const Mesh& mesh) {
   return stored<PointOrder>(mesh, "geometry", 0);
 }
-float stored_step(const Mesh& mesh) {
+float stored_grid_step(const Mesh& mesh) {
   return stored<float>(mesh, "geometry", 8);
 }
 CornerCoding stored_coding(const Mesh& mesh) {
@@ -58,7 +59,7 @@ void add_polygon(Mesh& mesh, std::vector<std::uint32_t> corners) {
   mesh.polygon_corners.insert(mesh.polygon_corners.end(), corners.begin(), corners.end());
 }
 
-// Points scattered in space, and these polygons.
+// A mesh of random points with these polygons.
 Mesh mesh_of(std::size_t vertices, const std::vector<std::vector<std::uint32_t>>& polygons) {
   Random random(5);
   Mesh mesh;
@@ -91,7 +92,7 @@ TEST_CASE("a regular surface survives, through Draco's edgebreaker") {
   check_survives(mesh_of(4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}), "closed surface");
 }
 
-TEST_CASE("triangles tell the polygons of a regular surface, wherever they begin") {
+TEST_CASE("polygons of a regular surface are coded along triangles, whatever their first corners") {
   Mesh mesh = shuffled(grid_mesh(20, 30));
   CHECK(stored_coding(mesh) == CornerCoding::along_triangles);
   for (std::size_t p = 0; p < mesh.polygon_sizes.size(); ++p) {
@@ -100,7 +101,7 @@ TEST_CASE("triangles tell the polygons of a regular surface, wherever they begin
   }
   check_survives(mesh, "rotated polygons");
   CHECK(stored_coding(mesh) == CornerCoding::along_triangles);
-  // As many triangles as are told around a vertex, and one more.
+  // The largest number of edges of a vertex that can be coded, and one more.
   for (const std::uint32_t triangles : {64u, 65u}) {
     std::vector<std::vector<std::uint32_t>> fan;
     for (std::uint32_t t = 0; t < triangles; ++t) fan.push_back({0, 1 + t, 1 + (t + 1) % triangles});
@@ -111,47 +112,47 @@ TEST_CASE("triangles tell the polygons of a regular surface, wherever they begin
   }
 }
 
-TEST_CASE("positions on a grid take a part of the bytes and survive") {
+TEST_CASE("positions on a grid take fewer bytes and survive") {
   Mesh mesh = grid_mesh(20, 30);
-  CHECK(stored_step(mesh) == 0);
+  CHECK(stored_grid_step(mesh) == 0);
   const std::size_t before = write_archive(model_of(mesh), {}).size();
   for (float& x : mesh.points) x = std::round(x * 4096) / 4096;
   check_survives(mesh, "on a grid");
-  CHECK(stored_step(mesh) == 0x1p-12f);
+  CHECK(stored_grid_step(mesh) == 0x1p-12f);
   CHECK(write_archive(model_of(mesh), {}).size() + 2000 < before);
   mesh.polygon_sizes.clear();
   mesh.polygon_corners.clear();
   check_survives(mesh, "points on a grid");
-  CHECK(stored_step(mesh) == 0x1p-12f);
+  CHECK(stored_grid_step(mesh) == 0x1p-12f);
   mesh.points[4] = 0x1.fffffep11f;  // 16,777,215 steps
   check_survives(mesh, "the ends of the grid");
-  CHECK(stored_step(mesh) == 0x1p-12f);
+  CHECK(stored_grid_step(mesh) == 0x1p-12f);
   mesh.points[4] = 0x1p12f;
   check_survives(mesh, "beyond the ends of the grid");
-  CHECK(stored_step(mesh) == 0);
+  CHECK(stored_grid_step(mesh) == 0);
 }
 
 TEST_CASE("texture coordinates survive, with seams and one a vertex") {
   Mesh mesh = grid_mesh(20, 30);
   give_uvs(mesh);
   check_survives(mesh, "with a seam");
-  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::steps);
+  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::deltas);
   give_uvs_by_vertex(mesh);
   check_survives(mesh, "one a vertex");
   CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::by_vertex);
   std::swap(mesh.uv_corners[0], mesh.uv_corners[1]);
   check_survives(mesh, "two corners swapped");
-  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::steps);
+  CHECK(stored<UvCoding>(mesh, "uvs", 4) == UvCoding::deltas);
   mesh.polygon_sizes.clear(), mesh.polygon_corners.clear(), mesh.uv_corners.clear();
   check_survives(mesh, "without polygons");
 }
 
-TEST_CASE("texture coordinates belong to the mesh's layer") {
+TEST_CASE("texture coordinates belong to the mesh part") {
   PackedModel model = model_of(grid_mesh(4, 4));
   give_uvs(model.rest);
   const Bytes bytes = write_archive(model, {});
-  CHECK(read_archive(bytes, {}, Layers::mesh).model.rest.uvs == model.rest.uvs);
-  CHECK(read_archive(bytes, {}, Layers::behaviour).model.rest.uvs.empty());
+  CHECK(read_archive(bytes, {}, Parts::mesh).model.rest.uvs == model.rest.uvs);
+  CHECK(read_archive(bytes, {}, Parts::behaviour).model.rest.uvs.empty());
 }
 
 TEST_CASE("odd topology survives") {

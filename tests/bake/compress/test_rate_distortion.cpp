@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "archive/section_writer.h"
+#include "archive/coding/writer/coding_writer.h"
 #include "base/random.h"
 
 using namespace fb;
@@ -14,13 +14,13 @@ using namespace fb::bake;
 
 namespace {
 
-constexpr std::uint32_t side = 24, columns = 12, group_rows = 3 * 96;
+constexpr std::uint32_t side = 24, columns = 12, block_rows = 3 * 96;
 
 struct Rounded {
   PackedModel model;
   std::vector<std::vector<float>> exact;  // see rate_distortion_quantise
 
-  double squares() const {  // mean, in steps of `exact`
+  double mean_square_error() const {  // in steps of `exact`
     double sum = 0;
     for (std::size_t g = 0; g < exact.size(); ++g)
       for (std::size_t i = 0; i < exact[g].size(); ++i) {
@@ -32,8 +32,7 @@ struct Rounded {
   std::size_t bytes() const { return write_basis_values(model).bytes.size(); }
 };
 
-// A square of quads in row groups of a few of its rows; smooth columns with a little noise, rounded to the nearest
-// multiple of `step`.
+// A square grid of quads, smooth columns with a little noise, rounded to the nearest multiple of `step`.
 Rounded rounded(float step) {
   Rounded made;
   PackedModel& model = made.model;
@@ -48,14 +47,14 @@ Rounded rounded(float step) {
         model.rest.polygon_corners.push_back(corner);
     }
   Random random(3);
-  for (std::uint32_t row = 0; row < 3 * side * side; row += group_rows) {
+  for (std::uint32_t row = 0; row < 3 * side * side; row += block_rows) {
     PackedRowBlock& group = model.groups.emplace_back();
     group.first_row = row;
-    group.row_count = group_rows;
+    group.row_count = block_rows;
     std::vector<float>& exact = made.exact.emplace_back();
     for (std::uint32_t c = 0; c < columns; ++c) {
       group.columns.push_back({c, false, step});
-      for (std::uint32_t r = row; r < row + group_rows; ++r) {
+      for (std::uint32_t r = row; r < row + block_rows; ++r) {
         const float x = float(r / 3 % side) / side, y = float(r / 3) / (side * side);
         const float wave = 12 * std::sin(3 * x + float(c)) * std::sin(4 * y + float(r % 3));
         exact.push_back((wave + random.uniform(-0.7f, 0.7f)) / step);
@@ -68,20 +67,20 @@ Rounded rounded(float step) {
 
 }  // namespace
 
-TEST_CASE("the same error takes fewer bytes where rounding knows what they cost") {
+TEST_CASE("rate-distortion optimised quantisation takes fewer bytes for the same error") {
   const Rounded nearest = rounded(1.2f);
-  Rounded thrifty = rounded(1);
-  const std::size_t before = thrifty.bytes();
-  rate_distortion_quantise(thrifty.model, thrifty.exact, bits_per_squared_step);
-  CHECK(thrifty.bytes() < before);
-  CHECK(thrifty.squares() < 1.44 * nearest.squares());
-  CHECK(double(thrifty.bytes()) < 0.97 * double(nearest.bytes()));
-  for (std::size_t g = 0; g < thrifty.exact.size(); ++g)
-    for (std::size_t i = 0; i < thrifty.exact[g].size(); ++i)
-      CHECK(std::fabs(thrifty.model.groups[g].values[i] - thrifty.exact[g][i]) < 1);
+  Rounded optimised = rounded(1);
+  const std::size_t before = optimised.bytes();
+  rate_distortion_quantise(optimised.model, optimised.exact, bits_per_squared_step);
+  CHECK(optimised.bytes() < before);
+  CHECK(optimised.mean_square_error() < 1.44 * nearest.mean_square_error());
+  CHECK(double(optimised.bytes()) < 0.97 * double(nearest.bytes()));
+  for (std::size_t g = 0; g < optimised.exact.size(); ++g)
+    for (std::size_t i = 0; i < optimised.exact[g].size(); ++i)
+      CHECK(std::fabs(optimised.model.groups[g].values[i] - optimised.exact[g][i]) < 1);
 }
 
-TEST_CASE("what is worth any number of bytes is rounded to the nearest") {
+TEST_CASE("a large lambda rounds to nearest") {
   Rounded precise = rounded(1);
   const PackedModel before = precise.model;
   rate_distortion_quantise(precise.model, precise.exact, 1e6);

@@ -1,8 +1,8 @@
-#include "archive/geometry/polygon_edges.h"
+#include "archive/geometry/corner_coding.h"
 
 #include <algorithm>
 
-#include "archive/container/layout.h"
+#include "archive/container/container_layout.h"
 
 namespace fb::archive {
 
@@ -16,10 +16,10 @@ TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::u
       edges_[--first_[triangles[t + k]]] = {triangles[t + (k + 1) % 3], triangles[t + (k + 2) % 3]};
 }
 
-std::vector<TriangleEdges::Edge> nearest_first(const TriangleEdges& edges, std::uint32_t vertex,
-                                               std::uint32_t prediction) {
+std::vector<TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
+                                              std::uint32_t prediction) {
   const auto from = edges.from(vertex);
-  if (from.size() > most_edges) return {};
+  if (from.size() > max_edges) return {};
   std::vector<TriangleEdges::Edge> sorted(from.begin(), from.end());
   std::sort(sorted.begin(), sorted.end(),
             [&](const auto& a, const auto& b) { return to_zigzag(a.to - prediction) < to_zigzag(b.to - prediction); });

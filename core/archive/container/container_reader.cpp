@@ -1,4 +1,4 @@
-#include "archive/container/container.h"
+#include "archive/container/container_reader.h"
 
 #include <zlib.h>
 
@@ -13,12 +13,12 @@ namespace {
 
 using ull = unsigned long long;
 
-// Foreign, damaged in transfer, cut short or of another version: told apart before anything else is believed.
-void check_beginning(std::span<const std::byte> bytes) {
+// Tells apart, before any other field is read: no archive, an archive damaged in transfer, a truncated one.
+void check_signature(std::span<const std::byte> bytes) {
   if (bytes.empty()) fail(Status::not_an_archive, "not an .fbk archive: the file is empty");
-  const std::size_t seen = std::min(bytes.size(), sizeof archive_magic);
-  if (std::memcmp(bytes.data(), archive_magic, seen) != 0) {
-    if (seen > 4 && std::memcmp(bytes.data(), archive_magic, 4) == 0)
+  const std::size_t present = std::min(bytes.size(), sizeof archive_signature);
+  if (std::memcmp(bytes.data(), archive_signature, present) != 0) {
+    if (present > 4 && std::memcmp(bytes.data(), archive_signature, 4) == 0)
       fail(Status::corrupt, "the archive is damaged at byte 4, as if it had been transferred as text");
     fail(Status::not_an_archive, "not an .fbk archive: it does not begin with its signature");
   }
@@ -32,18 +32,23 @@ void check_checksum(std::span<const std::byte> bytes, std::size_t first, std::ui
          first + bytes.size());
 }
 
+std::string read_section_name(ByteReader& table) {
+  const auto bytes = table.take(section_name_bytes, "a section name");
+  const auto* text = reinterpret_cast<const char*>(bytes.data());
+  const std::string name(text, strnlen(text, section_name_bytes));
+  for (std::size_t i = 0; i < section_name_bytes; ++i)
+    if (i < name.size() ? text[i] < 0x21 || text[i] > 0x7e : text[i] != 0)
+      table.corrupt("a section name is not printable ASCII");
+  if (name.empty()) table.corrupt("a section has no name");
+  return name;
+}
+
+// Reads a row of the section table and verifies its section, which must begin at `expected_offset`. `end`: the offset
+// at which the last section ends.
 StoredSection read_row(ByteReader& table, std::span<const std::byte> file, std::uint64_t expected_offset,
                        std::uint64_t end) {
   StoredSection section;
-  const auto name = table.take(section_name_bytes, "a section name");
-  const auto* text = reinterpret_cast<const char*>(name.data());
-  section.info.name.assign(text, strnlen(text, section_name_bytes));
-  for (std::size_t i = 0; i < section_name_bytes; ++i) {
-    const bool in_name = i < section.info.name.size();
-    if (in_name ? text[i] < 0x21 || text[i] > 0x7e : text[i] != 0)
-      table.damaged("a section name is not printable ASCII");
-  }
-  if (section.info.name.empty()) table.damaged("a section has no name");
+  section.info.name = read_section_name(table);
   const auto flags = table.number<std::uint32_t>("section flags");
   section.codec = static_cast<Codec>(table.number<std::uint32_t>("section codec"));
   section.info.offset = table.number<std::uint64_t>("section offset");
@@ -65,48 +70,30 @@ StoredSection read_row(ByteReader& table, std::span<const std::byte> file, std::
   return section;
 }
 
-std::vector<std::byte> inflated(const StoredSection& section) {
-  const std::string place = section.where();
+std::vector<std::byte> inflate_section(const StoredSection& section) {
+  const std::string where = section.where();
   if (section.info.raw_bytes > UINT32_MAX || section.info.stored_bytes > UINT32_MAX)
-    fail(Status::limit, "%s is packed and larger than 4 GiB", place.c_str());
+    fail(Status::limit, "%s is compressed and larger than 4 GiB", where.c_str());
   std::vector<std::byte> raw(section.info.raw_bytes);
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
   stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(section.stored.data()));
   stream.avail_in = static_cast<uInt>(section.stored.size());
-  Bytef nothing = 0;
-  stream.next_out = raw.empty() ? &nothing : reinterpret_cast<Bytef*>(raw.data());
+  Bytef unused = 0;
+  stream.next_out = raw.empty() ? &unused : reinterpret_cast<Bytef*>(raw.data());
   stream.avail_out = static_cast<uInt>(raw.size());
-  const int end = inflate(&stream, Z_FINISH);
-  const bool whole = end == Z_STREAM_END && stream.avail_in == 0 && stream.avail_out == 0;
+  const int result = inflate(&stream, Z_FINISH);
+  const bool complete = result == Z_STREAM_END && stream.avail_in == 0 && stream.avail_out == 0;
   inflateEnd(&stream);
-  if (!whole) fail(Status::corrupt, "%s does not unpack to the %llu bytes it declares", place.c_str(), (ull)raw.size());
+  if (!complete)
+    fail(Status::corrupt, "%s does not decompress to the %llu bytes it declares", where.c_str(), (ull)raw.size());
   return raw;
 }
 
-}  // namespace
-
-std::string StoredSection::where() const {
-  return format("section \"%s\" (byte %llu)", info.name.c_str(), (ull)info.offset);
-}
-
-std::vector<std::byte> StoredSection::unpack(Budget& budget) const {
-  const std::string place = where();
-  if (codec != Codec::none && codec != Codec::deflate)
-    fail(Status::unsupported, "%s is packed with unknown codec %u", place.c_str(), static_cast<unsigned>(codec));
-  budget.take(info.raw_bytes, 1, place.c_str());
-  if (codec == Codec::deflate) return inflated(*this);
-  if (info.raw_bytes != info.stored_bytes)
-    fail(Status::corrupt, "%s is not packed, yet declares %llu bytes stored as %llu", place.c_str(),
-         (ull)info.raw_bytes, (ull)info.stored_bytes);
-  return {stored.begin(), stored.end()};
-}
-
-std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version) {
-  check_beginning(bytes);
-  Budget budget(UINT64_MAX);
+// Checks version, table checksum and file size; returns the number of sections.
+std::uint32_t read_header(std::span<const std::byte> bytes, FormatVersion version, Budget& budget) {
   ByteReader header(bytes.first(header_bytes), "the header", budget);
-  header.take(sizeof archive_magic, "the signature");
+  header.take(sizeof archive_signature, "the signature");
   const auto major = header.number<std::uint16_t>("the version");
   const auto minor = header.number<std::uint16_t>("the version");
   const auto count = header.number<std::uint32_t>("the number of sections");
@@ -114,13 +101,12 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes, Form
   if (major != version.major || (major == 0 && minor != version.minor))
     fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u%s", major, minor,
          version.major, version.minor,
-         major == 0 && minor == 2 ? ", and \"facebaker pack\" makes one of the other" : "");
+         major == 0 && minor == 2 ? "; \"facebaker pack\" converts it to the current version" : "");
   if (count > max_sections)
-    fail(Status::corrupt, "the header (byte 12) announces %u sections; at most %u are allowed", count, max_sections);
+    fail(Status::corrupt, "the header (byte 12) declares %u sections; at most %u are allowed", count, max_sections);
 
   const std::size_t table_end = header_bytes + count * table_row_bytes;
-  const std::size_t sections_begin = table_end + checksum_bytes;
-  if (bytes.size() < sections_begin + checksum_bytes)
+  if (bytes.size() < table_end + 2 * checksum_bytes)
     fail(Status::corrupt, "the archive is truncated: it ends at byte %zu, within its table of %u sections",
          bytes.size(), count);
   ByteReader after_table(bytes.subspan(table_end, checksum_bytes), "the table's checksum", budget);
@@ -131,11 +117,36 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes, Form
   if (bytes.size() > size)
     fail(Status::corrupt, "the archive ends at byte %llu, and %llu more bytes follow", (ull)size,
          (ull)(bytes.size() - size));
+  return count;
+}
 
+}  // namespace
+
+std::string StoredSection::where() const {
+  return format("section \"%s\" (byte %llu)", info.name.c_str(), (ull)info.offset);
+}
+
+std::vector<std::byte> StoredSection::decompress(Budget& budget) const {
+  const std::string section = where();
+  if (codec != Codec::none && codec != Codec::deflate)
+    fail(Status::unsupported, "%s is compressed with unknown codec %u", section.c_str(), static_cast<unsigned>(codec));
+  budget.take(info.raw_bytes, 1, section.c_str());
+  if (codec == Codec::deflate) return inflate_section(*this);
+  if (info.raw_bytes != info.stored_bytes)
+    fail(Status::corrupt, "%s is not compressed, yet declares %llu bytes stored as %llu", section.c_str(),
+         (ull)info.raw_bytes, (ull)info.stored_bytes);
+  return {stored.begin(), stored.end()};
+}
+
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version) {
+  check_signature(bytes);
+  Budget budget(UINT64_MAX);
+  const std::uint32_t count = read_header(bytes, version, budget);
+  const std::size_t table_end = header_bytes + count * table_row_bytes;
   ByteReader table(bytes.subspan(header_bytes, table_end - header_bytes), "the section table (byte 24)", budget);
   const std::size_t sections_end = bytes.size() - checksum_bytes;
   std::vector<StoredSection> sections;
-  std::uint64_t offset = sections_begin;
+  std::uint64_t offset = table_end + checksum_bytes;
   for (std::uint32_t i = 0; i < count; ++i) {
     StoredSection section = read_row(table, bytes, offset, sections_end);
     if (find_section(sections, section.info.name))
@@ -154,6 +165,12 @@ std::vector<StoredSection> read_container(std::span<const std::byte> bytes, Form
 const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name) {
   const auto found = std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.info.name == name; });
   return found == sections.end() ? nullptr : &*found;
+}
+
+const StoredSection& require_section(const std::vector<StoredSection>& sections, const char* name) {
+  const StoredSection* section = find_section(sections, name);
+  if (!section) fail(Status::corrupt, "the archive has no section \"%s\"", name);
+  return *section;
 }
 
 }  // namespace fb::archive

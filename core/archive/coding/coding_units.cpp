@@ -1,0 +1,218 @@
+#include "archive/coding/coding_units.h"
+
+#include <algorithm>
+#include <queue>
+#include <utility>
+
+namespace fb::archive {
+namespace {
+
+constexpr std::uint32_t no_vertex = 0xffffffff, unset = 0xffffffff;
+
+// The neighbours of each vertex along polygon edges, at most `max_neighbours`, and when each vertex was coded last.
+class VertexNeighbours {
+ public:
+  VertexNeighbours(const Mesh& mesh, std::uint32_t vertices) : count_(vertices), list_(vertices), time_(vertices) {
+    std::size_t at = 0;
+    for (const std::uint32_t size : mesh.polygon_sizes) {
+      for (std::uint32_t k = 0; k < size; ++k)
+        connect(mesh.polygon_corners[at + k], mesh.polygon_corners[at + (k + 1) % size]);
+      at += size;
+    }
+  }
+
+  std::span<const std::uint32_t> of(std::uint32_t vertex) const { return {list_[vertex].data(), count_[vertex]}; }
+  bool connected(std::uint32_t v, std::uint32_t w) const {
+    const auto list = of(v);
+    return std::find(list.begin(), list.end(), w) != list.end();
+  }
+  bool is_coded(std::uint32_t vertex) const { return time_[vertex] > 0; }
+  // When a vertex was coded last, counted in coding units; 0: not yet.
+  std::uint32_t time(std::uint32_t vertex) const { return time_[vertex]; }
+  void set_coded(std::uint32_t vertex) { time_[vertex] = ++now_; }
+  std::uint32_t coded_count(std::uint32_t vertex) const {
+    const auto list = of(vertex);
+    return static_cast<std::uint32_t>(std::count_if(list.begin(), list.end(), [&](auto w) { return is_coded(w); }));
+  }
+
+ private:
+  static constexpr std::size_t max_neighbours = 16;
+
+  void connect(std::uint32_t v, std::uint32_t w) {
+    if (v == w || count_[v] == max_neighbours || count_[w] == max_neighbours || connected(v, w)) return;
+    list_[v][count_[v]++] = w;
+    list_[w][count_[w]++] = v;
+  }
+
+  std::vector<std::uint8_t> count_;
+  std::vector<std::array<std::uint32_t, max_neighbours>> list_;
+  std::vector<std::uint32_t> time_;
+  std::uint32_t now_ = 0;
+};
+
+// Ranks vertices and finds the candidate predictors of coding units.
+class PredictorFinder {
+ public:
+  explicit PredictorFinder(std::uint32_t vertices) : ranks_(vertices, unset), no_rank_(vertices) {}
+
+  // Sets the unit's rank, neighbourhood and neighbours, and returns its candidates, valid until the next call.
+  std::span<const Predictor> find(std::uint32_t vertex, const VertexNeighbours& mesh, CodingUnit& unit) {
+    coded_.clear();  // the neighbour coded last first
+    for (const std::uint32_t w : mesh.of(vertex))
+      if (mesh.is_coded(w)) coded_.push_back(w);
+    std::sort(coded_.begin(), coded_.end(), [&](auto v, auto w) { return mesh.time(v) > mesh.time(w); });
+    unit.rank = rank(vertex);
+    unit.last = coded_.size() > 0 ? ranks_[coded_[0]] : no_rank_;
+    unit.last_but_one = coded_.size() > 1 ? ranks_[coded_[1]] : unit.last;
+    coded_.resize(std::min<std::size_t>(coded_.size(), 4));
+
+    candidates_.clear();
+    add_parallelograms(vertex, mesh);
+    unit.neighbourhood = !candidates_.empty() ? Neighbourhood::parallelogram
+                         : coded_.empty()     ? Neighbourhood::none
+                                              : Neighbourhood::neighbours;
+    if (coded_.empty()) candidates_.push_back({no_rank_, no_rank_, no_rank_});
+    for (std::size_t i = 0; i < coded_.size() && i < 2; ++i)
+      candidates_.push_back({ranks_[coded_[i]], no_rank_, no_rank_});
+    add_extrapolations(vertex, mesh);
+    unit.predictor_count = static_cast<std::uint8_t>(candidates_.size());
+    return candidates_;
+  }
+
+ private:
+  std::uint32_t rank(std::uint32_t vertex) {
+    if (ranks_[vertex] == unset) ranks_[vertex] = next_rank_++;
+    return ranks_[vertex];
+  }
+
+  // Two coded neighbours and a vertex across the edge between them.
+  void add_parallelograms(std::uint32_t vertex, const VertexNeighbours& mesh) {
+    for (std::size_t i = 0; i < coded_.size(); ++i)
+      for (std::size_t j = i + 1; j < coded_.size(); ++j) {
+        const auto across = last_coded(mesh, coded_[i], [&](std::uint32_t w) {
+          return w != vertex && mesh.connected(w, coded_[j]) && !mesh.connected(w, vertex);
+        });
+        if (across != no_vertex) candidates_.push_back({ranks_[coded_[i]], ranks_[coded_[j]], ranks_[across]});
+      }
+  }
+
+  // Linear extrapolation along an edge loop: a coded neighbour and the vertex beyond it.
+  void add_extrapolations(std::uint32_t vertex, const VertexNeighbours& mesh) {
+    for (const std::uint32_t neighbour : coded_) {
+      const auto beyond = last_coded(mesh, neighbour, [&](std::uint32_t w) {
+        if (w == vertex) return false;
+        const auto list = mesh.of(vertex);
+        return std::none_of(list.begin(), list.end(),
+                            [&](auto u) { return u == w || (u != neighbour && mesh.connected(u, w)); });
+      });
+      if (beyond != no_vertex) candidates_.push_back({ranks_[neighbour], ranks_[neighbour], ranks_[beyond]});
+    }
+  }
+
+  // Of the coded neighbours of `vertex` that satisfy the condition, the one coded last.
+  template <class Condition>
+  static std::uint32_t last_coded(const VertexNeighbours& mesh, std::uint32_t vertex, const Condition& condition) {
+    std::uint32_t last = no_vertex;
+    for (const std::uint32_t w : mesh.of(vertex))
+      if (mesh.is_coded(w) && (last == no_vertex || mesh.time(w) > mesh.time(last)) && condition(w)) last = w;
+    return last;
+  }
+
+  std::vector<std::uint32_t> ranks_;
+  std::uint32_t no_rank_, next_rank_ = 0;
+  std::vector<std::uint32_t> coded_;  // neighbours of the current vertex
+  std::vector<Predictor> candidates_;
+};
+
+struct UnitOfVertex {
+  std::uint32_t vertex;
+  CodingUnit unit;
+};
+
+// The units of a row block in the order of rows; rank, neighbourhood and predictors are not set.
+std::vector<UnitOfVertex> units_in_row_order(const PackedRowBlock& block, const std::vector<std::uint32_t>& order) {
+  std::vector<UnitOfVertex> units;
+  for (std::uint32_t row = 0; row < block.row_count;) {
+    const std::uint32_t at = block.first_row + row;
+    CodingUnit unit;
+    unit.row = row;
+    unit.axis = static_cast<std::uint8_t>(at % 3);
+    unit.count = static_cast<std::uint8_t>(std::min<std::uint32_t>(3 - unit.axis, block.row_count - row));
+    row += unit.count;
+    units.push_back({order.empty() ? at / 3 : order[at / 3], unit});
+  }
+  return units;
+}
+
+}  // namespace
+
+void set_predictors(CodingUnit& unit, std::span<const Predictor> candidates, std::uint32_t pair) {
+  std::uint32_t second = 0;
+  while (pair_index(0, second + 1) <= pair) ++second;
+  unit.predictor_pair = static_cast<std::uint8_t>(pair);
+  unit.predictors = {candidates[pair - pair_index(0, second)], candidates[second]};
+}
+
+std::vector<std::vector<CodingUnit>> coding_units(const Mesh& mesh, std::uint32_t vertices,
+                                                  const std::vector<std::uint32_t>& order,
+                                                  const std::vector<PackedRowBlock>& blocks,
+                                                  const SelectPredictors& select) {
+  VertexNeighbours neighbours(mesh, vertices);
+  PredictorFinder finder(vertices);
+  std::vector<std::uint32_t> waiting(vertices, unset);  // index into `units` of each vertex not yet coded in this block
+  std::vector<std::vector<CodingUnit>> units_of_blocks;
+  for (const PackedRowBlock& block : blocks) {
+    const std::vector<UnitOfVertex> units = units_in_row_order(block, order);
+    // The next unit is the one with the most coded neighbours; of several, the first in row order. When a count grows,
+    // the unit is queued again; later entries of a coded unit are skipped.
+    using Entry = std::pair<std::uint32_t, std::uint32_t>;  // coded neighbours, units.size() - index
+    std::priority_queue<Entry> queue;
+    const auto size = static_cast<std::uint32_t>(units.size());
+    for (std::uint32_t u = 0; u < size; ++u) {
+      waiting[units[u].vertex] = u;
+      queue.push({neighbours.coded_count(units[u].vertex), size - u});
+    }
+    auto& coded = units_of_blocks.emplace_back();
+    while (!queue.empty()) {
+      auto [vertex, unit] = units[size - queue.top().second];
+      queue.pop();
+      if (waiting[vertex] == unset) continue;
+      waiting[vertex] = unset;
+      select(unit, finder.find(vertex, neighbours, unit));
+      coded.push_back(unit);
+      const bool first_time = !neighbours.is_coded(vertex);
+      neighbours.set_coded(vertex);
+      if (!first_time) continue;
+      for (const std::uint32_t w : neighbours.of(vertex))
+        if (waiting[w] != unset) queue.push({neighbours.coded_count(w), size - waiting[w]});
+    }
+  }
+  return units_of_blocks;
+}
+
+std::vector<std::vector<ColumnSegment>> column_segments(const PackedModel& model) {
+  std::vector<std::vector<ColumnSegment>> segments(model.columns);
+  for (std::uint32_t b = 0; b < model.groups.size(); ++b)
+    for (std::uint32_t c = 0; c < model.groups[b].columns.size(); ++c)
+      segments[model.groups[b].columns[c].column].push_back({b, c});
+  return segments;
+}
+
+std::array<std::size_t, stream_count + 1> first_columns_of_streams(
+    const PackedModel& model, const std::vector<std::vector<ColumnSegment>>& segments) {
+  std::vector<std::uint64_t> values_before = {0};  // in the columns before each
+  for (const auto& column : segments) {
+    std::uint64_t values = 0;
+    for (const ColumnSegment& segment : column) values += model.groups[segment.block].row_count;
+    values_before.push_back(values_before.back() + values);
+  }
+  std::array<std::size_t, stream_count + 1> first;
+  first.fill(segments.size());
+  std::size_t stream = 0;
+  for (std::size_t c = 0; c < segments.size(); ++c)
+    while (stream < stream_count && stream_count * values_before[c] >= stream * values_before.back())
+      first[stream++] = c;
+  return first;
+}
+
+}  // namespace fb::archive

@@ -1,0 +1,79 @@
+#include "archive/coding/rans_reader.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace fb::archive {
+namespace {
+
+// One or two bytes, seven bits each.
+std::uint32_t read_frequency(ByteReader& in) {
+  const std::uint32_t low = in.number<std::uint8_t>("a frequency");
+  if (low < 0x80) return low;
+  const std::uint32_t high = in.number<std::uint8_t>("a frequency");
+  return (low & 0x7f) | high << 7;
+}
+
+// Fills one table: the symbol of each slot, and the frequency and first slot of each symbol.
+void read_table(ByteReader& in, std::uint8_t* symbol_of_slot, std::uint32_t* frequency_starts) {
+  const auto count = in.number<std::uint16_t>("a number of frequencies");
+  if (count == 0) {  // symbol 0 always; takes no bits
+    frequency_starts[0] = table_slots << 16;
+    return;
+  }
+  const std::uint32_t first = in.number<std::uint8_t>("a symbol");
+  if (first + count > 256) in.corrupt("a symbol does not fit a byte");
+  std::uint32_t slot = 0;
+  for (std::uint32_t symbol = first; symbol < first + count; ++symbol) {
+    const std::uint32_t frequency = read_frequency(in);
+    if (frequency > table_slots - slot) in.corrupt("the frequencies of symbols are too large");
+    frequency_starts[symbol] = frequency << 16 | slot;
+    std::fill_n(symbol_of_slot + slot, frequency, static_cast<std::uint8_t>(symbol));
+    slot += frequency;
+  }
+  if (slot != table_slots) in.corrupt("the frequencies of symbols are too small");
+}
+
+}  // namespace
+
+RansReader::RansReader(ByteReader& in, std::size_t contexts) : in_(&in) {
+  tables_.table_of_context = in.numbers<std::uint8_t>(contexts, "tables of contexts");
+  const std::size_t tables =
+      *std::max_element(tables_.table_of_context.begin(), tables_.table_of_context.end()) + std::size_t(1);
+  if (tables > max_tables) in.corrupt("contexts have more tables than the format allows");
+  in.budget().take(tables, table_slots + 256 * sizeof(std::uint32_t), "frequency tables");
+  tables_.symbol_of_slot.resize(tables * table_slots);
+  tables_.frequency_starts.resize(tables * 256);
+  for (std::size_t table = 0; table < tables; ++table)
+    read_table(in, &tables_.symbol_of_slot[table * table_slots], &tables_.frequency_starts[table * 256]);
+
+  std::array<std::uint32_t, stream_count> counts;
+  for (std::uint32_t& count : counts) count = in.number<std::uint32_t>("a number of words");
+  for (RansStream& stream : streams_) {
+    stream.state_ = in.number<std::uint32_t>("a stream's state");
+    if (stream.state_ < min_state) in.corrupt("a stream's state is too small");
+  }
+  const std::uint64_t words = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
+  if (in.left() != 2 * words) in.corrupt("the words of the streams do not fill the section");
+  words_ = in.numbers<std::uint16_t>(words, "coded symbols");
+  words_.resize(words_.size() + RansStream::padding_words);
+  const std::uint16_t* word = words_.data();
+  for (std::size_t stream = 0; stream < stream_count; ++stream) {
+    streams_[stream].word_ = word;
+    streams_[stream].end_ = word += counts[stream];
+  }
+}
+
+void RansReader::corrupt(const RansStream& stream, const char* what) const {
+  in_->corrupt(stream.exhausted() ? "there are too few coded symbols" : what);
+}
+
+void RansReader::end(const RansStreams& streams) const {
+  for (const RansStream& stream : streams) {
+    if (stream.exhausted()) corrupt(stream, "");
+    if (stream.word_ != stream.end_) in_->corrupt("there are too many coded symbols");
+    if (stream.state_ != min_state) in_->corrupt("a stream does not end in its final state");
+  }
+}
+
+}  // namespace fb::archive

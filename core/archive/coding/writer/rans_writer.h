@@ -1,0 +1,47 @@
+// Entropy coding, the counterpart of rans_reader.h. Symbols are collected first and coded by their frequencies at the
+// end.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "archive/container/byte_writer.h"
+
+namespace fb::archive {
+
+using SymbolCounts = std::array<std::uint32_t, 256>;  // occurrences of each symbol
+
+class RansWriter {
+ public:
+  explicit RansWriter(std::size_t contexts) : contexts_(contexts) {}
+
+  // The stream of the symbols and bits that follow; 0 at first.
+  void select_stream(std::size_t stream) { stream_ = static_cast<std::uint8_t>(stream); }
+  // A symbol below 256, coded in a context.
+  void symbol(std::size_t context, std::uint32_t value) {
+    operations_.push_back({static_cast<std::uint16_t>(context), stream_, 0, static_cast<std::uint16_t>(value)});
+  }
+  // `count` raw bits, at most 12.
+  void bits(std::uint32_t count, std::uint32_t value) {
+    operations_.push_back({0, stream_, static_cast<std::uint8_t>(count), static_cast<std::uint16_t>(value)});
+  }
+  // Appends tables, states and words.
+  void write(ByteWriter& out) const;
+
+ private:
+  struct Operation {
+    std::uint16_t context;
+    std::uint8_t stream, raw_bits;  // raw_bits 0: a symbol
+    std::uint16_t value;
+  };
+
+  std::vector<SymbolCounts> count_symbols() const;  // per context
+
+  std::size_t contexts_;
+  std::uint8_t stream_ = 0;
+  std::vector<Operation> operations_;
+};
+
+}  // namespace fb::archive

@@ -1,0 +1,49 @@
+// Coding of polygon corners, shared by reader and writer: as differences from an earlier corner, or along the triangles
+// that Draco holds, where the first edge of a polygon determines its other corners. See FORMAT.md, "polygons".
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace fb::archive {
+
+// The prediction of corner k of a polygon, at index `at` of all corners: corner k of the previous polygon, which has
+// `previous_size` corners, or else the corner before it.
+inline std::uint32_t predicted_corner(const std::vector<std::uint32_t>& corners, std::size_t at, std::uint32_t k,
+                                      std::uint32_t previous_size) {
+  if (k < previous_size) return corners[at - previous_size];
+  return at > 0 ? corners[at - 1] : 0;
+}
+
+// The half-edges of triangles, by the vertex they start from.
+class TriangleEdges {
+ public:
+  struct Edge {
+    std::uint32_t to = 0, opposite = 0;  // the vertex it leads to, and the triangle's third
+  };
+
+  // Corners are below `vertices`, three a triangle.
+  TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices);
+
+  std::span<const Edge> from(std::uint32_t vertex) const {
+    return {edges_.data() + first_[vertex], edges_.data() + first_[vertex + 1]};
+  }
+
+ private:
+  std::vector<std::uint32_t> first_;  // per vertex, its first edge; and the number of edges
+  std::vector<Edge> edges_;
+};
+
+// The edges from a vertex, sorted by the zigzag distance of their end from `prediction`. Empty if two edges end at one
+// vertex or there are more than max_edges: polygons cannot be coded along these.
+inline constexpr std::size_t max_edges = 64;
+std::vector<TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
+                                              std::uint32_t prediction);
+
+// The prediction of a polygon's second corner: the same distance from the first as in the previous polygon.
+inline std::uint32_t predicted_second_corner(std::span<const std::uint32_t> previous_polygon, std::uint32_t first) {
+  return previous_polygon.empty() ? first : first + previous_polygon[1] - previous_polygon[0];
+}
+
+}  // namespace fb::archive
