@@ -9,6 +9,8 @@ cd "$(dirname "$0")/.."
 # Waiting threads must not hold cores that others need.
 export OMP_WAIT_POLICY=PASSIVE
 cores=$(nproc)
+# In CI a warning fails the build.
+if [ -n "${CI:-}" ]; then warnings_fail=ON; else warnings_fail=OFF; fi
 
 samples/setup.sh
 for preset in "$@"; do
@@ -19,7 +21,7 @@ if [ ! -d "${FB_SHARED_RIGS:-../shared/rigs}" ]; then
 fi
 
 for preset in "$@"; do
-  cmake --preset "$preset"
+  cmake --preset "$preset" -DCMAKE_COMPILE_WARNING_AS_ERROR="$warnings_fail"
   cmake --build --preset "$preset" --parallel "$cores"
   ctest --preset "$preset" --parallel "$cores" --output-on-failure
 done

@@ -9,6 +9,8 @@ TEST_CASE("the tree keeps the law of layers") {
   const SourceTree tree = checks::read_source_tree(FB_SOURCE_ROOT);
   REQUIRE(tree.size() > 50);
   for (const std::string& violation : layer_violations(tree)) FAIL_CHECK(violation);
+  for (const std::string& circle : checks::folder_circles(tree)) FAIL_CHECK(circle);
+  for (const std::string& offence : checks::stray_namespaces(tree)) FAIL_CHECK(offence);
 }
 
 namespace {
@@ -23,14 +25,19 @@ std::vector<std::string> violations_of(const Planted& plant) {
                      {"core/model/mesh.h", ""},
                      {"core/archive/reader.h", ""},
                      {"core/archive/section_writer.h", ""},
-                     {"core/archive/coding/writer/choose_predictors.h", ""},
                      {"core/runtime/evaluator.h", ""},
                      {"core/bake/rig/source.h", ""},
+                     {"core/bake/dataset/npy.h", ""},
+                     {"core/bake/analysis/sparse_blendshapes.h", ""},
+                     {"core/bake/train/trainer.h", ""},
                      {"core/bake/measure/errors.h", ""},
+                     {"core/bake/face/face_recipe.h", ""},
+                     {"core/bake/baselines/baselines.h", ""},
+                     {"core/bake/pipeline/bake.h", ""},
                      {"capi/include/facebaker/facebaker.h", ""},
                      {"capi/bake/authoring.h", ""},
-                     {"capi/crossing.h", ""},
-                     {"packager/verbs.h", ""},
+                     {"capi/abi_guard.h", ""},
+                     {"packager/commands.h", ""},
                      {"samples/hello/hello.h", ""},
                      {"tests/rigs/support/skin.h", ""},
                      {plant.path, std::string("// first\n  # include ") + plant.include + "\n"}};
@@ -53,7 +60,14 @@ TEST_CASE("planted violations are caught") {
       {"core/runtime/x.cpp", "\"bake/rig/source.h\""},
       {"core/runtime/x.cpp", "\"../bake/rig/source.h\""},
       {"core/bake/train/x.cpp", "\"runtime/evaluator.h\""},
-      {"core/bake/rig/x.cpp", "\"crossing.h\""},
+      {"core/bake/rig/x.cpp", "\"bake/dataset/npy.h\""},
+      {"core/bake/analysis/live/x.cpp", "\"bake/pipeline/bake.h\""},
+      {"core/bake/regions/x.cpp", "\"bake/face/face_recipe.h\""},
+      {"core/bake/train/x.cpp", "\"bake/face/face_recipe.h\""},
+      {"core/bake/compress/x.cpp", "\"bake/measure/errors.h\""},
+      {"core/bake/face/x.cpp", "\"bake/baselines/baselines.h\""},
+      {"core/bake/baselines/x.cpp", "\"bake/pipeline/bake.h\""},
+      {"core/bake/rig/x.cpp", "\"abi_guard.h\""},
       {"capi/runtime_api.cpp", "\"bake/rig/source.h\""},
       {"capi/runtime_api.cpp", "\"bake/authoring.h\""},
       {"capi/include/facebaker/x.h", "\"base/file.h\""},
@@ -75,6 +89,10 @@ TEST_CASE("what the law allows passes") {
   const Planted allowed[] = {
       {"core/archive/x_writer.cpp", "\"archive/reader.h\""},
       {"core/bake/measure/x.cpp", "\"runtime/evaluator.h\""},
+      {"core/bake/regions/x.cpp", "\"bake/analysis/sparse_blendshapes.h\""},
+      {"core/bake/face/x.cpp", "\"bake/train/trainer.h\""},
+      {"core/bake/baselines/x.cpp", "\"bake/face/face_recipe.h\""},
+      {"core/bake/pipeline/x.cpp", "\"bake/baselines/baselines.h\""},
       {"core/bake/rig/x.cpp", "<facebaker/facebaker.h>"},
       {"capi/bake/x.cpp", "\"bake/rig/source.h\""},
       {"packager/x.cpp", "\"bake/measure/errors.h\""},
@@ -88,4 +106,28 @@ TEST_CASE("what the law allows passes") {
     CAPTURE(plant.include);
     CHECK(violations_of(plant).empty());
   }
+}
+
+TEST_CASE("circles of folders are found") {
+  const auto circles = [](const char* back) {
+    return checks::folder_circles({{"core/a/x.h", "#include \"b/y.h\"\n"},
+                                   {"core/b/y.h", std::string("#include \"") + back + "\"\n"},
+                                   {"core/b/z.h", ""},
+                                   {"core/c/w.h", "#include \"a/x.h\"\n"}});
+  };
+  CHECK(circles("b/z.h").empty());
+  REQUIRE(circles("a/x.h").size() == 1);
+  CHECK(circles("a/x.h")[0] == "core/a -> core/b -> core/a");
+  CHECK(circles("c/w.h")[0] == "core/a -> core/b -> core/c -> core/a");
+}
+
+TEST_CASE("namespaces follow folders") {
+  const auto stray = [](const char* path, const char* text) { return checks::stray_namespaces({{path, text}}); };
+  CHECK(stray("core/bake/rig/x.h", "namespace fb::bake {\n").empty());
+  CHECK(stray("core/runtime/x.h", "namespace fb::runtime::avx2 {\n").empty());
+  CHECK(stray("core/model/x.h", "namespace fb {\n").empty());
+  CHECK(stray("tests/x.h", "namespace fb::test {\n").empty());
+  CHECK(stray("core/bake/rig/x.h", "namespace fb {\n").size() == 1);
+  CHECK(stray("core/archive/x.h", "// first\nnamespace fb::bake {\n")[0].find("core/archive/x.h:2: ") == 0);
+  CHECK(stray("core/model/x.h", "namespace fb::model {\n").size() == 1);
 }

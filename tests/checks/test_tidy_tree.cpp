@@ -50,6 +50,17 @@ TEST_CASE("long files are found") {
   CHECK(checks::long_files({{"a.py", std::string(601, '\n')}}).size() == 1);
 }
 
+TEST_CASE("long functions are found") {
+  const auto function = [](const char* path, std::size_t lines) {
+    return checks::long_functions({{path, "namespace fb {\nint f(\n    int a) {\n" + std::string(lines - 3, '\n') +
+                                              "}\n\n}  // namespace fb\n"}});
+  };
+  CHECK(function("core/base/x.cpp", 60).empty());
+  CHECK(function("tests/x.cpp", 61).empty());
+  REQUIRE(function("core/base/x.cpp", 61).size() == 1);
+  CHECK(function("core/base/x.cpp", 61)[0] == "core/base/x.cpp:2: a function of 61 lines");
+}
+
 TEST_CASE("typed versions are found") {
   const auto typed = [](const char* path, const char* text) { return checks::typed_versions({{path, text}}, "1.2.3"); };
   CHECK(typed("CHANGELOG.md", "## 1.2.3").empty());

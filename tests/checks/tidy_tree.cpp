@@ -41,6 +41,38 @@ std::vector<std::string> long_files(const SourceTree& tree) {
   return offences;
 }
 
+std::vector<std::string> long_functions(const SourceTree& tree) {
+  constexpr std::size_t most_lines = 60;
+  const auto in_product = [](const std::string& path) {
+    return path.starts_with("core/") || path.starts_with("capi/") || path.starts_with("packager/");
+  };
+  const auto begins_type_or_namespace = [](std::string_view line) {
+    for (const std::string_view word :
+         {"namespace", "class", "struct", "enum", "union", "extern", "constexpr", "const "})
+      if (line.starts_with(word)) return true;
+    return false;
+  };
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    if (!file.is_code() || !in_product(file.path)) continue;
+    std::size_t number = 0, head = 0;  // head: the first line of the function, 0 outside of functions
+    for (const std::string_view line : lines_of(file.text)) {
+      ++number;
+      const bool indented = line.empty() || line[0] == ' ' || line[0] == '#' || line[0] == '/';
+      if (line.starts_with("}")) {
+        if (head > 0 && number - head + 1 > most_lines)
+          offences.push_back(file.path + ":" + std::to_string(head) + ": a function of " +
+                             std::to_string(number - head + 1) + " lines");
+        head = 0;
+      } else if (!indented) {
+        const bool opens = !line.ends_with(";") && !begins_type_or_namespace(line);
+        head = opens ? number : 0;
+      }
+    }
+  }
+  return offences;
+}
+
 std::vector<std::string> typed_versions(const SourceTree& tree, const std::string& version) {
   const auto part_of_number = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) || c == '.'; };
   std::vector<std::string> offences;

@@ -1,4 +1,4 @@
-// Small rules that keep the tree easy to find one's way in. Each function returns one line for each offence.
+// Small rules that keep the tree readable. Each function returns one line for each offence.
 #pragma once
 
 #include <string>
@@ -14,6 +14,9 @@ std::vector<std::string> stray_openmp(const SourceTree& tree);
 std::vector<std::string> repeated_names(const SourceTree& tree);
 // Files of more than 600 lines.
 std::vector<std::string> long_files(const SourceTree& tree);
+// Functions of core, capi and packager of more than 60 lines, from the line of the name to the closing brace. Functions
+// are told by the tree's layout: their last line is a brace in the first column.
+std::vector<std::string> long_functions(const SourceTree& tree);
 // Places other than VERSION and the change log where the version is typed.
 std::vector<std::string> typed_versions(const SourceTree& tree, const std::string& version);
 
