@@ -58,7 +58,8 @@ void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bak
   if (!locality || !source.live()) return;
   fb::bake::MethodReport& face = report.faces.methods[0];
   const std::array<std::span<const std::byte>, 1> archives = {face.archive};
-  face.locality = fb::bake::measure_locality(archives, source, *locality, options.parallel, progress).at(0);
+  fb::bake::RigEvaluator rig(source, options.parallel);
+  face.locality = fb::bake::measure_locality(archives, rig, *locality, progress).at(0);
 }
 
 std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked baked, const fb::bake::Source& source) {

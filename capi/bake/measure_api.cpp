@@ -57,7 +57,8 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
     fb::bake::MethodReport& face = made->faces.methods[0];
     if ((known.measure & FB_MEASURE_LOCALITY) && source.live()) {
       const std::array<std::span<const std::byte>, 1> archives = {archive.bytes};
-      face.locality = fb::bake::measure_locality(archives, source, {}, parallel, progress).at(0);
+      fb::bake::RigEvaluator rig(source, parallel);
+      face.locality = fb::bake::measure_locality(archives, rig, {}, progress).at(0);
     }
     made->measured.split = split;
     made->json = eval_json(archive.name, face.independent, face.locality);

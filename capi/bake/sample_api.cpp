@@ -67,8 +67,9 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
            "\"%s\" is a recording, which has no new poses; sample a rig plugin, a glTF file or \"sample\"",
            source.schema().name.c_str());
     HostProgress progress(known.callbacks);
-    const fb::bake::SampleReport sampled = fb::bake::sample(source, options_of(known, source.schema().control_count()),
-                                                            known.directory, parallel_of(known.threads), progress);
+    fb::bake::RigEvaluator rig(source, parallel_of(known.threads));
+    const fb::bake::SampleReport sampled =
+        fb::bake::sample(rig, options_of(known, source.schema().control_count()), known.directory, progress);
     auto made = std::make_unique<fb_report>();
     made->json = sample_json(known.directory, sampled);
     made->sample = fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls};

@@ -1,7 +1,7 @@
 #include "bake/authoring.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
-#include "bake/rig/evaluate_parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "base/checked.h"
 
@@ -168,8 +168,8 @@ fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t 
     require(controls, "controls");
     check_positions(from, poses, positions, position_floats);
     const std::size_t width = fb::checked_multiply(poses, from.schema().control_count(), "poses x controls");
-    fb::bake::evaluate_parallel(from, {controls, width}, poses, {positions, poses * from.rest().points.size()},
-                                parallel_of(threads));
+    fb::bake::RigEvaluator(from, parallel_of(threads))
+        .evaluate({controls, width}, poses, {positions, poses * from.rest().points.size()});
   });
 }
 

@@ -7,6 +7,7 @@
 #include "bake/dataset/open_source.h"
 #include "bake/pipeline/bake.h"
 #include "bake/pipeline/recipe_table.h"
+#include "bake/rig/rig_evaluator.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/figure_outputs.h"
@@ -68,7 +69,8 @@ void BakeCommand::write_page(const Baked& baked, Source& source, Progress& progr
       options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, baked.rig_calls) : UINT64_MAX;
   if (const auto locality = locality_within(left, source.schema().control_count()); locality && source.live()) {
     const std::array<std::span<const std::byte>, 1> archives = {baked.archive};
-    face.locality = measure_locality(archives, source, *locality, options.parallel, progress).at(0);
+    RigEvaluator evaluator(source, options.parallel);
+    face.locality = measure_locality(archives, evaluator, *locality, progress).at(0);
   }
   const CompareReport faces = alone(std::move(face), source);
   write_face_report(report, {source.schema().name + ": " + options.recipe, measured, faces, source}, options.parallel,

@@ -7,6 +7,7 @@
 #include "archive/reader.h"
 #include "bake/dataset/open_source.h"
 #include "bake/measure/evaluate.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/file.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -77,7 +78,8 @@ void EvalCommand::run() {
         evaluate_archive(bytes, *source, only, parallel, progress, detailed ? Detail::quality : Detail::errors);
     if (detailed && source->live()) {
       const std::array<std::span<const std::byte>, 1> archives = {bytes};
-      face.locality = measure_locality(archives, *source, {}, parallel, progress).at(0);
+      RigEvaluator evaluator(*source, parallel);
+      face.locality = measure_locality(archives, evaluator, {}, progress).at(0);
     }
   }
   const std::string json = eval_json(archive, face.independent, face.locality), text = eval_text(face.independent);

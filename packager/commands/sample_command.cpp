@@ -40,7 +40,8 @@ void SampleCommand::run() {
   SampleReport report;
   {
     ProgressBar progress;
-    report = sample(*rig, options, out, parallel, progress);
+    RigEvaluator evaluator(*rig, parallel);
+    report = sample(evaluator, options, out, progress);
   }
   if (json)
     std::fputs(json_text({{"dataset", out},

@@ -8,7 +8,8 @@
 #include <string>
 
 #include "bake/dataset/open_source.h"
-#include "bake/rig/source.h"
+#include "bake/sampling/active_sampling.h"
+#include "bake/sampling/sampling.h"
 #include "base/status.h"
 #include "temporary_folder.h"
 
@@ -35,6 +36,37 @@ std::string failure(Status status, Work&& work) {
   }
   FAIL("nothing failed");
   return "";
+}
+
+// What core/bake/sampling does with an evaluator, for a source that is evaluated in this one call only.
+inline bake::PosePlan make_plan(bake::Source& source, const bake::SamplingOptions& options, const Parallel& parallel,
+                                Progress& progress) {
+  bake::RigEvaluator rig(source, parallel);
+  return bake::make_plan(rig, options, progress);
+}
+inline bake::SampleReport sample_to_dataset(bake::Source& source, const bake::PosePlan& plan,
+                                            const std::filesystem::path& folder, const Parallel& parallel,
+                                            Progress& progress) {
+  bake::RigEvaluator rig(source, parallel);
+  return bake::sample_to_dataset(rig, plan, folder, progress);
+}
+inline bake::SampleReport sample(bake::Source& source, const bake::SamplingOptions& options,
+                                 const std::filesystem::path& folder, const Parallel& parallel, Progress& progress) {
+  bake::RigEvaluator rig(source, parallel);
+  return bake::sample(rig, options, folder, progress);
+}
+inline bake::SampleReport extend_dataset(bake::Source& source, const std::vector<bake::Clip>& clips,
+                                         const std::filesystem::path& folder, const Parallel& parallel,
+                                         Progress& progress) {
+  bake::RigEvaluator rig(source, parallel);
+  return bake::extend_dataset(rig, clips, folder, progress);
+}
+inline bake::SampleReport sample_actively(bake::Source& source, const bake::SamplingOptions& options,
+                                          const bake::ActiveSamplingOptions& choice,
+                                          const bake::TrainEnsemble& ensemble, const std::filesystem::path& folder,
+                                          const Parallel& parallel, Progress& progress) {
+  bake::RigEvaluator rig(source, parallel);
+  return bake::sample_actively(rig, options, choice, ensemble, folder, progress);
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

@@ -20,8 +20,7 @@ constexpr std::size_t steps = 6000, unseen = 1000;
 const Parallel parallel{1};
 
 struct Bench {
-  explicit Bench(Source& rig)
-      : method(rig, 200, parallel), responses(rig, parallel, silent_progress()), schema(rig.schema()) {
+  explicit Bench(RigEvaluator& rig) : method(rig, 200), responses(rig, silent_progress()), schema(rig.schema()) {
     add("poses of the mix", draw_candidates(schema, responses, "dense", 999, unseen));
     std::vector<float> shots;
     for (const Clip& clip : rig.clips())
@@ -88,9 +87,10 @@ double correlation_of_logs(const std::vector<float>& a, const std::vector<float>
 
 int main(int argc, char** argv) try {
   if (argc < 2) fail(Status::invalid_argument, "give RIG [POSES]");
-  const auto rig = open_source(argv[1]);
+  const auto source = open_source(argv[1]);
+  RigEvaluator rig(*source, parallel);
   const std::size_t poses = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 4000;
-  const Bench bench(*rig);
+  const Bench bench(rig);
   const std::size_t width = bench.method.width();
   const std::vector<float> drawn = draw_candidates(bench.schema, bench.responses, "dense", 1, 4 * poses);
   const std::vector<float> answers = bench.method.ask(drawn);

@@ -11,7 +11,7 @@
 
 #include "bake/analysis/rig_analysis.h"
 #include "bake/dataset/open_source.h"
-#include "bake/rig/evaluate_parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/sampling.h"
 
 namespace {
@@ -42,7 +42,7 @@ void controls_of(const std::vector<fb::Feature>& features, std::uint32_t f, std:
   }
 }
 
-void measure(fb::bake::Source& source, const std::vector<fb::bake::Clip>& clips,
+void measure(fb::bake::RigEvaluator& source, const std::vector<fb::bake::Clip>& clips,
              const fb::bake::SparseBlendshapes& base, const char* name) {
   const std::vector<float> rest = source.schema().rest_pose();
   const std::size_t width = rest.size(), size = source.rest().points.size(), block = 32;
@@ -55,7 +55,7 @@ void measure(fb::bake::Source& source, const std::vector<fb::bake::Clip>& clips,
       const std::span<const float> controls = std::span(clip.controls).subspan(first * width, count * width);
       points.resize(count * size);
       if (source.live()) {
-        fb::bake::evaluate_parallel(source, controls, count, points, {});
+        source.evaluate(controls, count, points);
       } else {
         const auto same = [&](const fb::bake::Clip& other) { return other.name == clip.name; };
         const auto found = std::find_if(source.clips().begin(), source.clips().end(), same);
@@ -84,7 +84,8 @@ void measure(fb::bake::Source& source, const std::vector<fb::bake::Clip>& clips,
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (argc < 2) return std::fprintf(stderr, "bench_analysis SOURCE [PAIRS TRIPLES [BUDGET]]\n"), 2;
-  const auto source = fb::bake::open_source(argv[1]);
+  const auto opened = fb::bake::open_source(argv[1]);
+  fb::bake::RigEvaluator source(*opened);
   fb::bake::AnalysisOptions options;
   if (argc > 3) {
     options.max_pairs = static_cast<std::uint32_t>(std::atoi(argv[2]));
@@ -95,17 +96,17 @@ int main(int argc, char** argv) {
   const auto start = std::chrono::steady_clock::now();
   const auto train = [](const fb::bake::Clip& clip) { return clip.split == fb::bake::Split::train; };
   const fb::bake::RigAnalysis analysis =
-      source->live() ? fb::bake::analyse_rig(*source, options, {}, notes)
-                     : fb::bake::analyse_poses(fb::bake::PoseSet(*source, train), options, {}, notes);
+      source.live() ? fb::bake::analyse_rig(source, options, notes)
+                    : fb::bake::analyse_poses(fb::bake::PoseSet(source, train), options, {}, notes);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::printf("%zu controls (%u linear), %llu rig calls, %.1f s, curve error %.2e of D\n",
-              source->schema().control_count(), analysis.linear_controls,
+              source.schema().control_count(), analysis.linear_controls,
               static_cast<unsigned long long>(analysis.rig_calls), seconds, analysis.curve_error);
   std::vector<fb::bake::Clip> clips;
-  for (const fb::bake::Clip& clip : source->clips())
+  for (const fb::bake::Clip& clip : source.clips())
     if (clip.split == fb::bake::Split::test) clips.push_back(clip);
-  if (clips.empty()) clips = fb::bake::make_test_poses(source->schema(), 1);
-  measure(*source, clips, {}, "rest pose");
+  if (clips.empty()) clips = fb::bake::make_test_poses(source.schema(), 1);
+  measure(source, clips, {}, "rest pose");
   fb::bake::SparseBlendshapes base;
   base.features = analysis.base.features;
   for (std::size_t order = 1; order <= 4; ++order) {
@@ -120,7 +121,7 @@ int main(int argc, char** argv) {
     }
     if (shapes == 0) continue;
     std::printf("order %zu: %zu shapes, %zu numbers\n", order, shapes, numbers);
-    measure(*source, clips, base, fb::format("up to order %zu", order).c_str());
+    measure(source, clips, base, fb::format("up to order %zu", order).c_str());
   }
   std::map<std::size_t, std::size_t> correctives;
   for (const fb::bake::Corrective& corrective : analysis.correctives) ++correctives[corrective.controls.size()];

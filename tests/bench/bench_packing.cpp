@@ -107,7 +107,8 @@ void print_floats(const char* what, const FaceModel& model, const PoseSet& poses
 
 int measure(const Settings& settings, const std::vector<std::string>& names) {
   const std::unique_ptr<Source> source = open_sources(names);
-  Source* const rig = source->live() ? source.get() : nullptr;
+  RigEvaluator evaluator(*source);
+  RigEvaluator* const rig = source->live() ? &evaluator : nullptr;
   const PoseSet poses = training_poses(*source, Use::variant);
   PrintedStages progress;
   const double start = seconds();

@@ -16,11 +16,12 @@ using namespace fb::bake;
 int main(int argc, char** argv) try {
   if (argc < 3) fail(Status::invalid_argument, "give RIG POSES [MIX...]");
   const Parallel parallel{1};
-  const auto rig = open_source(argv[1]);
-  const RigSchema& schema = rig->schema();
-  const bench::QuickMethod method(*rig, 200, parallel);
+  const auto source = open_source(argv[1]);
+  RigEvaluator rig(*source, parallel);
+  const RigSchema& schema = rig.schema();
+  const bench::QuickMethod method(rig, 200);
   std::vector<Clip> yardsticks;
-  for (const Clip& clip : rig->clips())
+  for (const Clip& clip : rig.clips())
     if (clip.split == Split::train && clip.kind == ClipKind::shot) yardsticks.push_back(clip);
   if (yardsticks.empty()) yardsticks = make_test_poses(schema, 4711);
   std::vector<std::vector<float>> truths;
@@ -42,7 +43,7 @@ int main(int argc, char** argv) try {
       options.seed = seed;
       options.shots = options.held_out = false;
       std::vector<float> controls;
-      for (const Clip& clip : make_plan(*rig, options, parallel, silent_progress()))
+      for (const Clip& clip : make_plan(rig, options, silent_progress()))
         controls.insert(controls.end(), clip.controls.begin(), clip.controls.end());
       if (seed == 1)
         std::printf(

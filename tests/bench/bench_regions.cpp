@@ -28,7 +28,8 @@ int measure(const RegionOptions& region_options, std::size_t components, const s
   const PoseSet poses(*source, [](const Clip& clip) { return clip.split == Split::train; });
   const double start = seconds();
   if (!source->live()) fail(Status::invalid_argument, "none of the sources is a live rig that can be probed");
-  const RigAnalysis responses = analyse_rig(*source, {}, {}, silent_progress());
+  RigEvaluator rig(*source);
+  const RigAnalysis responses = analyse_rig(rig, {}, silent_progress());
   const double probed = seconds();
   const std::vector<FaceRegion> regions =
       find_regions(source->rest(), source->schema(), responses.residual_motion, region_options);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/rig/evaluate_parallel.h"
-
 namespace fb::bench {
 using namespace fb::bake;
 namespace {
@@ -17,8 +15,7 @@ float part_of_range(const Control& control, float value) {
 
 }  // namespace
 
-QuickMethod::QuickMethod(Source& rig, std::size_t vertices, const Parallel& parallel)
-    : rig_(rig), parallel_(parallel), width_(rig.schema().control_count()) {
+QuickMethod::QuickMethod(RigEvaluator& rig, std::size_t vertices) : rig_(rig), width_(rig.schema().control_count()) {
   const std::size_t all = rig.rest().points.size() / 3;
   for (std::size_t v = 0; v < vertices; ++v) vertices_.push_back(v * all / vertices);
   std::vector<float> controls;
@@ -52,7 +49,7 @@ std::vector<float> QuickMethod::displacements(std::span<const float> controls) c
   for (std::size_t first = 0; first < poses; first += block) {
     const std::size_t count = std::min(block, poses - first);
     points.resize(count * size);
-    evaluate_parallel(rig_, controls.subspan(first * width_, count * width_), count, points, parallel_);
+    rig_.evaluate(controls.subspan(first * width_, count * width_), count, points);
     for (std::size_t pose = 0; pose < count; ++pose)
       for (const std::size_t v : vertices_)
         for (std::size_t i = 3 * v; i < 3 * v + 3; ++i)
@@ -63,7 +60,7 @@ std::vector<float> QuickMethod::displacements(std::span<const float> controls) c
 
 std::vector<float> QuickMethod::ask(std::span<const float> controls) const {
   std::vector<float> residuals = displacements(controls);
-  parallel_for(parallel_, controls.size() / width_, [&](std::size_t pose, std::size_t) {
+  parallel_for(rig_.parallel(), controls.size() / width_, [&](std::size_t pose, std::size_t) {
     float* residual = residuals.data() + pose * outputs();
     for (std::size_t c = 0; c < width_; ++c) {
       const Control& control = rig_.schema().controls[c];
@@ -113,7 +110,7 @@ std::vector<float> QuickMethod::predict(const std::vector<DenseLayer>& layers, s
   };
   std::vector<float> at_rest(outputs());
   run(std::vector<float>(width_).data(), at_rest.data());
-  parallel_for(parallel_, poses, [&](std::size_t pose, std::size_t) {
+  parallel_for(rig_.parallel(), poses, [&](std::size_t pose, std::size_t) {
     float* out = predicted.data() + pose * outputs();
     run(inputs.data() + pose * width_, out);
     for (std::size_t i = 0; i < outputs(); ++i) out[i] -= at_rest[i];

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bake/rig/source.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/train/trainer.h"
 
 namespace fb::bench {
@@ -18,8 +18,8 @@ struct QuickErrors {
 
 class QuickMethod {
  public:
-  // Asks the rig for five values of each control.
-  QuickMethod(Source& rig, std::size_t vertices, const Parallel& parallel);
+  // Evaluates five values of each control.
+  QuickMethod(RigEvaluator& rig, std::size_t vertices);
 
   // What the curves leave over in these poses: poses x 3 x vertices looked at, over the diagonal.
   std::vector<float> ask(std::span<const float> controls) const;
@@ -35,8 +35,7 @@ class QuickMethod {
   std::vector<float> features(std::span<const float> controls) const;
   std::vector<float> displacements(std::span<const float> controls) const;
 
-  Source& rig_;
-  Parallel parallel_;
+  RigEvaluator& rig_;
   std::size_t width_;
   std::vector<std::size_t> vertices_;
   std::vector<float> curves_;  // controls x values x outputs

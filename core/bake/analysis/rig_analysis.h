@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "bake/analysis/sparse_blendshapes.h"
 #include "bake/rig/pose_set.h"
-#include "bake/rig/source.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 
@@ -23,8 +22,6 @@ struct AnalysisOptions {
   std::uint32_t max_triples = 400;  // and a quarter as many fours
   std::uint64_t rig_budget = 0;     // rig calls at most; 0: as many as it takes
   std::uint64_t seed = 1;
-  // File for a slow rig's answers, from which a probing that was interrupted goes on; empty: none.
-  std::filesystem::path answers = {};
 };
 
 // Controls that do together what they do not do one by one.
@@ -43,7 +40,7 @@ struct RigAnalysis {
   // The same of what the base leaves over (root mean square over the dense poses tried): 0 where a control only adds
   // what the base already holds.
   std::vector<float> residual_motion;
-  std::uint64_t rig_calls = 0;        // poses asked for
+  std::uint64_t rig_calls = 0;        // poses requested of the rig, cached ones included
   std::uint32_t linear_controls = 0;  // controls one shape holds
   double curve_error = 0;             // largest distance from the rig between knots, over D, on poses not used
 };
@@ -53,8 +50,8 @@ inline bool pays_to_analyse(const RigSchema& schema, std::uint64_t rig_budget) {
   return rig_budget == 0 || rig_budget >= 20 * std::uint64_t(schema.control_count());
 }
 
-// Asks a live rig. Same rig, same options, same result for any number of threads.
-RigAnalysis analyse_rig(Source& rig, const AnalysisOptions& options, const Parallel& parallel, Progress& progress);
+// Evaluates a live rig. Same rig, same options, same result for any number of threads.
+RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progress& progress);
 
 // The same fitted to recorded poses by regularised least squares, when there is no rig to ask: exact where a control
 // was recorded alone, an estimate elsewhere. rig_calls is 0.

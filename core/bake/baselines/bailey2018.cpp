@@ -81,7 +81,7 @@ bool all_zero(const std::vector<float>& values) {
 
 }  // namespace
 
-RecipeResult make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+RecipeResult make_bailey2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   RecipeResult result;
   FaceModel& model = result.model;
   model.schema = poses.source().schema();
@@ -116,8 +116,7 @@ RecipeResult make_bailey2018(const PoseSet& poses, Source* rig, const BakeOption
 
   // What it leaves over, group by group.
   const std::vector<Feature> ramps = ramp_features(model.schema);
-  std::vector<FaceRegion> groups =
-      groups_of(skeleton, model.rest, ramps, ramp_shapes(poses, rig, ramps, options.parallel, progress));
+  std::vector<FaceRegion> groups = groups_of(skeleton, model.rest, ramps, ramp_shapes(poses, rig, ramps, progress));
   std::vector<LocalBasis> bases =
       local_bases(ModelResidual(poses, model), groups, group_basis, options.parallel, progress);
   std::vector<std::size_t> taught;

@@ -5,11 +5,12 @@
 
 namespace fb::bake {
 
-RecipeResult make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_bailey2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_paper(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_paper_tuned(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_paper_gradients(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_bailey2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_paper(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_paper_tuned(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_paper_gradients(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
+                                  Progress& progress);
 
 }  // namespace fb::bake

@@ -46,13 +46,13 @@ Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::ve
 
 }  // namespace
 
-RecipeResult make_kanyuk2018(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   RecipeResult result;
   FaceModel& model = result.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   const std::vector<Feature> ramps = ramp_features(model.schema);
-  std::vector<float> correctives = ramp_shapes(poses, rig, ramps, options.parallel, progress);
+  std::vector<float> correctives = ramp_shapes(poses, rig, ramps, progress);
   const Skeleton skeleton = extract_skeleton(poses, {}, options.parallel, progress);
   model.network.features = ramps;
   model.network.regions = {skeleton_region(skeleton, model.rest, correctives, ramps.size(), options.parallel)};

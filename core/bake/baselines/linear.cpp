@@ -15,13 +15,13 @@ constexpr double packing_tolerance = 1e-6;  // over the diagonal: there is no ot
 
 }  // namespace
 
-RecipeResult make_linear(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   RecipeResult result;
   FaceModel& model = result.model;
   model.schema = poses.source().schema();
   model.rest = poses.source().rest();
   model.network.features = ramp_features(model.schema);
-  std::vector<float> shapes = ramp_shapes(poses, rig, model.network.features, options.parallel, progress);
+  std::vector<float> shapes = ramp_shapes(poses, rig, model.network.features, progress);
   drop_below(shapes, model.rest, negligible);
   model.network.direct.resize(model.network.features.size());
   std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);

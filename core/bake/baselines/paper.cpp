@@ -5,7 +5,7 @@
 
 namespace fb::bake {
 
-RecipeResult make_paper(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper(const PoseSet& poses, RigEvaluator*, const BakeOptions& options, Progress& progress) {
   const PrincipalComponents pca =
       kept_components(Displacements(poses), poses.controls(), paper_variance, options, progress);
   return paper_network(poses, pca.coefficients, pca.components, paper_plan(), {}, options, progress);

@@ -7,7 +7,7 @@
 
 namespace fb::bake {
 
-RecipeResult make_paper_gradients(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper_gradients(const PoseSet& poses, RigEvaluator*, const BakeOptions& options, Progress& progress) {
   const GradientMap map(poses.source().rest());
   const PrincipalComponents pca =
       kept_components(GradientRows(poses, map), poses.controls(), paper_variance, options, progress);

@@ -12,7 +12,7 @@ constexpr double pose_visits = 4e6;
 
 }  // namespace
 
-RecipeResult make_paper_tuned(const PoseSet& poses, Source*, const BakeOptions& options, Progress& progress) {
+RecipeResult make_paper_tuned(const PoseSet& poses, RigEvaluator*, const BakeOptions& options, Progress& progress) {
   const PrincipalComponents pca =
       kept_components(Displacements(poses), poses.controls(), variance_held, options, progress);
   const ValidationSplit split = validation_split(poses, validation_share_of_poses, options.seed);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/rig/evaluate_parallel.h"
-
 namespace fb::bake {
 namespace {
 
@@ -17,8 +15,8 @@ float value_of(const Feature& ramp, const RigSchema& schema, const float* pose) 
   return std::max((pose[ramp.control] - schema.controls[ramp.control].rest) * ramp.scale, 0.0f);
 }
 
-// Asks a live rig for every control at its limits.
-Matrix evaluate_shapes(Source& rig, const std::vector<Feature>& ramps, const Parallel& parallel, Progress& progress) {
+// Evaluates every control at its limits.
+Matrix evaluate_shapes(RigEvaluator& rig, const std::vector<Feature>& ramps, Progress& progress) {
   const std::vector<float>& rest = rig.rest().points;
   std::vector<float> poses;
   for (const Feature& ramp : ramps) {
@@ -28,8 +26,8 @@ Matrix evaluate_shapes(Source& rig, const std::vector<Feature>& ramps, const Par
     poses.insert(poses.end(), pose.begin(), pose.end());
   }
   Matrix shapes(rest.size(), ramps.size());
-  progress.begin("asking for blendshapes", ramps.size());
-  evaluate_parallel(rig, poses, ramps.size(), std::span(shapes.data(), shapes.size()), parallel);
+  progress.begin("evaluating blendshapes", ramps.size());
+  rig.evaluate_cached(poses, ramps.size(), std::span(shapes.data(), shapes.size()));
   progress.step(ramps.size());
   return shapes.colwise() - Eigen::Map<const Eigen::VectorXf>(rest.data(), rest.size());
 }
@@ -107,9 +105,9 @@ std::vector<Feature> ramp_features(const RigSchema& schema) {
   return ramps;
 }
 
-std::vector<float> ramp_shapes(const PoseSet& poses, Source* rig, const std::vector<Feature>& ramps,
-                               const Parallel& parallel, Progress& progress) {
-  const Matrix shapes = rig ? evaluate_shapes(*rig, ramps, parallel, progress) : find_shapes(poses, ramps, progress);
+std::vector<float> ramp_shapes(const PoseSet& poses, RigEvaluator* rig, const std::vector<Feature>& ramps,
+                               Progress& progress) {
+  const Matrix shapes = rig ? evaluate_shapes(*rig, ramps, progress) : find_shapes(poses, ramps, progress);
   return std::vector<float>(shapes.data(), shapes.data() + shapes.size());
 }
 

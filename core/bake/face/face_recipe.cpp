@@ -35,15 +35,14 @@ struct Parts {
 };
 
 // What is probed, and what that leaves over, cut into regions with a basis each.
-Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                  Progress& progress) {
   Parts parts;
   AnalysisOptions probing = recipe.analysis;
   probing.seed = options.seed;
   probing.rig_budget = options.rig_budget;
-  if (!options.work.empty()) probing.answers = options.work / "probe.answers";
-  parts.analysis = rig ? analyse_rig(*rig, probing, options.parallel, progress)
-                       : analyse_poses(poses, probing, options.parallel, progress);
+  parts.analysis =
+      rig ? analyse_rig(*rig, probing, progress) : analyse_poses(poses, probing, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
   const std::size_t dropped =
@@ -84,7 +83,7 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 
 }  // namespace
 
-TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
   const Parts parts = find_parts(recipe, poses, rig, options, progress);
@@ -108,7 +107,7 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, Source* r
   return face;
 }
 
-RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
   TrainedFace face = train_face(recipe, poses, rig, options, progress);
   const double finest = face.adds_up ? std::min(recipe.finest, 5e-6) : recipe.finest;

@@ -46,14 +46,14 @@ struct TrainedFace {
 };
 
 // Without a rig, or with too small a budget to probe it, everything is learnt from the poses.
-TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress);
 
 // train_face, then finish_face.
-RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, Source* rig, const BakeOptions& options,
+RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress);
 
-RecipeResult make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
-RecipeResult make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_compact(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_hero(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 
 }  // namespace fb::bake

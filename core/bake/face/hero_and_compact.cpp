@@ -29,11 +29,11 @@ FaceRecipe compact_recipe() {
   return recipe;
 }
 
-RecipeResult make_hero(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+RecipeResult make_hero(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   return make_face(hero_recipe(), poses, rig, options, progress);
 }
 
-RecipeResult make_compact(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress) {
+RecipeResult make_compact(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   return make_face(compact_recipe(), poses, rig, options, progress);
 }
 

@@ -6,7 +6,6 @@
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
-#include "bake/rig/evaluate_parallel.h"
 #include "base/random.h"
 #include "base/status.h"
 #include "base/vector3.h"
@@ -125,9 +124,10 @@ std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t 
   return options.poses > 0 ? std::optional(options) : std::nullopt;
 }
 
-std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, Source& rig,
-                                       const LocalityOptions& options, const Parallel& parallel, Progress& progress) {
+std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, RigEvaluator& rig,
+                                       const LocalityOptions& options, Progress& progress) {
   if (!rig.live()) fail(Status::invalid_argument, "\"%s\" is no live rig", rig.schema().name.c_str());
+  const Parallel& parallel = rig.parallel();
   std::list<Candidate> candidates;
   for (const auto& archive : archives) candidates.emplace_back(archive, rig, parallel);
   const std::size_t controls = rig.schema().control_count(), width = rig.rest().points.size();
@@ -139,7 +139,7 @@ std::vector<Locality> measure_locality(std::span<const std::span<const std::byte
     for (std::size_t first = 0; first < controls; first += moves_at_once) {
       const Moves moves = moves_from(rig.schema(), pose, p, first, std::min(moves_at_once, controls - first));
       std::vector<float> points((moves.count + 1) * width);
-      evaluate_parallel(rig, moves.poses, moves.count + 1, points, parallel);
+      rig.evaluate_cached(moves.poses, moves.count + 1, points);
       raise_by(truth, moves, points, diagonal, parallel);
       for (Candidate& candidate : candidates) {
         parallel_for(parallel, moves.count + 1, [&](std::size_t i, std::size_t worker) {

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/rig/source.h"
-#include "base/parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 
 namespace fb::bake {
@@ -45,7 +44,7 @@ std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t 
 // farther end and from elsewhere to rest, in the rig and in archives of it. A vertex that the control moves in none of
 // these poses of the rig is one that it may not move in an archive. Asks a live rig for the poses of locality_calls,
 // whatever the number of archives; fails with invalid_argument on another source, and as check_same_face does.
-std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, Source& rig,
-                                       const LocalityOptions& options, const Parallel& parallel, Progress& progress);
+std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, RigEvaluator& rig,
+                                       const LocalityOptions& options, Progress& progress);
 
 }  // namespace fb::bake

@@ -16,7 +16,7 @@
 #include "bake/pipeline/pose_worth.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/record.h"
-#include "bake/rig/rig_meter.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -51,7 +51,7 @@ const Recipe& recipe_for(const BakeOptions& options) {
 
 }  // namespace
 
-Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+Baked bake_recorded(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   const Recipe& recipe = recipe_for(options);
   const PoseSet poses = training_poses(data, options.use);
   if (poses.size() == 0)
@@ -97,12 +97,13 @@ Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progr
 namespace {
 
 // Measures the packed face and writes its archive anew, with what was found. `source` is what `data` was recorded from.
-void certify(Baked& baked, Source& data, RigMeter& source, const BakeOptions& options, Progress& progress) {
+void certify(Baked& baked, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
   const Errors dependency = evaluate_archive_on(baked.archive, training_poses(data, options.use).subsampled(most_poses),
                                                 options.parallel, progress);
   const PoseSet unseen = unseen_poses(source);
-  const bool spared = source.live() && options.rig_budget > 0 && source.calls() + unseen.size() > options.rig_budget;
+  const bool spared =
+      source.live() && options.rig_budget > 0 && source.requested() + unseen.size() > options.rig_budget;
   std::optional<EvalReport> independent;
   Split split = Split::test;
   if (unseen.size() > 0 && !spared) {
@@ -120,19 +121,19 @@ void certify(Baked& baked, Source& data, RigMeter& source, const BakeOptions& op
 
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) {
   recipe_for(options);
-  RigMeter meter(source);
+  RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   std::unique_ptr<Source> recorded;
   if (source.live())
-    recorded = record(meter, options, Recording::training_only, recipe_named(options.recipe).asks_rig, progress);
+    recorded = record(evaluator, options, Recording::training_only, recipe_named(options.recipe).asks_rig, progress);
   Source& data = recorded ? *recorded : source;
-  Source* const rig = source.live() ? &meter : nullptr;
-  Baked baked = bake_recorded(data, rig, with_budget_left(options, meter, 1), progress);
+  RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
+  Baked baked = bake_recorded(data, rig, with_budget_left(options, evaluator, 1), progress);
   const PoseSet poses = training_poses(data, options.use), asked = unseen_poses(source);
   baked.stats.coverage = coverage_of(poses, asked, options.parallel);
   if (options.learning_curve)
     baked.stats.learning = measure_learning_curve(poses, asked, baked.archive, rig, options, progress);
-  certify(baked, data, meter, options, progress);
-  baked.rig_calls = meter.calls();
+  certify(baked, data, evaluator, options, progress);
+  baked.rig_calls = evaluator.evaluated();
   return baked;
 }
 

@@ -9,7 +9,7 @@
 #include "bake/measure/errors.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
-#include "bake/rig/source.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 
 namespace fb::bake {
@@ -17,7 +17,7 @@ namespace fb::bake {
 struct Baked {
   std::vector<std::byte> archive;
   std::size_t poses = 0;         // trained on
-  std::uint64_t rig_calls = 0;   // poses a live rig was asked for in this call, for whatever reason
+  std::uint64_t rig_calls = 0;   // poses a live rig evaluated in this call
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
@@ -34,6 +34,6 @@ Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress);
 
 // bake, once the poses are there.
-Baked bake_recorded(Source& data, Source* rig, const BakeOptions& options, Progress& progress);
+Baked bake_recorded(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 
 }  // namespace fb::bake

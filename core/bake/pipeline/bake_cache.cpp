@@ -25,7 +25,7 @@ constexpr const char* archive_name = "face.fbk";
 constexpr const char* figures_name = "bake.json";
 
 // Of everything that decides what a bake gives: options that change only how fast it is are left out.
-std::uint64_t key_of(Source& data, const Source* rig, const BakeOptions& options) {
+std::uint64_t key_of(Source& data, const RigEvaluator* rig, const BakeOptions& options) {
   const PoseSet poses = training_poses(data, options.use), some = poses.subsampled(16);
   std::vector<float> points(some.size() * data.rest().points.size());
   some.read_points(0, some.size(), points);
@@ -77,7 +77,7 @@ void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& b
 
 }  // namespace
 
-Baked cached_bake(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+Baked cached_bake(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   const std::uint64_t key = key_of(data, rig, options);
   if (std::optional<Baked> earlier = kept(options.work, key)) {
     progress.note("taken from " + options.work.string() + ", where it was baked before");

@@ -18,7 +18,7 @@ bool any_clip(const Source& data, bool (*wanted)(const Clip&)) {
   return std::any_of(data.clips().begin(), data.clips().end(), wanted);
 }
 
-MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, Progress& progress) {
+MethodReport run_method(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   Baked baked = cached_bake(data, rig, options, progress);
   MethodReport report;
   report.name = options.recipe;
@@ -40,15 +40,15 @@ MethodReport run_method(Source& data, Source* rig, const BakeOptions& options, P
 }
 
 // How well each method keeps controls in their places, all on the same poses of the rig, if the budget still has them.
-void add_locality(CompareReport& report, RigMeter& rig, const BakeOptions& options, Progress& progress) {
+void add_locality(CompareReport& report, RigEvaluator& rig, const BakeOptions& options, Progress& progress) {
   const std::uint64_t left =
-      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, rig.calls()) : UINT64_MAX;
+      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, rig.requested()) : UINT64_MAX;
   std::optional<LocalityOptions> locality = locality_within(left, rig.schema().control_count());
   if (!locality) return progress.note("the rig's budget is spent: locality is not measured");
   std::vector<std::span<const std::byte>> archives;
   for (const MethodReport& method : report.methods) archives.push_back(method.archive);
   locality->seed = options.seed;
-  std::vector<Locality> all = measure_locality(archives, rig, *locality, options.parallel, progress);
+  std::vector<Locality> all = measure_locality(archives, rig, *locality, progress);
   for (std::size_t m = 0; m < all.size(); ++m) report.methods[m].locality = std::move(all[m]);
 }
 
@@ -63,10 +63,10 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       fail(Status::invalid_argument, "the method \"%s\" is given more than once", method.c_str());
   }
   std::unique_ptr<Source> recorded;
-  RigMeter meter(source);
+  RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   const auto asks = [](const std::string& method) { return recipe_named(method).asks_rig; };
   const auto asking = static_cast<std::size_t>(std::count_if(methods.begin(), methods.end(), asks));
-  if (source.live()) recorded = record(meter, options, Recording::with_test, asking > 0, progress);
+  if (source.live()) recorded = record(evaluator, options, Recording::with_test, asking > 0, progress);
   Source& data = recorded ? *recorded : source;
   if (!any_clip(data, [](const Clip& clip) { return clip.split == Split::test; }))
     fail(Status::bad_data,
@@ -77,7 +77,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
     fail(Status::bad_data, "\"%s\" has no clip of the split train to bake from", data.schema().name.c_str());
 
   CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}, {}};
-  const BakeOptions each = with_budget_left(options, meter, 2 * asking);  // at most two uses
+  const BakeOptions each = with_budget_left(options, evaluator, 2 * asking);  // at most two uses
   std::exception_ptr first_failure;
   for (const Use use : {Use::variant, Use::backlot}) {
     if (use == Use::backlot && training_poses(data, use).size() == training_poses(data, Use::variant).size()) continue;
@@ -93,7 +93,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
       one.use = use;
       one.work = options.work / (method + "." + name_of(use));
       try {
-        report.methods.push_back(run_method(data, source.live() ? &meter : nullptr, one, progress));
+        report.methods.push_back(run_method(data, source.live() ? &evaluator : nullptr, one, progress));
         report.methods.back().stats.coverage = coverage;
       } catch (const Error& error) {
         if (error.status() == Status::interrupted) throw;
@@ -104,8 +104,8 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
     }
   }
   if (report.methods.empty() && first_failure) std::rethrow_exception(first_failure);
-  if (source.live()) add_locality(report, meter, options, progress);
-  report.rig_calls = meter.calls();
+  if (source.live()) add_locality(report, evaluator, options, progress);
+  report.rig_calls = evaluator.evaluated();
   report.recorded = std::move(recorded);
   return report;
 }

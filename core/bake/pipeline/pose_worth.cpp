@@ -28,7 +28,7 @@ std::string coverage_of(const PoseSet& trained, const PoseSet& asked, const Para
 }
 
 std::vector<LearningPoint> measure_learning_curve(const PoseSet& poses, const PoseSet& asked,
-                                                  std::span<const std::byte> whole, Source* rig,
+                                                  std::span<const std::byte> whole, RigEvaluator* rig,
                                                   const BakeOptions& options, Progress& progress) {
   if (asked.size() == 0 || poses.size() < fewest_poses) return {};
   const Recipe& recipe = recipe_named(options.recipe);

@@ -22,7 +22,7 @@ std::string coverage_of(const PoseSet& trained, const PoseSet& asked, const Para
 // of) the poses asked for. `whole` is the archive already baked on all of the poses. Empty if nothing is asked for, on
 // fewer than 16 poses, and, with a note, for a recipe whose calls of the rig are limited.
 std::vector<LearningPoint> measure_learning_curve(const PoseSet& poses, const PoseSet& asked,
-                                                  std::span<const std::byte> whole, Source* rig,
+                                                  std::span<const std::byte> whole, RigEvaluator* rig,
                                                   const BakeOptions& options, Progress& progress);
 
 }  // namespace fb::bake

@@ -9,7 +9,7 @@
 
 namespace fb::bake {
 
-std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recording what, bool recipes_ask,
+std::unique_ptr<Source> record(RigEvaluator& rig, const BakeOptions& options, Recording what, bool recipes_ask,
                                Progress& progress) {
   SamplingOptions sampling;
   sampling.poses = options.poses;
@@ -22,16 +22,15 @@ std::unique_ptr<Source> record(Source& rig, const BakeOptions& options, Recordin
   if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
   const std::filesystem::path folder = options.work / "poses";
   if (options.rig_budget > 0 && recipes_ask)
-    sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder,
-                    options.parallel, progress);
+    sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder, progress);
   else
-    sample(rig, sampling, folder, options.parallel, progress);
+    sample(rig, sampling, folder, progress);
   return open_source(folder.string());
 }
 
-BakeOptions with_budget_left(BakeOptions options, const RigMeter& spent, std::size_t recipes) {
+BakeOptions with_budget_left(BakeOptions options, const RigEvaluator& rig, std::size_t recipes) {
   if (options.rig_budget == 0) return options;
-  const std::uint64_t left = options.rig_budget - std::min(spent.calls(), options.rig_budget);
+  const std::uint64_t left = options.rig_budget - std::min(rig.requested(), options.rig_budget);
   options.rig_budget = std::max<std::uint64_t>(1, left / std::max<std::size_t>(1, recipes));
   return options;
 }

@@ -5,6 +5,7 @@
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
 #include "bake/rig/pose_set.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 #include "model/face_model.h"
 
@@ -19,8 +20,8 @@ struct RecipeResult {
 
 struct Recipe {
   const char* name;
-  // `rig` answers new poses where there is a live one, else null.
-  RecipeResult (*make)(const PoseSet& poses, Source* rig, const BakeOptions& options, Progress& progress);
+  // `rig` evaluates new poses where there is a live one; null otherwise.
+  RecipeResult (*make)(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
   bool fits = false;      // keeps to BakeOptions::max_bytes and max_error
   bool asks_rig = false;  // asks a live rig for poses of its own, within BakeOptions::rig_budget
 };

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <optional>
 
-#include "bake/rig/rig_meter.h"
 #include "bake/sampling/coverage.h"
 #include "bake/sampling/plan_steps.h"
 #include "bake/sampling/pose_generators.h"
@@ -125,18 +124,16 @@ std::vector<std::uint32_t> select_poses(const RigSchema& schema, std::span<const
   return chosen;
 }
 
-SampleReport sample_actively(Source& rig, const SamplingOptions& options, const ActiveSamplingOptions& choice,
+SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, const ActiveSamplingOptions& choice,
                              const TrainEnsemble& ensemble, const std::filesystem::path& directory,
-                             const Parallel& parallel, Progress& progress) {
+                             Progress& progress) {
   if (choice.rounds == 0 || choice.pool == 0 || !(choice.first_share > 0 && choice.first_share < 1))
     fail(Status::invalid_argument,
          "choosing poses: %u rounds, %u candidates a pose and a first share of %g make no choice", choice.rounds,
          choice.pool, choice.first_share);
-  RigMeter meter(rig, options.rig_budget);
+  const EvaluationBudget budget(rig, options.rig_budget);
   std::optional<ControlResponses> made;
-  const auto responses = [&]() -> const ControlResponses& {
-    return made ? *made : made.emplace(meter, parallel, progress);
-  };
+  const auto responses = [&]() -> const ControlResponses& { return made ? *made : made.emplace(rig, progress); };
   const RigSchema& schema = rig.schema();
   SamplingOptions first = options;
   // Each round asks for one pose again, to see that the rig is still the same.
@@ -144,7 +141,7 @@ SampleReport sample_actively(Source& rig, const SamplingOptions& options, const 
   const std::size_t width = schema.control_count(), poses = poses_to_draw(rig, first);
   first.rig_budget = 0;
   first.poses = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(poses) * choice.first_share));
-  SampleReport report = sample_probed(meter, first, responses, directory, parallel, progress);
+  SampleReport report = sample_probed(rig, first, responses, directory, progress);
   const std::size_t others = poses - first.poses;
   for (std::uint32_t round = 0; round < choice.rounds; ++round) {
     const std::size_t count = others * (round + 1) / choice.rounds - others * round / choice.rounds;
@@ -167,11 +164,11 @@ SampleReport sample_actively(Source& rig, const SamplingOptions& options, const 
     for (const std::uint32_t pose : chosen)
       clip.controls.insert(clip.controls.end(), pool.begin() + static_cast<std::ptrdiff_t>(pose * width),
                            pool.begin() + static_cast<std::ptrdiff_t>((pose + 1) * width));
-    const SampleReport extended = extend_dataset(meter, {clip}, directory, parallel, progress);
+    const SampleReport extended = extend_dataset(rig, {clip}, directory, progress);
     report.poses = extended.poses;
     report.evaluated += extended.evaluated;
   }
-  report.rig_calls = meter.calls();
+  report.rig_calls = budget.evaluated();
   return report;
 }
 

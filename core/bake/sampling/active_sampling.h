@@ -39,8 +39,7 @@ using TrainEnsemble = std::function<EnsembleVariance(Source& recorded, std::uint
 // among candidates drawn from the same mix, each round a clip "chosen_N" of split train at the end of the dataset. A
 // folder begun with the same options is continued at the round it was stopped in. Deterministic as far as the ensemble
 // is. The probe of the rig is asked once a call.
-SampleReport sample_actively(Source& rig, const SamplingOptions& options, const ActiveSamplingOptions& choice,
-                             const TrainEnsemble& ensemble, const std::filesystem::path& directory,
-                             const Parallel& parallel, Progress& progress);
+SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, const ActiveSamplingOptions& choice,
+                             const TrainEnsemble& ensemble, const std::filesystem::path& directory, Progress& progress);
 
 }  // namespace fb::bake

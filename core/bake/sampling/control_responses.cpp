@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/rig/evaluate_parallel.h"
-
 namespace fb::bake {
 namespace {
 
@@ -43,8 +41,7 @@ std::vector<ControlGroup> control_groups(const RigSchema& schema) {
   return groups;
 }
 
-ControlResponses::ControlResponses(Source& rig, const Parallel& parallel, Progress& progress)
-    : diagonal_(rig.rest().diagonal()) {
+ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diagonal_(rig.rest().diagonal()) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), size = rig.rest().points.size();
   motion_.resize(width);
@@ -65,7 +62,7 @@ ControlResponses::ControlResponses(Source& rig, const Parallel& parallel, Progre
     }
     points.resize(count * values * size);
     try {
-      evaluate_parallel(rig, controls, count * values, points, parallel);
+      rig.evaluate_cached(controls, count * values, points);
     } catch (const PoseError& error) {
       fail(error.status(), "control \"%s\" moved alone, value %zu of %zu: %s",
            schema.controls[first + error.pose() / values].name.c_str(), error.pose() % values + 1, values,

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/rig/source.h"
-#include "base/parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 
 namespace fb::bake {
@@ -27,8 +26,8 @@ class ControlResponses {
  public:
   static constexpr std::size_t values = 5;
 
-  // Asks for 5 poses per control; notes controls that move nothing.
-  ControlResponses(Source& rig, const Parallel& parallel, Progress& progress);
+  // Evaluates 5 poses of each control; notes controls that move nothing.
+  ControlResponses(RigEvaluator& rig, Progress& progress);
 
   const std::vector<ControlGroup>& regions() const { return regions_; }
   // How far the control moves the mesh at most.

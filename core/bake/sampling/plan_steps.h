@@ -23,8 +23,8 @@ std::vector<float> draw_candidates(const RigSchema& schema, const ControlRespons
                                    std::uint64_t seed, std::size_t poses);
 
 // sample, with a probe that is made when it is needed.
-SampleReport sample_probed(Source& rig, const SamplingOptions& options,
+SampleReport sample_probed(RigEvaluator& rig, const SamplingOptions& options,
                            const std::function<const ControlResponses&()>& responses,
-                           const std::filesystem::path& directory, const Parallel& parallel, Progress& progress);
+                           const std::filesystem::path& directory, Progress& progress);
 
 }  // namespace fb::bake

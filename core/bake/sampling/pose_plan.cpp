@@ -121,9 +121,9 @@ std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
   return std::min(options.poses, options.rig_budget - probing - frames);
 }
 
-PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress) {
+PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& progress) {
   check_request(rig, options);
-  return make_plan(rig, ControlResponses(rig, parallel, progress), options, progress);
+  return make_plan(rig, ControlResponses(rig, progress), options, progress);
 }
 
 void check_request(const Source& rig, const SamplingOptions& options) {

@@ -6,11 +6,10 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/rest_mesh.h"
-#include "bake/rig/evaluate_parallel.h"
-#include "bake/rig/rig_meter.h"
+#include "bake/rig/content_hash.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/plan_steps.h"
 #include "base/file.h"
-#include "base/hash.h"
 
 namespace fs = std::filesystem;
 
@@ -24,56 +23,16 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A hash over things of any kind, one after the other.
-class Digest {
- public:
-  template <class T>
-  Digest& add(std::span<const T> values) {
-    value = hash64_of(values, value);
-    return *this;
-  }
-  Digest& add(const std::string& text) {
-    const std::uint64_t length = text.size();
-    return add(std::span(&length, 1)).add(std::span<const char>(text));
-  }
-  template <class T>
-  Digest& add(const std::vector<T>& values) {
-    return add(std::span<const T>(values));
-  }
-  Digest& add(std::uint64_t number) { return add(std::span<const std::uint64_t>(&number, 1)); }
-
-  Digest& add(const Clip& clip) {
-    return add(clip.name)
-        .add(static_cast<std::uint64_t>(clip.kind))
-        .add(static_cast<std::uint64_t>(clip.split))
-        .add(std::span<const double>(&clip.fps, 1))
-        .add(clip.frames)
-        .add(clip.controls);
-  }
-
-  // What a rig says of itself, without its clips.
-  Digest& add(const Source& rig) {
-    add(rig.schema().name);
-    for (const Control& c : rig.schema().controls)
-      add(c.name).add(c.group).add(std::vector<float>{c.minimum, c.maximum, c.rest});
-    add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
-    if (rig.rest().uvs.empty()) return *this;
-    return add(rig.rest().uvs).add(rig.rest().uv_corners);
-  }
-
-  std::uint64_t value = 0;
-};
-
 // Of the first `clips` of a plan.
 std::uint64_t hash_of_plan(const Source& rig, const PosePlan& plan, std::size_t clips) {
-  Digest digest;
+  ContentHash digest;
   digest.add(rig);
   for (std::size_t i = 0; i < clips; ++i) digest.add(plan.at(i));
   return digest.value;
 }
 
 std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options) {
-  Digest digest;
+  ContentHash digest;
   digest.add(rig)
       .add(options.poses)
       .add(options.seed)
@@ -130,11 +89,10 @@ bool holds(const fs::path& path, const std::vector<std::size_t>& shape) {
 
 class Sampler {
  public:
-  Sampler(Source& rig, const PosePlan& plan, const fs::path& folder, const Parallel& parallel, Progress& progress)
+  Sampler(RigEvaluator& rig, const PosePlan& plan, const fs::path& folder, Progress& progress)
       : rig_(rig),
         plan_(plan),
         folder_(folder),
-        parallel_(parallel),
         progress_(progress),
         width_(rig.schema().control_count()),
         size_(rig.rest().points.size()) {
@@ -257,18 +215,16 @@ class Sampler {
   // `done`: number of the first pose within the plan.
   void evaluate(const Clip& clip, std::size_t done, std::size_t first, std::size_t count, std::span<float> points) {
     try {
-      evaluate_parallel(rig_, std::span(clip.controls).subspan(first * width_, count * width_), count, points,
-                        parallel_);
+      rig_.evaluate(std::span(clip.controls).subspan(first * width_, count * width_), count, points);
     } catch (const PoseError& error) {
       fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s", done + error.pose(), clip.name.c_str(),
            first + error.pose(), error.reason().c_str());
     }
   }
 
-  Source& rig_;
+  RigEvaluator& rig_;
   const PosePlan& plan_;
   const fs::path& folder_;
-  const Parallel parallel_;
   Progress& progress_;
   const std::size_t width_, size_;
   DatasetIndex index_;
@@ -290,13 +246,14 @@ PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
   return plan;
 }
 
-SampleReport write_samples(RigMeter& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
-                           const Parallel& parallel, Progress& progress) {
+SampleReport write_samples(RigEvaluator& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
+                           Progress& progress) {
   if (!rig.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
   if (plan.empty()) fail(Status::invalid_argument, "the plan has no clips");
-  SampleReport report = Sampler(rig, plan, folder, parallel, progress).run(request);
-  report.rig_calls = rig.calls();
+  const EvaluationBudget counter(rig);
+  SampleReport report = Sampler(rig, plan, folder, progress).run(request);
+  report.rig_calls = counter.evaluated();
   return report;
 }
 
@@ -318,15 +275,12 @@ PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& fo
 
 }  // namespace
 
-SampleReport sample_to_dataset(Source& rig, const PosePlan& plan, const fs::path& directory, const Parallel& parallel,
-                               Progress& progress) {
-  RigMeter meter(rig);
-  return write_samples(meter, plan, 0, directory, parallel, progress);
+SampleReport sample_to_dataset(RigEvaluator& rig, const PosePlan& plan, const fs::path& directory, Progress& progress) {
+  return write_samples(rig, plan, 0, directory, progress);
 }
 
-SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const fs::path& directory,
-                            const Parallel& parallel, Progress& progress) {
-  RigMeter meter(rig);
+SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, const fs::path& directory,
+                            Progress& progress) {
   const DatasetIndex index = read_dataset_index(directory);
   PosePlan plan = read_plan(directory, index);
   for (const Clip& clip : clips) {
@@ -338,30 +292,27 @@ SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const f
       fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", directory.c_str(),
            clip.name.c_str());
   }
-  return write_samples(meter, plan, 0, directory, parallel, progress);
+  return write_samples(rig, plan, 0, directory, progress);
 }
 
-SampleReport sample_probed(Source& rig, const SamplingOptions& options,
+SampleReport sample_probed(RigEvaluator& rig, const SamplingOptions& options,
                            const std::function<const ControlResponses&()>& responses, const fs::path& directory,
-                           const Parallel& parallel, Progress& progress) {
-  RigMeter meter(rig);
+                           Progress& progress) {
   const std::uint64_t request = hash_of_request(rig, options);
   PosePlan plan = plan_begun(rig, request, directory);
   if (plan.empty()) {
     check_request(rig, options);
     plan = make_plan(rig, responses(), options, progress);
   }
-  return write_samples(meter, plan, request, directory, parallel, progress);
+  return write_samples(rig, plan, request, directory, progress);
 }
 
-SampleReport sample(Source& rig, const SamplingOptions& options, const fs::path& directory, const Parallel& parallel,
-                    Progress& progress) {
-  RigMeter meter(rig);
+SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const fs::path& directory, Progress& progress) {
+  const EvaluationBudget counter(rig);
   std::optional<ControlResponses> responses;
   SampleReport report = sample_probed(
-      meter, options, [&]() -> const ControlResponses& { return responses.emplace(meter, parallel, progress); },
-      directory, parallel, progress);
-  report.rig_calls = meter.calls();
+      rig, options, [&]() -> const ControlResponses& { return responses.emplace(rig, progress); }, directory, progress);
+  report.rig_calls = counter.evaluated();
   return report;
 }
 

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/rig/source.h"
-#include "base/parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 
 namespace fb::bake {
@@ -37,7 +36,7 @@ std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options);
 // Plans poses for a live rig. It first asks the rig for five values of every control, to see how much each control
 // moves, where its response bends and which controls work against each other. Depends on rig and options only, not on
 // threads.
-PosePlan make_plan(Source& rig, const SamplingOptions& options, const Parallel& parallel, Progress& progress);
+PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& progress);
 
 // Unseen poses for a rig without clips of its own, all of split test: "random_15" and "random_35" (600 poses each,
 // every control on with probability .15 or .35, uniform in its range) and "synthetic_shots" (20 smooth shots of 40
@@ -53,18 +52,18 @@ struct SampleReport {
 // Writes a dataset folder: dataset.json and all controls first, then points in shards, each complete or not there.
 // Shards of the same plan that exist are kept, so an interrupted call is continued by repeating it; a folder that holds
 // another plan or dataset is refused. A shard holds at most 64 MB and about 20 s of work; progress is in poses.
-SampleReport sample_to_dataset(Source& rig, const PosePlan& plan, const std::filesystem::path& directory,
-                               const Parallel& parallel, Progress& progress);
+SampleReport sample_to_dataset(RigEvaluator& rig, const PosePlan& plan, const std::filesystem::path& directory,
+                               Progress& progress);
 
 // make_plan, then sample_to_dataset; a folder begun with the same rig and options is continued without planning again.
-SampleReport sample(Source& rig, const SamplingOptions& options, const std::filesystem::path& directory,
-                    const Parallel& parallel, Progress& progress);
+SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const std::filesystem::path& directory,
+                    Progress& progress);
 
 // Adds clips to the end of a dataset that was sampled from this rig and keeps what is there. Clips that are there
 // already are no second time; one of the same name with other controls is refused. Interrupted, it is continued by
 // repeating it. Asks for one pose that is there again, to see that the rig is still the same.
-SampleReport extend_dataset(Source& rig, const std::vector<Clip>& clips, const std::filesystem::path& directory,
-                            const Parallel& parallel, Progress& progress);
+SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, const std::filesystem::path& directory,
+                            Progress& progress);
 
 // The user's clip from a NumPy file of frames x controls.
 Clip read_clip(const std::string& name, const std::filesystem::path& file, const RigSchema& schema);

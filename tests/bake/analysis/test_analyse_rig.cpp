@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <set>
@@ -76,11 +75,15 @@ struct Notes final : Progress {
   std::string all;
 };
 
-RigAnalysis probe_with(AnalysisOptions options, int threads = 2) {
-  MemorySource rig = make_rig();
-  Parallel parallel;
-  parallel.threads = threads;
-  return analyse_rig(rig, options, parallel, silent_progress());
+RigAnalysis analyse(Source& source, const AnalysisOptions& options = {}, Progress& progress = silent_progress()) {
+  RigEvaluator rig(source);
+  return analyse_rig(rig, options, progress);
+}
+
+RigAnalysis analyse_formula(const AnalysisOptions& options, int threads = 2) {
+  MemorySource source = make_rig();
+  RigEvaluator rig(source, {.threads = threads});
+  return analyse_rig(rig, options, silent_progress());
 }
 
 std::size_t shapes_of_control(const RigAnalysis& analysis, std::uint32_t control) {
@@ -104,7 +107,7 @@ std::size_t shapes_of_control(const RigAnalysis& analysis, std::uint32_t control
 }  // namespace
 
 TEST_CASE("curves have a shape for every corner, and straight controls have one") {
-  const RigAnalysis analysis = probe_with({});
+  const RigAnalysis analysis = analyse_formula({});
   for (const std::uint32_t straight : {0u, 2u, 3u, 5u}) CHECK(shapes_of_control(analysis, straight) == 1);
   CHECK(analysis.linear_controls == 4);
   CHECK(shapes_of_control(analysis, 1) == 3);
@@ -121,7 +124,7 @@ TEST_CASE("curves have a shape for every corner, and straight controls have one"
 }
 
 TEST_CASE("products, minima and triples are found, and hold poses nobody asked for") {
-  const RigAnalysis analysis = probe_with({});
+  const RigAnalysis analysis = analyse_formula({});
   std::set<std::vector<std::uint32_t>> found;
   for (std::size_t i = 0; i < analysis.correctives.size(); ++i) {
     found.insert(analysis.correctives[i].controls);
@@ -141,7 +144,7 @@ TEST_CASE("products, minima and triples are found, and hold poses nobody asked f
 }
 
 TEST_CASE("motion says which vertices a control moves, and what the base leaves over") {
-  const RigAnalysis all = probe_with({}), curves = probe_with({.max_pairs = 0, .max_triples = 0});
+  const RigAnalysis all = analyse_formula({}), curves = analyse_formula({.max_pairs = 0, .max_triples = 0});
   const auto moves = [](const std::vector<float>& motion, std::size_t control) {
     std::set<std::size_t> rows;
     for (std::size_t v = 0; v < vertices; ++v)
@@ -161,8 +164,8 @@ TEST_CASE("motion says which vertices a control moves, and what the base leaves 
   CHECK(curves.correctives.empty());
 }
 
-TEST_CASE("probing is the same for any number of threads") {
-  const RigAnalysis one = probe_with({}, 1), two = probe_with({}, 2);
+TEST_CASE("an analysis is the same for any number of threads") {
+  const RigAnalysis one = analyse_formula({}, 1), two = analyse_formula({}, 2);
   CHECK(one.rig_calls == two.rig_calls);
   CHECK(one.motion == two.motion);
   CHECK(one.residual_motion == two.residual_motion);
@@ -174,63 +177,68 @@ TEST_CASE("probing is the same for any number of threads") {
   }
 }
 
-TEST_CASE("a probing of a slow rig that was interrupted asks nothing twice") {
+TEST_CASE("an analysis of a slow rig that was interrupted evaluates no pose twice") {
   struct SlowRig final : MemorySource {
     SlowRig() : MemorySource(make_rig()) {}
     void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
       std::this_thread::sleep_for(std::chrono::milliseconds(count));
       MemorySource::evaluate(poses, count, points);
-      asked += count;
+      for (std::size_t i = 0; i < count; ++i)
+        evaluated.emplace_back(poses.begin() + 6 * i, poses.begin() + 6 * (i + 1));
     }
-    std::atomic<std::size_t> asked = 0;
+    std::vector<std::vector<float>> evaluated;
   };
   struct Impatient final : Progress {
     void begin(std::string_view, std::uint64_t) override {}
     void update(std::uint64_t) override {}
-    bool cancelled() const override { return rig->asked > 200; }
+    bool cancelled() const override { return rig->evaluated.size() > 200; }
     void note(std::string_view) override {}
     const SlowRig* rig;
   };
   const test::Folder folder;
-  AnalysisOptions options;
-  options.answers = folder / "answers";
-  const RigAnalysis whole = probe_with({});
-  const auto probe_again = [&] {
+  const std::filesystem::path cache = folder / "evaluations";
+  const RigAnalysis whole = analyse_formula({});
+  const auto analyse_again = [&] {
     SlowRig rig;
-    const RigAnalysis analysis = analyse_rig(rig, options, {}, silent_progress());
+    RigEvaluator evaluator(rig, {.threads = 1}, cache);
+    const RigAnalysis analysis = analyse_rig(evaluator, {}, silent_progress());
     CHECK(analysis.rig_calls == whole.rig_calls);
+    CHECK(evaluator.evaluated() == rig.evaluated.size());
     CHECK(analysis.residual_motion == whole.residual_motion);
     REQUIRE(analysis.base.shapes.size() == whole.base.shapes.size());
     CHECK(analysis.base.shapes.back().offsets == whole.base.shapes.back().offsets);
-    return rig.asked.load();
+    return rig.evaluated;
   };
 
   SlowRig rig;
   Impatient progress;
   progress.rig = &rig;
-  CHECK_THROWS_AS(analyse_rig(rig, options, {}, progress), Error);
-  const std::size_t done = rig.asked;
+  RigEvaluator evaluator(rig, {.threads = 1}, cache);
+  CHECK_THROWS_AS(analyse_rig(evaluator, {}, progress), Error);
+  const std::size_t done = rig.evaluated.size();
   REQUIRE(done > 200);
   REQUIRE(done < whole.rig_calls);
-  CHECK(probe_again() == whole.rig_calls - done);
-  CHECK(probe_again() == 0);
-  std::vector<std::byte> answers = read_file(options.answers);
-  answers[answers.size() / 2] ^= std::byte{1};
-  write_file(options.answers, answers);
-  const std::size_t asked = probe_again();
-  CHECK(asked > 0);
-  CHECK(asked < whole.rig_calls);
-  CHECK(probe_again() == 0);
+  const std::vector<std::vector<float>> others = analyse_again();
+  CHECK(done + others.size() <= whole.rig_calls);
+  std::set<std::vector<float>> distinct(rig.evaluated.begin(), rig.evaluated.end());
+  distinct.insert(others.begin(), others.end());
+  CHECK(distinct.size() == done + others.size());
+  CHECK(analyse_again().empty());
+  std::vector<std::byte> bytes = read_file(cache);
+  bytes[bytes.size() / 2] ^= std::byte{1};
+  write_file(cache, bytes);
+  CHECK(analyse_again().size() == 1);
+  CHECK(analyse_again().empty());
 }
 
 TEST_CASE("a budget is kept to, and what it cut is told") {
-  const std::uint64_t plenty = probe_with({}).rig_calls;
+  const std::uint64_t plenty = analyse_formula({}).rig_calls;
   for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {
     MemorySource rig = make_rig();
     Notes notes;
     AnalysisOptions options;
     options.rig_budget = budget;
-    const RigAnalysis analysis = analyse_rig(rig, options, {}, notes);
+    const RigAnalysis analysis = analyse(rig, options, notes);
     CHECK(analysis.rig_calls <= budget);
     CHECK(analysis.rig_calls < plenty);
     CHECK(notes.all.find("budget") != std::string::npos);
@@ -250,16 +258,16 @@ TEST_CASE("what four controls do together is found by way of three") {
   };
   MemorySource rig(4, side, four, true);
   for (Control& control : rig.edit_schema().controls) control.minimum = 0;
-  const RigAnalysis analysis = analyse_rig(rig, {}, {}, silent_progress());
+  const RigAnalysis analysis = analyse(rig);
   std::set<std::vector<std::uint32_t>> found;
   for (const Corrective& corrective : analysis.correctives) found.insert(corrective.controls);
   CHECK(found == std::set<std::vector<std::uint32_t>>{{1, 2}, {0, 1, 2}, {0, 1, 2, 3}});
   CHECK(worst_error(rig, analysis.base, {0.7f, 0.4f, 0.9f, 0.6f}) < 1e-6);
 }
 
-TEST_CASE("a recording cannot be probed, and a rig's failure names the controls") {
+TEST_CASE("a recording cannot be analysed live, and a rig's failure names the controls") {
   MemorySource recording(6, side, formula, false);
-  CHECK_THROWS_AS(analyse_rig(recording, {}, {}, silent_progress()), Error);
+  CHECK_THROWS_AS(analyse(recording), Error);
   struct FailingRig final : MemorySource {
     FailingRig() : MemorySource(6, side, formula, true) {}
     void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
@@ -269,8 +277,8 @@ TEST_CASE("a recording cannot be probed, and a rig's failure names the controls"
     }
   } rig;
   try {
-    analyse_rig(rig, {}, {}, silent_progress());
-    FAIL("a failing rig was probed");
+    analyse(rig);
+    FAIL("a failing rig was analysed");
   } catch (const Error& error) {
     CHECK(error.status() == Status::not_finite);
     CHECK(std::string(error.what()) == "control \"control3\" at 1: vertex 7 is not a number");

@@ -53,6 +53,11 @@ std::vector<std::byte> archive_of(const MemorySource& rig, std::size_t control, 
   return write_archive(pack_model(model, {}), {});
 }
 
+std::vector<Locality> locality_of(std::span<const std::span<const std::byte>> archives, Source& source) {
+  RigEvaluator rig(source);
+  return measure_locality(archives, rig, {}, silent_progress());
+}
+
 }  // namespace
 
 TEST_CASE("a leak is found where it was planted, and only there") {
@@ -61,7 +66,7 @@ TEST_CASE("a leak is found where it was planted, and only there") {
   const double diagonal = rig.rest().diagonal();
   const auto leaky = archive_of(rig, 1, vertex, static_cast<float>(0.25 * diagonal)), sound = archive_of(rig, 0, 0, 0);
   const std::array<std::span<const std::byte>, 2> archives = {leaky, sound};
-  const std::vector<Locality> both = measure_locality(archives, rig, {}, {}, silent_progress());
+  const std::vector<Locality> both = locality_of(archives, rig);
   REQUIRE(both.size() == 2);
   REQUIRE(both[0].leaks.size() == controls);
   CHECK(both[0].leaks[0].control == "control1");
@@ -79,15 +84,14 @@ TEST_CASE("motion where the rig moves the vertex too is no leak") {
   MemorySource rig = columns_rig();
   const auto archive = archive_of(rig, 1, side + 1, 1);  // its own vertex, sideways
   const std::array<std::span<const std::byte>, 1> archives = {archive};
-  CHECK(measure_locality(archives, rig, {}, {}, silent_progress()).at(0).largest < rounding);
+  CHECK(locality_of(archives, rig).at(0).largest < rounding);
 }
 
 TEST_CASE("locality needs a live rig") {
   MemorySource rig = columns_rig(false);
   const auto archive = archive_of(rig, 0, 0, 0);
   const std::array<std::span<const std::byte>, 1> archives = {archive};
-  const std::string why =
-      fb::test::failure(Status::invalid_argument, [&] { measure_locality(archives, rig, {}, {}, silent_progress()); });
+  const std::string why = fb::test::failure(Status::invalid_argument, [&] { locality_of(archives, rig); });
   CHECK(fb::test::contains(why, "no live rig"));
 }
 

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "bake/dataset/open_source.h"
-#include "bake/rig/evaluate_parallel.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/sampling.h"
 #include "bake_test_support.h"
 
@@ -135,8 +135,8 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own sente
   for (const auto& wrong : lies) {
     const auto rig = open_liar(wrong.lie);
     for (const int threads : {1, 2}) {
-      const std::string parallel = failure(
-          wrong.status, [&] { evaluate_parallel(*rig, controls, count, points, Parallel{.threads = threads}); });
+      RigEvaluator evaluator(*rig, {.threads = threads});
+      const std::string parallel = failure(wrong.status, [&] { evaluator.evaluate(controls, count, points); });
       CHECK_MESSAGE(contains(parallel, wrong.message), parallel);
     }
     const std::string serial = failure(wrong.status, [&] { rig->evaluate(controls, count, points); });
@@ -151,8 +151,8 @@ TEST_CASE("a rig that is not thread-safe is called by one thread only, with the 
   std::vector<float> controls;
   for (int i = 0; i < 500; ++i) controls.insert(controls.end(), {0.1f, -0.2f, 1.0f, float(i) / 500, 0.4f, 0.0f});
   std::vector<float> a(500 * 150), b(500 * 150);
-  evaluate_parallel(*one, controls, 500, a, Parallel{.threads = 4});
-  evaluate_parallel(*toy, controls, 500, b, Parallel{.threads = 4});
+  RigEvaluator(*one, {.threads = 4}).evaluate(controls, 500, a);
+  RigEvaluator(*toy, {.threads = 4}).evaluate(controls, 500, b);
   CHECK(a == b);
 }
 

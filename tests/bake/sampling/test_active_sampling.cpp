@@ -8,7 +8,6 @@
 #include <set>
 
 #include "bake/rig/pose_set.h"
-#include "bake/rig/rig_meter.h"
 #include "bake_test_support.h"
 #include "memory_source.h"
 
@@ -217,21 +216,6 @@ TEST_CASE("a dataset is extended by clips and keeps its shards") {
   CHECK(contains(
       failure(Status::invalid_argument, [&] { extend_dataset(rig, {other}, folder.path(), {}, silent_progress()); }),
       "\"more\" is there with other controls"));
-}
-
-TEST_CASE("a meter counts what a rig is asked for and stops at the budget") {
-  MemorySource rig = live_face();
-  rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
-  RigMeter meter(rig, 50);
-  std::vector<float> points(40 * 108);
-  meter.evaluate(random_pool(40), 40, points);
-  CHECK(meter.calls() == 40);
-  CHECK(contains(failure(Status::invalid_argument, [&] { meter.read(0, 0, 12, std::span(points).first(12 * 108)); }),
-                 "rig budget of 50"));
-  CHECK(meter.calls() == 40);
-  meter.read(0, 0, 10, std::span(points).first(10 * 108));
-  CHECK(meter.calls() == 50);
-  CHECK(meter.live());
 }
 
 TEST_CASE("a rig budget holds probing, clips and new poses, or is refused") {

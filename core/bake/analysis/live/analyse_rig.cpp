@@ -8,23 +8,24 @@
 
 namespace fb::bake {
 
-RigAnalysis analyse_rig(Source& source, const AnalysisOptions& options, const Parallel& parallel, Progress& progress) {
-  if (!source.live())
-    fail(Status::invalid_argument, "\"%s\" is a recording: analyse_poses is for it", source.schema().name.c_str());
+RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progress& progress) {
+  if (!rig.live())
+    fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be analysed by evaluating it",
+         rig.schema().name.c_str());
+  const EvaluationBudget budget(rig, options.rig_budget);
   RigAnalysis analysis;
-  RigEvaluator rig(source, options, parallel, progress);
-  const std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion);
+  const std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion, progress);
   std::vector<const SparseBlendshapes*> parts;
   for (const ControlCurve& curve : curves) {
     parts.push_back(&curve.part);
     analysis.linear_controls += curve.part.shapes.size() == 1;
   }
   append(analysis.base, parts);
-  const DenseDifferences dense = evaluate_differences(rig, options.seed);
+  const DenseDifferences dense = evaluate_differences(rig, options.seed, progress);
   const std::vector<float> among_many = difference_motion(dense, {}, Over::largest, rig);
   for (std::size_t i = 0; i < among_many.size(); ++i) analysis.motion[i] = std::max(analysis.motion[i], among_many[i]);
-  analysis.curve_error = test_curves(rig, curves, options.seed);
-  CorrectiveSearch correctives(rig, options, curves, dense, analysis.base);
+  analysis.curve_error = test_curves(rig, curves, options.seed, progress);
+  CorrectiveSearch correctives(rig, options, curves, dense, analysis.base, progress);
   if (options.max_pairs > 0) correctives.find(2, options.max_pairs);
   if (options.max_triples > 0) {
     correctives.find(3, options.max_triples);
@@ -32,7 +33,7 @@ RigAnalysis analyse_rig(Source& source, const AnalysisOptions& options, const Pa
   }
   analysis.correctives = correctives.finish();
   analysis.residual_motion = difference_motion(dense, analysis.base, Over::root_mean_square, rig);
-  analysis.rig_calls = rig.calls();
+  analysis.rig_calls = budget.requested();
   return analysis;
 }
 

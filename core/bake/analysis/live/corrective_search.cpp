@@ -60,15 +60,16 @@ std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control
 
 CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options,
                                    const std::vector<ControlCurve>& curves, const DenseDifferences& dense,
-                                   SparseBlendshapes& base)
+                                   SparseBlendshapes& base, Progress& progress)
     : rig_(rig),
       options_(options),
       curves_(curves),
       dense_(dense),
       base_(base),
-      curve_errors_(measure_curves(rig, curves)),
+      progress_(progress),
+      curve_errors_(measure_curves(rig, curves, progress)),
       single_left_(difference_motion(dense, base, Over::largest, rig)),
-      held_(dense.controls, dense.displacements, rig.rest(), rig.parallel()) {
+      held_(dense.controls, dense.displacements, rig.rest_pose(), rig.parallel()) {
   for (const ControlCurve& curve : curves) held_.add(curve.part, 1);
   note_error("single controls");
 }
@@ -76,7 +77,7 @@ CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& opt
 void CorrectiveSearch::note_error(const std::string& what) const {
   if (dense_.poses == 0) return;
   const HoldoutSet::Error error = held_.error();
-  rig_.progress().note(
+  progress_.note(
       format("%s: with 10 to 50 %% of the controls on, the base is off by %.2e (rms) and %.4f (most) of "
              "the diagonal",
              what.c_str(), error.rms / rig_.diagonal(), error.max / rig_.diagonal()));
@@ -85,8 +86,8 @@ void CorrectiveSearch::note_error(const std::string& what) const {
 // Every pair; beyond, what interacts already with each further control. What all controls of a tuple leave over at a
 // vertex bounds what they do together there: they are ranked by that, and those that share no vertex are left out.
 std::vector<CorrectiveSearch::Tuple> CorrectiveSearch::candidates(std::size_t order) const {
-  const auto width = static_cast<std::uint32_t>(rig_.rest().size());
-  const std::size_t vertices = rig_.size() / 3;
+  const auto width = static_cast<std::uint32_t>(rig_.rest_pose().size());
+  const std::size_t vertices = rig_.coordinate_count() / 3;
   std::vector<std::vector<std::uint32_t>> tuples;
   const auto extend = [&](const std::vector<std::uint32_t>& tuple, std::uint32_t c) {
     if (std::find(tuple.begin(), tuple.end(), c) != tuple.end()) return;
@@ -190,13 +191,13 @@ void CorrectiveSearch::evaluate_tuples(const char* stage, std::span<Tuple> tuple
     std::sort(points.begin(), points.end(),
               [&](const Point& a, const Point& b) { return std::pair(away(a), a) < std::pair(away(b), b); });
     points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (total + points.size() > rig_.left()) break;
+    if (total + points.size() > rig_.remaining()) break;
     total += points.size();
   }
   if (affordable < tuples.size())
-    rig_.progress().note(format("the budget of rig calls leaves %zu of %zu combinations of controls out of \"%s\"",
-                                tuples.size() - affordable, tuples.size(), stage));
-  rig_.begin(stage, total);
+    progress_.note(format("the budget of rig calls leaves %zu of %zu combinations of controls out of \"%s\"",
+                          tuples.size() - affordable, tuples.size(), stage));
+  EvaluationStage progress(progress_, stage, total);
   for (std::size_t begin = 0; begin < affordable;) {
     std::size_t end = begin, poses = 0;
     std::vector<std::pair<std::size_t, std::size_t>> asks;  // tuple, point
@@ -206,15 +207,15 @@ void CorrectiveSearch::evaluate_tuples(const char* stage, std::span<Tuple> tuple
       for (std::size_t i = 0; i < asked[end].points.size(); ++i) asks.emplace_back(end, i);
     }
     std::vector<std::vector<float>> left(poses);
-    rig_.ask(
-        poses,
+    rig_.evaluate_each(
+        poses, progress,
         [&](std::size_t i, std::span<float> pose) {
           fill(tuples[asks[i].first], asked[asks[i].first].points[asks[i].second], pose);
         },
         [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
           const Tuple& tuple = tuples[asks[i].first];
           const Point& point = asked[asks[i].first].points[asks[i].second];
-          base_.add(pose, rig_.rest(), 1, -1, displacement);
+          base_.add(pose, rig_.rest_pose(), 1, -1, displacement);
           for (std::size_t k = 0; k < point.size(); ++k)
             if (point[k] > 0) add_scaled(curve_errors_[tuple.controls[k]].errors[point[k] - 1], -1, displacement);
           left[i].assign(displacement.begin(), displacement.end());
@@ -270,11 +271,11 @@ void CorrectiveSearch::fit(Tuple& tuple, std::span<const Point> points,
     if (std::find(unique.begin(), unique.end(), term) == unique.end()) unique.push_back(term);
   std::vector<float> poses;
   for (const Point& point : points) {
-    poses.insert(poses.end(), rig_.rest().begin(), rig_.rest().end());
-    fill(tuple, point, std::span(poses).last(rig_.rest().size()));
+    poses.insert(poses.end(), rig_.rest_pose().begin(), rig_.rest_pose().end());
+    fill(tuple, point, std::span(poses).last(rig_.rest_pose().size()));
   }
   const double tolerance = options_.corrective_tolerance * rig_.diagonal();
-  tuple.part = fit_corrective(features, unique, poses, rig_.rest(), differences, {tolerance, tolerance / 20});
+  tuple.part = fit_corrective(features, unique, poses, rig_.rest_pose(), differences, {tolerance, tolerance / 20});
 }
 
 void CorrectiveSearch::rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest) {

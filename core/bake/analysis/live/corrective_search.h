@@ -8,8 +8,8 @@
 #include "bake/analysis/holdout_set.h"
 #include "bake/analysis/live/excitation_curves.h"
 #include "bake/analysis/live/finite_differences.h"
-#include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/rig_analysis.h"
+#include "bake/rig/rig_evaluator.h"
 
 namespace fb::bake {
 
@@ -22,7 +22,7 @@ class CorrectiveSearch {
  public:
   // All must outlive it. `base` holds the curves.
   CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options, const std::vector<ControlCurve>& curves,
-                   const DenseDifferences& dense, SparseBlendshapes& base);
+                   const DenseDifferences& dense, SparseBlendshapes& base, Progress& progress);
 
   // Looks for tuples of `order` controls, 2 first, then 3, and adds terms for `most` of them at most to the base.
   void find(std::size_t order, std::size_t most);
@@ -58,6 +58,7 @@ class CorrectiveSearch {
   const std::vector<ControlCurve>& curves_;
   const DenseDifferences& dense_;
   SparseBlendshapes& base_;
+  Progress& progress_;
   std::vector<CurveErrors> curve_errors_;
   std::vector<float> single_left_;  // controls x vertices: the largest distance over D curves leave over of toggles
   HoldoutSet held_;

@@ -39,32 +39,32 @@ std::vector<Wanted> first_wave(const RigSchema& schema, std::size_t begin, std::
 // Asks the rig for single controls and hands `take` what the curves are off there.
 template <class Take>
 void evaluate_misses(RigEvaluator& rig, const std::vector<ControlCurve>& curves, const std::vector<Wanted>& wanted,
-                     const Take& take) {
-  rig.ask(
-      wanted.size(),
+                     EvaluationStage& stage, const Take& take) {
+  rig.evaluate_each(
+      wanted.size(), stage,
       [&](std::size_t i, std::span<float> pose) {
         pose[wanted[i].control] = value_at(rig.schema().controls[wanted[i].control], wanted[i].place);
       },
       [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        curves[wanted[i].control].part.add(pose, rig.rest(), 1, -1, displacement);
+        curves[wanted[i].control].part.add(pose, rig.rest_pose(), 1, -1, displacement);
         take(i, std::span<const float>(displacement));
       });
 }
 
 }  // namespace
 
-std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options,
-                                          std::vector<float>& motion) {
+std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options, std::vector<float>& motion,
+                                          Progress& progress) {
   const RigSchema& schema = rig.schema();
-  const std::size_t width = schema.control_count(), vertices = rig.size() / 3;
+  const std::size_t width = schema.control_count(), vertices = rig.coordinate_count() / 3;
   const CurveLimits limits{options.curve_tolerance * rig.diagonal(), 1e-6 * rig.diagonal(), options.max_knots};
   motion.assign(width * vertices, 0);
   std::vector<ControlCurve> curves(width);
   int places = first_places;
-  while (places > 1 && first_wave(schema, 0, width, places).size() > rig.left() / 2) places /= 2;
+  while (places > 1 && first_wave(schema, 0, width, places).size() > rig.remaining() / 2) places /= 2;
   if (places < first_places)
-    rig.progress().note(format("the budget of rig calls allows %d of %d places on each side of a control at first",
-                               places, first_places));
+    progress.note(format("the budget of rig calls allows %d of %d places on each side of a control at first", places,
+                         first_places));
   for (std::size_t begin = 0; begin < width; begin += block_controls) {
     const std::size_t end = std::min(width, begin + block_controls);
     std::vector<CurveSamples> samples(end - begin);
@@ -83,13 +83,14 @@ std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptio
         for (std::size_t i = 0; i < bent.size(); ++i)
           for (const double place : bent[i]) wanted.push_back({begin + i, place});
       }
-      const std::uint64_t left = rig.left() > reserved ? rig.left() - reserved : 0;
+      const std::uint64_t left = rig.remaining() > reserved ? rig.remaining() - reserved : 0;
       if (wanted.size() > left) wanted.resize(left);
       if (wanted.empty()) break;
       std::vector<std::vector<float>> answers(wanted.size());
-      rig.begin(format("probing controls %zu to %zu of %zu", begin + 1, end, width), wanted.size());
-      rig.ask(
-          wanted.size(),
+      EvaluationStage stage(progress, format("evaluating controls %zu to %zu of %zu", begin + 1, end, width),
+                            wanted.size());
+      rig.evaluate_each(
+          wanted.size(), stage,
           [&](std::size_t i, std::span<float> pose) {
             pose[wanted[i].control] = value_at(schema.controls[wanted[i].control], wanted[i].place);
           },
@@ -128,7 +129,8 @@ std::vector<double> telling_places(const Control& control, const ControlCurve& c
   return places;
 }
 
-std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves) {
+std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves,
+                                        Progress& progress) {
   const RigSchema& schema = rig.schema();
   std::vector<CurveErrors> errors(curves.size());
   std::vector<Wanted> wanted;
@@ -137,11 +139,11 @@ std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<Con
     errors[c].errors.resize(errors[c].places.size());
     for (const double place : errors[c].places) wanted.push_back({c, place});
   }
-  if (wanted.size() > rig.left()) wanted.resize(rig.left());
+  if (wanted.size() > rig.remaining()) wanted.resize(rig.remaining());
   const double drop = 2e-6 * rig.diagonal();
   std::vector<SparseShape> answers(wanted.size());
-  rig.begin("checking single controls", wanted.size());
-  evaluate_misses(rig, curves, wanted,
+  EvaluationStage stage(progress, "checking single controls", wanted.size());
+  evaluate_misses(rig, curves, wanted, stage,
                   [&](std::size_t i, std::span<const float> miss) { answers[i] = make_sparse(0, miss, drop); });
   for (std::size_t i = 0, place = 0; i < wanted.size(); ++i, ++place) {
     if (i > 0 && wanted[i].control != wanted[i - 1].control) place = 0;
@@ -150,7 +152,7 @@ std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<Con
   return errors;
 }
 
-double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed) {
+double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed, Progress& progress) {
   const RigSchema& schema = rig.schema();
   std::vector<Wanted> wanted;
   for (std::size_t c = 0; c < curves.size(); ++c)
@@ -160,10 +162,10 @@ double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, s
       const double place = 0.02 + 0.96 * random.uniform();
       wanted.push_back({c, up ? place : -place});
     }
-  if (wanted.size() > rig.left()) wanted.resize(rig.left());
+  if (wanted.size() > rig.remaining()) wanted.resize(rig.remaining());
   std::vector<double> errors(wanted.size());
-  rig.begin("testing single controls", wanted.size());
-  evaluate_misses(rig, curves, wanted, [&](std::size_t i, std::span<const float> miss) {
+  EvaluationStage stage(progress, "testing single controls", wanted.size());
+  evaluate_misses(rig, curves, wanted, stage, [&](std::size_t i, std::span<const float> miss) {
     for (std::size_t k = 0; k < miss.size(); k += 3)
       errors[i] = std::max(errors[i], std::hypot(double(miss[k]), miss[k + 1], miss[k + 2]));
   });

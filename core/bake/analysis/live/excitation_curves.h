@@ -3,16 +3,16 @@
 #include <vector>
 
 #include "bake/analysis/activation_curve.h"
-#include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/rig_analysis.h"
+#include "bake/rig/rig_evaluator.h"
 
 namespace fb::bake {
 
 // Curves of all controls, and how far each moves every vertex alone (controls x vertices, over D). Samples eighths of
 // every side of rest first, then where curves bend, in waves over some controls at a time. Controls for which the
 // budget does not suffice get the chord to as many ends as it allows.
-std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options,
-                                          std::vector<float>& motion);
+std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options, std::vector<float>& motion,
+                                          Progress& progress);
 
 // Places of a control at which correctives are looked for: an end of its range first, the most telling next.
 std::vector<double> telling_places(const Control& control, const ControlCurve& curve);
@@ -25,9 +25,9 @@ struct CurveErrors {
 };
 
 // One a control.
-std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves);
+std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, Progress& progress);
 
 // Largest distance of curves from the rig, over D, at a place of each side drawn from the seed.
-double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed);
+double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed, Progress& progress);
 
 }  // namespace fb::bake

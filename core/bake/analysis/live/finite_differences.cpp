@@ -47,14 +47,14 @@ std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uin
 
 }  // namespace
 
-DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed) {
+DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress) {
   const RigSchema& schema = rig.schema();
-  const std::size_t width = schema.control_count(), size = rig.size();
+  const std::size_t width = schema.control_count(), size = rig.coordinate_count();
   const std::size_t together = std::clamp<std::size_t>(width / 16, 2, 16), poses = (width + together - 1) / together;
   // A quarter of what is left at most: correctives cost more.
-  const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.left() / 4 / (width + poses));
+  const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.remaining() / 4 / (width + poses));
   if (rounds < most_rounds)
-    rig.progress().note(
+    progress.note(
         format("the budget of rig calls allows %zu of %zu tries of each control among many", rounds, most_rounds));
   DenseDifferences dense;
   dense.poses = rounds * poses;
@@ -70,9 +70,9 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed) {
   }
   const auto controls_of = [&](std::size_t p) { return std::span(dense.controls).subspan(p * width, width); };
   dense.displacements.resize(dense.poses * size);
-  rig.begin("probing many controls", dense.poses + dense.differences.size());
-  rig.ask(
-      dense.poses,
+  EvaluationStage stage(progress, "evaluating many controls", dense.poses + dense.differences.size());
+  rig.evaluate_each(
+      dense.poses, stage,
       [&](std::size_t p, std::span<float> pose) {
         std::copy(controls_of(p).begin(), controls_of(p).end(), pose.begin());
       },
@@ -80,21 +80,21 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed) {
         std::copy(displacement.begin(), displacement.end(), dense.displacements.begin() + p * size);
       });
   const double drop = 2e-6 * rig.diagonal();
-  rig.ask(
-      dense.differences.size(),
+  rig.evaluate_each(
+      dense.differences.size(), stage,
       [&](std::size_t i, std::span<float> pose) {
         FiniteDifference& toggle = dense.differences[i];
         const std::span<const float> from = controls_of(toggle.pose);
         std::copy(from.begin(), from.end(), pose.begin());
-        if (from[toggle.control] != rig.rest()[toggle.control])
-          pose[toggle.control] = rig.rest()[toggle.control];
+        if (from[toggle.control] != rig.rest_pose()[toggle.control])
+          pose[toggle.control] = rig.rest_pose()[toggle.control];
         else
           pose[toggle.control] = toggle.value;
       },
       [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
         FiniteDifference& toggle = dense.differences[i];
         const float* base = dense.displacements.data() + toggle.pose * size;
-        const bool was_on = pose[toggle.control] == rig.rest()[toggle.control];
+        const bool was_on = pose[toggle.control] == rig.rest_pose()[toggle.control];
         const float sign = was_on ? -1.0f : 1.0f;
         for (std::size_t k = 0; k < size; ++k) displacement[k] = sign * (displacement[k] - base[k]);
         if (was_on) toggle.value = controls_of(toggle.pose)[toggle.control];
@@ -105,7 +105,7 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed) {
 
 std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Over over,
                                      const RigEvaluator& rig) {
-  const std::size_t width = rig.rest().size(), size = rig.size(), vertices = size / 3;
+  const std::size_t width = rig.rest_pose().size(), size = rig.coordinate_count(), vertices = size / 3;
   std::vector<std::vector<const FiniteDifference*>> of_control(width);
   for (const FiniteDifference& toggle : dense.differences) of_control[toggle.control].push_back(&toggle);
   std::vector<float> motion(width * vertices);
@@ -118,9 +118,9 @@ std::vector<float> difference_motion(const DenseDifferences& dense, const Sparse
         std::copy_n(toggle->moved.offsets.data() + 3 * k, 3, moved.data() + 3 * toggle->moved.vertices[k]);
       std::copy_n(dense.controls.data() + toggle->pose * width, width, pose.data());
       pose[c] = toggle->value;
-      evaluate_features(base.features, pose, rig.rest(), on);
-      pose[c] = rig.rest()[c];
-      evaluate_features(base.features, pose, rig.rest(), off);
+      evaluate_features(base.features, pose, rig.rest_pose(), on);
+      pose[c] = rig.rest_pose()[c];
+      evaluate_features(base.features, pose, rig.rest_pose(), off);
       for (const SparseShape& shape : base.shapes) {
         const float change = on[shape.feature] - off[shape.feature];
         if (change != 0) add_scaled(shape, -change, moved);

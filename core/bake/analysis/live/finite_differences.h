@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bake/analysis/live/rig_evaluator.h"
 #include "bake/analysis/sparse_blendshapes.h"
+#include "bake/rig/rig_evaluator.h"
 
 namespace fb::bake {
 
@@ -24,7 +24,7 @@ struct DenseDifferences {
 };
 
 // As many toggles a control, 16 at most, as the budget allows; each block of controls in a pose of its own.
-DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed);
+DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress);
 
 // Distance over D by which toggles move each vertex, of the rig less what `base` (may be empty) moves:
 // controls x vertices, the root mean square or the largest over a control's toggles.

@@ -1,0 +1,180 @@
+#include "bake/rig/rig_evaluator.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "base/hash.h"
+#include "base/status.h"
+
+namespace fb::bake {
+namespace {
+
+constexpr std::size_t poses_in_memory = 128;  // 9 MB of 6,000 vertices
+constexpr std::chrono::microseconds slow_pose{500};
+
+std::vector<float> gathered(std::span<const float> controls, std::size_t width, std::span<const std::size_t> poses) {
+  std::vector<float> some;
+  for (const std::size_t pose : poses) {
+    const std::span<const float> values = controls.subspan(pose * width, width);
+    some.insert(some.end(), values.begin(), values.end());
+  }
+  return some;
+}
+
+}  // namespace
+
+std::string describe_pose(const RigSchema& schema, std::span<const float> pose) {
+  constexpr std::size_t most_named = 3;
+  std::string text;
+  std::size_t active = 0;
+  for (std::size_t c = 0; c < pose.size(); ++c)
+    if (pose[c] != schema.controls[c].rest && active++ < most_named)
+      text += format("%s\"%s\" at %g", text.empty() ? "" : ", ", schema.controls[c].name.c_str(), double(pose[c]));
+  return active > most_named ? text + format(" and %zu more", active - most_named) : text;
+}
+
+RigEvaluator::RigEvaluator(Source& source, const Parallel& parallel, const std::filesystem::path& cache)
+    : RigEvaluator(source, std::make_unique<ThreadBackend>(source, parallel), parallel, cache) {}
+
+RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel,
+                           const std::filesystem::path& cache)
+    : source_(source),
+      parallel_(parallel),
+      backend_(std::move(backend)),
+      rest_pose_(source.schema().rest_pose()),
+      diagonal_(source.rest().diagonal()) {
+  if (source.live() && !cache.empty()) cache_.emplace(cache, source);
+}
+
+void RigEvaluator::spend(std::size_t poses) {
+  if (!source_.live()) return;
+  const std::uint64_t before = requested_.fetch_add(poses);
+  for (const EvaluationBudget* budget = budget_; budget; budget = budget->outer_) {
+    const std::uint64_t used = before - budget->requested_before_;
+    if (budget->poses_ == 0 || used + poses <= budget->poses_) continue;
+    requested_ -= poses;
+    fail(Status::invalid_argument,
+         "rig \"%s\": evaluating %zu poses more than the %llu so far would pass the rig budget of %llu",
+         schema().name.c_str(), poses, static_cast<unsigned long long>(used),
+         static_cast<unsigned long long>(budget->poses_));
+  }
+}
+
+std::uint64_t RigEvaluator::remaining() const {
+  std::uint64_t least = UINT64_MAX;
+  for (const EvaluationBudget* budget = budget_; budget; budget = budget->outer_)
+    if (budget->poses_ > 0) least = std::min(least, budget->poses_ - budget->requested());
+  return least;
+}
+
+void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
+  spend(count);
+  if (source_.live()) evaluated_ += count;
+  source_.read(clip, first, count, points);
+}
+
+void RigEvaluator::request(std::span<const float> controls, std::size_t count, std::span<const float> points) {
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  if (controls.size() != count * width || points.size() != count * size)
+    fail(Status::invalid_argument, "%zu poses need %zu control values and %zu coordinates, not %zu and %zu", count,
+         count * width, count * size, controls.size(), points.size());
+  spend(count);
+}
+
+void RigEvaluator::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  request(controls, count, points);
+  run_backend(controls, count, points);
+}
+
+void RigEvaluator::run_backend(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  evaluated_ += count;
+  try {
+    return backend_->evaluate_block(controls, count, points);
+  } catch (const PoseError& error) {
+    if (error.status() == Status::invalid_argument) throw;
+  }
+  evaluated_ += count;
+  backend_->evaluate_block(controls, count, points);
+}
+
+void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  request(controls, count, points);
+  if (!cache_) return run_backend(controls, count, points);
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  const auto pose = [&](std::size_t i) { return controls.subspan(i * width, width); };
+  const auto points_of = [&](std::size_t i) { return points.subspan(i * size, size); };
+  std::vector<std::size_t> missing;
+  std::vector<std::pair<std::size_t, std::size_t>> copies;  // pose, an equal one before it
+  std::unordered_map<std::uint64_t, std::size_t> seen;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (cache_->find(pose(i), points_of(i))) continue;
+    const auto [same, first] = seen.try_emplace(hash64_of(pose(i)), i);
+    if (!first && std::ranges::equal(pose(i), pose(same->second)))
+      copies.emplace_back(i, same->second);
+    else
+      missing.push_back(i);
+  }
+  evaluate_missing(controls, missing, points);
+  for (const auto& [to, from] : copies) std::ranges::copy(points_of(from), points_of(to).begin());
+}
+
+void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing,
+                                    std::span<float> points) {
+  if (missing.empty()) return;
+  const std::size_t width = rest_pose_.size(), size = coordinate_count(), count = missing.size();
+  const auto start = std::chrono::steady_clock::now();
+  if (count * width == controls.size()) {
+    run_backend(controls, count, points);
+  } else {
+    std::vector<float> some(count * size);
+    try {
+      run_backend(gathered(controls, width, missing), count, some);
+    } catch (const PoseError& error) {
+      throw PoseError(error.status(), missing[error.pose()], error.reason());
+    }
+    for (std::size_t k = 0; k < count; ++k)
+      std::copy_n(some.data() + k * size, size, points.data() + missing[k] * size);
+  }
+  missing_time_ += std::chrono::steady_clock::now() - start;
+  missing_poses_ += count;
+  if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return;
+  for (const std::size_t i : missing) cache_->store(controls.subspan(i * width, width), points.subspan(i * size, size));
+  cache_->flush();
+}
+
+void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {
+  const std::vector<float>& rest_points = rest().points;
+  const std::size_t width = rest_pose_.size(), size = rest_points.size();
+  std::vector<float> controls, points;
+  const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
+  for (std::size_t first = 0; first < count; first += poses_in_memory) {
+    const std::size_t poses = std::min(poses_in_memory, count - first);
+    controls.clear();
+    for (std::size_t i = 0; i < poses; ++i) controls.insert(controls.end(), rest_pose_.begin(), rest_pose_.end());
+    for (std::size_t i = 0; i < poses; ++i) fill(first + i, pose(i));
+    points.resize(poses * size);
+    try {
+      evaluate_cached(controls, poses, points);
+    } catch (const PoseError& error) {
+      fail(error.status(), "control %s: %s", describe_pose(schema(), pose(error.pose())).c_str(),
+           error.reason().c_str());
+    }
+    parallel_for(parallel_, poses, [&](std::size_t i, std::size_t) {
+      const std::span<float> displacement = std::span(points).subspan(i * size, size);
+      for (std::size_t k = 0; k < size; ++k) displacement[k] -= rest_points[k];
+      visit(first + i, pose(i), displacement);
+    });
+    stage.advance(poses);
+  }
+}
+
+EvaluationBudget::EvaluationBudget(RigEvaluator& rig, std::uint64_t poses)
+    : rig_(rig),
+      outer_(rig.budget_),
+      poses_(poses),
+      requested_before_(rig.requested()),
+      evaluated_before_(rig.evaluated()) {
+  rig.budget_ = this;
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,137 @@
+// The service through which sampling, analysis, measuring and baselines evaluate a live rig.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bake/rig/evaluation_backend.h"
+#include "bake/rig/evaluation_cache.h"
+#include "bake/rig/source.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+namespace fb::bake {
+
+class EvaluationBudget;
+
+// A stage of work over so many poses, reported while they are evaluated.
+class EvaluationStage {
+ public:
+  EvaluationStage(Progress& progress, std::string_view name, std::uint64_t poses) : progress_(progress) {
+    progress.begin(name, poses);
+  }
+  // Throws interrupted if the user wants to stop.
+  void advance(std::uint64_t poses) { progress_.step(done_ += poses); }
+
+ private:
+  Progress& progress_;
+  std::uint64_t done_ = 0;
+};
+
+// A source whose evaluations are counted, kept within budgets, spread over a backend and, where the rig is slow, kept
+// in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
+// only `read` works, and nothing is counted.
+//
+// A block in which a pose fails is evaluated once more, since what a rig depends on (files, a licence server) may fail
+// now and then; then PoseError is thrown with the number of the pose within the call.
+//
+// `read` and `evaluate` may be called by several threads if the source is thread-safe; the others by one.
+class RigEvaluator final : public Source {
+ public:
+  // Evaluates on threads of this process. `source` must outlive this. `cache`: file for evaluations, see
+  // evaluate_cached; empty: none.
+  explicit RigEvaluator(Source& source, const Parallel& parallel = {}, const std::filesystem::path& cache = {});
+  RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel = {},
+               const std::filesystem::path& cache = {});
+
+  const RigSchema& schema() const override { return source_.schema(); }
+  const Mesh& rest() const override { return source_.rest(); }
+  const std::vector<Clip>& clips() const override { return source_.clips(); }
+  bool readable(std::size_t clip) const override { return source_.readable(clip); }
+  std::vector<std::string> notes() const override { return source_.notes(); }
+  bool live() const override { return source_.live(); }
+  bool thread_safe() const override { return source_.thread_safe(); }
+  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+
+  // Evaluates every pose, whatever the cache holds. Fails with invalid_argument, evaluating nothing, if a budget does
+  // not allow for the poses.
+  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+
+  // The same, but poses in the cache are read from there, equal poses of the call are evaluated once, and what is
+  // evaluated is added to the cache while the rig takes more than half a millisecond a pose: reading a pose of a
+  // quicker rig takes as long as evaluating it.
+  void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
+
+  using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;
+  using Visit = std::function<void(std::size_t pose, std::span<const float> controls, std::span<float> displacement)>;
+  // evaluate_cached for many poses, of which one block is in memory at a time: fill is called for every pose below
+  // count in order, with the rest pose to change; visit for each, on several threads, with its displacement from the
+  // rest mesh, which it may change. Fails naming the controls of a pose that cannot be evaluated.
+  void evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit);
+
+  // Poses requested so far, failed and cached ones included: what counts against budgets, so that a bake that was
+  // interrupted and goes on has the same result.
+  std::uint64_t requested() const { return requested_; }
+  // Poses the rig has evaluated, or tried to.
+  std::uint64_t evaluated() const { return evaluated_; }
+  // Poses the budgets leave; UINT64_MAX where there are none.
+  std::uint64_t remaining() const;
+
+  const Parallel& parallel() const { return parallel_; }
+  const std::vector<float>& rest_pose() const { return rest_pose_; }
+  std::size_t coordinate_count() const { return rest().points.size(); }  // 3 x vertices
+  double diagonal() const { return diagonal_; }                          // of the rest mesh
+
+ private:
+  friend class EvaluationBudget;
+
+  void request(std::span<const float> controls, std::size_t count, std::span<const float> points);
+  void spend(std::size_t poses);
+  void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
+  void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points);
+
+  Source& source_;
+  const Parallel parallel_;
+  const std::unique_ptr<EvaluationBackend> backend_;
+  std::optional<EvaluationCache> cache_;
+  const EvaluationBudget* budget_ = nullptr;  // the innermost
+  std::atomic<std::uint64_t> requested_{0}, evaluated_{0};
+  std::chrono::steady_clock::duration missing_time_{0};  // spent on poses that were not in the cache
+  std::uint64_t missing_poses_ = 0;
+  const std::vector<float> rest_pose_;
+  const double diagonal_;
+};
+
+// Limits the poses requested of an evaluator while it lives, and counts them. Budgets nest like scopes, and each holds.
+class EvaluationBudget {
+ public:
+  // `poses`: requested at most; 0: no limit.
+  explicit EvaluationBudget(RigEvaluator& rig, std::uint64_t poses = 0);
+  ~EvaluationBudget() { rig_.budget_ = outer_; }
+  EvaluationBudget(const EvaluationBudget&) = delete;
+  EvaluationBudget& operator=(const EvaluationBudget&) = delete;
+
+  std::uint64_t requested() const { return rig_.requested() - requested_before_; }
+  std::uint64_t evaluated() const { return rig_.evaluated() - evaluated_before_; }
+
+ private:
+  friend class RigEvaluator;
+
+  RigEvaluator& rig_;
+  const EvaluationBudget* const outer_;
+  const std::uint64_t poses_, requested_before_, evaluated_before_;
+};
+
+// The controls of a pose that are away from rest, for messages: "jawOpen" at 1, "smile" at 0.5 and 3 more.
+std::string describe_pose(const RigSchema& schema, std::span<const float> pose);
+
+}  // namespace fb::bake

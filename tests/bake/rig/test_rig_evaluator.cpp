@@ -1,0 +1,264 @@
+#include "bake/rig/rig_evaluator.h"
+
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "bake_test_support.h"
+#include "base/file.h"
+#include "base/random.h"
+#include "memory_source.h"
+
+using namespace fb;
+using namespace fb::bake;
+using namespace fb::test;
+
+namespace {
+
+constexpr std::size_t width = 4, side = 6, size = 3 * side * side;
+
+void formula(const float* c, std::span<float> points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] += std::sin(float(i) * c[0]) + c[1] * c[2] * float(i % 7) - c[3];
+}
+
+std::vector<float> random_poses(std::size_t count, std::uint64_t seed = 5) {
+  Random random(seed);
+  std::vector<float> poses(count * width);
+  for (float& value : poses) value = random.uniform(-1.0f, 1.0f);
+  return poses;
+}
+
+// Counts what it evaluates, pose by pose; takes a millisecond a pose if it is slow.
+struct CountingRig : MemorySource {
+  explicit CountingRig(bool slow = false) : MemorySource(width, side, formula, true), slow(slow) {}
+  bool thread_safe() const override { return false; }
+  void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+    if (slow) std::this_thread::sleep_for(std::chrono::milliseconds(count));
+    MemorySource::evaluate(poses, count, points);
+    for (std::size_t i = 0; i < count; ++i) ++times[{poses.begin() + width * i, poses.begin() + width * (i + 1)}];
+  }
+  std::size_t evaluated() const {
+    std::size_t sum = 0;
+    for (const auto& [pose, count] : times) sum += count;
+    return sum;
+  }
+  std::map<std::vector<float>, std::size_t> times;
+  bool slow;
+};
+
+std::vector<float> truth(std::span<const float> poses) {
+  MemorySource rig(width, side, formula, true);
+  std::vector<float> points(poses.size() / width * size);
+  rig.evaluate(poses, poses.size() / width, points);
+  return points;
+}
+
+// Fails with PoseError on poses whose first control is above a limit, so many times each.
+struct FlakyRig final : CountingRig {
+  void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+    for (std::size_t i = 0; i < count; ++i)
+      if (poses[width * i] > 0.9f && failures[poses[width * i]]++ < most) throw PoseError(Status::rig, i, "no licence");
+    CountingRig::evaluate(poses, count, points);
+  }
+  std::map<float, int> failures;
+  int most = 1;
+};
+
+}  // namespace
+
+TEST_CASE("points come in the order of the poses, whatever threads, pieces and cache") {
+  const std::vector<float> poses = random_poses(1003), expected = truth(poses);
+  for (const int threads : {1, 2, 5}) {
+    MemorySource rig(width, side, formula, true);
+    RigEvaluator evaluator(rig, {.threads = threads});
+    std::vector<float> points(expected.size());
+    evaluator.evaluate(poses, 1003, points);
+    CHECK(points == expected);
+    std::fill(points.begin(), points.end(), NAN);
+    EvaluationStage stage(silent_progress(), "all", 1003);
+    evaluator.evaluate_each(
+        1003, stage,
+        [&](std::size_t i, std::span<float> pose) {
+          CHECK(std::equal(pose.begin(), pose.end(), rig.schema().rest_pose().begin()));
+          std::copy_n(poses.begin() + width * i, width, pose.begin());
+        },
+        [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
+          for (std::size_t k = 0; k < size; ++k) points[i * size + k] = displacement[k] + rig.rest().points[k];
+        });
+    for (std::size_t k = 0; k < points.size(); ++k) REQUIRE(points[k] == doctest::Approx(expected[k]).epsilon(1e-5));
+    CHECK(evaluator.requested() == 2006);
+    CHECK(evaluator.evaluated() == 2006);
+  }
+}
+
+TEST_CASE("a backend is given whole blocks, and nothing else of the rig") {
+  struct Backend final : EvaluationBackend {
+    void evaluate_block(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      blocks.push_back(count);
+      const std::vector<float> made = truth(poses);
+      std::copy(made.begin(), made.end(), points.begin());
+    }
+    std::vector<std::size_t> blocks;
+  };
+  CountingRig rig;
+  auto backend = std::make_unique<Backend>();
+  const std::vector<std::size_t>& blocks = backend->blocks;
+  RigEvaluator evaluator(rig, std::move(backend));
+  const std::vector<float> poses = random_poses(300);
+  std::vector<float> points(300 * size);
+  evaluator.evaluate(poses, 300, points);
+  CHECK(points == truth(poses));
+  CHECK(blocks == std::vector<std::size_t>{300});
+  CHECK(rig.evaluated() == 0);
+  CHECK(contains(failure(Status::invalid_argument, [&] { evaluator.evaluate(poses, 299, points); }), "299 poses need"));
+}
+
+TEST_CASE("budgets count poses and clips, nest, and refuse what would pass them") {
+  CountingRig rig;
+  rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
+  RigEvaluator evaluator(rig);
+  CHECK(evaluator.remaining() == UINT64_MAX);
+  std::vector<float> points(40 * size);
+  evaluator.evaluate(random_poses(5), 5, std::span(points).first(5 * size));
+  const EvaluationBudget budget(evaluator, 50);
+  evaluator.evaluate(random_poses(40), 40, points);
+  CHECK(evaluator.remaining() == 10);
+  CHECK(
+      contains(failure(Status::invalid_argument, [&] { evaluator.read(0, 0, 12, std::span(points).first(12 * size)); }),
+               "rig budget of 50"));
+  CHECK(budget.requested() == 40);
+  {
+    const EvaluationBudget inner(evaluator, 4), counter(evaluator);
+    CHECK(evaluator.remaining() == 4);
+    failure(Status::invalid_argument,
+            [&] { evaluator.evaluate(random_poses(5), 5, std::span(points).first(5 * size)); });
+    evaluator.evaluate(random_poses(3), 3, std::span(points).first(3 * size));
+    CHECK(counter.requested() == 3);
+    CHECK(counter.evaluated() == 3);
+  }
+  evaluator.read(0, 0, 7, std::span(points).first(7 * size));
+  CHECK(budget.requested() == 50);
+  CHECK(evaluator.remaining() == 0);
+  CHECK(evaluator.evaluated() == 55);
+  CHECK(rig.evaluated() == 48);  // the clip's frames are read
+}
+
+TEST_CASE("the cache of a slow rig is keyed by pose and outlives the evaluator") {
+  const Folder folder;
+  const std::filesystem::path cache = folder / "work" / "evaluations";
+  const std::vector<float> poses = random_poses(60), expected = truth(poses);
+  std::vector<float> points(60 * size);
+  {
+    CountingRig rig(true);
+    RigEvaluator evaluator(rig, {}, cache);
+    const auto some = std::span(poses).subspan(20 * width, 25 * width);
+    evaluator.evaluate_cached(some, 25, std::span(points).first(25 * size));
+    CHECK(rig.evaluated() == 25);
+    evaluator.evaluate_cached(some, 25, std::span(points).first(25 * size));
+    CHECK(rig.evaluated() == 25);
+    CHECK(evaluator.evaluated() == 25);
+    CHECK(evaluator.requested() == 50);
+    evaluator.evaluate(some, 25, std::span(points).first(25 * size));  // always evaluates
+    CHECK(rig.evaluated() == 50);
+  }
+  CountingRig rig(true);
+  RigEvaluator evaluator(rig, {}, cache);
+  evaluator.evaluate_cached(poses, 60, points);
+  CHECK(points == expected);
+  CHECK(rig.evaluated() == 35);
+  // Equal poses of one call are evaluated once, and so in another order.
+  std::vector<float> twice = random_poses(10, 6);
+  twice.insert(twice.end(), twice.begin(), twice.end());
+  twice.insert(twice.begin(), poses.begin(), poses.begin() + width);
+  std::vector<float> found(21 * size);
+  evaluator.evaluate_cached(twice, 21, found);
+  CHECK(found == truth(twice));
+  CHECK(rig.evaluated() == 45);
+  for (const auto& [pose, count] : rig.times) CHECK(count == 1);
+}
+
+TEST_CASE("records that are cut off or damaged, and caches of another rig, are evaluated anew") {
+  const Folder folder;
+  const std::filesystem::path cache = folder / "evaluations";
+  const std::vector<float> poses = random_poses(8), expected = truth(poses);
+  const auto evaluated = [&](CountingRig rig) {
+    RigEvaluator evaluator(rig, {}, cache);
+    std::vector<float> points(8 * size);
+    evaluator.evaluate_cached(poses, 8, points);
+    CHECK(points == expected);
+    return rig.evaluated();
+  };
+  CHECK(evaluated(CountingRig(true)) == 8);
+  CHECK(evaluated(CountingRig(true)) == 0);
+  const std::vector<std::byte> whole = read_file(cache);
+  for (std::size_t at = 0; at < whole.size(); at += 97) {
+    std::vector<std::byte> damaged = whole;
+    damaged[at] ^= std::byte{4};
+    write_file(cache, damaged);
+    CHECK(evaluated(CountingRig(true)) == (at < 16 ? 8 : 1));
+    CHECK(evaluated(CountingRig(true)) == 0);
+    write_file(cache, std::span(whole).first(at));
+    CHECK(evaluated(CountingRig(true)) >= 1);
+    CHECK(evaluated(CountingRig(true)) == 0);
+  }
+  CountingRig other(true);
+  other.edit_schema().controls[0].maximum = 2;
+  CHECK(evaluated(other) == 8);
+  CHECK(evaluated(CountingRig(true)) == 8);
+}
+
+TEST_CASE("a quick rig is evaluated again rather than read from a file") {
+  const Folder folder;
+  CountingRig rig;
+  RigEvaluator evaluator(rig, {}, folder / "evaluations");
+  const std::vector<float> poses = random_poses(100);
+  std::vector<float> points(100 * size);
+  for (int i = 0; i < 2; ++i) evaluator.evaluate_cached(poses, 100, points);
+  CHECK(rig.evaluated() == 200);
+  CHECK_FALSE(std::filesystem::exists(folder / "evaluations"));
+}
+
+TEST_CASE("a block in which poses fail is evaluated again, and a pose that fails twice is named") {
+  std::vector<float> poses(200 * width);
+  for (const std::size_t bad : {70u, 150u}) poses[bad * width] = 0.9f + float(bad) / 2000;
+  std::vector<float> points(200 * size);
+  FlakyRig once;
+  RigEvaluator evaluator(once);
+  evaluator.evaluate(poses, 200, points);
+  CHECK(points == truth(poses));
+  CHECK(evaluator.requested() == 200);
+  CHECK(evaluator.evaluated() == 400);
+  FlakyRig twice;
+  twice.most = 2;
+  RigEvaluator failing(twice);
+  CHECK(failure(Status::rig, [&] { failing.evaluate(poses, 200, points); }) == "pose 70: no licence");
+  EvaluationStage stage(silent_progress(), "all", 200);
+  FlakyRig named;
+  named.most = 2;
+  RigEvaluator by_name(named);
+  const auto fill = [&](std::size_t i, std::span<float> pose) { std::copy_n(&poses[i * width], width, pose.begin()); };
+  CHECK(failure(Status::rig, [&] { by_name.evaluate_each(200, stage, fill, [](auto, auto, auto) {}); }) ==
+        "control \"control0\" at 0.935: no licence");
+}
+
+TEST_CASE("the number of a failing pose is that within the call where others come from the cache") {
+  const Folder folder;
+  FlakyRig rig;
+  rig.slow = true;
+  rig.most = 2;
+  RigEvaluator evaluator(rig, {}, folder / "evaluations");
+  std::vector<float> poses = random_poses(20, 8), points(20 * size);
+  for (std::size_t i = 0; i < 20; ++i) poses[i * width] = 0.01f * float(i);
+  evaluator.evaluate_cached(std::span(poses).first(10 * width), 10, std::span(points).first(10 * size));
+  poses[15 * width] = 0.95f;
+  CHECK(failure(Status::rig, [&] { evaluator.evaluate_cached(poses, 20, points); }) == "pose 15: no licence");
+}
+
+TEST_CASE("poses are described by the controls that are away from rest") {
+  const RigSchema schema = CountingRig().schema();
+  CHECK(describe_pose(schema, std::vector<float>{0, 0.5f, 0, -1}) == "\"control1\" at 0.5, \"control3\" at -1");
+  CHECK(describe_pose(schema, std::vector<float>{1, 1, 1, 1}) ==
+        "\"control0\" at 1, \"control1\" at 1, \"control2\" at 1 and 1 more");
+}
