@@ -73,8 +73,9 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail_here("writing failed");
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(const std::function<void(const std::filesystem::path&)>& check) {
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_here("writing failed");
+  if (check) check(partial_);
   if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail_here("cannot be put in place");
   std::fclose(file_);
   file_ = nullptr;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,8 +33,9 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
-  // Flushes to the disk and renames; the file is there when this returns.
-  void commit();
+  // Flushes to the disk, calls check(path of the temporary file), if there is one, and renames; the file is there when
+  // this returns. A check that throws leaves the target as it was.
+  void commit(const std::function<void(const std::filesystem::path&)>& check = {});
 
  private:
   [[noreturn]] void fail_here(const char* what);

@@ -121,10 +121,11 @@ void add_bake(CLI::App& tool) {
       ->type_name("N")
       ->capture_default_str();
   app->add_option("--max-error", command->options.max_error,
-                  "Largest error wanted on poses kept back, over the diagonal: in as few bytes as it allows; 0: none")
+                  "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
+  add_force(*app, command->options.force);
   add_licence(*app, command->licence);
   app->add_option("--created", command->options.created, "A date to put into the archive; without it there is none")
       ->type_name("DATE");

@@ -66,6 +66,11 @@ void add_archive(CLI::App& command, std::string& archive) {
   command.add_option("FACE", archive, "The archive (.fbk)")->required();
 }
 
+void add_force(CLI::App& command, bool& force) {
+  command.add_flag("--force", force,
+                   "Write the nearest there is where --max-bytes or --max-error cannot be met, instead of failing");
+}
+
 void add_licence(CLI::App& command, std::string& file) {
   command.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
       ->type_name("FILE");

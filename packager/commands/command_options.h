@@ -24,6 +24,8 @@ void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budge
 void add_mix(CLI::App& command, std::string& mix);
 void add_sources(CLI::App& command, std::vector<std::string>& sources);
 void add_archive(CLI::App& command, std::string& archive);
+// --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
+void add_force(CLI::App& command, bool& force);
 // --licence: a text file that goes into the archive.
 void add_licence(CLI::App& command, std::string& file);
 std::string licence_text(const std::string& file);  // "" of no file

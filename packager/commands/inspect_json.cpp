@@ -10,6 +10,7 @@ namespace fb::tool {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using bake::VerifyReport;
 
 Json network_graph(const PackedModel& model) {
   Json regions = Json::array();
@@ -107,6 +108,14 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   return json_text(json);
 }
 
+std::string verify_json(const std::string& archive, const VerifyReport& report) {
+  return json_text({{"archive", archive},
+                    {"bytes", report.bytes},
+                    {"poses", report.poses},
+                    {"vertices", report.vertices},
+                    {"certificate", object_in(report.certificate)}});
+}
+
 std::string name_of(Activation activation) {
   switch (activation) {
     case Activation::linear:
@@ -133,7 +142,7 @@ std::string certificate_text(const Archive& archive) {
     add_list(table, "  clip ", unseen, "clips", "name");
     add_list(table, "  region ", unseen, "regions", "name");
   }
-  for (const char* key : {"quantisation", "repacked"}) add_errors(table, key, json.value(key, Json()));
+  for (const char* key : {"quantisation", "repacked", "bound"}) add_errors(table, key, json.value(key, Json()));
   std::string text = table.text();
   const Json normals = unseen.is_object() ? unseen.value("normals", Json()) : Json();
   if (normals.is_object() && normals.contains("rms_degrees") && normals["rms_degrees"].is_number())

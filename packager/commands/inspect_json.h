@@ -4,6 +4,7 @@
 #include <string>
 
 #include "archive/reader.h"
+#include "bake/measure/verify.h"
 
 namespace fb::tool {
 using namespace archive;
@@ -12,6 +13,9 @@ using namespace archive;
 // only ever added. total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.
 std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes);
+
+// What `verify` found, with the certificate (null without one).
+std::string verify_json(const std::string& archive, const bake::VerifyReport& report);
 
 // The certificate as tables, the provenance line by line; "" where there is none.
 std::string certificate_text(const Archive& archive);

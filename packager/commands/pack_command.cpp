@@ -1,85 +1,49 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
-#include "archive/migrate/version_0_2.h"
-#include "archive/writer.h"
-#include "bake/compress/step_scaling.h"
-#include "bake/measure/certificate.h"
-#include "bake/measure/verify.h"
-#include "base/file.h"
+#include "archive/reader.h"
+#include "bake/pipeline/repack.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/progress_bar.h"
 
 namespace fb::tool {
-using namespace archive;
 using namespace bake;
 namespace {
 
 struct PackCommand {
   std::string archive, out, licence;
-  std::uint64_t seed = 1, max_bytes = 0;
-  double max_error = 0;
+  RepackOptions options;
 
-  void run() const;
-
- private:
-  std::string coarsen(Archive& face) const;
+  void run();
 };
 
-Archive read_any(std::span<const std::byte> bytes) {
-  return is_version_0_2(bytes) ? read_version_0_2(bytes) : read_archive(bytes);
-}
-
-// Rounds further, as the options ask; what it says is for people.
-std::string PackCommand::coarsen(Archive& face) const {
-  constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses that the proof does not have
-  std::vector<float> poses = make_proof(face.model, seed).controls;
-  const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
-  poses.insert(poses.end(), more.begin(), more.end());
-  struct Coarser {
-    Archive face;
-    Errors moved;
-  };
-  const auto with = [&](double factor) {
-    Coarser coarser{face, {}};
-    if (factor <= 1) return coarser;
-    coarser.face.model = with_scaled_steps(face.model, factor);
-    coarser.moved = packing_errors(face.model, coarser.face.model, poses);
-    note_repacking(coarser.face.text.certificate, coarser.moved);
-    coarser.face.proof = make_proof(coarser.face.model, seed);
-    return coarser;
-  };
-  const StepScaling choice = choose_step_scaling(
-      max_bytes, max_error,
-      [&](double factor) {
-        const Archive coarser = with(factor).face;
-        return std::uint64_t(write_archive(coarser.model, coarser.proof, coarser.text).size());
-      },
-      [&](double factor) { return with(factor).moved.max; });
-  auto [chosen, moved] = with(choice.factor);
-  face = std::move(chosen);
-  const bool kept = max_bytes > 0 ? choice.bytes <= max_bytes : choice.error <= max_error;
+// What repacking within limits changed.
+std::string displacement_text(const RepackResult& result) {
   return format(
-      "steps of the basis %.3g times as large: %.3g of the diagonal from what it was, at most, and mse %.3g, on %zu "
+      "steps of the basis %.3g times as large: vertices displaced by up to %.3g of the diagonal, mse %.3g, on %zu "
       "poses%s\n",
-      choice.factor, moved.max, moved.mse, poses.size() / face.model.schema.control_count(),
-      kept ? "" : "; what was asked for cannot be had");
+      result.factor, result.displacement.max, result.displacement.mse, result.displacement.frames,
+      result.within_limits ? "" : "; forced beyond what was allowed");
 }
 
-void PackCommand::run() const {
-  const auto bytes = read_file(archive);
-  Archive face = with_context(archive, [&] { return read_any(bytes); });
-  if (!licence.empty()) face.text.licence = licence_text(licence);
-  if (face.proof.hashes.empty()) face.proof = make_proof(face.model, seed);
-  const std::string said = max_bytes > 0 || max_error > 0 ? coarsen(face) : "";
-  const auto packed = write_archive(face.model, face.proof, face.text);
-  verify_archive(packed);
-  write_file(out, packed);
-  std::printf("%s: %zu bytes, format version %u.%u\n%s: %zu bytes, format version %u.%u\n%s", archive.c_str(),
-              bytes.size(), face.format_version / 1000, face.format_version % 1000, out.c_str(), packed.size(),
-              archive_format_version() / 1000, archive_format_version() % 1000, said.c_str());
+void PackCommand::run() {
+  options.licence = licence_text(licence);
+  const bool limited = options.max_bytes > 0 || options.max_error > 0;
+  RepackResult result;
+  {
+    std::optional<ProgressBar> bar;
+    if (limited) bar.emplace();
+    result = repack_file(archive, out, options, bar ? static_cast<Progress&>(*bar) : silent_progress());
+  }
+  const auto version = [](std::uint32_t number) { return format("%u.%u", number / 1000, number % 1000); };
+  std::printf("%s: %llu bytes, format version %s\n%s: %llu bytes, format version %s\n%s", archive.c_str(),
+              static_cast<unsigned long long>(result.source_bytes), version(result.source_version).c_str(), out.c_str(),
+              static_cast<unsigned long long>(result.bytes), version(archive::archive_format_version()).c_str(),
+              limited ? displacement_text(result).c_str() : "");
 }
 
 }  // namespace
@@ -92,21 +56,22 @@ void add_pack(CLI::App& tool) {
       ->type_name("FACE.fbk")
       ->required();
   add_licence(*app, command->licence);
-  app->add_option("--max-bytes", command->max_bytes,
-                  "Bytes the archive may have: rounded no more than they ask; 0: any")
+  app->add_option("--max-bytes", command->options.max_bytes,
+                  "Bytes the archive may have: in the smallest quantisation steps within them; 0: any")
       ->check(whole_number)
       ->type_name("N")
       ->capture_default_str();
-  app->add_option(
-         "--max-error", command->max_error,
-         "How far a vertex may come to lie from where it was, over the diagonal: in as few bytes as it allows; "
-         "after --max-bytes; 0: nowhere else")
+  app->add_option("--max-error", command->options.max_error,
+                  "Largest displacement of a vertex by repacking, over the diagonal. Alone: in as few bytes as it "
+                  "allows; with --max-bytes: a limit; 0: none, or with --max-bytes the largest certified error")
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
-  add_seed(*app, command->seed);
+  add_force(*app, command->options.force);
+  add_seed(*app, command->options.seed);
   app->footer(
-      "Unless rounded, the face poses as it did, to the last bit; its proof is kept, or made where it has none.");
+      "Without --max-bytes and --max-error the face poses as it did, to the last bit; its reference poses are kept, or "
+      "made where it has none.");
   app->callback([command] { command->run(); });
 }
 

@@ -134,9 +134,4 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"quantisation", figures(baked.quantisation)}});
 }
 
-std::string verify_json(const std::string& archive, const VerifyReport& report) {
-  return json_text(
-      {{"archive", archive}, {"bytes", report.bytes}, {"poses", report.poses}, {"vertices", report.vertices}});
-}
-
 }  // namespace fb::tool

@@ -7,7 +7,6 @@
 
 #include "bake/measure/evaluate.h"
 #include "bake/measure/locality.h"
-#include "bake/measure/verify.h"
 #include "bake/pipeline/bake.h"
 #include "bake/pipeline/compare.h"
 
@@ -18,6 +17,5 @@ using namespace bake;
 std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality);
 std::string compare_json(const CompareReport& report);
 std::string bake_json(const std::string& archive, const Baked& baked);
-std::string verify_json(const std::string& archive, const VerifyReport& report);
 
 }  // namespace fb::tool

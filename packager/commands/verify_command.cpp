@@ -2,11 +2,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "base/file.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/report_json.h"
+#include "commands/inspect_json.h"
 
 namespace fb::tool {
 using namespace bake;
@@ -19,13 +20,16 @@ struct VerifyCommand {
   void run() const {
     const auto bytes = read_file(archive);
     const VerifyReport report = with_context(archive, [&] { return verify_archive(bytes); });
-    if (json)
+    if (json) {
       std::fputs(verify_json(archive, report).c_str(), stdout);
-    else if (report.poses == 0)
+      return;
+    }
+    if (report.poses == 0)
       std::printf("%s: whole; it carries no poses to check\n", archive.c_str());
     else
       std::printf("%s: whole; %zu poses of %zu vertices evaluate as archived, bit for bit\n", archive.c_str(),
                   report.poses, report.vertices);
+    std::fputs(certificate_summary(report.certificate).c_str(), stdout);
   }
 };
 

@@ -62,6 +62,29 @@ TEST_CASE("a file that is not committed leaves the old one, and nothing beside i
   CHECK(folder.entries() == 1);
 }
 
+TEST_CASE("a check before the rename sees the whole file, and keeps the old one when it fails") {
+  test::Folder folder;
+  const fs::path path = folder.path() / "f";
+  write_file(path, std::string("old"));
+  const std::string text = "newer";
+  {
+    AtomicFile file(path);
+    file.write(std::as_bytes(std::span(text)));
+    CHECK_THROWS_WITH_AS(file.commit([&](const fs::path& written) {
+      CHECK(written != path);
+      CHECK(read_file(written).size() == text.size());
+      fail(Status::corrupt, "refused");
+    }),
+                         "refused", Error);
+  }
+  CHECK(read_file(path).size() == 3);
+  CHECK(folder.entries() == 1);
+  AtomicFile file(path);
+  file.write(std::as_bytes(std::span(text)));
+  file.commit([](const fs::path&) {});
+  CHECK(read_file(path).size() == text.size());
+}
+
 TEST_CASE("writing where nothing can be written fails by name") {
   test::Folder folder;
   CHECK_THROWS_WITH_AS(write_file(folder.path(), std::string()), doctest::Contains("is a directory"), Error);

@@ -97,7 +97,7 @@ TEST_CASE("pack migrates archives of version 0.2, keeps what poses do, and round
   CHECK(run_tool({"pack", archive, "--out", fresh}).exit_code == 0);
   const auto bytes = std::filesystem::file_size(fresh);
   const std::string fewer = std::to_string(bytes - 300);
-  CHECK(run_tool({"pack", fresh, "--out", again, "--max-bytes", fewer}).exit_code == 0);
+  CHECK(run_tool({"pack", fresh, "--out", again, "--max-bytes", fewer, "--max-error", "0.1"}).exit_code == 0);
   CHECK(std::filesystem::file_size(again) <= bytes - 300);
   CHECK(run_tool({"verify", again}).exit_code == 0);
   const Json json = Json::parse(run_tool({"inspect", again, "--json"}).out);
@@ -107,9 +107,31 @@ TEST_CASE("pack migrates archives of version 0.2, keeps what poses do, and round
   CHECK(moved.at("rms") < moved.at("max"));
   CHECK(run_tool({"pack", fresh, "--out", again, "--max-error", "0.02"}).exit_code == 0);
   CHECK(std::filesystem::file_size(again) < bytes);
+  const auto before = fb::read_file(again);
   const ToolRun vain = run_tool({"pack", fresh, "--out", again, "--max-bytes", "10"});
-  CHECK(vain.exit_code == 0);
-  CHECK(vain.out.find("cannot be had") != std::string::npos);
+  CHECK(vain.exit_code == 1);
+  CHECK(is_complaint(vain.err, "pack", {fresh, "10 bytes cannot be had", "the smallest there is has"}));
+  CHECK(fb::read_file(again) == before);
+  const ToolRun forced = run_tool({"pack", fresh, "--out", again, "--max-bytes", "10", "--force"});
+  CHECK(forced.exit_code == 0);
+  CHECK(forced.out.find("beyond what was allowed") != std::string::npos);
+}
+
+TEST_CASE("inspect and verify show what repacking did to the certified errors") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", smaller = folder / "smaller.fbk";
+  const char* certificate = R"({"dependency":{"rms":0.01,"max":0.2},"independent":{"rms":0.02,"max":0.1}})";
+  fb::write_file(archive, fb::archive::write_archive(fb::tiny_packed_model(), {}, {"", certificate}));
+  REQUIRE(run_tool({"pack", archive, "--out", smaller, "--max-error", "0.02"}).exit_code == 0);
+  const Json json = Json::parse(run_tool({"verify", smaller, "--json"}).out).at("certificate");
+  CHECK(json == Json::parse(run_tool({"inspect", smaller, "--json"}).out).at("certificate"));
+  CHECK(json.at("repacked").at("max") <= 0.02);
+  CHECK(json.at("bound").at("of") == "independent");
+  CHECK(json.at("bound").at("max").get<double>() ==
+        doctest::Approx(0.1 + json.at("repacked").at("max").get<double>()).epsilon(1e-4));
+  for (const char* command : {"verify", "inspect"})
+    for (const char* part : {"unseen", "repack", "bound"})
+      CHECK_MESSAGE(run_tool({command, smaller}).out.find(part) != std::string::npos, command << " " << part);
 }
 
 TEST_CASE("tables stay straight whatever letters names are written in") {

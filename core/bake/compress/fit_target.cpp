@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <ranges>
+#include <string>
 #include <utility>
 
 #include "base/status.h"
@@ -95,6 +96,25 @@ class Candidates {
   PackedModel packed_;
 };
 
+bool met(const FitTarget& target, const FitChoice& choice) {
+  return (target.max_bytes == 0 || choice.bytes <= target.max_bytes) &&
+         (target.max_error <= 0 || choice.error <= target.max_error);
+}
+
+std::string cost_text(const FitChoice& choice) {
+  return format("%llu bytes, largest error %.3g of the diagonal on validation poses",
+                static_cast<unsigned long long>(choice.bytes), choice.error);
+}
+
+// What is the matter with a choice that does not meet the target.
+std::string unmet_text(const FitTarget& target, const FitChoice& choice) {
+  if (target.max_bytes > 0 && choice.bytes > target.max_bytes)
+    return format("asked for %llu bytes, the smallest reached is %s", static_cast<unsigned long long>(target.max_bytes),
+                  cost_text(choice).c_str());
+  return format("asked for an error of %.3g of the diagonal, the smallest reached%s is %s", target.max_error,
+                target.max_bytes > 0 ? " within the bytes" : "", cost_text(choice).c_str());
+}
+
 }  // namespace
 
 PackOptions Precision::pack() const {
@@ -145,22 +165,24 @@ Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> co
   constexpr std::uint64_t most_measured = 24;  // both measures along both ladders
   progress.begin("fitting bytes and error", most_measured);
   Candidates candidates(model, covariance, error, bytes, parallel, progress, direct_sizes);
-  const FitChoice choice = choose_precision(
-      target, [&](const Precision& precision) { return candidates.bytes(precision); },
-      [&](const Precision& precision) { return candidates.error(precision); });
+  const auto choose = [&](const FitTarget& wanted) {
+    return choose_precision(
+        wanted, [&](const Precision& precision) { return candidates.bytes(precision); },
+        [&](const Precision& precision) { return candidates.error(precision); });
+  };
+  const FitChoice choice = choose(target);
+  if (!met(target, choice)) {
+    std::string message = unmet_text(target, choice);
+    if (!target.force && target.max_bytes > 0 && target.max_error > 0) {
+      const FitChoice larger = choose({.max_error = target.max_error});
+      if (met({.max_error = target.max_error}, larger)) message += "; with that error it takes " + cost_text(larger);
+    }
+    if (!target.force) fail(Status::limit, "%s", message.c_str());
+    progress.note(message);
+  }
   progress.step(most_measured);
-  progress.note(
-      format("fitted: %llu bytes, largest error %.3g of the diagonal on validation poses (basis precise to "
-             "%.2g of it, weights of %d bits)",
-             static_cast<unsigned long long>(choice.bytes), choice.error, choice.precision.scale,
-             choice.precision.weight_bits));
-  if (target.max_bytes > 0 && choice.bytes > target.max_bytes)
-    progress.note(format("asked for %llu bytes, the smallest reached is %llu",
-                         static_cast<unsigned long long>(target.max_bytes),
-                         static_cast<unsigned long long>(choice.bytes)));
-  if (target.max_error > 0 && choice.error > target.max_error)
-    progress.note(format("asked for an error of %.3g of the diagonal, the smallest reached is %.3g", target.max_error,
-                         choice.error));
+  progress.note(format("fitted: %s (basis precise to %.2g of it, weights of %d bits)", cost_text(choice).c_str(),
+                       choice.precision.scale, choice.precision.weight_bits));
   return candidates.fitted(choice);
 }
 

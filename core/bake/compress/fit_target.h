@@ -16,6 +16,7 @@ namespace fb::bake {
 struct FitTarget {
   std::uint64_t max_bytes = 0;  // of the archive; 0: not asked
   double max_error = 0;         // largest distance of a vertex, over D; 0: not asked
+  bool force = false;           // where a target cannot be met, the nearest there is instead of a failure
 };
 
 // One scale for what the basis may lose by localizing, rounding and dropping, and the bits of weights.
@@ -48,9 +49,9 @@ struct Fitted {
 };
 
 // Localizes a model and packs it as precisely as the target asks. `covariance` and `direct_sizes`: see
-// BlockwisePca. `error` measures a
-// candidate on validation poses, `bytes` gives its archive's size. Notes what was reached, and what was asked for in
-// vain.
+// BlockwisePca. `error` measures a candidate on validation poses, `bytes` gives its archive's size. Notes what was
+// reached. A target that cannot be met is a failure with limit, which names what can be and its cost, or, with
+// FitTarget::force, a note.
 Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,

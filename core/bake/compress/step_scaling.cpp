@@ -14,6 +14,16 @@ double factor_at(int rung) {
   return std::exp2(double(rung) / rungs_to_double);
 }
 
+// The first rung for which `before` is false, or `rungs`.
+int first_rung_not(const std::function<bool(int)>& before) {
+  int low = -1, high = rungs;  // before(low), not before(high)
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    (before(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 PackedModel with_scaled_steps(const PackedModel& model, double factor) {
@@ -28,37 +38,35 @@ PackedModel with_scaled_steps(const PackedModel& model, double factor) {
       std::vector<std::int16_t> values(before.values.begin() + c * before.row_count,
                                        before.values.begin() + (c + 1) * before.row_count);
       int most = 0;
-      std::vector<float> wanted;
+      std::vector<float> scaled;
       for (std::int16_t& value : values) {
-        wanted.push_back(static_cast<float>(value / factor));
+        scaled.push_back(static_cast<float>(value / factor));
         value = static_cast<std::int16_t>(std::nearbyint(value / factor));
         most = std::max(most, std::abs(int(value)));
       }
+      // A narrow value may not leave its range when it is quantised anew: nothing beyond the range is asked for.
+      if (most <= largest_narrow)
+        for (float& value : scaled) value = std::clamp<float>(value, -largest_narrow, largest_narrow);
       const float scale = static_cast<float>(before.columns[c].scale * factor);
       if (most == 0) continue;
       group.columns.push_back({before.columns[c].column, most > largest_narrow, scale});
       group.values.insert(group.values.end(), values.begin(), values.end());
-      values_of_group.insert(values_of_group.end(), wanted.begin(), wanted.end());
+      values_of_group.insert(values_of_group.end(), scaled.begin(), scaled.end());
     }
   }
   rate_distortion_quantise(out, exact, bits_per_squared_step);
   return out;
 }
 
-StepScaling choose_step_scaling(std::uint64_t max_bytes, double max_error,
-                                const std::function<std::uint64_t(double)>& bytes,
-                                const std::function<double(double)>& error) {
-  // Invariant: rungs up to `low` are too fine (or, for an error, allowed), those from `high` on are not.
-  const auto before = [&](int rung) {
-    return max_bytes > 0 ? bytes(factor_at(rung)) > max_bytes : error(factor_at(rung)) <= max_error;
-  };
-  int low = -1, high = rungs;
-  while (high - low > 1) {
-    const int middle = (low + high) / 2;
-    (before(middle) ? low : high) = middle;
-  }
-  const int rung = std::clamp(max_bytes > 0 ? high : low, 0, rungs - 1);
-  return {factor_at(rung), bytes(factor_at(rung)), error(factor_at(rung))};
+StepScaling finest_within_bytes(std::uint64_t max_bytes, const MeasureScaling& measure) {
+  if (const StepScaling unchanged = measure(1); unchanged.bytes <= max_bytes) return unchanged;
+  const int rung = first_rung_not([&](int r) { return measure(factor_at(r)).bytes > max_bytes; });
+  return measure(factor_at(std::min(rung, rungs - 1)));
+}
+
+StepScaling coarsest_within_error(double max_error, const MeasureScaling& measure) {
+  const int beyond = first_rung_not([&](int r) { return measure(factor_at(r)).error <= max_error; });
+  return measure(factor_at(std::max(beyond - 1, 0)));
 }
 
 }  // namespace fb::bake

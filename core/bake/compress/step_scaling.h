@@ -1,4 +1,4 @@
-// Fewer bytes for a face that is packed already.
+// Fewer bytes for a face that is packed already: larger quantisation steps of its basis.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace fb::bake {
 
-// The same face with every step of its basis `factor` (1 or more) times as large; columns that become 0 on a whole
-// group leave it. Networks stay as they are.
+// The same face with every quantisation step of its basis `factor` (1 or more) times as large; columns that become 0 in
+// a whole row block leave it. Networks stay as they are.
 PackedModel with_scaled_steps(const PackedModel& model, double factor);
 
 struct StepScaling {
@@ -17,12 +17,15 @@ struct StepScaling {
   std::uint64_t bytes = 0;
   double error = 0;
 };
+using MeasureScaling = std::function<StepScaling(double factor)>;
 
-// Goes down a ladder of factors from 1 to 1024 by bisection, taking bytes to fall and the error to grow along it: the
-// first within max_bytes, or, if that is 0, the last within max_error. What cannot be had is approached. Measures each
-// factor once.
-StepScaling choose_step_scaling(std::uint64_t max_bytes, double max_error,
-                                const std::function<std::uint64_t(double)>& bytes,
-                                const std::function<double(double)>& error);
+// Both bisect a geometric ladder of factors from 1 to 1024, four to a doubling, and take bytes to fall and the error to
+// grow along it. `measure` is called more than once with the same factor.
+
+// The smallest factor whose bytes are at most max_bytes; 1024 if there is none.
+StepScaling finest_within_bytes(std::uint64_t max_bytes, const MeasureScaling& measure);
+
+// The largest factor whose error is at most max_error; 1 if there is none.
+StepScaling coarsest_within_error(double max_error, const MeasureScaling& measure);
 
 }  // namespace fb::bake

@@ -102,8 +102,8 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto error = [&](const PackedModel& packed) {
     return evaluate_archive_on(archive::write_archive(packed, {}), validation, options.parallel, silent_progress()).max;
   };
-  Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error}, error, bytes, options.parallel,
-                             progress, sizes);
+  Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error, options.force}, error, bytes,
+                             options.parallel, progress, sizes);
   return {std::move(fitted.model), std::move(fitted.packing)};
 }
 

@@ -27,6 +27,25 @@ void add(Json& json, const Errors& errors) {
   json["mfm"] = rounded(errors.mfm);
 }
 
+// A certificate that comes from anyone, as an object of bounded depth.
+Json parsed(const std::string& certificate) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
+  Json json = Json::parse(certificate, shallow, false);
+  return json.is_object() ? json : Json::object();
+}
+
+std::optional<double> figure(const Json& part, const char* key) {
+  if (!part.is_object() || !part.contains(key) || !part[key].is_number()) return std::nullopt;
+  return part[key].get<double>();
+}
+
+// Key of the errors that stand for the face: on unseen poses, on training poses where those are missing, else null.
+const char* measured_part(const Json& certificate) {
+  for (const char* part : {"independent", "dependency"})
+    if (figure(certificate.value(part, Json()), "max")) return part;
+  return nullptr;
+}
+
 Json on_unseen(const EvalReport& report, Split split) {
   Json json = {{"split", name_of(split)}};
   add(json, report.total);
@@ -60,19 +79,50 @@ std::string certificate(const Errors& dependency, const std::optional<EvalReport
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-void note_repacking(std::string& certificate, const Errors& moved) {
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(certificate, shallow, false);
-  if (!json.is_object()) json = Json::object();
+void add_requantisation_errors(std::string& certificate, const Errors& moved) {
+  Json json = parsed(certificate);
   const Json before = json.value("repacked", Json());
-  const auto in_all = [&](const char* key, double now) {
-    const bool known = before.is_object() && before.contains(key) && before[key].is_number();
-    return rounded(now + (known ? before[key].get<double>() : 0));
-  };
-  const double rms = in_all("rms", moved.rms);  // at most: of two displacements it is no more than the sum
-  json["repacked"] = {
-      {"frames", moved.frames}, {"mse", rounded(rms * rms)}, {"rms", rms}, {"max", in_all("max", moved.max)}};
+  // Triangle inequality: the displacement by two repackings is at most the sum of both, of rms as of max.
+  const double rms = rounded(figure(before, "rms").value_or(0) + moved.rms),
+               max = rounded(figure(before, "max").value_or(0) + moved.max);
+  json["repacked"] = {{"frames", moved.frames}, {"mse", rounded(rms * rms)}, {"rms", rms}, {"max", max}};
+  const char* const measured = measured_part(json);
+  if (measured && figure(json[measured], "rms") && figure(json[measured], "max")) {
+    const double bound = *figure(json[measured], "rms") + rms;
+    json["bound"] = {{"of", measured},
+                     {"mse", rounded(bound * bound)},
+                     {"rms", rounded(bound)},
+                     {"max", rounded(*figure(json[measured], "max") + max)}};
+  }
   certificate = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<CertifiedErrors> certified_errors(const std::string& certificate) {
+  const Json json = parsed(certificate);
+  if (!measured_part(json)) return std::nullopt;
+  CertifiedErrors errors;
+  for (const char* part : {"independent", "dependency"})
+    errors.largest = std::max(errors.largest, figure(json.value(part, Json()), "max").value_or(0));
+  errors.repacked = figure(json.value("repacked", Json()), "max").value_or(0);
+  return errors;
+}
+
+std::string certificate_summary(const std::string& certificate) {
+  const Json json = parsed(certificate);
+  std::string text;
+  const auto add = [&](const char* what, const char* part) {
+    const Json figures = json.value(part, Json());
+    if (const auto max = figure(figures, "max"))
+      text += format("%s: rms %.3g, max %.3g of the diagonal\n", what, figure(figures, "rms").value_or(0), *max);
+  };
+  const char* const measured = measured_part(json);
+  if (measured)
+    add(std::string_view(measured) == "independent" ? "certified error on unseen poses"
+                                                    : "certified error on training poses",
+        measured);
+  add("displaced by repacking", "repacked");
+  add("bound of the error since", "bound");
+  return text;
 }
 
 std::uint64_t training_hash(const PoseSet& poses) {

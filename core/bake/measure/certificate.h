@@ -15,9 +15,22 @@ namespace fb::bake {
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
                         const Errors& quantisation);
 
-// Adds to a certificate (whatever text it is) by how much the face was rounded further since. What several roundings
-// moved is added up.
-void note_repacking(std::string& certificate, const Errors& moved);
+// Adds to a certificate (whatever text it is) the errors made by repacking, "repacked": displacements of vertices from
+// where the archive before had them. Those of several repackings are summed. Where the certificate has measured errors,
+// "bound" becomes their sum with the displacements: an upper estimate of the error of the repacked face.
+void add_requantisation_errors(std::string& certificate, const Errors& moved);
+
+// What a certificate says of a face's errors, over D.
+struct CertifiedErrors {
+  double largest = 0;   // displacement of a vertex from the rig, on unseen and on training poses
+  double repacked = 0;  // largest displacement by earlier repackings
+};
+
+// None if the text is no certificate with measured errors.
+std::optional<CertifiedErrors> certified_errors(const std::string& certificate);
+
+// The main figures in one to three lines for people, each ending in a newline; "" without figures.
+std::string certificate_summary(const std::string& certificate);
 
 // XXH64 of what a face is trained on: of the positions of each pose in order (little-endian floats, in the source's
 // units), seeded with the hash before, from 0; then likewise of all controls.

@@ -5,6 +5,7 @@
 
 #include "archive/reader.h"
 #include "bake/measure/float_face.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -57,7 +58,7 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
 VerifyReport verify_archive(std::span<const std::byte> archive) {
   const archive::Archive read = archive::read_archive(archive);
   const archive::Proof& proof = read.proof;
-  const VerifyReport report{archive.size(), proof.hashes.size(), read.model.rest.vertex_count()};
+  const VerifyReport report{archive.size(), proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
   pose_by_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
     const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
     for (const std::uint32_t vertex : proof.vertices)
@@ -78,7 +79,15 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
   return report;
 }
 
-Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
+void write_verified_archive(const std::filesystem::path& path, std::span<const std::byte> archive) {
+  AtomicFile file(path);
+  file.write(archive);
+  file.commit([&](const std::filesystem::path& written) {
+    with_context(path.string(), [&] { verify_archive(read_file(written)); });
+  });
+}
+
+Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
   const std::size_t width = model.rest.points.size();
   std::vector<float> kept;
   pose_by_pose(model, controls,
@@ -90,8 +99,8 @@ Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std
   return sums.figures(model.rest.diagonal());
 }
 
-Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
-                      const Parallel& parallel) {
+Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
+                           const Parallel& parallel) {
   const FloatFace exact(model);
   const runtime::Evaluator face(packed);
   const std::size_t width = face.control_count(), poses = controls.size() / width;

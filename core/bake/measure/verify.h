@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
+#include <string>
 
 #include "archive/proof.h"
 #include "bake/measure/errors.h"
@@ -16,6 +18,7 @@ namespace fb::bake {
 struct VerifyReport {
   std::uint64_t bytes = 0;
   std::size_t poses = 0, vertices = 0;  // compared
+  std::string certificate;              // of the archive, "" if it has none
 };
 
 // What the model gives for a few poses: rest, both ends of all controls, seeded dense ones.
@@ -25,11 +28,15 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed);
 // is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
 VerifyReport verify_archive(std::span<const std::byte> archive);
 
+// Writes an archive to a temporary file beside `path`, verifies what is on the disk and renames it. Whatever fails
+// (writing, verification), an old file at `path` stays as it was.
+void write_verified_archive(const std::filesystem::path& path, std::span<const std::byte> archive);
+
 // How far a packed face is from the one of floats it was made of, over these poses (poses x controls).
-Errors packing_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
-                      const Parallel& parallel);
+Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
+                           const Parallel& parallel);
 
 // The same of two packed faces with the same controls and vertices. Keeps all positions of one of them meanwhile.
-Errors packing_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
+Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
 
 }  // namespace fb::bake

@@ -71,7 +71,7 @@ Baked bake_recorded(Source& data, RigEvaluator* rig, const BakeOptions& options,
   progress.begin("packing", 2);
   PackedModel packed = pack_model(model, packing);
   progress.step(1);
-  baked.quantisation = packing_errors(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
+  baked.quantisation = quantisation_errors(model, packed, poses_to_pack_by(poses, options.seed), options.parallel);
   const std::uint64_t hash = training_hash(poses);
   nlohmann::ordered_json provenance = {{"creator", "FaceBaker " FB_VERSION},
                                        {"recipe", options.recipe},
@@ -141,12 +141,20 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
   { const AtomicFile trial(path); }  // better to learn now than in an hour that it cannot be written
   const bool own_folder = options.work.empty();
   if (own_folder) (options.work = path) += ".work";
+  const auto remove_if_empty = [&] {
+    std::error_code ignored;
+    if (own_folder) std::filesystem::remove(options.work, ignored);
+  };
   Baked baked;
   try {
     baked = bake_face(source, options, progress);
+  } catch (const Error& error) {
+    remove_if_empty();
+    if (error.status() != Status::limit || !asks_target(options)) throw;
+    throw Error(Status::limit, std::string(error.what()) + ". What was sampled and trained stays in " +
+                                   options.work.string() + ": the same bake with another target uses it");
   } catch (...) {
-    std::error_code ignored;
-    if (own_folder) std::filesystem::remove(options.work, ignored);  // stays if anything is in it
+    remove_if_empty();
     throw;
   }
   write_file(path, baked.archive);

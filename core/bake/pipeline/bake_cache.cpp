@@ -30,9 +30,10 @@ std::uint64_t key_of(Source& data, const RigEvaluator* rig, const BakeOptions& o
   std::vector<float> points(some.size() * data.rest().points.size());
   some.read_points(0, some.size(), points);
   const std::uint64_t budget = recipe_named(options.recipe).asks_rig ? options.rig_budget : 0;
-  const Json words = {FB_VERSION,        options.recipe, name_of(options.use),
-                      options.seed,      options.epochs, options.max_bytes,
-                      options.max_error, budget,         rig != nullptr};
+  Json words = {FB_VERSION,        options.recipe, name_of(options.use),
+                options.seed,      options.epochs, options.max_bytes,
+                options.max_error, budget,         rig != nullptr};
+  if (options.force) words.push_back("force");
   const std::uint64_t seen = hash64_of<float>(poses.controls(), hash64_of<float>(points));
   const Mesh& rest = data.rest();
   const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, seen));

@@ -29,7 +29,8 @@ struct BakeOptions {
   std::uint32_t epochs = 0;  // passes over the training poses; 0: the recipe's own
   // Targets of recipes that choose how precisely to keep what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
-  double max_error = 0;         // over the diagonal, on poses kept back: the fewest bytes with it; after max_bytes
+  double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
+  bool force = false;           // where a target cannot be met, the nearest there is instead of a failure
   // Texts that go into the archive as they are; empty: none. `created` is a date in the provenance.
   std::string licence, created;
   // Bakes again on parts of the poses to see what more of them would bring (BakeStats::learning), which takes about as

@@ -132,9 +132,17 @@ TEST_CASE("models are localized and packed to the target, and it is told what wa
   CHECK(precise.choice.bytes < bytes(pack_model(model, {})));
   CHECK(notes.sentences.size() == 3);
 
-  fit({.max_bytes = 100, .max_error = 1e-9}, notes);
-  REQUIRE(notes.sentences.size() == 6);
-  CHECK(notes.sentences[4].find("asked for 100 bytes, the smallest reached is ") == 0);
+  // What cannot be met is refused, or, forced, approached.
+  CHECK_THROWS_WITH(fit({.max_bytes = 100}, notes), doctest::Contains("asked for 100 bytes, the smallest reached is "));
+  CHECK_THROWS_WITH(fit({.max_error = 1e-9}, notes), doctest::Contains("asked for an error of 1e-09"));
+  CHECK_THROWS_WITH(fit({.max_bytes = 30000, .max_error = precise.choice.error}, notes),
+                    doctest::Contains("with that error it takes "));
+  REQUIRE(notes.sentences.size() == 3);
+  const Fitted forced = fit({.max_bytes = 100, .force = true}, notes);
+  REQUIRE(notes.sentences.size() == 5);
+  CHECK(notes.sentences[3].find("asked for 100 bytes, the smallest reached is ") == 0);
+  CHECK(notes.sentences[4].find("fitted: " + std::to_string(forced.choice.bytes) + " bytes") == 0);
+  fit({.max_error = 1e-9, .force = true}, notes);
   CHECK(notes.sentences[5].find("asked for an error of 1e-09") == 0);
   notes.stop = true;
   CHECK_THROWS_AS(fit({.max_bytes = 30000}, notes), Error);

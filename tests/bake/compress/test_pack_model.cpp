@@ -43,7 +43,7 @@ std::vector<float> poses_of(const RigSchema& schema, int count) {
 }
 
 double difference(const FaceModel& model, const PackOptions& options) {
-  return packing_errors(model, pack_model(model, options), poses_of(model.schema, 40), {}).max;
+  return quantisation_errors(model, pack_model(model, options), poses_of(model.schema, 40), {}).max;
 }
 
 // The largest distance of any value of a row of `length` numbers from what stands for it, in steps of the row.

@@ -84,7 +84,11 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
   CHECK(notes.all.find("asked") == std::string::npos);
 
   options.max_bytes = 10;
-  bake_face(source, options, notes);
+  CHECK_THROWS_WITH(bake_face(source, options, notes),
+                    doctest::Contains("asked for 10 bytes, the smallest reached is "));
+  CHECK(notes.all.find("asked") == std::string::npos);
+  options.force = true;
+  CHECK(bake_face(source, options, notes).archive.size() > 10);
   CHECK(notes.all.find("asked for 10 bytes, the smallest reached is ") != std::string::npos);
 
   options.recipe = "paper";

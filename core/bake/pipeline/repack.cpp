@@ -1,0 +1,143 @@
+#include "bake/pipeline/repack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "archive/migrate/version_0_2.h"
+#include "archive/writer.h"
+#include "bake/compress/step_scaling.h"
+#include "bake/measure/certificate.h"
+#include "bake/measure/verify.h"
+#include "base/file.h"
+#include "base/status.h"
+
+namespace fb::bake {
+namespace {
+
+constexpr double uncertified_error = 0.01;  // over D
+constexpr std::uint64_t candidates = 12;    // at most: two bisections of 41 factors
+
+// The archive with other steps. Each factor is packed and measured once.
+class Repacker {
+ public:
+  Repacker(const archive::Archive& face, std::uint64_t seed, Progress& progress)
+      : face_(&face), seed_(seed), progress_(&progress) {
+    constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses besides the archive's reference poses
+    poses_ = make_proof(face.model, seed).controls;
+    const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
+    poses_.insert(poses_.end(), more.begin(), more.end());
+    progress.begin("repacking", candidates);
+  }
+
+  struct Candidate {
+    StepScaling scaling;
+    Errors displacement;
+    std::vector<std::byte> archive;
+  };
+
+  const Candidate& at(double factor) {
+    const auto known = candidates_.find(factor);
+    if (known != candidates_.end()) return known->second;
+    const Candidate& made = candidates_[factor] = make(factor);
+    progress_->step(std::min<std::uint64_t>(candidates_.size(), candidates));
+    return made;
+  }
+
+  MeasureScaling measure() {
+    return [this](double factor) { return at(factor).scaling; };
+  }
+
+ private:
+  Candidate make(double factor) const {
+    Candidate made;
+    archive::Archive scaled = *face_;
+    if (factor > 1) {
+      scaled.model = with_scaled_steps(face_->model, factor);
+      made.displacement = quantisation_errors(face_->model, scaled.model, poses_);
+      add_requantisation_errors(scaled.text.certificate, made.displacement);
+      scaled.proof = make_proof(scaled.model, seed_);
+    }
+    made.archive = archive::write_archive(scaled.model, scaled.proof, scaled.text);
+    made.scaling = {factor, made.archive.size(), made.displacement.max};
+    return made;
+  }
+
+  const archive::Archive* face_;
+  std::uint64_t seed_;
+  Progress* progress_;
+  std::vector<float> poses_;
+  std::map<double, Candidate> candidates_;
+};
+
+// `nearest`: what `force` would write. `allowed`: the fewest bytes within the error.
+[[noreturn]] void refuse(const RepackOptions& options, double max_error, const StepScaling& nearest,
+                         const StepScaling& allowed) {
+  const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+  const std::string reached =
+      nearest.bytes > options.max_bytes
+          ? format("the smallest there is has %llu bytes, with vertices displaced by up to %.3g of the diagonal",
+                   number(nearest.bytes), nearest.error)
+          : format("within them (%llu bytes) vertices are displaced by up to %.3g of the diagonal",
+                   number(nearest.bytes), nearest.error);
+  fail(Status::limit,
+       "%llu bytes cannot be had: %s; allowed is a displacement of %.3g%s, for which it takes %llu bytes (displaced by "
+       "up to %.3g). Allow more bytes or a larger error, or force it",
+       number(options.max_bytes), reached.c_str(), max_error,
+       options.max_error > 0 ? "" : " (by default, as far as the certified errors go)", number(allowed.bytes),
+       allowed.error);
+}
+
+archive::Archive read_any(std::span<const std::byte> bytes) {
+  return archive::is_version_0_2(bytes) ? archive::read_version_0_2(bytes) : archive::read_archive(bytes);
+}
+
+}  // namespace
+
+double default_repack_error(const std::string& certificate) {
+  const std::optional<CertifiedErrors> certified = certified_errors(certificate);
+  return certified ? std::max(0.0, certified->largest - certified->repacked) : uncertified_error;
+}
+
+RepackResult repack(std::span<const std::byte> archive, const RepackOptions& options, Progress& progress) {
+  if (!std::isfinite(options.max_error) || options.max_error < 0)
+    fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
+  archive::Archive face = read_any(archive);
+  if (!options.licence.empty()) face.text.licence = options.licence;
+  if (face.proof.hashes.empty()) face.proof = make_proof(face.model, options.seed);
+  RepackResult result;
+  result.source_bytes = archive.size();
+  result.source_version = face.format_version;
+  if (options.max_bytes == 0 && options.max_error == 0) {
+    result.archive = archive::write_archive(face.model, face.proof, face.text);
+    result.bytes = result.archive.size();
+    return result;
+  }
+
+  result.max_error = options.max_error > 0 ? options.max_error : default_repack_error(face.text.certificate);
+  Repacker repacker(face, options.seed, progress);
+  const StepScaling chosen = options.max_bytes > 0 ? finest_within_bytes(options.max_bytes, repacker.measure())
+                                                   : coarsest_within_error(result.max_error, repacker.measure());
+  result.within_limits =
+      chosen.error <= result.max_error && (options.max_bytes == 0 || chosen.bytes <= options.max_bytes);
+  if (!result.within_limits && !options.force)
+    refuse(options, result.max_error, chosen, coarsest_within_error(result.max_error, repacker.measure()));
+  const Repacker::Candidate& candidate = repacker.at(chosen.factor);
+  result.archive = candidate.archive;
+  result.bytes = chosen.bytes;
+  result.factor = chosen.factor;
+  result.displacement = candidate.displacement;
+  progress.step(candidates);
+  return result;
+}
+
+RepackResult repack_file(const std::filesystem::path& from, const std::filesystem::path& to,
+                         const RepackOptions& options, Progress& progress) {
+  const std::vector<std::byte> bytes = read_file(from);
+  RepackResult result = with_context(from.string(), [&] { return repack(bytes, options, progress); });
+  write_verified_archive(to, result.archive);
+  return result;
+}
+
+}  // namespace fb::bake
