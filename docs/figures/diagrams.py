@@ -48,7 +48,7 @@ def bake_diagram():
     stages = [("rig", "plugin, glTF, dataset", 0), ("sample", "controls, positions", 1), ("analyse", "sparse blendshapes", 2),
               ("regions", "vertices, controls", 3), ("local bases", "PCA of the residual", 3), ("train", "one network a region", 4),
               ("compress", "blockwise PCA", 5), ("quantise", "8 and 16 bits", 5), ("pack", "entropy coding", 6),
-              ("measure", "unseen clips", 7), ("certify", "errors, golden poses", 7), ("verify", "the bytes on disk", 7)]
+              ("measure", "unseen clips", 7), ("certify", "errors, reference poses", 7), ("verify", "the bytes on disk", 7)]
     places = []
     for i, (name, what, colour) in enumerate(stages):
         row, column = divmod(i, 4)
