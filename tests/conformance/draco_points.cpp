@@ -1,5 +1,5 @@
-// Stock Draco as a program: decodes standard input, writes points, their positions and, if there are faces, the points'
-// indices and the faces. For fbk_read.py, which says in which form and has no other way to it.
+// Stock Draco as a program for fbk_read.py: decodes standard input, writes points and, if there are faces, the points'
+// indices and the faces, in the form that fbk_read.py documents.
 #include <draco/compression/decode.h>
 
 #include <cstdint>
@@ -23,13 +23,13 @@ int main() {
   const draco::PointAttribute* positions = mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* indices = mesh.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
   if (!done.ok() || buffer.remaining_size() != 0 || !positions || (mesh.num_faces() > 0 && !indices)) return 1;
-  const bool whole = positions->data_type() == draco::DT_INT32;
-  if (!whole && positions->data_type() != draco::DT_FLOAT32) return 1;
+  const bool integers = positions->data_type() == draco::DT_INT32;
+  if (!integers && positions->data_type() != draco::DT_FLOAT32) return 1;
   const auto write = [](std::uint32_t number) { std::fwrite(&number, sizeof number, 1, stdout); };
   const std::uint32_t count = mesh.num_points(), faces = mesh.num_faces();
   write(count);
   write(faces);
-  write(whole);
+  write(integers);
   for (draco::PointIndex point(0); point < count; ++point) {
     std::uint32_t xyz[3];  // the bits of either kind
     positions->GetMappedValue(point, xyz);

@@ -4,24 +4,24 @@ import struct
 import numpy as np
 
 
-class Damaged(Exception):
+class Corrupt(Exception):
     pass
 
 
 def require(condition, message):
     if not condition:
-        raise Damaged(message)
+        raise Corrupt(message)
 
 
 def xxh64(data):
     p = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
     mask = (1 << 64) - 1
 
-    def turn(x, bits):
+    def rotate(x, bits):
         return ((x << bits) | (x >> (64 - bits))) & mask
 
-    def mixed(state, lane):
-        return turn((state + lane * p[1]) & mask, 31) * p[0] & mask
+    def mixed(state, word):
+        return rotate((state + word * p[1]) & mask, 31) * p[0] & mask
 
     at, size = 0, len(data)
     if size >= 32:
@@ -30,27 +30,31 @@ def xxh64(data):
         for i, j, k, l in struct.iter_unpack("<QQQQ", data[:whole]):
             a, b, c, d = mixed(a, i), mixed(b, j), mixed(c, k), mixed(d, l)
         at = whole
-        h = (turn(a, 1) + turn(b, 7) + turn(c, 12) + turn(d, 18)) & mask
+        h = (rotate(a, 1) + rotate(b, 7) + rotate(c, 12) + rotate(d, 18)) & mask
         for state in (a, b, c, d):
             h = ((h ^ mixed(0, state)) * p[0] + p[3]) & mask
     else:
         h = p[4]
     h = (h + size) & mask
     for at in range(at, size - 7, 8):
-        h = (turn(h ^ mixed(0, struct.unpack_from("<Q", data, at)[0]), 27) * p[0] + p[3]) & mask
+        h = (rotate(h ^ mixed(0, struct.unpack_from("<Q", data, at)[0]), 27) * p[0] + p[3]) & mask
     at = size // 8 * 8
     if size - at >= 4:
-        h = (turn(h ^ (struct.unpack_from("<I", data, at)[0] * p[0] & mask), 23) * p[1] + p[2]) & mask
+        h = (rotate(h ^ (struct.unpack_from("<I", data, at)[0] * p[0] & mask), 23) * p[1] + p[2]) & mask
         at += 4
     for byte in data[at:]:
-        h = turn(h ^ (byte * p[4] & mask), 11) * p[0] & mask
+        h = rotate(h ^ (byte * p[4] & mask), 11) * p[0] & mask
     h = (h ^ h >> 33) * p[1] & mask
     h = (h ^ h >> 29) * p[2] & mask
     return h ^ h >> 32
 
 
+def unzigzag(z):
+    return z >> 1 ^ -(z & 1)
+
+
 class Contents:
-    """The unpacked bytes of one section, read from front to back."""
+    """The decompressed bytes of one section, read from front to back."""
 
     def __init__(self, name, data):
         self.name, self.data, self.at = name, data, 0
@@ -74,9 +78,8 @@ class Contents:
         planes = np.frombuffer(self.take(4 * count), np.uint8).reshape(4, count).astype(np.uint32)
         return (planes[0] | planes[1] << 8 | planes[2] << 16 | planes[3] << 24).view(kind)
 
-    def steps(self, count):
-        steps = self.planes(count).astype(np.int64)
-        return np.cumsum(steps >> 1 ^ -(steps & 1)) & 0xFFFFFFFF
+    def deltas(self, count):
+        return np.cumsum(unzigzag(self.planes(count).astype(np.int64))) & 0xFFFFFFFF
 
     def string(self):
         length = self.u32()
@@ -92,12 +95,14 @@ class Contents:
 # ---- Coded symbols
 
 
-class Symbols:
+class RansDecoder:
+    """Decodes the symbols and raw bits of a section; `contents` is at the table indices."""
+
     def __init__(self, contents, contexts):
         self.contents, tables = contents, []
-        table_of = contents.take(contexts)
-        require(max(table_of) <= 63, f"{contents.name}: too many tables")
-        for _ in range(max(table_of) + 1):
+        table_indices = contents.take(contexts)
+        require(max(table_indices) <= 63, f"{contents.name}: too many tables")
+        for _ in range(max(table_indices) + 1):
             count = contents.number("H")
             frequencies, first = [1024], 0
             if count > 0:
@@ -105,12 +110,12 @@ class Symbols:
                 require(first + count <= 256, f"{contents.name}: a symbol is too large")
                 frequencies = [self.frequency() for _ in range(count)]
                 require(sum(frequencies) == 1024, f"{contents.name}: frequencies do not sum to 1024")
-            table, start = [], 0
+            slots, start = [], 0
             for symbol, frequency in enumerate(frequencies, first):
-                table += [(symbol, frequency, start)] * frequency
+                slots += [(symbol, frequency, start)] * frequency
                 start += frequency
-            tables.append(table)
-        self.tables = [tables[t] for t in table_of]
+            tables.append(slots)
+        self.tables = [tables[t] for t in table_indices]  # of each context
         counts = [contents.u32() for _ in range(4)]
         self.states = [contents.u32() for _ in range(4)]
         require(min(self.states) >= 65536, f"{contents.name}: a state is too small")
@@ -121,7 +126,7 @@ class Symbols:
         low = self.contents.number("B")
         return low if low < 128 else low - 128 + 128 * self.contents.number("B")
 
-    def refill(self, stream, x):
+    def renormalise(self, stream, x):
         if x < 65536:
             word = next(self.words[stream], None)
             require(word is not None, f"{self.contents.name}: too few words")
@@ -130,16 +135,16 @@ class Symbols:
 
     def symbol(self, context, stream):
         x = self.states[stream]
-        r = x & 1023
-        symbol, frequency, start = self.tables[context][r]
-        self.refill(stream, frequency * (x >> 10) + r - start)
+        slot = x & 1023
+        symbol, frequency, start = self.tables[context][slot]
+        self.renormalise(stream, frequency * (x >> 10) + slot - start)
         return symbol
 
     def bits(self, count, stream):
         x = self.states[stream]
-        self.refill(stream, x >> count)
+        self.renormalise(stream, x >> count)
         return x & (1 << count) - 1
 
     def end(self):
-        require(all(next(words, None) is None for words in self.words), f"{self.contents.name}: words are left")
-        require(self.states == [65536] * 4, f"{self.contents.name}: does not end as it should")
+        require(all(next(words, None) is None for words in self.words), f"{self.contents.name}: too many words")
+        require(self.states == [65536] * 4, f"{self.contents.name}: a stream does not end in state 65536")

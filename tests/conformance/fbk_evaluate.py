@@ -1,6 +1,6 @@
-"""What FORMAT.md says under "Whole numbers" and "What a reader computes", for fbk_read.py.
+"""FORMAT.md, "Quantised values" and "What a reader computes". For fbk_read.py.
 
-`face` is what fbk_read.py has read: its features, direct, regions, places, groups, order, rest and controls.
+`face` is a Face of fbk_read.py: its features, direct, regions, row_blocks, order, rest and controls are used.
 """
 import numpy as np
 
@@ -12,21 +12,21 @@ TANH_P = [F(x) for x in (-2.76076847742355e-16, 2.00018790482477e-13, -8.6046715
 TANH_Q = [F(x) for x in (1.19825839466702e-06, 1.18534705686654e-04, 2.26843463243900e-03, 4.89352518554385e-03)]
 
 
-def digits(w):
-    low = (w + 128 & 255) - 128
-    return (w - low) // 256, low
+def digits(q):
+    low = (q + 128 & 255) - 128
+    return (q - low) // 256, low
 
 
 def limit_of(matrix):
-    """Of sums over the last axis of these digits."""
+    """The limit of sums over the last axis of these digits."""
     largest = int(np.abs(matrix).sum(-1).max(initial=0)) if matrix.size else 0
     return min(LIMIT, (2**31 - 1) // largest) if largest else LIMIT
 
 
 def quantise(x, limit):
-    size = np.abs(x)
-    size[~(size <= F(2.0**100))] = F(2.0**100)
-    m = size.max(initial=F(0))
+    magnitudes = np.abs(x)
+    magnitudes[~(magnitudes <= F(2.0**100))] = F(2.0**100)
+    m = magnitudes.max(initial=F(0))
     if m < F(2.0**-100):
         return np.zeros(len(x), np.int64), F(0)
     q = np.rint(x * (F(limit) / m))
@@ -61,22 +61,22 @@ def activate(kind, y):
 def prepare(face):
     for region in face.regions:
         for layer in region["layers"]:
-            sums = np.stack(digits(layer["weights"])) if layer["wide"] else layer["weights"]
+            sums = np.stack(digits(layer["weights"])) if layer["is_16_bit"] else layer["weights"]
             layer["limit"] = limit_of(sums)
         region["rest"] = run_layers(region, np.zeros(len(region["features"]), F))
         if not np.isfinite(region["rest"]).all():
             raise ValueError("network: not finite at rest")
     order = np.array(face.order)
-    for group in face.groups:
-        rows, numbers = np.arange(group["first"], group["first"] + group["rows"]), []
-        for place in group["columns"]:
-            if place["wide"]:
-                numbers += digits(place["values"])
+    for block in face.row_blocks:
+        rows, summands = np.arange(block["first"], block["first"] + block["rows"]), []
+        for segment in block["segments"]:
+            if segment["is_16_bit"]:
+                summands += digits(segment["values"])
             else:
-                numbers.append(place["values"])
-        group["matrix"] = np.stack(numbers, 1) if numbers else np.zeros((group["rows"], 0), np.int64)
-        group["limit"] = limit_of(group["matrix"])
-        group["coordinates"] = 3 * order[rows // 3] + rows % 3
+                summands.append(segment["values"])
+        block["matrix"] = np.stack(summands, 1) if summands else np.zeros((block["rows"], 0), np.int64)
+        block["limit"] = limit_of(block["matrix"])
+        block["coordinates"] = 3 * order[rows // 3] + rows % 3
 
 
 def feature_values(face, controls):
@@ -103,7 +103,7 @@ def feature_values(face, controls):
 def run_layers(region, x):
     for layer in region["layers"]:
         q, step = quantise(x, layer["limit"])
-        if layer["wide"]:
+        if layer["is_16_bit"]:
             high, low = (d @ q for d in digits(layer["weights"]))
             sums = F(256) * high.astype(F) + low.astype(F)
         else:
@@ -141,13 +141,13 @@ def evaluate(face, controls):
     controls = [min(max(c, control[2]), control[3]) for c, control in zip(controls, face.controls)]
     coefficients = coefficients_of(face, feature_values(face, controls))
     positions = face.rest.copy()
-    for group in face.groups:
+    for block in face.row_blocks:
         summands = []
-        for place in group["columns"]:
-            low = coefficients[place["column"]] * place["scale"]
-            summands += [F(256) * low, low] if place["wide"] else [low]
-        q, step = quantise(np.array(summands, F), group["limit"])
+        for segment in block["segments"]:
+            low = coefficients[segment["column"]] * segment["scale"]
+            summands += [F(256) * low, low] if segment["is_16_bit"] else [low]
+        q, step = quantise(np.array(summands, F), block["limit"])
         if step != 0:
-            at = group["coordinates"]
-            positions[at] = face.rest[at] + step * (group["matrix"] @ q).astype(F)
+            at = block["coordinates"]
+            positions[at] = face.rest[at] + step * (block["matrix"] @ q).astype(F)
     return positions

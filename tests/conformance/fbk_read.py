@@ -4,7 +4,7 @@
     fbk_read.py FILE...
 
 reads every file, evaluates the poses of its proof and compares them with what was archived, bit for bit. Exit code 0
-if all agree, 1 at the first difference or damage, 2 on wrong use. With --positions it prints the positions of the
+if all agree, 1 at the first difference or corrupt archive, 2 on wrong use. With --positions it prints the positions of the
 proof's poses as hexadecimal bits instead of comparing them, for other programs to compare.
 
 Needs Python 3.8, NumPy, and for the rest mesh a Draco decoder: the module DracoPy, or a program named by the variable
@@ -22,7 +22,7 @@ import zlib
 import numpy as np
 
 import fbk_evaluate
-from fbk_bytes import Contents, Damaged, Symbols, require, xxh64
+from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 
 F = np.float32
 
@@ -38,7 +38,7 @@ def read_sections(data):
     require(count <= 64, "too many sections")
     table = 24 + 56 * count
     require(len(data) >= table + 16, "truncated within the section table")
-    require(struct.unpack_from("<Q", data, table)[0] == xxh64(data[:table]), "header and section table are damaged")
+    require(struct.unpack_from("<Q", data, table)[0] == xxh64(data[:table]), "header and section table are corrupt")
     require(len(data) == size, "truncated, or followed by other bytes")
     sections, end = {}, table + 8
     for row in range(count):
@@ -46,26 +46,26 @@ def read_sections(data):
         text = name.rstrip(b"\0")
         require(text and all(0x21 <= c <= 0x7E for c in text), "a section's name is not printable")
         text = text.decode()
-        require(text not in sections, f"{text}: twice")
+        require(text not in sections, f"{text}: there already is a section of this name")
         require(flags in (0, 1), f"{text}: unsupported flags")
-        require(offset == end and stored <= size - 8 - offset, f"{text}: not where it should be")
+        require(offset == end and stored <= size - 8 - offset, f"{text}: does not follow the part before it")
         end = offset + stored
         sections[text] = (flags, codec, raw, data[offset:end])
-        require(xxh64(data[offset:end]) == checksum, f"{text}: damaged")
-    require(end == size - 8, "the last section ends elsewhere")
-    require(struct.unpack_from("<Q", data, end)[0] == xxh64(data[:end]), "damaged")
+        require(xxh64(data[offset:end]) == checksum, f"{text}: corrupt")
+    require(end == size - 8, "the last section does not end at the file checksum")
+    require(struct.unpack_from("<Q", data, end)[0] == xxh64(data[:end]), "the file is corrupt")
     return sections
 
 
-def unpack(sections, name):
+def decompress(sections, name):
     require(name in sections, f"no section {name}")
     _, codec, raw, stored = sections[name]
     require(codec in (0, 2), f"{name}: unsupported codec {codec}")
     if codec == 2:
         stream = zlib.decompressobj()
         stored = stream.decompress(stored, raw + 1)
-        require(stream.eof and not stream.unused_data, f"{name}: not one whole zlib stream")
-    require(len(stored) == raw, f"{name}: unpacks to another size")
+        require(stream.eof and not stream.unused_data, f"{name}: not exactly one zlib stream")
+    require(len(stored) == raw, f"{name}: decompresses to another size")
     return Contents(name, stored)
 
 
@@ -101,51 +101,50 @@ def read_polygons(c, face):
     require(coding in (0, 1), f"polygons: unsupported coding {coding}")
     face.polygons = []
     if coding == 0:
-        face.polygons = read_corner_steps(c, sizes, c.planes(corners).tolist(), face.vertices)
+        face.polygons = read_corner_deltas(c, sizes, c.planes(corners).tolist(), face.vertices)
     else:
-        read_turns(c, face, sizes, c.steps(count).tolist(), c.take(count))
+        read_along_triangles(face, sizes, c.deltas(count).tolist(), c.take(count))
     c.end()
 
 
-def read_corner_steps(c, sizes, steps, limit):
-    polygons, flat, before = [], [], 0
+def read_corner_deltas(c, sizes, deltas, limit):
+    polygons, corners, previous = [], [], 0
     for size in sizes:
-        begin = len(flat)
+        begin = len(corners)
         for k in range(size):
-            base = flat[begin - before + k] if k < before else flat[-1] if flat else 0
-            step = steps[len(flat)]
-            flat.append(base + (step >> 1 ^ -(step & 1)) & 0xFFFFFFFF)
-            require(flat[-1] < limit, f"{c.name}: a corner beyond {limit}")
-        polygons.append(flat[begin:])
-        before = size
+            prediction = corners[begin - previous + k] if k < previous else corners[-1] if corners else 0
+            corners.append(prediction + unzigzag(deltas[len(corners)]) & 0xFFFFFFFF)
+            require(corners[-1] < limit, f"{c.name}: a corner is not below {limit}")
+        polygons.append(corners[begin:])
+        previous = size
     return polygons
 
 
-def read_turns(c, face, sizes, firsts, turns):
+def read_along_triangles(face, sizes, first_corners, edge_indices):
     edges = {}
     for triangle in face.triangles:
         for k in range(3):
-            v, to, beyond = (triangle[(k + i) % 3] for i in range(3))
-            edges.setdefault(v, []).append((to, beyond))
-    before = None
-    for size, v, turn in zip(sizes, firsts, turns):
+            v, to, opposite = (triangle[(k + i) % 3] for i in range(3))
+            edges.setdefault(v, []).append((to, opposite))
+    previous = None
+    for size, v, edge_index in zip(sizes, first_corners, edge_indices):
         require(v < face.vertices, "polygons: no such vertex")
-        prediction = v + before[1] - before[0] if before else v
-        mine = edges.get(v, [])
-        beyond = dict(mine)
-        require(len(mine) <= 64 and len(beyond) == len(mine), "polygons: triangles that do not tell")
+        prediction = v + previous[1] - previous[0] if previous else v
+        from_v = edges.get(v, [])
+        opposite = dict(from_v)
+        require(len(from_v) <= 64 and len(opposite) == len(from_v), "polygons: not coded along these triangles")
 
-        def step(w):
+        def zigzag_distance(w):
             d = (w - prediction) % 2**32
             return 2 * d if d < 2**31 else 2 * (2**32 - d) - 1
 
-        require(turn < len(mine), "polygons: no such turn")
-        polygon = [v, sorted(beyond, key=step)[turn]]
+        require(edge_index < len(from_v), "polygons: no such edge")
+        polygon = [v, sorted(opposite, key=zigzag_distance)[edge_index]]
         while len(polygon) < size:
-            require(polygon[-1] in beyond, "polygons: no triangle goes on")
-            polygon.append(beyond[polygon[-1]])
+            require(polygon[-1] in opposite, "polygons: no fan of triangles")
+            polygon.append(opposite[polygon[-1]])
         face.polygons.append(polygon)
-        before = polygon
+        previous = polygon
 
 
 def draco_points(data):
@@ -154,8 +153,8 @@ def draco_points(data):
     if program:
         done = subprocess.run([program], input=data, capture_output=True)
         require(done.returncode == 0, "geometry: the Draco data cannot be decoded")
-        count, faces, whole = struct.unpack_from("<III", done.stdout)
-        points = np.frombuffer(done.stdout, "<i4" if whole else "<f4", 3 * count, 12).reshape(count, 3)
+        count, faces, integers = struct.unpack_from("<III", done.stdout)
+        points = np.frombuffer(done.stdout, "<i4" if integers else "<f4", 3 * count, 12).reshape(count, 3)
         rest = np.frombuffer(done.stdout, "<u4", -1, 12 + 12 * count)
         return points, rest[:count], rest[count:].reshape(faces, 3)
     import DracoPy
@@ -168,15 +167,16 @@ def draco_points(data):
 
 
 def read_geometry(c, face):
-    order, triangles, step = c.u32(), c.u32(), c.array("f4", 1)[0]
+    order, triangles, grid_step = c.u32(), c.u32(), c.array("f4", 1)[0]
     require(order in (0, 1), f"geometry: unsupported order {order}")
-    require(step == 0 or step > 0 and np.isfinite(step) and np.frexp(step)[0] == 0.5, "geometry: the grid's step")
+    power_of_two = grid_step > 0 and np.isfinite(grid_step) and np.frexp(grid_step)[0] == 0.5
+    require(grid_step == 0 or power_of_two, "geometry: the grid step")
     points, index, faces = draco_points(c.take(len(c.data) - c.at))
     require(len(points) == face.vertices and len(faces) == triangles, "geometry: points or triangles")
-    require((points.dtype.kind == "f") == bool(step == 0), "geometry: a grid without whole numbers, or these without")
-    if step > 0:
+    require((points.dtype.kind == "f") == bool(grid_step == 0), "geometry: a grid without integers, or integers without a grid")
+    if grid_step > 0:
         require((abs(points.astype(np.int64)) <= 16777215).all(), "geometry: beyond the grid")
-        points = points.astype(F) * step
+        points = points.astype(F) * grid_step
     require(np.isfinite(points).all(), "geometry: points")
     if order == 1:
         require(sorted(index.tolist()) == list(range(face.vertices)), "geometry: indices")
@@ -192,15 +192,15 @@ def read_geometry(c, face):
 
 def read_uvs(c, face):
     pairs, coding = c.u32(), c.u32()
-    require(pairs > 0, "uvs: there are none")
+    require(pairs > 0, "uvs: no texture coordinates")
     require(coding in (0, 1), f"uvs: unsupported coding {coding}")
     face.uvs = np.stack([c.planes(pairs, "f4"), c.planes(pairs, "f4")], axis=1)
     require(np.isfinite(face.uvs).all(), "uvs: not finite")
     if coding == 0:
         sizes = [len(polygon) for polygon in face.polygons]
-        face.uv_polygons = read_corner_steps(c, sizes, c.planes(sum(sizes)).tolist(), pairs)
+        face.uv_polygons = read_corner_deltas(c, sizes, c.planes(sum(sizes)).tolist(), pairs)
     else:
-        require(pairs == face.vertices, "uvs: not one a vertex")
+        require(pairs == face.vertices, "uvs: not one per vertex")
         face.uv_polygons = face.polygons
     c.end()
 
@@ -217,7 +217,7 @@ def read_network(c, face):
         require(kind <= 4, f"network: unsupported feature kind {kind}")
         if kind >= 3:
             first, second = c.u32(), c.u32()
-            require(max(first, second) < f, "network: a feature is made of later ones")
+            require(max(first, second) < f, "network: a feature uses later ones")
             face.features.append((kind, first, second))
             continue
         control = c.u32()
@@ -236,9 +236,9 @@ def read_network(c, face):
         region = {"name": c.string(), "features": indices(count), "gate": indices(count)}
         region["slope"] = c.array("f4", 1)[0]
         require(np.isfinite(region["slope"]) and region["slope"] > 0, "network: a gate's slope")
-        looked = [face.features[f] for f in region["gate"]]
-        require(all(f[0] == 0 for f in looked), "network: a gate looks at what is no identity")
-        require(all(a[1] < b[1] for a, b in zip(looked, looked[1:])), "network: a gate's controls do not ascend")
+        gate = [face.features[f] for f in region["gate"]]
+        require(all(f[0] == 0 for f in gate), "network: a gate feature is no identity")
+        require(all(a[1] < b[1] for a, b in zip(gate, gate[1:])), "network: gate features are not ascending by control")
         region["layers"], width = [], len(region["features"])
         for _ in range(c.u32()):
             inputs, outputs, activation, flags = c.u32(), c.u32(), c.number("B"), c.number("B")
@@ -246,9 +246,9 @@ def read_network(c, face):
             require(inputs == width <= 16777215 and outputs >= 1, "network: widths")
             require(not flags & 1 or inputs == outputs, "network: skip")
             bias, scales = c.planes(outputs, F), c.planes(outputs, F)
-            require(np.isfinite(bias).all() and np.isfinite(scales).all(), "network: numbers that are not finite")
+            require(np.isfinite(bias).all() and np.isfinite(scales).all(), "network: not finite")
             region["layers"].append(
-                {"shape": (outputs, inputs), "activation": activation, "skip": flags & 1, "wide": flags >> 1,
+                {"shape": (outputs, inputs), "activation": activation, "skip": flags & 1, "is_16_bit": flags >> 1,
                  "bias": bias, "scales": scales})
             width = outputs
         require(region["layers"], "network: a region without layers")
@@ -258,22 +258,22 @@ def read_network(c, face):
 
 
 def read_weights(c, face):
-    symbols = Symbols(c, 9)
+    rans = RansDecoder(c, 9)
     for region in face.regions:
         last = len(region["layers"]) - 1
         for number, layer in enumerate(region["layers"]):
             t = 2 if number == last else 0 if number == 0 else 1
             weights = []
             for i in range(layer["shape"][0] * layer["shape"][1]):
-                if layer["wide"]:
-                    high = symbols.symbol(t + 3, i % 4) - 127
-                    weights.append(256 * high + symbols.symbol(t + 6, i % 4) - 128)
+                if layer["is_16_bit"]:
+                    high = rans.symbol(t + 3, i % 4) - 127
+                    weights.append(256 * high + rans.symbol(t + 6, i % 4) - 128)
                 else:
-                    weights.append(symbols.symbol(t, i % 4) - 127)
-            most = 32512 if layer["wide"] else 127
-            require(all(-most <= w <= most for w in weights), "weights: beyond their range")
+                    weights.append(rans.symbol(t, i % 4) - 127)
+            largest = 32512 if layer["is_16_bit"] else 127
+            require(all(-largest <= w <= largest for w in weights), "weights: out of range")
             layer["weights"] = np.array(weights, np.int64).reshape(layer["shape"])
-    symbols.end()
+    rans.end()
 
 
 def read_basis(c, face):
@@ -282,172 +282,195 @@ def read_basis(c, face):
     require(ordered <= 1, "basis: order flag")
     face.order = list(range(face.vertices))
     if ordered:
-        face.order = c.steps(face.vertices).tolist()
-        require(sorted(face.order) == list(range(face.vertices)), "basis: the order does not name every vertex once")
+        face.order = c.deltas(face.vertices).tolist()
+        require(sorted(face.order) == list(range(face.vertices)), "basis: the order does not list every vertex once")
     rows = c.planes(c.u32()).tolist()
     require(all(rows) and sum(rows) == 3 * face.vertices, "basis: rows")
-    face.groups, first = [], 0
+    face.row_blocks, first = [], 0
     for count in rows:
-        face.groups.append({"first": first, "rows": count, "columns": []})
+        face.row_blocks.append({"first": first, "rows": count, "segments": []})
         first += count
-    places = c.planes(columns).tolist()
-    steps = c.planes(sum(places)).tolist()
-    flags = c.take(sum(places))
+    read_segments(c, face, columns)
+    for block in face.row_blocks:
+        require(sum(2 if s["is_16_bit"] else 1 for s in block["segments"]) <= 16777215, "basis: too many summands")
+
+
+def read_segments(c, face, columns):
+    counts = c.planes(columns).tolist()
+    deltas = c.planes(sum(counts)).tolist()
+    flags = c.take(sum(counts))
     scales = iter(c.planes(c.u32(), F))
     c.end()
-    face.places, at, scale = [], 0, None
+    face.segments, at, scale = [], 0, None
     for column in range(columns):
-        group = 0
-        for i in range(places[column]):
-            require(i == 0 or steps[at] > 0, "basis: a column lies twice in a group")
-            group += steps[at]
-            require(group < len(face.groups) and flags[at] <= 3, "basis: a place")
+        block = 0
+        for i in range(counts[column]):
+            require(i == 0 or deltas[at] > 0, "basis: a column lies twice in a row block")
+            block += deltas[at]
+            require(block < len(face.row_blocks) and flags[at] <= 3, "basis: a segment")
             if flags[at] & 2:
                 scale = next(scales, None)
-            require(scale is not None, "basis: a place has no scale")
-            wide = bool(flags[at] & 1)
+            require(scale is not None, "basis: a segment has no scale")
+            is_16_bit = bool(flags[at] & 1)
             with np.errstate(over="ignore"):
-                require(np.isfinite(scale * F(256) if wide else scale), "basis: a scale that is not finite")
-            place = {"column": column, "wide": wide, "scale": scale, "group": group}
-            face.groups[group]["columns"].append(place)
-            face.places.append(place)
+                require(np.isfinite(scale * F(256) if is_16_bit else scale), "basis: a scale that is not finite")
+            segment = {"column": column, "is_16_bit": is_16_bit, "scale": scale, "block": block}
+            face.row_blocks[block]["segments"].append(segment)
+            face.segments.append(segment)
             at += 1
-    require(next(scales, None) is None, "basis: scales are left")
-    for group in face.groups:
-        require(sum(2 if p["wide"] else 1 for p in group["columns"]) <= 16777215, "basis: too many summands")
+    require(next(scales, None) is None, "basis: too many scales")
 
 
 def find_neighbours(face):
-    near = [[] for _ in range(face.vertices)]
+    neighbours = [[] for _ in range(face.vertices)]
     for polygon in face.polygons:
         for v, w in zip(polygon, polygon[1:] + polygon[:1]):
-            if v != w and w not in near[v] and len(near[v]) < 16 and len(near[w]) < 16:
-                near[v].append(w)
-                near[w].append(v)
-    return near
+            if v != w and w not in neighbours[v] and len(neighbours[v]) < 16 and len(neighbours[w]) < 16:
+                neighbours[v].append(w)
+                neighbours[w].append(v)
+    return neighbours
 
 
-def predictors_of(v, known, near, coded):
-    """The predictors of a vertex as triples (left, right, across), None for nobody; and its surroundings."""
+def candidates_of(v, coded, neighbours, time):
+    """The candidate predictors of a vertex as triples (left, right, across) of vertices or None; its neighbourhood."""
     def last(vertices):
-        return max(vertices, key=lambda w: coded[w], default=None)
+        return max(vertices, key=lambda w: time[w], default=None)
 
-    predictors = []
-    for i, j in ((i, j) for i in range(len(known[:4])) for j in range(i + 1, len(known[:4]))):
-        across = last(w for w in near[known[i]]
-                      if coded[w] and w != v and w in near[known[j]] and w not in near[v])
+    candidates = []
+    for i, j in ((i, j) for i in range(len(coded[:4])) for j in range(i + 1, len(coded[:4]))):
+        across = last(w for w in neighbours[coded[i]]
+                      if time[w] and w != v and w in neighbours[coded[j]] and w not in neighbours[v])
         if across is not None:
-            predictors.append((known[i], known[j], across))
-    surroundings = 0 if predictors else 1 if known else 2
-    predictors += [(k, None, None) for k in known[:2]]
-    for k in known[:4]:
-        beyond = last(w for w in near[k] if coded[w] and w != v and w not in near[v]
-                      and not any(w in near[u] for u in near[v] if u != k))
-        if beyond is not None:
-            predictors.append((k, k, beyond))
-    return predictors or [(None, None, None)], surroundings
+            candidates.append((coded[i], coded[j], across))
+    neighbourhood = 0 if candidates else 1 if coded else 2
+    candidates += [(k, None, None) for k in coded[:2]]
+    for k in coded[:4]:
+        across = last(w for w in neighbours[k] if time[w] and w != v and w not in neighbours[v]
+                      and not any(w in neighbours[u] for u in neighbours[v] if u != k))
+        if across is not None:
+            candidates.append((k, k, across))
+    return candidates or [(None, None, None)], neighbourhood
 
 
-def find_pieces(face, near, symbols):
-    """For every group its pieces in coding order: vertex, first row in the group, axes, predictors, surroundings, k1, k2."""
-    coded = [0] * face.vertices  # the turn of a vertex's last piece
-    turn = 0
-    for group in face.groups:
-        begin, end = group["first"], group["first"] + group["rows"]
+def read_coding_units(face, neighbours, rans):
+    """The coding units of every row block in coding order, with their predictor pairs from stream 0. A unit is: vertex,
+    first row in the block, axes, the two predictors, neighbourhood, k1, k2."""
+    time = [0] * face.vertices  # when the last unit of a vertex was coded; 0: not yet
+    now = 0
+    for block in face.row_blocks:
+        begin, end = block["first"], block["first"] + block["rows"]
         waiting = {}
         for i in range(begin // 3, (end + 2) // 3):
             low, high = max(begin, 3 * i), min(end, 3 * i + 3)
             waiting[face.order[i]] = (low - begin, range(low - 3 * i, high - 3 * i))
-        count = {v: sum(coded[w] > 0 for w in near[v]) for v in waiting}
+        count = {v: sum(time[w] > 0 for w in neighbours[v]) for v in waiting}
         heap = [(-count[v], waiting[v][0], v) for v in waiting]
         heapq.heapify(heap)
-        group["pieces"] = []
+        block["units"] = []
         while waiting:
             _, row, v = heapq.heappop(heap)
             if v not in waiting:
                 continue
             axes = waiting.pop(v)[1]
-            known = sorted((w for w in near[v] if coded[w]), key=lambda w: -coded[w])
-            predictors, surroundings = predictors_of(v, known, near, coded)
-            choice = symbols.symbol(0 if surroundings == 0 else 1, 0) if len(predictors) > 1 else 0
+            coded = sorted((w for w in neighbours[v] if time[w]), key=lambda w: -time[w])
+            candidates, neighbourhood = candidates_of(v, coded, neighbours, time)
+            pair = rans.symbol(0 if neighbourhood == 0 else 1, 0) if len(candidates) > 1 else 0
             j = 0
-            while (j + 1) * (j + 2) // 2 <= choice:
+            while (j + 1) * (j + 2) // 2 <= pair:
                 j += 1
-            require(j < len(predictors), "basis-values: a prediction that there is not")
-            chosen = (predictors[choice - j * (j + 1) // 2], predictors[j])
-            k1, k2 = (known + known)[:2] if known else (None, None)
-            group["pieces"].append((v, row, axes, chosen, surroundings, k1, k2))
-            new = coded[v] == 0
-            turn += 1
-            coded[v] = turn
-            for w in near[v] if new else []:
+            require(j < len(candidates), "basis-values: no such predictor")
+            predictors = (candidates[pair - j * (j + 1) // 2], candidates[j])
+            k1, k2 = (coded + coded)[:2] if coded else (None, None)
+            block["units"].append((v, row, axes, predictors, neighbourhood, k1, k2))
+            first_time = time[v] == 0
+            now += 1
+            time[v] = now
+            for w in neighbours[v] if first_time else []:
                 if w in waiting:
                     count[w] += 1
                     heapq.heappush(heap, (-count[w], waiting[w][0], w))
 
 
+class ColumnHistory:
+    """What has been decoded of a column, by vertex."""
+
+    def __init__(self):
+        self.values, self.residuals, self.residual_class, self.value_class = {}, {}, {}, {}
+
+
 def read_basis_values(c, face):
-    symbols = Symbols(c, 255)
-    find_pieces(face, find_neighbours(face), symbols)
-    rows = [face.groups[place["group"]]["rows"] for place in face.places]
-    before, columns = 0, {}  # of each column, the numbers in those before it
-    for place, count in zip(face.places, rows):
-        columns.setdefault(place["column"], before)
+    rans = RansDecoder(c, 255)
+    read_coding_units(face, find_neighbours(face), rans)
+    rows = [face.row_blocks[segment["block"]]["rows"] for segment in face.segments]
+    before, values_before = 0, {}  # of each column, the number of values in the columns before it
+    for segment, count in zip(face.segments, rows):
+        values_before.setdefault(segment["column"], before)
         before += count
     column = None
-    for place in face.places:
-        if place["column"] != column:
-            column, numbers, residuals, classes, magnitudes = place["column"], {}, {}, {}, {}
-            stream = 4 * columns[column] // before
-        place["values"] = np.array(read_place(symbols, stream, face.groups[place["group"]], 32512 if place["wide"] else 127,
-                                              numbers, residuals, classes, magnitudes), np.int64)
-    symbols.end()
+    for segment in face.segments:
+        if segment["column"] != column:
+            column, history = segment["column"], ColumnHistory()
+            stream = 4 * values_before[column] // before
+        largest = 32512 if segment["is_16_bit"] else 127
+        values = read_segment_values(rans, stream, face.row_blocks[segment["block"]], largest, history)
+        segment["values"] = np.array(values, np.int64)
+    rans.end()
 
 
-def read_place(symbols, stream, group, m, numbers, residuals, classes, magnitudes):
-    values, nothing = [0] * group["rows"], [0, 0, 0]
-    for v, row, axes, (one, other), surroundings, k1, k2 in group["pieces"]:
-        t = 0
-        if k1 is not None:
-            s = classes.get(k1, 0) + classes.get(k2, 0)
-            g = magnitudes.get(k2, 0)
-            if s == 0:
-                t = 0 if g == 0 else 1
-            else:
-                t = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
-        first = symbols.symbol(2 + 42 * surroundings + t, stream)
-        left_over = [0, 0, 0]
-        if first < 27:
-            b = 1 if first > 0 else 0
-            left_over = [(0, 1, -1)[first // 3**axis % 3] for axis in range(3)]
-            require(all(left_over[axis] == 0 or axis in axes for axis in range(3)), "basis-values: an axis too many")
+def class_context(history, neighbourhood, k1, k2):
+    t = 0
+    if k1 is not None:
+        s = history.residual_class.get(k1, 0) + history.residual_class.get(k2, 0)
+        g = history.value_class.get(k2, 0)
+        if s == 0:
+            t = 0 if g == 0 else 1
         else:
-            b = first - 25
-            require(b <= 17, "basis-values: a class is too large")
-            r1, r2 = residuals.get(k1, nothing), residuals.get(k2, nothing)
-            reached, f = False, max(b - 6, 0)
-            for i, axis in enumerate(axes):
-                n = abs(r1[axis]) + abs(r2[axis])
-                e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
-                context = 87 + 3 * (7 * (min(b, 9) - 2) + e) + (1 if reached else 2 if last else 0)
-                code = symbols.symbol(context, stream) << f
-                if f > 0:
-                    code += symbols.bits(f, stream)
-                left_over[axis] = code - ((1 << b) - 1)
-                reached = reached or abs(left_over[axis]) >= 1 << b - 1
-        mine = numbers.setdefault(v, [0, 0, 0])
-        predicted = [(parallelogram(one, numbers, axis) + parallelogram(other, numbers, axis) + 1) >> 1 for axis in range(3)]
+            t = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
+    return 2 + 42 * neighbourhood + t
+
+
+def read_residuals(rans, stream, axes, history, neighbourhood, k1, k2):
+    """The class of a unit and its residuals by axis."""
+    symbol = rans.symbol(class_context(history, neighbourhood, k1, k2), stream)
+    if symbol < 27:
+        residuals = [(0, 1, -1)[symbol // 3**axis % 3] for axis in range(3)]
+        require(all(residuals[axis] == 0 or axis in axes for axis in range(3)), "basis-values: no such axis")
+        return 1 if symbol > 0 else 0, residuals
+    b = symbol - 25
+    require(b <= 17, "basis-values: a class is too large")
+    residuals, zeros = [0, 0, 0], [0, 0, 0]
+    r1, r2 = history.residuals.get(k1, zeros), history.residuals.get(k2, zeros)
+    reached, f = False, max(b - 6, 0)
+    for i, axis in enumerate(axes):
+        n = abs(r1[axis]) + abs(r2[axis])
+        e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
+        context = 87 + 3 * (7 * (min(b, 9) - 2) + e) + (1 if reached else 2 if last else 0)
+        code = rans.symbol(context, stream) << f
+        if f > 0:
+            code += rans.bits(f, stream)
+        residuals[axis] = code - ((1 << b) - 1)
+        reached = reached or abs(residuals[axis]) >= 1 << b - 1
+    return b, residuals
+
+
+def read_segment_values(rans, stream, block, largest, history):
+    segment_values = [0] * block["rows"]
+    for v, row, axes, predictors, neighbourhood, k1, k2 in block["units"]:
+        b, residuals = read_residuals(rans, stream, axes, history, neighbourhood, k1, k2)
+        values = history.values.setdefault(v, [0, 0, 0])
+        first, second = (predicted(predictor, history.values) for predictor in predictors)
         for i, axis in enumerate(axes):
-            number = predicted[axis] + left_over[axis]
-            require(-m <= number <= m, "basis-values: beyond their range")
-            mine[axis] = values[row + i] = number
-        residuals[v], classes[v], magnitudes[v] = left_over, b, max(map(abs, mine)).bit_length()
-    return values
+            value = (first[axis] + second[axis] + 1 >> 1) + residuals[axis]
+            require(-largest <= value <= largest, "basis-values: out of range")
+            values[axis] = segment_values[row + i] = value
+        history.residuals[v], history.residual_class[v] = residuals, b
+        history.value_class[v] = max(map(abs, values)).bit_length()
+    return segment_values
 
 
-def parallelogram(predictor, numbers, axis):
-    left, right, across = (numbers[v][axis] if v in numbers else 0 for v in predictor)
-    return left + right - across
+def predicted(predictor, values):
+    left, right, across = (values.get(v, [0, 0, 0]) for v in predictor)
+    return [left[axis] + right[axis] - across[axis] for axis in range(3)]
 
 
 def read_text(c):
@@ -472,19 +495,19 @@ class Face:
             sections = read_sections(file.read())
         for name, (flags, *_) in sections.items():
             require(name in REQUIRED + OPTIONAL or not flags & 1, f"{name}: required and unknown")
-        read_definition(unpack(sections, "definition"), self)
-        read_geometry(unpack(sections, "geometry"), self)
-        read_polygons(unpack(sections, "polygons"), self)
-        read_network(unpack(sections, "network"), self)
-        read_weights(unpack(sections, "weights"), self)
-        read_basis(unpack(sections, "basis"), self)
-        read_basis_values(unpack(sections, "basis-values"), self)
+        read_definition(decompress(sections, "definition"), self)
+        read_geometry(decompress(sections, "geometry"), self)
+        read_polygons(decompress(sections, "polygons"), self)
+        read_network(decompress(sections, "network"), self)
+        read_weights(decompress(sections, "weights"), self)
+        read_basis(decompress(sections, "basis"), self)
+        read_basis_values(decompress(sections, "basis-values"), self)
         if "uvs" in sections:
-            read_uvs(unpack(sections, "uvs"), self)
-        self.text = {n: read_text(unpack(sections, n)) for n in OPTIONAL[:3] if n in sections}
+            read_uvs(decompress(sections, "uvs"), self)
+        self.text = {n: read_text(decompress(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:
-            read_proof(unpack(sections, "proof"), self)
+            read_proof(decompress(sections, "proof"), self)
         fbk_evaluate.prepare(self)
 
     def verify(self):
@@ -513,8 +536,8 @@ def main(arguments):
                         print(fbk_evaluate.evaluate(face, controls).astype(">f4").tobytes().hex())
                 else:
                     print(f"{path}: {face.verify()} poses evaluate as archived")
-        except (Damaged, ValueError) as damage:
-            print(f"{path}: {damage}", file=sys.stderr)
+        except (Corrupt, ValueError) as error:
+            print(f"{path}: {error}", file=sys.stderr)
             return 1
     return 0
 

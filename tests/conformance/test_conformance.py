@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""conformance_test.py READER FOLDER...: the reader accepts all of FOLDER/accepted and refuses each of FOLDER/rejected."""
+"""test_conformance.py READER FOLDER...: the reader accepts all of FOLDER/accepted and refuses each of FOLDER/rejected."""
 import pathlib
 import subprocess
 import sys
@@ -10,26 +10,26 @@ def run(reader, files):
 
 
 def main(reader, *folders):
-    wrong = 0
+    failures = 0
     for folder in map(pathlib.Path, folders):
         accepted, rejected = (sorted((folder / kind).glob("*.fbk")) for kind in ("accepted", "rejected"))
         if not accepted or not rejected:
             print(f"{folder}: no archives")
-            wrong += 1
+            failures += 1
         done = run(reader, accepted)
         lines = done.stdout.splitlines()
         if done.returncode != 0 or len(lines) != len(accepted):
             print(f"{folder}: {done.stderr}")
-            wrong += 1
-        posed = sum(int(line.rsplit(": ", 1)[1].split()[0]) for line in lines)
-        print(f"{folder}: {len(lines)} accepted, {posed} poses")
+            failures += 1
+        poses = sum(int(line.rsplit(": ", 1)[1].split()[0]) for line in lines)
+        print(f"{folder}: {len(lines)} accepted, {poses} poses")
         for file in rejected:
             done = run(reader, [file])
             if done.returncode != 1 or not done.stderr.startswith(f"{file}: "):
                 print(f"{file}: exit code {done.returncode}: {done.stderr or 'accepted'}")
-                wrong += 1
-        print(f"{folder}: {len(rejected)} to be rejected")
-    return 1 if wrong else 0
+                failures += 1
+        print(f"{folder}: {len(rejected)} rejected")
+    return 1 if failures else 0
 
 
 if __name__ == "__main__":
