@@ -1,5 +1,5 @@
-// Any bytes given as a dataset folder, as if a stranger had sent it. The input is its files one after the other, each
-// as its number below 8 (which stands for a name), two bytes of length, and contents.
+// Feeds arbitrary dataset folders to the dataset reader. The input is the folder's files one after the other, each as
+// an index into `names`, modulo 8, two bytes of length, and contents.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -18,7 +18,7 @@ namespace {
 constexpr const char* names[] = {"dataset.json",        "rest.npy", "faces.npy", "clip.controls.npy", "clip.points.npy",
                                  "clip.000.points.npy", "rest.obj", "rest.glb"};
 
-// Memory rather than a disk, one folder a process.
+// In memory if possible; one folder per process.
 const std::filesystem::path& folder() {
   static const std::filesystem::path path = [] {
     const std::filesystem::path shared = "/dev/shm";
@@ -31,8 +31,9 @@ const std::filesystem::path& folder() {
   return path;
 }
 
+// Runs work(); an Error must have a message.
 template <class Work>
-void trying(Work&& work) {
+void expect_message(Work&& work) {
   try {
     work();
   } catch (const fb::Error& error) {
@@ -49,13 +50,13 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     fb::write_file(folder() / names[data[at] % 8], std::as_bytes(std::span(data + at + 3, length)));
     at += 3 + length;
   }
-  trying([] {
+  expect_message([] {
     fb::bake::DatasetSource source(folder());
     std::vector<float> points(source.rest().points.size());
     for (std::size_t clip = 0; clip < source.clips().size(); ++clip)
       if (source.readable(clip) && source.clips()[clip].controls.size() > 0) source.read(clip, 0, 1, points);
   });
-  trying([] { fb::bake::read_mesh(folder() / "rest.obj"); });
-  trying([] { fb::bake::read_mesh(folder() / "rest.glb"); });
+  expect_message([] { fb::bake::read_mesh(folder() / "rest.obj"); });
+  expect_message([] { fb::bake::read_mesh(folder() / "rest.glb"); });
   return 0;
 }
