@@ -1,5 +1,5 @@
-// Regions and local bases of a rig: bench_regions REGIONS OVERLAP COMPONENTS SOURCE...
-// Sources are one character: one a live rig, which is probed; the training poses of all are projected.
+// Time, memory and truncation error of regions and local bases: bench_regions REGIONS OVERLAP COMPONENTS SOURCE...
+// The sources are of one character; one is a live rig, which is analysed. The training poses of all are projected.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -27,39 +27,39 @@ int measure(const RegionOptions& region_options, std::size_t components, const s
   const std::unique_ptr<Source> source = open_sources(names);
   const PoseSet poses(*source, [](const Clip& clip) { return clip.split == Split::train; });
   const double start = seconds();
-  if (!source->live()) fail(Status::invalid_argument, "none of the sources is a live rig that can be probed");
+  if (!source->live()) fail(Status::invalid_argument, "none of the sources is a live rig that can be analysed");
   RigEvaluator rig(*source);
-  const RigAnalysis responses = analyse_rig(rig, {}, silent_progress());
-  const double probed = seconds();
+  const RigAnalysis analysis = analyse_rig(rig, {}, silent_progress());
+  const double analysed = seconds();
   const std::vector<FaceRegion> regions =
-      find_regions(source->rest(), source->schema(), responses.residual_motion, region_options);
+      find_regions(source->rest(), source->schema(), analysis.residual_motion, region_options);
   const double found = seconds();
-  const Residual residual(poses, responses.base);
+  const Residual residual(poses, analysis.base);
   const std::vector<LocalBasis> bases =
       local_bases(residual, regions, {.max_components = components}, {}, silent_progress());
   const double done = seconds();
 
-  std::printf("%-24s %8s %8s %8s %5s %10s %10s\n", "region", "vertices", "controls", "energy", "K", "lost rms",
-              "lost max");
+  std::printf("%-24s %8s %8s %8s %5s %10s %10s\n", "region", "vertices", "controls", "energy", "K", "rms error",
+              "max error");
   std::vector<char> moved(residual.rows() / 3, 0);
-  std::size_t shares = 0, count = 0, coefficients = 0, numbers = 0;
+  std::size_t region_vertices = 0, count = 0, coefficients = 0, values = 0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     std::printf("%-24s %8zu %8zu %7.2f%% %5zu %10.2e %10.2e\n", regions[r].name.c_str(), regions[r].vertices.size(),
                 regions[r].controls.size(), 100 * regions[r].energy, bases[r].count, bases[r].rms_error,
                 bases[r].max_error);
-    shares += regions[r].vertices.size();
+    region_vertices += regions[r].vertices.size();
     coefficients += bases[r].count;
-    numbers += bases[r].components.size();
+    values += bases[r].components.size();
     for (const std::uint32_t v : regions[r].vertices) moved[v] = 1;
   }
   for (const char m : moved) count += m != 0;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   std::printf(
-      "%zu poses, %zu of %zu vertices, %.3f regions a vertex, %zu coefficients, %zu numbers in the bases\n"
-      "seconds: probe %.2f, regions %.2f, local bases %.2f; peak memory %ld MiB\n",
-      poses.size(), count, moved.size(), double(shares) / double(std::max<std::size_t>(count, 1)), coefficients,
-      numbers, probed - start, found - probed, done - found, usage.ru_maxrss / 1024);
+      "%zu poses, %zu of %zu vertices, %.3f regions a vertex, %zu coefficients, %zu values in the bases\n"
+      "seconds: analysis %.2f, regions %.2f, local bases %.2f; peak memory %ld MiB\n",
+      poses.size(), count, moved.size(), double(region_vertices) / double(std::max<std::size_t>(count, 1)),
+      coefficients, values, analysed - start, found - analysed, done - found, usage.ru_maxrss / 1024);
   return 0;
 }
 

@@ -1,5 +1,5 @@
-// How quick training is: bench_training [THREADS [SECONDS]]. For each shape of network, poses a second and GFLOP/s, by
-// the clock on the wall and by that of the processor: on a machine with other work the second is the one to compare.
+// Throughput of training: bench_training [THREADS [SECONDS]]. For each network shape, poses a second and GFLOP/s by
+// wall clock and by CPU time; on a machine with other work, compare CPU time.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -46,14 +46,14 @@ int main(int argc, char** argv) try {
     plan.activation = bench.activation;
     plan.parallel.threads = argc > 1 ? std::atoi(argv[1]) : 1;
     const TrainingSet set{poses, bench.inputs, outputs, features, targets};
-    // Forward, the weights' gradient and, but for the first layer, the inputs'.
+    // Forward pass, gradient of the weights and, except in the first layer, gradient of the inputs.
     double flops = -2.0 * static_cast<double>(bench.inputs * bench.widths[0]);
     std::size_t inputs = bench.inputs;
     for (const std::uint32_t width : bench.widths)
       flops += 6.0 * static_cast<double>(std::exchange(inputs, width) * width);
     flops += 6.0 * static_cast<double>(inputs * outputs);
 
-    // Epochs are doubled until they fill the time.
+    // Doubles the epochs until they take long enough.
     for (plan.epochs = 1;; plan.epochs *= 2) {
       const auto start = std::chrono::steady_clock::now();
       const std::clock_t cpu_start = std::clock();

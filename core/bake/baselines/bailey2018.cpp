@@ -136,7 +136,7 @@ RecipeResult make_bailey2018(const PoseSet& poses, RigEvaluator* rig, const Bake
                     groups[g].controls});
     plans.push_back(small_network(options, poses.size(), groups[g].name));
   }
-  std::vector<TrainedLayers> trained = train_regions(sets, plans, options.parallel, progress);
+  std::vector<TrainedLayers> trained = train_in_parallel(sets, plans, options.parallel, progress);
   for (std::size_t i = 0; i < taught.size(); ++i) {
     const FaceRegion& group = groups[taught[i]];
     const LocalBasis& basis = bases[taught[i]];

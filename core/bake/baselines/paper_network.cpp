@@ -22,7 +22,7 @@ TrainingPlan tuned_plan(std::size_t poses, double visits, const BakeOptions& opt
   plan.learning_rate = 4e-3f;
   plan.schedule = Schedule::warmup_stable_decay;
   plan.output_scaling = 1;
-  plan.quantized_share = 0.1f;
+  plan.quantised_share = 0.1f;
   plan.batch = poses < 8192 ? 64 : 128;
   plan.microbatch = plan.batch / 2;  // one network: two threads
   plan.epochs = options.epochs

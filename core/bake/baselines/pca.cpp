@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "bake/linalg/eigen_decomposition.h"
 #include "bake/linalg/gemm.h"
-#include "bake/linalg/spectrum.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -17,7 +17,7 @@ constexpr std::size_t tile = 1024;  // rows of a product one worker makes at a t
 
 // subspace^T * block, one column a pose.
 void project(const Matrix& subspace, const float* block, std::size_t poses, float* out, const Parallel& parallel) {
-  tiles(parallel, subspace.cols(), 64, [&](std::size_t first, std::size_t count) {
+  parallel_tiles(parallel, subspace.cols(), 64, [&](std::size_t first, std::size_t count) {
     gemm(Op::transposed, Op::plain, count, poses, subspace.rows(), subspace.data() + first * subspace.rows(),
          subspace.rows(), block, subspace.rows(), 0, out + first, subspace.cols());
   });
@@ -39,14 +39,14 @@ Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel&
   sample->read(0, samples, std::span(points.data(), points.size()), parallel);
   Matrix inner(samples, samples);
   project(points, points.data(), samples, inner.data(), parallel);
-  const Spectrum spectrum = symmetric_spectrum(inner.cast<double>());
-  const double total = spectrum.values.sum();
-  const std::size_t needed = total > 0 ? count_reaching(spectrum.values, fraction * total) : 1;
+  const EigenDecomposition eigen = decompose_symmetric(inner.cast<double>());
+  const double total = eigen.values.sum();
+  const std::size_t needed = total > 0 ? count_reaching(eigen.values, fraction * total) : 1;
   wanted = std::min({needed + needed / 3 + 16, rows, poses.size()});
   Matrix start(rows, wanted);
   const std::size_t known = std::min<std::size_t>(wanted, samples);
-  tiles(parallel, known, 16, [&](std::size_t first, std::size_t count) {
-    gemm(Op::plain, Op::plain, rows, count, samples, points.data(), rows, spectrum.vectors.data() + first * samples,
+  parallel_tiles(parallel, known, 16, [&](std::size_t first, std::size_t count) {
+    gemm(Op::plain, Op::plain, rows, count, samples, points.data(), rows, eigen.vectors.data() + first * samples,
          samples, 0, start.data() + first * rows, rows);
   });
   for (std::size_t k = 0; k < known; ++k) {
@@ -62,7 +62,7 @@ Matrix iterate(const PoseRows& poses, const Matrix& subspace, const Parallel& pa
   Matrix weights(subspace.cols(), block_poses);
   for_blocks(poses, block_poses, parallel, progress, [&](std::size_t, std::size_t n, const float* block) {
     project(subspace, block, n, weights.data(), parallel);
-    tiles(parallel, sum.rows(), tile, [&](std::size_t row, std::size_t count) {
+    parallel_tiles(parallel, sum.rows(), tile, [&](std::size_t row, std::size_t count) {
       gemm(Op::plain, Op::transposed, count, sum.cols(), n, block + row, sum.rows(), weights.data(), subspace.cols(), 1,
            sum.data() + row, sum.rows());
     });
@@ -79,9 +79,9 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
   std::size_t width = 0;
   Matrix subspace = starting_subspace(poses, fraction, parallel, width);
   for (;;) {
-    subspace = orthonormal(subspace, width);
+    subspace = orthonormalise(subspace, width);
     progress.begin("finding blendshapes", poses.size());
-    subspace = orthonormal(iterate(poses, subspace, parallel, progress), width);
+    subspace = orthonormalise(iterate(poses, subspace, parallel, progress), width);
 
     PrincipalComponents result;
     std::vector<float> projected(poses.size() * width);
@@ -94,25 +94,25 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
     });
     if (!(squares > 0)) fail(Status::bad_data, "no pose moves any vertex: there is nothing to bake");
 
-    const Spectrum spectrum = symmetric_spectrum(gram_of(projected.data(), width, poses.size(), parallel));
+    const EigenDecomposition eigen = decompose_symmetric(gram_matrix(projected.data(), width, poses.size(), parallel));
     const double target = fraction * squares;
-    const bool enough = spectrum.values.sum() >= target;
+    const bool enough = eigen.values.sum() >= target;
     if (!enough && width < std::min(rows, poses.size())) {
       width = std::min({width + width / 2 + 16, rows, poses.size()});
       continue;
     }
     result.rows = rows;
-    result.count = count_reaching(spectrum.values, target);
+    result.count = count_reaching(eigen.values, target);
     result.total = squares / poses.size();
-    result.captured = spectrum.values.head(result.count).sum() / poses.size();
+    result.captured = eigen.values.head(result.count).sum() / poses.size();
     result.components.resize(result.count * rows);
-    tiles(parallel, rows, tile, [&](std::size_t row, std::size_t count) {
-      gemm(Op::plain, Op::plain, count, result.count, width, subspace.data() + row, rows, spectrum.vectors.data(),
-           width, 0, result.components.data() + row, rows);
+    parallel_tiles(parallel, rows, tile, [&](std::size_t row, std::size_t count) {
+      gemm(Op::plain, Op::plain, count, result.count, width, subspace.data() + row, rows, eigen.vectors.data(), width,
+           0, result.components.data() + row, rows);
     });
     result.coefficients.resize(poses.size() * result.count);
-    tiles(parallel, poses.size(), tile, [&](std::size_t first, std::size_t count) {
-      gemm(Op::transposed, Op::plain, result.count, count, width, spectrum.vectors.data(), width,
+    parallel_tiles(parallel, poses.size(), tile, [&](std::size_t first, std::size_t count) {
+      gemm(Op::transposed, Op::plain, result.count, count, width, eigen.vectors.data(), width,
            projected.data() + first * width, width, 0, result.coefficients.data() + first * result.count, result.count);
     });
     return result;

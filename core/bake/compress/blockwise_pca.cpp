@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bake/compress/vertex_blocks.h"
-#include "bake/linalg/spectrum.h"
+#include "bake/linalg/eigen_decomposition.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -29,8 +29,8 @@ RegionColumns region_columns(const Region& region, std::uint32_t first, const st
     if (!std::isfinite(value))
       fail(Status::not_finite, "the covariance of region \"%s\" is not finite", region.name.c_str());
   const Eigen::MatrixXd given = Eigen::Map<const Matrix>(covariance.data(), n, n).cast<double>();
-  const Spectrum spectrum = symmetric_spectrum((given + given.transpose()) / 2);
-  return {first, n, spectrum.vectors * spectrum.values.cwiseSqrt().cast<float>().asDiagonal()};
+  const EigenDecomposition eigen = decompose_symmetric((given + given.transpose()) / 2);
+  return {first, n, eigen.vectors * eigen.values.cwiseSqrt().cast<float>().asDiagonal()};
 }
 
 // Columns [first, first + count) of a group: begin and end in its list.
@@ -143,14 +143,14 @@ Local make_local(Columns old, const RegionColumns& region) {
     root.row(c) = region.root.row(local.old.numbers[std::size_t(c)] - region.first);
   const Matrix part = values(rows, Eigen::all);
   const Eigen::MatrixXd motion = (part * root).cast<double>();
-  const Spectrum spectrum = symmetric_spectrum(motion * motion.transpose());
+  const EigenDecomposition eigen = decompose_symmetric(motion * motion.transpose());
   // What is smaller than the rounding of the largest motion is no direction.
   constexpr double rounding = 1e-14;
   Eigen::Index count = 0;
-  while (count < std::min(part.rows(), part.cols()) && spectrum.values[count] > spectrum.values[0] * rounding) ++count;
+  while (count < std::min(part.rows(), part.cols()) && eigen.values[count] > eigen.values[0] * rounding) ++count;
   local.directions = Matrix::Zero(values.rows(), count);
-  local.directions(rows, Eigen::all) = spectrum.vectors.leftCols(count);
-  for (Eigen::Index k = 0; k < count; ++k) local.motion.push_back(std::sqrt(spectrum.values[k]));
+  local.directions(rows, Eigen::all) = eigen.vectors.leftCols(count);
+  for (Eigen::Index k = 0; k < count; ++k) local.motion.push_back(std::sqrt(eigen.values[k]));
   return local;
 }
 

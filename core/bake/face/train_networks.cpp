@@ -55,19 +55,19 @@ struct Course {
       plan.activation = Activation::silu;
       plan.schedule = Schedule::warmup_stable_decay;
       plan.learning_rate = rate;
-      plan.hidden_rate = hidden_rate;
-      plan.last_rate = last_rate;
-      plan.skip_start = 0.3f;
+      plan.hidden_rate_factor = hidden_rate;
+      plan.output_rate_factor = last_rate;
+      plan.residual_init_scale = 0.3f;
       plan.weight_decay = static_cast<float>(shrinking / (rate * steps));
       plan.batch = batch;
       plan.output_scaling = 0.75f;
       plan.pose_balance = 0.25f;
       plan.epochs = epochs;
-      plan.quantized_share = 0.15f;
+      plan.quantised_share = 0.15f;
       plan.seed = options.seed + r;
       if (!options.work.empty()) plan.checkpoint = options.work / format("%s-%zu.checkpoint", name.c_str(), r);
     }
-    return train_regions(sets, plans, options.parallel, progress, stage);
+    return train_in_parallel(sets, plans, options.parallel, progress, stage);
   }
 };
 

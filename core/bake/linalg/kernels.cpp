@@ -22,8 +22,8 @@ const Kernels& kernels() {
 }
 
 void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,
-          const float* b, std::size_t ldb, float keep, float* c, std::size_t ldc) {
-  kernels().multiply(a_op, b_op, rows, columns, inner, a, lda, b, ldb, keep, c, ldc);
+          const float* b, std::size_t ldb, float beta, float* c, std::size_t ldc) {
+  kernels().gemm(a_op, b_op, rows, columns, inner, a, lda, b, ldb, beta, c, ldc);
 }
 
 }  // namespace fb::bake

@@ -1,20 +1,20 @@
-// The bodies of Kernels but gemm, plain loops that the compiler turns into vectors, compiled once per instruction set
-// after gemm_kernel.inl. Only builtins and functions that are always inlined are used here: an inline function of the
-// library compiled for one set must never be linked in place of another's.
+// The bodies of all Kernels but gemm: plain loops that the compiler vectorises, compiled once per instruction set after
+// gemm_kernel.inl. They use builtins and always-inlined functions only, because an inline library function compiled for
+// one instruction set must never be linked in place of another's.
 #include "bake/linalg/kernels.h"
 #include "model/activation.h"
 
 namespace fb::bake::FB_KERNELS {
 namespace {
 
-// What an activation gives and its derivative, from what goes in. Derivatives are those of the functions that the
-// rational ones stand for.
-struct Bent {
-  float value, slope;
+// An activation and its derivative. The derivative is that of tanh and silu themselves, which the rational functions of
+// the runtime approximate.
+struct Activated {
+  float value, derivative;
 };
 
 template <Activation activation>
-[[gnu::always_inline]] inline Bent bend(float x) {
+[[gnu::always_inline]] inline Activated activate(float x) {
   if constexpr (activation == Activation::relu) return {x < 0 ? 0 : x, x > 0 ? 1.0f : 0.0f};
   if constexpr (activation == Activation::tanh) {
     const float t = rational_tanh(x);
@@ -28,50 +28,51 @@ template <Activation activation>
 }
 
 template <Activation activation>
-void bend_columns(std::size_t rows, std::size_t columns, const float* __restrict bias, const float* __restrict skip,
-                  float* __restrict y, float* __restrict slope) {
+void activate_columns(std::size_t rows, std::size_t columns, const float* __restrict bias, const float* __restrict skip,
+                      float* __restrict y, float* __restrict derivative) {
   for (std::size_t i = 0; i < columns; ++i) {
     float* const column = y + i * rows;
-    if (slope && skip)
+    if (derivative && skip)
       for (std::size_t k = 0; k < rows; ++k) {
-        const Bent bent = bend<activation>(column[k] + bias[k]);
-        column[k] = bent.value + skip[i * rows + k];
-        slope[i * rows + k] = bent.slope;
+        const Activated activated = activate<activation>(column[k] + bias[k]);
+        column[k] = activated.value + skip[i * rows + k];
+        derivative[i * rows + k] = activated.derivative;
       }
-    else if (slope)
+    else if (derivative)
       for (std::size_t k = 0; k < rows; ++k) {
-        const Bent bent = bend<activation>(column[k] + bias[k]);
-        column[k] = bent.value;
-        slope[i * rows + k] = bent.slope;
+        const Activated activated = activate<activation>(column[k] + bias[k]);
+        column[k] = activated.value;
+        derivative[i * rows + k] = activated.derivative;
       }
     else
       for (std::size_t k = 0; k < rows; ++k)
-        column[k] = bend<activation>(column[k] + bias[k]).value + (skip ? skip[i * rows + k] : 0.0f);
+        column[k] = activate<activation>(column[k] + bias[k]).value + (skip ? skip[i * rows + k] : 0.0f);
   }
 }
 
-void activate(Activation activation, std::size_t rows, std::size_t columns, const float* bias, const float* skip,
-              float* y, float* slope) {
+void activation_forward(Activation activation, std::size_t rows, std::size_t columns, const float* bias,
+                        const float* skip, float* y, float* derivative) {
   switch (activation) {
     case Activation::linear:
-      return bend_columns<Activation::linear>(rows, columns, bias, skip, y, slope);
+      return activate_columns<Activation::linear>(rows, columns, bias, skip, y, derivative);
     case Activation::relu:
-      return bend_columns<Activation::relu>(rows, columns, bias, skip, y, slope);
+      return activate_columns<Activation::relu>(rows, columns, bias, skip, y, derivative);
     case Activation::tanh:
-      return bend_columns<Activation::tanh>(rows, columns, bias, skip, y, slope);
+      return activate_columns<Activation::tanh>(rows, columns, bias, skip, y, derivative);
     case Activation::silu:
-      return bend_columns<Activation::silu>(rows, columns, bias, skip, y, slope);
+      return activate_columns<Activation::silu>(rows, columns, bias, skip, y, derivative);
   }
 }
 
-void backward(std::size_t rows, std::size_t columns, const float* __restrict slope, float* __restrict down,
-              float* __restrict up, float* __restrict bias) {
-  for (std::size_t i = 0; i < columns; ++i, slope += rows, down += rows) {
-    if (up)
-      for (std::size_t k = 0; k < rows; ++k) up[i * rows + k] = down[k];
+void activation_backward(std::size_t rows, std::size_t columns, const float* __restrict derivative,
+                         float* __restrict gradient, float* __restrict skip_gradient,
+                         float* __restrict bias_gradient) {
+  for (std::size_t i = 0; i < columns; ++i, derivative += rows, gradient += rows) {
+    if (skip_gradient)
+      for (std::size_t k = 0; k < rows; ++k) skip_gradient[i * rows + k] = gradient[k];
     for (std::size_t k = 0; k < rows; ++k) {
-      down[k] *= slope[k];
-      bias[k] += down[k];
+      gradient[k] *= derivative[k];
+      bias_gradient[k] += gradient[k];
     }
   }
 }
@@ -94,30 +95,32 @@ void adam(const AdamStep& step, std::size_t first, std::size_t count, const floa
     for (std::size_t i = 0; i < size; ++i) {
       m[i] = s.beta1 * m[i] + (1 - s.beta1) * gradient[i];
       v[i] = s.beta2 * v[i] + (1 - s.beta2) * gradient[i] * gradient[i];
-      p[i] = s.decay * p[i] - s.rate * m[i] / (__builtin_sqrtf(v[i]) * s.root_correction + s.epsilon);
+      p[i] = s.decay_factor * p[i] -
+             s.step_size * m[i] / (__builtin_sqrtf(v[i]) * s.second_moment_correction + s.epsilon);
     }
   }
 }
 
-void round_row(std::size_t count, float levels, const float* __restrict row, float* __restrict rounded) {
-  // The largest of every 16th number side by side, as vectors find it.
-  float tops[16] = {}, top = 0;
+void quantise_row(std::size_t count, float levels, const float* __restrict row, float* __restrict quantised) {
+  // The maximum in 16 independent lanes, as vectors compute it.
+  float lane_max[16] = {}, max = 0;
   const auto larger = [](float a, float b) __attribute__((always_inline)) {
     return b > a ? b : a;
   };
   std::size_t i = 0;
   for (; i + 16 <= count; i += 16)
-    for (std::size_t j = 0; j < 16; ++j) tops[j] = larger(tops[j], __builtin_fabsf(row[i + j]));
-  for (; i < count; ++i) top = larger(top, __builtin_fabsf(row[i]));
-  for (const float t : tops) top = larger(top, t);
-  const float step = top / levels, steps = top > 0 ? levels / top : 0;
-  constexpr float whole = 12582912.0f;  // 1.5 * 2^23: adding it leaves no room for fractions
-  for (i = 0; i < count; ++i) rounded[i] = ((row[i] * steps + whole) - whole) * step;
+    for (std::size_t j = 0; j < 16; ++j) lane_max[j] = larger(lane_max[j], __builtin_fabsf(row[i + j]));
+  for (; i < count; ++i) max = larger(max, __builtin_fabsf(row[i]));
+  for (const float lane : lane_max) max = larger(max, lane);
+  const float step = max / levels, inverse = max > 0 ? levels / max : 0;
+  constexpr float round_to_integer = 12582912.0f;  // 1.5 * 2^23: adding it leaves no bits for fractions
+  for (i = 0; i < count; ++i)
+    quantised[i] = ((row[i] * inverse + round_to_integer) - round_to_integer) * step;
 }
 
 }  // namespace
 
 extern const Kernels kernels;
-constinit const Kernels kernels = {gemm, activate, backward, adam, round_row};
+constinit const Kernels kernels = {gemm, activation_forward, activation_backward, adam, quantise_row};
 
 }  // namespace fb::bake::FB_KERNELS

@@ -18,13 +18,13 @@ void Residual::read(std::size_t first, std::size_t count, std::span<float> value
   if (first > size() || count > size() - first || values.size() != count * rows())
     fail(Status::invalid_argument, "poses %zu to %zu of %zu, %zu coordinates each, do not fit in %zu numbers", first,
          first + count, size(), rows(), values.size());
-  constexpr std::size_t block = 16;
-  const bool together = poses().source().thread_safe();
-  if (!together) poses().read_displacements(first, count, values);
-  parallel_for(parallel, (count + block - 1) / block, [&](std::size_t index, std::size_t) {
-    const std::size_t begin = index * block, some = std::min(block, count - begin);
+  constexpr std::size_t task_poses = 16;
+  const bool concurrent = poses().source().thread_safe();
+  if (!concurrent) poses().read_displacements(first, count, values);
+  parallel_for(parallel, (count + task_poses - 1) / task_poses, [&](std::size_t index, std::size_t) {
+    const std::size_t begin = index * task_poses, some = std::min(task_poses, count - begin);
     const std::span<float> part = values.subspan(begin * rows(), some * rows());
-    if (together) poses().read_displacements(first + begin, some, part);
+    if (concurrent) poses().read_displacements(first + begin, some, part);
     std::vector<float> controls(some * rest_.size());
     poses().read_controls(first + begin, some, controls);
     base_->add(controls, rest_, some, -1, part);

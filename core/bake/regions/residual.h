@@ -10,13 +10,14 @@
 
 namespace fb::bake {
 
-// What the base leaves over of recorded poses: what region networks learn. The base must outlive it.
+// Recorded displacements minus those of the sparse blendshapes: what region networks learn. The blendshapes must
+// outlive it.
 class Residual final : public PoseRows {
  public:
   Residual(PoseSet poses, const SparseBlendshapes& base);
 
-  // Poses [first, first + count), count x rows() floats, on all threads of `parallel` where the source allows. The rest
-  // pose is exactly 0.
+  // Poses [first, first + count): count x rows() floats, on all threads of `parallel` if the source is thread-safe. The
+  // rest pose is exactly 0. Fails with invalid_argument on a range outside the set.
   void read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const override;
   std::unique_ptr<PoseRows> subsampled(std::size_t count) const override;
 

@@ -7,7 +7,7 @@
 
 namespace fb::bake {
 
-SurfaceGraph::SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint32_t, std::uint32_t>> joined) {
+SurfaceGraph::SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint32_t, std::uint32_t>> welded) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
     if (a == b) return;
@@ -20,7 +20,7 @@ SurfaceGraph::SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint
       join(rest.polygon_corners[first + k], rest.polygon_corners[first + (k + 1) % corners]);
     first += corners;
   }
-  for (const auto& [a, b] : joined) join(a, b);
+  for (const auto& [a, b] : welded) join(a, b);
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 
@@ -34,8 +34,9 @@ SurfaceGraph::SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint
   for (std::size_t v = 0; v < rest.vertex_count(); ++v) first_[v + 1] += first_[v];
 }
 
-// Dijkstra's algorithm from many sources at once.
-void SurfaceGraph::spread(std::span<double> distance, std::span<const char> open, double longest, double reach) const {
+// Dijkstra's algorithm with many sources.
+void SurfaceGraph::geodesic_distances(std::span<double> distance, std::span<const char> passable, double max_edge,
+                                      double max_distance) const {
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (std::uint32_t v = 0; v < size(); ++v)
@@ -43,33 +44,33 @@ void SurfaceGraph::spread(std::span<double> distance, std::span<const char> open
   while (!queue.empty()) {
     const auto [here, v] = queue.top();
     queue.pop();
-    if (here > distance[v]) continue;  // reached by a shorter path since
+    if (here > distance[v]) continue;  // outdated entry
     for (const Edge& edge : edges(v)) {
-      const double there = here + std::min<double>(edge.length, longest);
-      if (!open[edge.vertex] || there > reach || there >= distance[edge.vertex]) continue;
+      const double there = here + std::min<double>(edge.length, max_edge);
+      if (!passable[edge.vertex] || there > max_distance || there >= distance[edge.vertex]) continue;
       distance[edge.vertex] = there;
       queue.emplace(there, edge.vertex);
     }
   }
 }
 
-std::vector<std::vector<std::uint32_t>> SurfaceGraph::pieces(std::span<const std::uint32_t> labels) const {
-  std::vector<std::vector<std::uint32_t>> pieces;
-  std::vector<char> seen(size(), 0);
+std::vector<std::vector<std::uint32_t>> SurfaceGraph::components(std::span<const std::uint32_t> labels) const {
+  std::vector<std::vector<std::uint32_t>> components;
+  std::vector<char> visited(size(), 0);
   for (std::uint32_t start = 0; start < size(); ++start) {
-    if (seen[start]) continue;
-    std::vector<std::uint32_t> piece = {start};
-    seen[start] = 1;
-    for (std::size_t next = 0; next < piece.size(); ++next)
-      for (const Edge& edge : edges(piece[next]))
-        if (!seen[edge.vertex] && labels[edge.vertex] == labels[start]) {
-          seen[edge.vertex] = 1;
-          piece.push_back(edge.vertex);
+    if (visited[start]) continue;
+    std::vector<std::uint32_t> component = {start};
+    visited[start] = 1;
+    for (std::size_t next = 0; next < component.size(); ++next)
+      for (const Edge& edge : edges(component[next]))
+        if (!visited[edge.vertex] && labels[edge.vertex] == labels[start]) {
+          visited[edge.vertex] = 1;
+          component.push_back(edge.vertex);
         }
-    std::sort(piece.begin(), piece.end());
-    pieces.push_back(std::move(piece));
+    std::sort(component.begin(), component.end());
+    components.push_back(std::move(component));
   }
-  return pieces;
+  return components;
 }
 
 }  // namespace fb::bake

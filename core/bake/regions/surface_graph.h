@@ -10,7 +10,7 @@
 
 namespace fb::bake {
 
-// Vertices of a mesh and the edges of its polygons between them.
+// The vertices of a mesh and the edges of its polygons, as adjacency lists.
 class SurfaceGraph {
  public:
   struct Edge {
@@ -18,25 +18,26 @@ class SurfaceGraph {
     float length = 0;          // in the rest pose
   };
 
-  // `joined`: more pairs of vertices that count as connected.
-  SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint32_t, std::uint32_t>> joined);
+  // `welded`: further pairs of vertices that count as connected.
+  SurfaceGraph(const Mesh& rest, std::span<const std::pair<std::uint32_t, std::uint32_t>> welded);
 
   std::size_t size() const { return first_.size() - 1; }
-  // Of one vertex, by the vertex at the other end, each once.
+  // The edges of a vertex, by ascending neighbour, each once.
   std::span<const Edge> edges(std::uint32_t vertex) const {
     return std::span(edges_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
   }
 
-  // Lowers `distance` (one a vertex, infinite where nothing is known) to the shortest path along edges from any vertex
-  // that has one, up to `reach`. Vertices with `open` 0 are never entered. An edge longer than `longest` counts as
-  // that long.
-  void spread(std::span<double> distance, std::span<const char> open, double longest, double reach) const;
+  // Geodesic distance along edges: lowers `distance` (one a vertex, infinite where unknown) to the shortest path from
+  // any vertex whose distance is finite, up to `max_distance`. Vertices with `passable` 0 are never entered. Edges
+  // longer than `max_edge` count as that long.
+  void geodesic_distances(std::span<double> distance, std::span<const char> passable, double max_edge,
+                          double max_distance) const;
 
-  // The connected pieces of equal label, each in ascending order, by their first vertex.
-  std::vector<std::vector<std::uint32_t>> pieces(std::span<const std::uint32_t> labels) const;
+  // The connected components of equal label, each in ascending order, sorted by their first vertices.
+  std::vector<std::vector<std::uint32_t>> components(std::span<const std::uint32_t> labels) const;
 
  private:
-  std::vector<std::size_t> first_;
+  std::vector<std::size_t> first_;  // of each vertex's edges; size() + 1 entries
   std::vector<Edge> edges_;
 };
 

@@ -9,14 +9,14 @@
 namespace fb::bake {
 namespace {
 
-struct Search {
-  std::span<const float> points;
+struct WeightedPoints {
+  std::span<const float> values;
   std::size_t width;
   std::span<const double> weights;
-  std::vector<float> squares;  // of each point's distance from the origin
+  std::vector<float> squared_norms;  // of the points
 
   std::size_t count() const { return weights.size(); }
-  const float* point(std::size_t i) const { return points.data() + i * width; }
+  const float* point(std::size_t i) const { return values.data() + i * width; }
 };
 
 float squared_norm(const float* values, std::size_t width) {
@@ -25,49 +25,50 @@ float squared_norm(const float* values, std::size_t width) {
   return static_cast<float>(sum);
 }
 
-// Squared distances of all points to `count` centres: column of `count` numbers a point.
-void distances(const Search& search, const float* centres, std::size_t count, std::vector<float>& out) {
-  out.resize(search.count() * count);
-  gemm(Op::transposed, Op::plain, count, search.count(), search.width, centres, search.width, search.points.data(),
-       search.width, 0, out.data(), count);
+// Squared distances of all points to `count` centres: `count` floats a point.
+void squared_distances(const WeightedPoints& points, const float* centres, std::size_t count, std::vector<float>& out) {
+  out.resize(points.count() * count);
+  gemm(Op::transposed, Op::plain, count, points.count(), points.width, centres, points.width, points.values.data(),
+       points.width, 0, out.data(), count);
   std::vector<float> squares(count);
-  for (std::size_t k = 0; k < count; ++k) squares[k] = squared_norm(centres + k * search.width, search.width);
-  for (std::size_t i = 0; i < search.count(); ++i)
+  for (std::size_t k = 0; k < count; ++k) squares[k] = squared_norm(centres + k * points.width, points.width);
+  for (std::size_t i = 0; i < points.count(); ++i)
     for (std::size_t k = 0; k < count; ++k) {
       float& d = out[i * count + k];
-      d = std::max(0.0f, search.squares[i] + squares[k] - 2 * d);
+      d = std::max(0.0f, points.squared_norms[i] + squares[k] - 2 * d);
     }
 }
 
-// A point drawn with probability in proportion to its chance; `count` of chances if all are 0.
-std::size_t draw(const std::vector<double>& chances, Random& random) {
+// A random index with probability in proportion to its weight; weights.size() if all are 0.
+std::size_t sample_index(const std::vector<double>& weights, Random& random) {
   double sum = 0;
-  for (const double chance : chances) sum += chance;
-  double left = random.uniform() * sum;
-  std::size_t last = chances.size();
-  for (std::size_t i = 0; i < chances.size(); ++i) {
-    if (chances[i] <= 0) continue;
+  for (const double weight : weights) sum += weight;
+  double remaining = random.uniform() * sum;
+  std::size_t last = weights.size();
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (weights[i] <= 0) continue;
     last = i;
-    if ((left -= chances[i]) < 0) break;
+    if ((remaining -= weights[i]) < 0) break;
   }
   return last;
 }
 
-std::vector<float> starting_centres(const Search& search, std::size_t clusters, Random& random) {
+// k-means++: each next centre is a point sampled by weight x squared distance to the nearest centre.
+std::vector<float> initial_centres(const WeightedPoints& points, std::size_t clusters, Random& random) {
   std::vector<float> centres, distance;
-  std::vector<double> chances(search.weights.begin(), search.weights.end());
-  std::vector<float> nearest(search.count(), INFINITY);
-  while (centres.size() < clusters * search.width) {
-    const std::size_t chosen = draw(chances, random);
-    if (chosen == search.count()) break;  // every point lies on a centre already
-    const float* point = search.point(chosen);
-    centres.insert(centres.end(), point, point + search.width);
-    distances(search, centres.data() + centres.size() - search.width, 1, distance);
-    for (std::size_t i = 0; i < search.count(); ++i) {
+  std::vector<double> probability(points.weights.begin(), points.weights.end());
+  std::vector<float> nearest(points.count(), INFINITY);
+  while (centres.size() < clusters * points.width) {
+    const std::size_t chosen = sample_index(probability, random);
+    if (chosen == points.count()) break;  // every point with weight is a centre
+    const float* point = points.point(chosen);
+    centres.insert(centres.end(), point, point + points.width);
+    squared_distances(points, centres.data() + centres.size() - points.width, 1, distance);
+    for (std::size_t i = 0; i < points.count(); ++i) {
       nearest[i] = std::min(nearest[i], distance[i]);
-      chances[i] = search.weights[i] * nearest[i];
+      probability[i] = points.weights[i] * nearest[i];
     }
-    chances[chosen] = 0;
+    probability[chosen] = 0;
   }
   return centres;
 }
@@ -77,55 +78,56 @@ struct Clustering {
   std::vector<std::uint32_t> labels;
   double cost = INFINITY;
 
-  std::size_t size(const Search& search) const { return centres.size() / search.width; }
+  std::size_t size(const WeightedPoints& points) const { return centres.size() / points.width; }
 };
 
-// Gives every point to its nearest centre; true if any changed.
-bool assign(const Search& search, Clustering& state, std::vector<float>& distance) {
-  const std::size_t clusters = state.size(search);
-  distances(search, state.centres.data(), clusters, distance);
+// Assigns every point to its nearest centre; true if any label changed.
+bool assign_points(const WeightedPoints& points, Clustering& clustering, std::vector<float>& distance) {
+  const std::size_t clusters = clustering.size(points);
+  squared_distances(points, clustering.centres.data(), clusters, distance);
   bool changed = false;
-  state.cost = 0;
-  for (std::size_t i = 0; i < search.count(); ++i) {
+  clustering.cost = 0;
+  for (std::size_t i = 0; i < points.count(); ++i) {
     const float* d = distance.data() + i * clusters;
     const auto best = static_cast<std::uint32_t>(std::min_element(d, d + clusters) - d);
-    changed |= state.labels[i] != best;
-    state.labels[i] = best;
-    state.cost += search.weights[i] * d[best];
+    changed |= clustering.labels[i] != best;
+    clustering.labels[i] = best;
+    clustering.cost += points.weights[i] * d[best];
   }
   return changed;
 }
 
-// Moves every centre to the mean of its points; one without weight stays where it is.
-void update(const Search& search, Clustering& state) {
-  const std::size_t clusters = state.size(search);
-  std::vector<double> sums(state.centres.size(), 0), totals(clusters, 0);
-  for (std::size_t i = 0; i < search.count(); ++i) {
-    const float* point = search.point(i);
-    double* sum = sums.data() + state.labels[i] * search.width;
-    for (std::size_t k = 0; k < search.width; ++k) sum[k] += search.weights[i] * point[k];
-    totals[state.labels[i]] += search.weights[i];
+// Moves every centre to the weighted mean of its points; centres without weight stay.
+void update_centres(const WeightedPoints& points, Clustering& clustering) {
+  const std::size_t clusters = clustering.size(points);
+  std::vector<double> sums(clustering.centres.size(), 0), totals(clusters, 0);
+  for (std::size_t i = 0; i < points.count(); ++i) {
+    const float* point = points.point(i);
+    double* sum = sums.data() + clustering.labels[i] * points.width;
+    for (std::size_t k = 0; k < points.width; ++k) sum[k] += points.weights[i] * point[k];
+    totals[clustering.labels[i]] += points.weights[i];
   }
   for (std::size_t c = 0; c < clusters; ++c)
-    for (std::size_t k = 0; totals[c] > 0 && k < search.width; ++k)
-      state.centres[c * search.width + k] = static_cast<float>(sums[c * search.width + k] / totals[c]);
+    for (std::size_t k = 0; totals[c] > 0 && k < points.width; ++k)
+      clustering.centres[c * points.width + k] = static_cast<float>(sums[c * points.width + k] / totals[c]);
 }
 
-void iterate(const Search& search, std::size_t steps, Clustering& state) {
+void lloyd_iterations(const WeightedPoints& points, std::size_t max_iterations, Clustering& clustering) {
   std::vector<float> distance;
-  for (std::size_t step = 0; assign(search, state, distance) && step < steps; ++step) update(search, state);
+  for (std::size_t i = 0; assign_points(points, clustering, distance) && i < max_iterations; ++i)
+    update_centres(points, clustering);
 }
 
-// Takes away the smallest cluster until none is too small.
-void dissolve(const Search& search, const KmeansOptions& options, Clustering& state) {
+// Removes the smallest cluster until none is below min_cluster_size.
+void remove_small_clusters(const WeightedPoints& points, const KmeansOptions& options, Clustering& clustering) {
   for (;;) {
-    std::vector<std::size_t> sizes(state.size(search), 0);
-    for (const std::uint32_t label : state.labels) ++sizes[label];
-    const auto least = std::min_element(sizes.begin(), sizes.end());
-    if (sizes.size() == 1 || *least >= options.smallest) return;
-    const auto first = state.centres.begin() + (least - sizes.begin()) * std::ptrdiff_t(search.width);
-    state.centres.erase(first, first + std::ptrdiff_t(search.width));
-    iterate(search, options.steps, state);
+    std::vector<std::size_t> sizes(clustering.size(points), 0);
+    for (const std::uint32_t label : clustering.labels) ++sizes[label];
+    const auto smallest = std::min_element(sizes.begin(), sizes.end());
+    if (sizes.size() == 1 || *smallest >= options.min_cluster_size) return;
+    const auto first = clustering.centres.begin() + (smallest - sizes.begin()) * std::ptrdiff_t(points.width);
+    clustering.centres.erase(first, first + std::ptrdiff_t(points.width));
+    lloyd_iterations(points, options.max_iterations, clustering);
   }
 }
 
@@ -133,20 +135,20 @@ void dissolve(const Search& search, const KmeansOptions& options, Clustering& st
 
 std::vector<std::uint32_t> weighted_kmeans(std::span<const float> points, std::size_t width,
                                            std::span<const double> weights, const KmeansOptions& options) {
-  Search search{points, width, weights, std::vector<float>(weights.size())};
-  for (std::size_t i = 0; i < search.count(); ++i) search.squares[i] = squared_norm(search.point(i), width);
+  WeightedPoints input{points, width, weights, std::vector<float>(weights.size())};
+  for (std::size_t i = 0; i < input.count(); ++i) input.squared_norms[i] = squared_norm(input.point(i), width);
   Clustering best;
-  best.labels.assign(search.count(), 0);
+  best.labels.assign(input.count(), 0);
   for (std::size_t start = 0; start < options.restarts; ++start) {
     Random random(options.seed, start);
-    Clustering state;
-    state.labels.assign(search.count(), UINT32_MAX);
-    state.centres = starting_centres(search, options.clusters, random);
-    if (state.centres.empty()) break;  // nothing weighs anything
-    iterate(search, options.steps, state);
-    if (state.cost < best.cost) best = std::move(state);
+    Clustering clustering;
+    clustering.labels.assign(input.count(), UINT32_MAX);
+    clustering.centres = initial_centres(input, options.clusters, random);
+    if (clustering.centres.empty()) break;  // all weights are 0
+    lloyd_iterations(input, options.max_iterations, clustering);
+    if (clustering.cost < best.cost) best = std::move(clustering);
   }
-  if (!best.centres.empty()) dissolve(search, {options}, best);
+  if (!best.centres.empty()) remove_small_clusters(input, options, best);
   return best.labels;
 }
 

@@ -9,7 +9,7 @@
 namespace fb::bake {
 namespace {
 
-// key, step, number of arrays, their sizes, their floats, XXH64 of all before: a private file of this machine.
+// Layout, in native byte order: key, step, number of arrays, their sizes, their floats, XXH64 of all before.
 using Word = std::uint64_t;
 
 }  // namespace

@@ -7,16 +7,16 @@
 
 namespace fb::bake {
 
-// Numbers put by so that an interrupted bake goes on where it stopped.
+// State saved so that an interrupted bake resumes where it stopped.
 struct Checkpoint {
-  std::uint64_t key = 0;   // what they belong to: a hash of data and options
-  std::uint64_t step = 0;  // how far the work was
+  std::uint64_t key = 0;   // a hash of the data and options that the state belongs to
+  std::uint64_t step = 0;  // the step to resume at
   std::vector<std::vector<float>> arrays;
 };
 
-// Written to a temporary file and renamed.
+// Writes a temporary file and renames it.
 void save_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
-// Nothing if there is no such file, it is damaged, or it belongs to other work.
+// Nothing if the file is missing or damaged, or has another key.
 std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& path, std::uint64_t key);
 
 }  // namespace fb::bake

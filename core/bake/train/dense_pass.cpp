@@ -1,6 +1,7 @@
 #include "bake/train/dense_pass.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "bake/linalg/kernels.h"
@@ -8,28 +9,28 @@
 
 namespace fb::bake {
 
-NetShape::NetShape(std::size_t inputs, const TrainingPlan& plan, std::size_t outputs) {
+NetworkShape::NetworkShape(std::size_t inputs, const TrainingPlan& plan, std::size_t outputs) {
   for (const std::uint32_t width : plan.widths) {
     layers.push_back({inputs, width, plan.activation, inputs == width && !layers.empty(), 0, 0});
     inputs = width;
   }
   layers.push_back({inputs, outputs, Activation::linear, false, 0, 0});
-  place();
+  assign_offsets();
 }
 
-NetShape::NetShape(const std::vector<DenseLayer>& dense) {
+NetworkShape::NetworkShape(const std::vector<DenseLayer>& dense) {
   for (const DenseLayer& layer : dense)
     layers.push_back({layer.inputs, layer.outputs, layer.activation, layer.skip, 0, 0});
-  place();
+  assign_offsets();
 }
 
-void NetShape::place() {
+void NetworkShape::assign_offsets() {
   for (LayerShape& layer : layers) layer.weights = std::exchange(weights, weights + layer.inputs * layer.outputs);
   parameters = weights;
   for (LayerShape& layer : layers) layer.bias = std::exchange(parameters, parameters + layer.outputs);
 }
 
-std::vector<float> parameters_of(const NetShape& shape, const std::vector<DenseLayer>& layers) {
+std::vector<float> flatten_layers(const NetworkShape& shape, const std::vector<DenseLayer>& layers) {
   std::vector<float> parameters(shape.parameters);
   for (std::size_t l = 0; l < layers.size(); ++l) {
     std::ranges::copy(layers[l].weights, parameters.begin() + shape.layers[l].weights);
@@ -38,7 +39,7 @@ std::vector<float> parameters_of(const NetShape& shape, const std::vector<DenseL
   return parameters;
 }
 
-std::vector<DenseLayer> layers_of(const NetShape& shape, const std::vector<float>& parameters) {
+std::vector<DenseLayer> unflatten_layers(const NetworkShape& shape, const std::vector<float>& parameters) {
   std::vector<DenseLayer> layers;
   for (const LayerShape& at : shape.layers) {
     DenseLayer layer{
@@ -58,20 +59,20 @@ void check_features(const TrainingSet& set) {
     fail(Status::invalid_argument, "training: %zu poses with %zu features and %zu gates", set.poses,
          set.features.size(), set.gates.size());
   if (set.columns.empty() ? stride < set.inputs : set.columns.size() != set.inputs)
-    fail(Status::invalid_argument, "training: %zu columns named and %zu features a pose for %zu inputs",
-         set.columns.size(), stride, set.inputs);
+    fail(Status::invalid_argument, "training: %zu columns and %zu features a pose for %zu inputs", set.columns.size(),
+         stride, set.inputs);
   for (const std::uint32_t column : set.columns)
     if (column >= stride) fail(Status::invalid_argument, "training: column %u of %zu features", column, stride);
 }
 
-DensePass::DensePass(const NetShape& shape) : shape_(shape), slopes_(shape.layers.size()) {
-  signals_.emplace_back(shape.layers.front().inputs * (most_poses + 1));
-  for (const LayerShape& layer : shape.layers) signals_.emplace_back(layer.outputs * (most_poses + 1));
+DensePass::DensePass(const NetworkShape& shape) : shape_(shape), derivatives_(shape.layers.size()) {
+  signals_.emplace_back(shape.layers.front().inputs * (max_poses + 1));
+  for (const LayerShape& layer : shape.layers) signals_.emplace_back(layer.outputs * (max_poses + 1));
 }
 
 void DensePass::forward(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-                        bool learns) {
-  const Kernels& on = kernels();
+                        bool keep_derivatives) {
+  const Kernels& kernel = kernels();
   columns_ = poses.size() + 1;
   const std::size_t stride = set.stride ? set.stride : set.inputs;
   float* input = signals_[0].data();
@@ -87,12 +88,13 @@ void DensePass::forward(const TrainingSet& set, std::span<const std::uint32_t> p
     const LayerShape& layer = shape_.layers[l];
     const float* x = signals_[l].data();
     float* y = signals_[l + 1].data();
-    const bool bends = learns && l + 1 < shape_.layers.size();  // the last layer is linear when it learns
-    if (bends) slopes_[l].resize(signals_[l + 1].size());
-    on.multiply(Op::transposed, Op::plain, layer.outputs, columns_, layer.inputs, parameters + layer.weights,
+    const bool differentiate =
+        keep_derivatives && l + 1 < shape_.layers.size();  // the last layer is linear in training
+    if (differentiate) derivatives_[l].resize(signals_[l + 1].size());
+    kernel.gemm(Op::transposed, Op::plain, layer.outputs, columns_, layer.inputs, parameters + layer.weights,
                 layer.inputs, x, layer.inputs, 0, y, layer.outputs);
-    on.activate(layer.activation, layer.outputs, columns_, parameters + layer.bias, layer.skip ? x : nullptr, y,
-                bends ? slopes_[l].data() : nullptr);
+    kernel.activation_forward(layer.activation, layer.outputs, columns_, parameters + layer.bias,
+                              layer.skip ? x : nullptr, y, differentiate ? derivatives_[l].data() : nullptr);
   }
 
   float* y = signals_.back().data();
@@ -104,20 +106,21 @@ void DensePass::forward(const TrainingSet& set, std::span<const std::uint32_t> p
   }
 }
 
-std::span<const float> DensePass::run(const TrainingSet& set, std::span<const std::uint32_t> poses,
-                                      const float* parameters) {
+std::span<const float> DensePass::outputs(const TrainingSet& set, std::span<const std::uint32_t> poses,
+                                          const float* parameters) {
   forward(set, poses, parameters, false);
   return std::span(signals_.back()).first(poses.size() * set.outputs);
 }
 
-// Leaves the errors of coefficients in place of the outputs.
-double DensePass::errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const LossScale& scales) {
-  std::vector<float> squares(set.outputs);  // one sum a coefficient: sums side by side are what vectors do
+// Replaces the outputs by the errors of coefficients; returns the sum of their squares.
+double DensePass::coefficient_errors(const TrainingSet& set, std::span<const std::uint32_t> poses,
+                                     const LossWeights& weights) {
+  std::vector<float> squares(set.outputs);  // one sum a coefficient, so that the loop vectorises
   float* error = signals_.back().data();
   for (const std::uint32_t pose : poses) {
     const float* target = set.targets.data() + pose * set.outputs;
     for (std::size_t k = 0; k < set.outputs; ++k) {
-      error[k] = error[k] * scales.unit[k] - target[k];
+      error[k] = error[k] * weights.output_scale[k] - target[k];
       squares[k] += error[k] * error[k];
     }
     error += set.outputs;
@@ -127,58 +130,78 @@ double DensePass::errors(const TrainingSet& set, std::span<const std::uint32_t> 
   return sum;
 }
 
-double DensePass::test(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-                       const LossScale& scales) {
+double DensePass::loss(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
+                       const LossWeights& weights) {
   forward(set, poses, parameters, false);
-  return errors(set, poses, scales);
+  return coefficient_errors(set, poses, weights);
 }
 
-double DensePass::learn(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-                        const LossScale& scales, float scale) {
+double DensePass::loss_and_gradient(const TrainingSet& set, std::span<const std::uint32_t> poses,
+                                    const float* parameters, const LossWeights& weights, float scale) {
   forward(set, poses, parameters, true);
-  const double sum = errors(set, poses, scales);
+  const double sum = coefficient_errors(set, poses, weights);
 
-  if (down_.empty()) {
+  if (output_gradient_.empty()) {
     gradient_.resize(shape_.parameters);
-    for (const auto& signal : signals_) down_.resize(std::max(down_.size(), signal.size()));
-    up_.resize(down_.size());
+    for (const auto& signal : signals_) output_gradient_.resize(std::max(output_gradient_.size(), signal.size()));
+    input_gradient_.resize(output_gradient_.size());
   }
   const std::size_t outputs = set.outputs;
   const float* error = signals_.back().data();
-  float* down = down_.data();
-  float* rest = down + poses.size() * outputs;
-  std::fill_n(rest, outputs, 0.0f);
+  float* output_gradient = output_gradient_.data();
+  float* rest_gradient = output_gradient + poses.size() * outputs;
+  std::fill_n(rest_gradient, outputs, 0.0f);
   for (const std::uint32_t pose : poses) {
-    float twice = 2 * scale;
-    if (!scales.pose_weight.empty()) twice *= scales.pose_weight[pose];
-    if (!set.gates.empty()) twice *= set.gates[pose];
+    float factor = 2 * scale;
+    if (!weights.pose_weight.empty()) factor *= weights.pose_weight[pose];
+    if (!set.gates.empty()) factor *= set.gates[pose];
     for (std::size_t k = 0; k < outputs; ++k) {
-      down[k] = twice * scales.weight[k] * scales.unit[k] * error[k];
-      rest[k] -= down[k];
+      output_gradient[k] = factor * weights.output_weight[k] * weights.output_scale[k] * error[k];
+      rest_gradient[k] -= output_gradient[k];
     }
-    down += outputs;
+    output_gradient += outputs;
     error += outputs;
   }
   for (std::size_t l = shape_.layers.size(); l-- > 0;) backward(l, parameters);
   return sum;
 }
 
-// Takes the gradient of the layer's outputs in down_ and leaves that of its inputs there.
+// Backpropagates through one layer: output_gradient_ becomes the gradient of the layer's inputs.
 void DensePass::backward(std::size_t l, const float* parameters) {
-  const Kernels& on = kernels();
+  const Kernels& kernel = kernels();
   const LayerShape& layer = shape_.layers[l];
   float* bias = gradient_.data() + layer.bias;
   std::fill_n(bias, layer.outputs, 0.0f);
-  // The last layer's bias cancels against the rest pose and stays 0.
+  // The last layer's bias cancels against the rest pose, so its gradient is 0.
   if (l + 1 < shape_.layers.size())
-    on.backward(layer.outputs, columns_, slopes_[l].data(), down_.data(), layer.skip ? up_.data() : nullptr, bias);
-  on.multiply(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
-              down_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
+    kernel.activation_backward(layer.outputs, columns_, derivatives_[l].data(), output_gradient_.data(),
+                               layer.skip ? input_gradient_.data() : nullptr, bias);
+  kernel.gemm(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
+              output_gradient_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
   if (l == 0) return;
-  // With a skip the inputs' gradient is added to the copy of the outputs' in up_.
-  on.multiply(Op::plain, Op::plain, layer.inputs, columns_, layer.outputs, parameters + layer.weights, layer.inputs,
-              down_.data(), layer.outputs, layer.skip ? 1.0f : 0.0f, up_.data(), layer.inputs);
-  std::swap(down_, up_);
+  // With a residual connection, this adds to the copy of the output gradient.
+  kernel.gemm(Op::plain, Op::plain, layer.inputs, columns_, layer.outputs, parameters + layer.weights, layer.inputs,
+              output_gradient_.data(), layer.outputs, layer.skip ? 1.0f : 0.0f, input_gradient_.data(), layer.inputs);
+  std::swap(output_gradient_, input_gradient_);
+}
+
+std::vector<float> run_layers(const std::vector<DenseLayer>& layers, const TrainingSet& set, const Parallel& parallel) {
+  check_features(set);
+  if (layers.empty() || layers.front().inputs != set.inputs || layers.back().outputs != set.outputs)
+    fail(Status::invalid_argument, "running layers: they do not take %zu inputs to %zu outputs", set.inputs,
+         set.outputs);
+  const NetworkShape shape(layers);
+  const std::vector<float> parameters = flatten_layers(shape, layers);
+  std::vector<DensePass> passes(worker_count(parallel), DensePass(shape));
+  std::vector<float> outputs(set.poses * set.outputs);
+  constexpr std::size_t microbatch = DensePass::max_poses;
+  parallel_for(parallel, (set.poses + microbatch - 1) / microbatch, [&](std::size_t m, std::size_t worker) {
+    std::vector<std::uint32_t> poses(std::min(microbatch, set.poses - m * microbatch));
+    std::iota(poses.begin(), poses.end(), static_cast<std::uint32_t>(m * microbatch));
+    std::ranges::copy(passes[worker].outputs(set, poses, parameters.data()),
+                      outputs.begin() + m * microbatch * set.outputs);
+  });
+  return outputs;
 }
 
 }  // namespace fb::bake

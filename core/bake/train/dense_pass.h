@@ -1,4 +1,4 @@
-// Through a network and back: what training and running layers share.
+// Forward and backward pass through dense layers.
 #pragma once
 
 #include <cstddef>
@@ -6,74 +6,69 @@
 #include <span>
 #include <vector>
 
+#include "bake/train/loss_weights.h"
 #include "bake/train/trainer.h"
 
 namespace fb::bake {
 
-// Where a layer's numbers lie in the flat vector of all: weights (outputs x inputs, row after row), and bias.
+// A layer, and the offsets of its weights (outputs x inputs, row-major) and bias in the parameter vector.
 struct LayerShape {
   std::size_t inputs, outputs;
   Activation activation;
-  bool skip;
+  bool skip;  // with a residual connection
   std::size_t weights, bias;
 };
 
-// A network's shape: all weights come first in the vector, then all biases.
-struct NetShape {
+// The layers of a network and the layout of its parameter vector: all weights first, then all biases.
+struct NetworkShape {
   std::vector<LayerShape> layers;
-  std::size_t weights = 0, parameters = 0;
+  std::size_t weights = 0, parameters = 0;  // how many
 
-  // Of a plan's network, with skips wherever widths allow.
-  NetShape(std::size_t inputs, const TrainingPlan& plan, std::size_t outputs);
-  explicit NetShape(const std::vector<DenseLayer>& layers);
+  // The network of a plan, with residual connections wherever widths are equal.
+  NetworkShape(std::size_t inputs, const TrainingPlan& plan, std::size_t outputs);
+  explicit NetworkShape(const std::vector<DenseLayer>& layers);
 
  private:
-  void place();
+  void assign_offsets();
 };
 
-std::vector<float> parameters_of(const NetShape& shape, const std::vector<DenseLayer>& layers);
-std::vector<DenseLayer> layers_of(const NetShape& shape, const std::vector<float>& parameters);
+std::vector<float> flatten_layers(const NetworkShape& shape, const std::vector<DenseLayer>& layers);
+std::vector<DenseLayer> unflatten_layers(const NetworkShape& shape, const std::vector<float>& parameters);
 
-// In what units each coefficient is learnt, coefficient = unit * output of the last layer, and what the loss multiplies
-// squared errors of each coefficient and of each pose with.
-struct LossScale {
-  std::vector<float> unit, weight;
-  std::vector<float> pose_weight;  // empty: 1
-};
-
-// Fails unless features, columns and gates fit the poses.
+// Fails with invalid_argument unless features, columns and gates fit the poses.
 void check_features(const TrainingSet& set);
 
-// Poses that go through a network together, and the rest pose as one more: its outputs are subtracted from the others',
-// so its gradient is minus the sum of theirs.
+// The forward and backward pass of one microbatch. The rest pose goes along as one more column: its outputs are
+// subtracted from the others', so its output gradient is minus the sum of theirs. Not thread-safe: one object a thread.
 class DensePass {
  public:
-  static constexpr std::size_t most_poses = 128;
+  static constexpr std::size_t max_poses = 128;
 
-  explicit DensePass(const NetShape& shape);
+  explicit DensePass(const NetworkShape& shape);
 
-  // Outputs of up to most_poses poses minus those at rest, times gates: outputs numbers a pose, valid until the next
+  // Outputs of up to max_poses poses minus those at rest, times gates: `outputs` floats a pose, valid until the next
   // call.
-  std::span<const float> run(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters);
+  std::span<const float> outputs(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters);
 
-  // Sum of squared errors of coefficients; leaves the gradient of `scale` times the weighted sum in gradient().
-  double learn(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-               const LossScale& scales, float scale);
-  // What learn returns, without learning.
-  double test(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
-              const LossScale& scales);
+  // Sum of squared coefficient errors.
+  double loss(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
+              const LossWeights& weights);
+  // The same; gradient() becomes that of `scale` times the weighted loss.
+  double loss_and_gradient(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
+                           const LossWeights& weights, float scale);
   const std::vector<float>& gradient() const { return gradient_; }
 
  private:
-  void forward(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters, bool learns);
-  double errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const LossScale& scales);
-  void backward(std::size_t l, const float* parameters);
+  void forward(const TrainingSet& set, std::span<const std::uint32_t> poses, const float* parameters,
+               bool keep_derivatives);
+  double coefficient_errors(const TrainingSet& set, std::span<const std::uint32_t> poses, const LossWeights& weights);
+  void backward(std::size_t layer, const float* parameters);
 
-  const NetShape& shape_;
-  std::size_t columns_ = 0;
-  std::vector<std::vector<float>> signals_, slopes_;  // what goes into each layer; derivatives of its activation
-  std::vector<float> down_, up_;                      // gradients on their way to the first layer
-  std::vector<float> gradient_;
+  const NetworkShape& shape_;
+  std::size_t columns_ = 0;                                // poses and the rest pose
+  std::vector<std::vector<float>> signals_, derivatives_;  // inputs of each layer and outputs; of its activation
+  std::vector<float> output_gradient_, input_gradient_;    // of the layer that the backward pass is at
+  std::vector<float> gradient_;                            // of the parameters
 };
 
 }  // namespace fb::bake

@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::size_t side = 14, control_count = 6;
 
-// What the base holds: control k moves every coordinate a little, along a wave.
+// The linear part: control k moves every coordinate along a wave.
 float linear_shape(std::size_t k, std::size_t i) {
   return 0.3f * std::sin(0.11f * float((k + 1) * i));
 }
 
-// What it does not: products of neighbouring controls, stronger on the left.
+// The residual: products of neighbouring controls, stronger on the left.
 float corrective(const float* c, std::size_t i) {
   float sum = 0;
   const float fall = 1.0f / (1.0f + 0.2f * float(i / 3 % side));
@@ -54,7 +54,7 @@ SparseBlendshapes planted_base() {
   return base;
 }
 
-// Left and right halves with a ramp between them; the last row of vertices is in neither.
+// Left and right halves with weights that blend linearly; the last row of vertices is in neither.
 std::vector<FaceRegion> halves() {
   std::vector<FaceRegion> regions(2);
   for (std::uint32_t v = 0; v < side * (side - 1); ++v) {
@@ -77,7 +77,7 @@ std::vector<float> read_all(const Residual& residual, const Parallel& parallel =
   return values;
 }
 
-// Largest distance, over the diagonal, between a region's shares and what its basis makes of its coefficients.
+// Largest distance, over the diagonal, between a region's weighted residual and its reconstruction.
 double worst_error(const LocalBasis& basis, const FaceRegion& region, const Residual& residual,
                    const std::vector<float>& values) {
   double worst = 0;
@@ -97,7 +97,7 @@ double worst_error(const LocalBasis& basis, const FaceRegion& region, const Resi
 
 }  // namespace
 
-TEST_CASE("the residual is what the base leaves over, and exactly 0 at rest") {
+TEST_CASE("the residual is the displacement minus the blendshapes, and exactly 0 at rest") {
   MemorySource source = planted_rig(100);
   const PoseSet poses(source, [](const Clip&) { return true; });
   const SparseBlendshapes base = planted_base();
@@ -118,7 +118,7 @@ TEST_CASE("the residual is what the base leaves over, and exactly 0 at rest") {
   CHECK_THROWS_AS(residual.read(90, 20, few, {}), Error);
 }
 
-TEST_CASE("a local basis holds its region's share of every pose as well as it says") {
+TEST_CASE("a local basis reconstructs its region as well as its truncation error says") {
   MemorySource source = planted_rig(900);
   const PoseSet poses(source, [](const Clip&) { return true; });
   const SparseBlendshapes base = planted_base();
@@ -150,7 +150,7 @@ TEST_CASE("a local basis holds its region's share of every pose as well as it sa
   }
 }
 
-TEST_CASE("as many components are kept as the largest error asks for") {
+TEST_CASE("as many components are kept as max_error needs") {
   // 40 shapes of falling size.
   std::vector<float> shapes;
   for (std::size_t i = 0; i < 3 * side * side; ++i)
@@ -169,7 +169,7 @@ TEST_CASE("as many components are kept as the largest error asks for") {
   std::size_t last = 0;
   for (const double tolerance : {0.1, 0.01, 1e-3, 1e-5}) {
     const auto bases =
-        local_bases(residual, regions, {.max_error = tolerance, .poses_to_fit = 1000}, {}, silent_progress());
+        local_bases(residual, regions, {.max_error = tolerance, .max_fit_poses = 1000}, {}, silent_progress());
     for (std::size_t r = 0; r < 2; ++r) {
       CHECK(bases[r].max_error <= tolerance);
       CHECK(worst_error(bases[r], regions[r], residual, values) == doctest::Approx(bases[r].max_error).epsilon(0.02));
@@ -178,12 +178,12 @@ TEST_CASE("as many components are kept as the largest error asks for") {
     last = bases[0].count;
   }
   CHECK(last == 40);
-  // Too few components are allowed: all of them are used, and what they lose is told.
+  // With max_components too small, all are used and the truncation error is reported.
   const auto capped = local_bases(residual, regions, {.max_error = 1e-5, .max_components = 12}, {}, silent_progress());
   CHECK(capped[0].count == 12);
   CHECK(capped[0].max_error > 1e-5);
   CHECK(worst_error(capped[0], regions[0], residual, values) == doctest::Approx(capped[0].max_error).epsilon(0.01));
-  // The first 12 of the best possible lose this much; a search of subspaces comes close.
+  // The optimal 12 components lose this much; subspace iteration comes close.
   const auto full = local_bases(residual, regions, {.max_error = 0}, {}, silent_progress());
   double tail = 0, lost = 0;
   for (std::size_t pose = 0; pose < poses.size(); ++pose)
@@ -194,13 +194,13 @@ TEST_CASE("as many components are kept as the largest error asks for") {
   CHECK(lost > 0.98 * tail);
 }
 
-TEST_CASE("bases fitted to some poses project all, and threads change no bit") {
+TEST_CASE("bases fitted to some poses project all, with the same bits for any number of threads") {
   MemorySource source = planted_rig(2500);
   const PoseSet poses(source, [](const Clip&) { return true; });
   const SparseBlendshapes base = planted_base();
   const Residual residual(poses, base);
   const std::vector<FaceRegion> regions = halves();
-  const LocalBasisOptions options{.max_error = 1e-3, .max_components = 30, .poses_to_fit = 400};
+  const LocalBasisOptions options{.max_error = 1e-3, .max_components = 30, .max_fit_poses = 400};
   const std::vector<LocalBasis> one = local_bases(residual, regions, options, {.threads = 1}, silent_progress());
   const std::vector<LocalBasis> three = local_bases(residual, regions, options, {.threads = 3}, silent_progress());
   const std::vector<float> values = read_all(residual);
@@ -214,7 +214,7 @@ TEST_CASE("bases fitted to some poses project all, and threads change no bit") {
   }
 }
 
-TEST_CASE("few poses, still regions and wrong regions") {
+TEST_CASE("few poses, regions that do not move, and invalid regions") {
   MemorySource source = planted_rig(2);
   const PoseSet poses(source, [](const Clip&) { return true; });
   const SparseBlendshapes base = planted_base();

@@ -37,8 +37,8 @@ std::size_t quadrant(std::size_t vertex) {
   return (vertex % side >= side / 2) + 2 * (vertex / side >= side / 2);
 }
 
-// One region's weight of every vertex.
-std::vector<float> spread_out(const FaceRegion& region, std::size_t vertices) {
+// A region's weight of every vertex of the mesh.
+std::vector<float> dense_weights(const FaceRegion& region, std::size_t vertices) {
   std::vector<float> weights(vertices, 0);
   for (std::size_t i = 0; i < region.vertices.size(); ++i) weights[region.vertices[i]] = region.weights[i];
   return weights;
@@ -51,8 +51,8 @@ std::vector<int> regions_per_vertex(const std::vector<FaceRegion>& regions, std:
   return count;
 }
 
-// A second mesh beside the first, not joined to it.
-Mesh both(const Mesh& a, const Mesh& b) {
+// Two meshes as one, not connected.
+Mesh merge_meshes(const Mesh& a, const Mesh& b) {
   Mesh mesh = a;
   mesh.points.insert(mesh.points.end(), b.points.begin(), b.points.end());
   mesh.polygon_sizes.insert(mesh.polygon_sizes.end(), b.polygon_sizes.begin(), b.polygon_sizes.end());
@@ -80,10 +80,10 @@ Status failure(Work&& work) {
 
 }  // namespace
 
-TEST_CASE("regions are what the same controls move, with those controls as inputs") {
+TEST_CASE("vertices moved by the same controls form a region with those controls as inputs") {
   const Mesh mesh = grid_mesh(side, side);
   const RigSchema schema = controls({"brow", "brow", "mouth", "nose", "brow"});
-  // The last control moves every vertex, too little to matter.
+  // The last control moves every vertex by less than the threshold.
   const std::vector<float> motion = plant(schema, mesh, [](std::size_t c, std::size_t v) {
     return c == 4 ? 5e-5 : quadrant(v) == c ? 0.01 * double(c + 1) : 0.0;
   });
@@ -92,7 +92,7 @@ TEST_CASE("regions are what the same controls move, with those controls as input
   double energy = 0;
   for (std::size_t r = 0; r < 4; ++r) {
     const std::size_t planted = 3 - r;  // by falling energy
-    const std::vector<float> weights = spread_out(regions[r], mesh.vertex_count());
+    const std::vector<float> weights = dense_weights(regions[r], mesh.vertex_count());
     for (std::size_t v = 0; v < weights.size(); ++v) {
       INFO("region ", r, " vertex ", v);
       CHECK((weights[v] > 0.5f) == (quadrant(v) == planted));
@@ -119,10 +119,10 @@ TEST_CASE("weights are a smooth partition of unity in a narrow band") {
   std::vector<double> sums(mesh.vertex_count(), 0);
   const SurfaceGraph graph(mesh, {});
   for (const FaceRegion& region : regions) {
-    const std::vector<float> weights = spread_out(region, mesh.vertex_count());
+    const std::vector<float> weights = dense_weights(region, mesh.vertex_count());
     for (std::uint32_t v = 0; v < weights.size(); ++v) {
       sums[v] += weights[v];
-      // The step's steepest slope is 1.5 over the band; three and four regions meet in the middle.
+      // The smoothstep has slope 1.5 over the band at most; three and four regions meet in the middle.
       for (const SurfaceGraph::Edge& edge : graph.edges(v))
         CHECK(std::abs(weights[v] - weights[edge.vertex]) <= 2 * 1.5 * edge.length / (0.2 * diagonal));
       const double reach = 0.1 * diagonal + 1.5;  // half the band, and an edge
@@ -130,7 +130,7 @@ TEST_CASE("weights are a smooth partition of unity in a narrow band") {
                    dy = std::abs(double(v / side) - (side - 1) / 2.0);
       if (dx > reach && dy > reach) CHECK((weights[v] == 0 || weights[v] == 1));
     }
-    CHECK(region.controls.size() > 1);  // of the neighbours too, through the band
+    CHECK(region.controls.size() > 1);  // through the band, those of neighbours too
   }
   for (const double sum : sums) CHECK(sum == doctest::Approx(1).epsilon(1e-5));
 
@@ -146,7 +146,7 @@ TEST_CASE("weights are a smooth partition of unity in a narrow band") {
 
 TEST_CASE("sheets that touch but are not joined share nothing") {
   const Mesh upper = grid_mesh(side, side);
-  const Mesh mesh = both(upper, upper);
+  const Mesh mesh = merge_meshes(upper, upper);
   const RigSchema schema = controls({"upper", "lower"});
   const std::vector<float> motion = plant(
       schema, mesh, [&](std::size_t c, std::size_t v) { return (v >= upper.vertex_count()) == (c == 1) ? 0.01 : 0.0; });
@@ -162,17 +162,17 @@ TEST_CASE("sheets that touch but are not joined share nothing") {
 TEST_CASE("a border does not tear vertices that were split at one place") {
   // The same sheet twice, moved alike: only position could tell its copies apart, and they have the same.
   const Mesh half = grid_mesh(side, side);
-  const Mesh mesh = both(half, half);
+  const Mesh mesh = merge_meshes(half, half);
   const RigSchema schema = controls({"a", "b", "c", "d"});
   const std::vector<float> motion = plant(
       schema, mesh, [&](std::size_t c, std::size_t v) { return quadrant(v % half.vertex_count()) == c ? 0.01 : 0.0; });
   for (const FaceRegion& region : find_regions(mesh, schema, motion, {.regions = 4, .overlap = 0.1})) {
-    const std::vector<float> weights = spread_out(region, mesh.vertex_count());
+    const std::vector<float> weights = dense_weights(region, mesh.vertex_count());
     for (std::size_t v = 0; v < half.vertex_count(); ++v) CHECK(weights[v] == weights[v + half.vertex_count()]);
   }
 }
 
-TEST_CASE("small islands join what surrounds them") {
+TEST_CASE("small components join the surrounding region") {
   const Mesh mesh = grid_mesh(side, side);
   const RigSchema schema = controls({"left", "right"});
   const auto island = [](std::size_t v) { return v / side >= 10 && v / side < 12 && v % side >= 3 && v % side < 6; };
@@ -185,10 +185,10 @@ TEST_CASE("small islands join what surrounds them") {
   CHECK(regions[1].controls.size() + regions[0].controls.size() == 3);  // the island's control moves both
 }
 
-TEST_CASE("vertices that nothing moves are in no region") {
+TEST_CASE("vertices that no control moves are in no region") {
   const Mesh mesh = grid_mesh(side, side);
   const RigSchema schema = controls({"a", "b"});
-  // Falls off to nothing across the sheet; the second control moves less than counts, alone in a corner.
+  // The motion falls off across the sheet; the second control moves a corner by less than the threshold.
   const std::vector<float> motion = plant(schema, mesh, [](std::size_t c, std::size_t v) {
     if (c == 1) return v / side > 20 && v % side > 20 ? 8e-5 : 0.0;
     return 0.01 * std::exp(-double(v % side));
@@ -205,7 +205,7 @@ TEST_CASE("vertices that nothing moves are in no region") {
   CHECK(find_regions(mesh, schema, none, {}).empty());
 }
 
-TEST_CASE("more regions than can be told apart become fewer, and the seed decides all chance") {
+TEST_CASE("small clusters are merged, and the result depends on the seed only") {
   const Mesh mesh = grid_mesh(side, side);
   const RigSchema schema = controls({"a", "b", "c", "d"});
   Random random(5);
@@ -219,11 +219,11 @@ TEST_CASE("more regions than can be told apart become fewer, and the seed decide
   CHECK(find_regions(mesh, schema, motion, {.regions = 1}).size() == 1);
 }
 
-TEST_CASE("the more controls interact, the more regions there are, unless told") {
+TEST_CASE("the number of regions follows the number of interacting controls, unless given") {
   const Mesh mesh = grid_mesh(side, side);
   const auto found = [&](std::size_t count, std::uint32_t asked) {
     const RigSchema schema = controls(std::vector<std::string>(count, "face"));
-    // Each control moves a column of its own; every second one too little to count.
+    // Each control moves a column of its own; every second one by less than the threshold.
     const std::vector<float> motion = plant(schema, mesh, [&](std::size_t c, std::size_t v) {
       return (v % side) * count / side == c / 2 ? (c % 2 ? 5e-5 : 0.01) : 0.0;
     });
@@ -233,18 +233,18 @@ TEST_CASE("the more controls interact, the more regions there are, unless told")
   CHECK(found(40, 6) == 6);
 }
 
-TEST_CASE("motions that fit no rig are refused") {
+TEST_CASE("motions that do not fit the rig are refused") {
   const Mesh mesh = grid_mesh(side, side);
   const RigSchema schema = controls({"a"});
   std::vector<float> motion(mesh.vertex_count(), 0.01f);
   CHECK(failure([&] { find_regions(mesh, schema, std::span(motion).first(3), {}); }) == Status::invalid_argument);
-  CHECK(failure([&] { find_regions(mesh, schema, motion, {.still = 0}); }) == Status::invalid_argument);
+  CHECK(failure([&] { find_regions(mesh, schema, motion, {.motion_threshold = 0}); }) == Status::invalid_argument);
   CHECK(failure([&] { find_regions(mesh, schema, motion, {.overlap = NAN}); }) == Status::invalid_argument);
   motion[7] = NAN;
   CHECK(failure([&] { find_regions(mesh, schema, motion, {}); }) == Status::not_finite);
 }
 
-TEST_CASE("heavy points pull the means of clusters") {
+TEST_CASE("weighted means attract clusters to heavy points") {
   // Two far pairs, and in one of them a point so heavy that the mean lies on it.
   const std::vector<float> points = {0, 0, 1, 0, 100, 0, 101, 0};
   const std::vector<double> weights = {1, 1, 1, 1e6};
@@ -252,21 +252,22 @@ TEST_CASE("heavy points pull the means of clusters") {
   CHECK(two[0] == two[1]);
   CHECK(two[2] == two[3]);
   CHECK(two[0] != two[2]);
-  const std::vector<std::uint32_t> few = weighted_kmeans(points, 2, weights, {.clusters = 3, .smallest = 2});
+  const std::vector<std::uint32_t> few = weighted_kmeans(points, 2, weights, {.clusters = 3, .min_cluster_size = 2});
   for (const std::uint32_t label : few) CHECK(std::count(few.begin(), few.end(), label) >= 2);
   const std::vector<double> nothing(4, 0);
   CHECK(weighted_kmeans(points, 2, nothing, {.clusters = 2}) == std::vector<std::uint32_t>(4, 0));
 }
 
-TEST_CASE("distances follow edges") {
+TEST_CASE("geodesic distances follow edges") {
   const Mesh mesh = grid_mesh(side, side);
   const SurfaceGraph graph(mesh, {});
   std::vector<double> distance(mesh.vertex_count(), INFINITY);
-  std::vector<char> open(mesh.vertex_count(), 1);
-  for (std::size_t v = 0; v < open.size(); ++v)  // a wall with a door at the far end
-    if (v % side == side / 2 && v / side != side - 1) open[v] = 0;
+  std::vector<char> passable(mesh.vertex_count(), 1);
+  for (std::size_t v = 0; v < passable.size(); ++v)  // a wall with a door at the far end
+    if (v % side == side / 2 && v / side != side - 1) passable[v] = 0;
   distance[0] = 0;
-  graph.spread(distance, open, 1.0, 1e9);  // edges count as 1 at most, and none is shorter by more than a tenth
+  graph.geodesic_distances(distance, passable, 1.0,
+                           1e9);  // edges count as 1 at most, and none is shorter by more than a tenth
   CHECK(distance[side - 1] > 0.9 * (3 * (side - 1) - 1));
   CHECK(distance[side - 1] <= 3 * (side - 1));
   CHECK(distance[side / 2] == INFINITY);

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "bake/train/checkpoint.h"
-#include "bake/train/optimizer.h"
+#include "bake/train/optimiser.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -24,7 +24,7 @@ struct Task {
   TrainingSet set;
 };
 
-// Products and ramps of five numbers.
+// Targets: products and ramps of five features.
 Task make_task(std::size_t poses, std::uint64_t seed) {
   Task task;
   Random random(seed);
@@ -37,7 +37,7 @@ Task make_task(std::size_t poses, std::uint64_t seed) {
   return task;
 }
 
-// What a reader of the archive computes, in double.
+// Forward pass in double.
 std::vector<double> outputs(const std::vector<DenseLayer>& layers, const float* input) {
   std::vector<double> x(input, input + layers[0].inputs);
   for (const DenseLayer& layer : layers) {
@@ -79,36 +79,36 @@ TrainingPlan plan_of(std::uint32_t epochs, int threads = 0) {
   return plan;
 }
 
-// A coefficient's unit and weight by the formula of output_scaling, and each pose's weight by that of pose_balance.
-struct Units {
-  double unit[3], weight[3];
-  std::vector<double> poses;
+// Scale and weight of each coefficient by the formula of output_scaling, weight of each pose by that of pose_balance.
+struct ReferenceWeights {
+  double output_scale[3], output_weight[3];
+  std::vector<double> pose_weight;
 };
 
-Units units_of(const Task& task, double scaling, double balance) {
+ReferenceWeights reference_weights(const Task& task, double scaling, double balance) {
   double squares[3] = {};
   for (std::size_t i = 0; i < task.targets.size(); ++i) squares[i % 3] += double(task.targets[i]) * task.targets[i];
   const double poses = double(task.set.poses), all = std::sqrt((squares[0] + squares[1] + squares[2]) / (3 * poses));
-  Units units;
+  ReferenceWeights weights;
   for (int k = 0; k < 3; ++k) {
-    const double own = std::sqrt(squares[k] / poses) / all;
-    units.unit[k] = all * std::pow(own, scaling);
-    units.weight[k] = std::pow(own, -scaling / 2) / (all * all);
+    const double relative = std::sqrt(squares[k] / poses) / all;
+    weights.output_scale[k] = all * std::pow(relative, scaling);
+    weights.output_weight[k] = std::pow(relative, -scaling / 2) / (all * all);
   }
   double sum = 0;
   for (std::size_t i = 0; i < task.set.poses; ++i) {
     double square = 0;
     for (std::size_t k = 0; k < 3; ++k) square += std::pow(double(task.targets[3 * i + k]), 2);
-    units.poses.push_back(std::pow(0.2 + square / (3 * all * all), -balance));
-    sum += units.poses.back();
+    weights.pose_weight.push_back(std::pow(0.2 + square / (3 * all * all), -balance));
+    sum += weights.pose_weight.back();
   }
-  for (double& weight : units.poses) weight *= poses / sum;
-  return units;
+  for (double& weight : weights.pose_weight) weight *= poses / sum;
+  return weights;
 }
 
-// What is trained, by definition: the mean over all poses of the weighted squares of
+// The training loss by definition: the mean over all poses of the weighted squares of
 // gate * (outputs - outputs at rest) - targets.
-double loss_of(const std::vector<DenseLayer>& layers, const Task& task, const Units& units) {
+double loss_of(const std::vector<DenseLayer>& layers, const Task& task, const ReferenceWeights& weights) {
   const float zero[5] = {};
   const std::vector<double> rest = outputs(layers, zero);
   double sum = 0;
@@ -116,21 +116,21 @@ double loss_of(const std::vector<DenseLayer>& layers, const Task& task, const Un
     const std::vector<double> y = outputs(layers, task.features.data() + 5 * i);
     const double gate = task.set.gates.empty() ? 1 : task.set.gates[i];
     for (std::size_t k = 0; k < 3; ++k)
-      sum += units.poses[i] * units.weight[k] *
-             std::pow(gate * (y[k] - rest[k]) * units.unit[k] - task.targets[3 * i + k], 2);
+      sum += weights.pose_weight[i] * weights.output_weight[k] *
+             std::pow(gate * (y[k] - rest[k]) * weights.output_scale[k] - task.targets[3 * i + k], 2);
   }
   return sum / double(task.set.poses);
 }
 
-// Every number that is trained: weights, and the biases of all layers but the last.
-std::vector<float*> numbers_of(std::vector<DenseLayer>& layers) {
-  std::vector<float*> numbers;
+// Every trained parameter: weights, and the biases of all layers but the last.
+std::vector<float*> parameters_of(std::vector<DenseLayer>& layers) {
+  std::vector<float*> parameters;
   for (DenseLayer& layer : layers) {
-    for (float& weight : layer.weights) numbers.push_back(&weight);
+    for (float& weight : layer.weights) parameters.push_back(&weight);
     if (&layer != &layers.back())
-      for (float& bias : layer.bias) numbers.push_back(&bias);
+      for (float& bias : layer.bias) parameters.push_back(&bias);
   }
-  return numbers;
+  return parameters;
 }
 
 bool same(const std::vector<DenseLayer>& a, const std::vector<DenseLayer>& b) {
@@ -165,55 +165,58 @@ TEST_CASE("training learns products and ramps of poses it has not seen") {
 
 namespace {
 
-// Trains a few steps and checks each against Adam's formula on a gradient by differences.
+// Trains a few steps and checks each against Adam's formula on a gradient by finite differences.
 void check_steps(const Task& task, TrainingPlan plan, const std::vector<double>& factors) {
-  const Units units = units_of(task, plan.output_scaling, plan.pose_balance);
+  const ReferenceWeights weights = reference_weights(task, plan.output_scaling, plan.pose_balance);
   plan.epochs = 0;
   std::vector<DenseLayer> start = train_layers(task.set, plan, silent_progress()).layers;
   for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < 8; ++i) start.back().weights[8 * k + i] /= static_cast<float>(units.unit[k]);
+    for (std::size_t i = 0; i < 8; ++i) start.back().weights[8 * k + i] /= static_cast<float>(weights.output_scale[k]);
   std::vector<DenseLayer> layers = start;
-  const std::vector<float*> numbers = numbers_of(layers);
-  std::vector<double> mean(numbers.size()), square(numbers.size());
+  const std::vector<float*> parameters = parameters_of(layers);
+  std::vector<double> mean(parameters.size()), square(parameters.size());
   const std::size_t steps = factors.size();
   for (std::size_t step = 0; step < steps; ++step) {
     std::vector<double> gradient;
-    for (float* number : numbers) {
-      const float kept = *number;
+    for (float* parameter : parameters) {
+      const float kept = *parameter;
       const auto loss_at = [&](float value) {
-        *number = value;
-        return loss_of(layers, task, units);
+        *parameter = value;
+        return loss_of(layers, task, weights);
       };
-      // Downwards, as a ReLU that is just at 0 has no slope; what bends smoothly, both ways.
+      // One-sided for ReLU, which has no derivative at 0; central for smooth activations.
       const float up = plan.activation == Activation::relu ? kept : kept + 1e-3f;
       const float down = plan.activation == Activation::relu ? kept - 1e-4f : kept - 1e-3f;
       gradient.push_back((loss_at(up) - loss_at(down)) / (double(up) - down));
-      *number = kept;
+      *parameter = kept;
     }
     const double rate = plan.learning_rate * factors[step];
     std::size_t at = 0;
     for (DenseLayer& layer : layers) {
-      const std::size_t weights = layer.weights.size(),
-                        count = weights + (&layer == &layers.back() ? 0 : layer.bias.size());
-      const double share = &layer == &layers.front() ? 1 : &layer == &layers.back() ? plan.last_rate : plan.hidden_rate;
+      const std::size_t weight_count = layer.weights.size(),
+                        count = weight_count + (&layer == &layers.back() ? 0 : layer.bias.size());
+      const double rate_factor = &layer == &layers.front()  ? 1
+                                 : &layer == &layers.back() ? plan.output_rate_factor
+                                                            : plan.hidden_rate_factor;
       for (std::size_t i = 0; i < count; ++i, ++at) {
         mean[at] = 0.9 * mean[at] + 0.1 * gradient[at];
         square[at] = 0.999 * square[at] + 0.001 * gradient[at] * gradient[at];
         const double m = mean[at] / (1 - std::pow(0.9, step + 1)), v = square[at] / (1 - std::pow(0.999, step + 1));
-        const double kept = i < weights ? 1 - rate * plan.weight_decay : 1;
-        const double own = i < weights ? rate * share : rate;
-        *numbers[at] = static_cast<float>(*numbers[at] * kept - own * m / (std::sqrt(v) + 1e-8));
+        const double kept = i < weight_count ? 1 - rate * plan.weight_decay : 1;
+        const double layer_rate = i < weight_count ? rate * rate_factor : rate;
+        *parameters[at] = static_cast<float>(*parameters[at] * kept - layer_rate * m / (std::sqrt(v) + 1e-8));
       }
     }
   }
   plan.epochs = static_cast<std::uint32_t>(steps);
   std::vector<DenseLayer> trained = train_layers(task.set, plan, silent_progress()).layers;
   for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < 8; ++i) trained.back().weights[8 * k + i] /= static_cast<float>(units.unit[k]);
-  const std::vector<float*> got = numbers_of(trained), before = numbers_of(start);
+    for (std::size_t i = 0; i < 8; ++i)
+      trained.back().weights[8 * k + i] /= static_cast<float>(weights.output_scale[k]);
+  const std::vector<float*> got = parameters_of(trained), before = parameters_of(start);
   double off = 0, moved = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    off += std::abs(double(*got[i]) - *numbers[i]);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    off += std::abs(double(*got[i]) - *parameters[i]);
     moved += std::abs(double(*got[i]) - *before[i]);
   }
   CHECK(moved > 0.1);
@@ -231,7 +234,7 @@ std::vector<double> half_cosine() {
 }  // namespace
 
 TEST_CASE("steps are those of Adam on the gradient of the loss, for every activation") {
-  const Task task = make_task(200, 5);  // fewer than a batch, so that each step sees all
+  const Task task = make_task(200, 5);  // fewer than a batch, so that each step is on all
   TrainingPlan plan = plan_of(0);
   plan.widths = {8, 8, 8};
   for (const Activation activation : {Activation::relu, Activation::tanh, Activation::silu, Activation::linear}) {
@@ -241,14 +244,14 @@ TEST_CASE("steps are those of Adam on the gradient of the loss, for every activa
   }
 }
 
-TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and without skips") {
+TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and without residual connections") {
   Task task = make_task(200, 6);
   std::vector<float> gates;
   Random random(3);
   for (std::size_t i = 0; i < task.set.poses; ++i) gates.push_back(std::max(random.uniform(-1, 1), 0.0f));
   TrainingPlan plan = plan_of(0);
   plan.activation = Activation::silu;
-  plan.widths = {8, 6, 8};  // no skip fits
+  plan.widths = {8, 6, 8};  // no residual connection fits
   check_steps(task, plan, half_cosine());
   plan.widths = {8, 8};
   SUBCASE("gates") {
@@ -260,7 +263,7 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   SUBCASE("halfway") {
     plan.output_scaling = 0.5f;
   }
-  SUBCASE("in small pieces") {
+  SUBCASE("small microbatches") {
     plan.microbatch = 7;
   }
   SUBCASE("poses balanced") {
@@ -269,13 +272,13 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   SUBCASE("decay") {
     plan.weight_decay = 5;
   }
-  SUBCASE("layers with rates of their own") {
-    plan.hidden_rate = 0.5f;
-    plan.last_rate = 3;
+  SUBCASE("rate factors of layers") {
+    plan.hidden_rate_factor = 0.5f;
+    plan.output_rate_factor = 3;
   }
   SUBCASE("all of it") {
-    plan.hidden_rate = 0.5f;
-    plan.last_rate = 2;
+    plan.hidden_rate_factor = 0.5f;
+    plan.output_rate_factor = 2;
     task.set.gates = gates;
     plan.output_scaling = 1;
     plan.pose_balance = 0.5f;
@@ -284,7 +287,7 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
   check_steps(task, plan, half_cosine());
 }
 
-TEST_CASE("a lingering rate rises, stays, and falls in a straight line") {
+TEST_CASE("the warmup-stable-decay schedule rises, stays, and falls linearly") {
   const Task task = make_task(100, 7);
   TrainingPlan plan = plan_of(0);
   plan.widths = {8, 8};
@@ -300,8 +303,8 @@ TEST_CASE("a lingering rate rises, stays, and falls in a straight line") {
   CHECK(schedule_factor(Schedule::cosine, 250, 500) == doctest::Approx(0.5));
 }
 
-// Weights rounded to whole multiples of their row's largest over 2^(bits - 1) - 1.
-static std::vector<DenseLayer> rounded(std::vector<DenseLayer> layers, int bits) {
+// Weights quantised to multiples of their row's largest over 2^(bits - 1) - 1.
+static std::vector<DenseLayer> quantised(std::vector<DenseLayer> layers, int bits) {
   for (DenseLayer& layer : layers)
     for (std::size_t o = 0; o < layer.outputs; ++o) {
       const std::span<float> row = std::span(layer.weights).subspan(o * layer.inputs, layer.inputs);
@@ -313,20 +316,20 @@ static std::vector<DenseLayer> rounded(std::vector<DenseLayer> layers, int bits)
   return layers;
 }
 
-TEST_CASE("training through rounded weights leaves less error once they are rounded") {
+TEST_CASE("quantisation-aware training leaves less error once weights are quantised") {
   const Task task = make_task(1000, 1), unseen = make_task(500, 2);
   TrainingPlan plan = plan_of(40);
   plan.batch = 32;
   plan.activation = Activation::silu;
   plan.weight_bits = 5;
   const std::vector<DenseLayer> plain = train_layers(task.set, plan, silent_progress()).layers;
-  plan.quantized_share = 0.4f;
+  plan.quantised_share = 0.4f;
   const std::vector<DenseLayer> aware = train_layers(task.set, plan, silent_progress()).layers;
-  CHECK(relative_error(rounded(plain, 5), unseen) > 1.4 * relative_error(plain, unseen));
-  CHECK(relative_error(rounded(aware, 5), unseen) < 0.8 * relative_error(rounded(plain, 5), unseen));
+  CHECK(relative_error(quantised(plain, 5), unseen) > 1.4 * relative_error(plain, unseen));
+  CHECK(relative_error(quantised(aware, 5), unseen) < 0.8 * relative_error(quantised(plain, 5), unseen));
 }
 
-TEST_CASE("bent layers learn what straight ones cannot") {
+TEST_CASE("nonlinear layers learn what linear ones cannot") {
   const Task task = make_task(1000, 1), unseen = make_task(500, 2);
   TrainingPlan plan = plan_of(40);
   plan.batch = 32;
@@ -338,10 +341,10 @@ TEST_CASE("bent layers learn what straight ones cannot") {
   }
 }
 
-TEST_CASE("the weights that serve validation poses best are kept, and those poses are not trained on") {
+TEST_CASE("the weights with the least validation loss are kept, and validation poses are not trained on") {
   Task task = make_task(160, 1);
   Random noise(9);
-  for (float& target : task.targets) target += noise.normal();  // nothing to learn by heart
+  for (float& target : task.targets) target += noise.normal();  // so that training overfits
   std::vector<std::uint32_t> validation;
   for (std::uint32_t pose = 0; pose < 160; pose += 2) validation.push_back(pose);
   TrainingSet set = task.set;
@@ -365,14 +368,14 @@ TEST_CASE("the weights that serve validation poses best are kept, and those pose
   CHECK(trained.epochs.back().validation > 1.2 * best);
   CHECK(trained.epochs.back().training == trained.loss);
 
-  // What validation poses are to become has no part in the steps.
+  // Targets of validation poses do not change the steps.
   const float before = task.targets[0];
   task.targets[0] = 1e6f;
   const TrainedLayers other = train_layers(set, plan, silent_progress());
   CHECK(other.epochs.front().training == trained.epochs.front().training);
   task.targets[0] = before;
 
-  // An interrupted training keeps what it has found best.
+  // An interrupted training keeps the best weights.
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   plan.checkpoint = path;
   StopAfter stop(300);
@@ -386,7 +389,7 @@ TEST_CASE("the weights that serve validation poses best are kept, and those pose
   CHECK_THROWS_AS(train_layers(set, plan, silent_progress()), Error);
 }
 
-TEST_CASE("training that runs away begins again at half the rate, three times at most") {
+TEST_CASE("training that diverges restarts at half the rate, three times at most") {
   const Task task = make_task(300, 1);
   TrainingPlan plan = plan_of(6);
   TrainedLayers trained;
@@ -400,12 +403,12 @@ TEST_CASE("training that runs away begins again at half the rate, three times at
   CHECK_THROWS_WITH_AS(train_layers(task.set, plan, silent_progress()), doctest::Contains("3 restarts"), Error);
 }
 
-TEST_CASE("training goes on from given layers, also to another network's outputs") {
+TEST_CASE("training continues from given layers, also towards another network's outputs") {
   const Task task = make_task(1000, 1);
   TrainingPlan plan = plan_of(20);
   plan.output_scaling = 1;
   const TrainedLayers first = train_layers(task.set, plan, silent_progress());
-  plan.start = first.layers;
+  plan.initial_layers = first.layers;
   plan.epochs = 0;
   const std::vector<DenseLayer> untouched = train_layers(task.set, plan, silent_progress()).layers;
   CHECK(relative_error(untouched, task) == doctest::Approx(relative_error(first.layers, task)).epsilon(1e-4));
@@ -413,18 +416,18 @@ TEST_CASE("training goes on from given layers, also to another network's outputs
   const TrainedLayers more = train_layers(task.set, plan, silent_progress());
   CHECK(more.loss < 0.7 * first.loss);
 
-  const std::vector<float> taught = run_layers(more.layers, task.set, {});
-  Task pupil = task;
-  pupil.targets = taught;
-  pupil.set.targets = pupil.targets;
-  CHECK(relative_error(train_layers(pupil.set, plan, silent_progress()).layers, pupil) <
-        0.5 * relative_error(first.layers, pupil));
+  const std::vector<float> teacher_outputs = run_layers(more.layers, task.set, {});
+  Task student = task;
+  student.targets = teacher_outputs;
+  student.set.targets = student.targets;
+  CHECK(relative_error(train_layers(student.set, plan, silent_progress()).layers, student) <
+        0.5 * relative_error(first.layers, student));
 
-  plan.start.front().inputs = 4;
+  plan.initial_layers.front().inputs = 4;
   CHECK_THROWS_AS(train_layers(task.set, plan, silent_progress()), Error);
 }
 
-TEST_CASE("every pose is trained on, also where batches leave some out, and numbers that are none stop it") {
+TEST_CASE("every pose is trained on, also where batches leave some out, and features that are NaN stop training") {
   for (std::size_t pose = 0; pose < 5; ++pose) {
     Task task = make_task(5, 1);
     task.features[5 * pose] = NAN;
@@ -443,7 +446,7 @@ TEST_CASE("the same seed gives the same network, whatever the threads; another s
   CHECK_FALSE(same(one, train_layers(task.set, other, silent_progress()).layers));
 }
 
-TEST_CASE("an interrupted training goes on to the very same network") {
+TEST_CASE("an interrupted training resumes to the same network") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   const Task task = make_task(700, 1);
   TrainingPlan plan = plan_of(6);
@@ -456,7 +459,7 @@ TEST_CASE("an interrupted training goes on to the very same network") {
   std::filesystem::remove(path);
 }
 
-TEST_CASE("a training that differs in anything begins anew") {
+TEST_CASE("a checkpoint of other options or data is not resumed") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_trainer_" + std::to_string(getpid()));
   const Task task = make_task(700, 1), other_task = make_task(700, 2);
   std::vector<TrainingPlan> others(10, plan_of(4));
@@ -470,7 +473,7 @@ TEST_CASE("a training that differs in anything begins anew") {
   others[7].weight_decay = 0.1f;
   others[8].pose_balance = 1;
   others[9].microbatch = 64;
-  const auto begun_after_another = [&](TrainingPlan plan, const TrainingSet& set) {
+  const auto check_starts_fresh = [&](TrainingPlan plan, const TrainingSet& set) {
     const auto fresh = train_layers(set, plan, silent_progress()).layers;
     TrainingPlan first = plan_of(4);
     plan.checkpoint = first.checkpoint = path;
@@ -478,12 +481,12 @@ TEST_CASE("a training that differs in anything begins anew") {
     CHECK_THROWS_AS(train_layers(task.set, first, stop), Error);
     CHECK(same(fresh, train_layers(set, plan, silent_progress()).layers));
   };
-  for (const TrainingPlan& plan : others) begun_after_another(plan, task.set);
-  begun_after_another(plan_of(4), other_task.set);
+  for (const TrainingPlan& plan : others) check_starts_fresh(plan, task.set);
+  check_starts_fresh(plan_of(4), other_task.set);
   std::filesystem::remove(path);
 }
 
-TEST_CASE("a checkpoint of other work, or a damaged one, is left alone") {
+TEST_CASE("a checkpoint with another key, or a damaged one, is not loaded") {
   const auto path = std::filesystem::temp_directory_path() / ("fb_checkpoint_" + std::to_string(getpid()));
   save_checkpoint(path, {42, 7, {{1, 2, 3}, {4}}});
   const auto loaded = load_checkpoint(path, 42);
@@ -505,7 +508,7 @@ TEST_CASE("a checkpoint of other work, or a damaged one, is left alone") {
   CHECK_FALSE(load_checkpoint(path, 42));
 }
 
-TEST_CASE("trained layers run to the outputs their definition gives, with gates and named columns") {
+TEST_CASE("run_layers computes the defined outputs, with gates and named columns") {
   const Task task = make_task(300, 1);
   TrainingPlan plan = plan_of(60);
   plan.activation = Activation::silu;
@@ -539,7 +542,7 @@ TEST_CASE("trained layers run to the outputs their definition gives, with gates 
   }
   CHECK(size > 0.5);
   CHECK(off < 1e-5);
-  // And training reads them alike.
+  // Training reads named columns alike.
   TrainingSet named = set;
   named.targets = task.targets;
   named.gates = {};
@@ -557,19 +560,19 @@ TEST_CASE("regions trained together are those trained one by one, whatever the t
   std::vector<TrainingPlan> plans = {plan_of(2), plan_of(3), plan_of(2)};
   plans[0].widths = {8};
   plans[1].activation = Activation::silu;
-  plans[2].widths = {64, 64, 64, 64};  // longer than the others together: all threads are its own
+  plans[2].widths = {64, 64, 64, 64};  // costs more than the others together: gets all threads
   std::vector<std::vector<DenseLayer>> alone;
   for (std::size_t i = 0; i < 3; ++i) alone.push_back(train_layers(sets[i], plans[i], silent_progress()).layers);
   for (const int threads : {1, 2, 4}) {
     Parallel parallel;
     parallel.threads = threads;
-    const std::vector<TrainedLayers> together = train_regions(sets, plans, parallel, silent_progress());
+    const std::vector<TrainedLayers> together = train_in_parallel(sets, plans, parallel, silent_progress());
     REQUIRE(together.size() == 3);
     for (std::size_t i = 0; i < 3; ++i) CHECK(same(alone[i], together[i].layers));
   }
   StopAfter stop(1);
-  CHECK_THROWS_AS(train_regions(sets, plans, {}, stop), Error);
-  CHECK_THROWS_AS(train_regions(sets, std::span(plans).first(2), {}, silent_progress()), Error);
+  CHECK_THROWS_AS(train_in_parallel(sets, plans, {}, stop), Error);
+  CHECK_THROWS_AS(train_in_parallel(sets, std::span(plans).first(2), {}, silent_progress()), Error);
 }
 
 TEST_CASE("features that do not fit the targets are refused") {

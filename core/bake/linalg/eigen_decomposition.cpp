@@ -1,4 +1,4 @@
-#include "bake/linalg/spectrum.h"
+#include "bake/linalg/eigen_decomposition.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -12,26 +12,26 @@ namespace fb::bake {
 
 using Matrix = Eigen::MatrixXf;
 
-void tiles(const Parallel& parallel, std::size_t total, std::size_t size,
-           const std::function<void(std::size_t, std::size_t)>& body) {
-  parallel_for(parallel, (total + size - 1) / size,
-               [&](std::size_t i, std::size_t) { body(i * size, std::min(size, total - i * size)); });
+void parallel_tiles(const Parallel& parallel, std::size_t total, std::size_t tile,
+                    const std::function<void(std::size_t, std::size_t)>& body) {
+  parallel_for(parallel, (total + tile - 1) / tile,
+               [&](std::size_t i, std::size_t) { body(i * tile, std::min(tile, total - i * tile)); });
 }
 
-Spectrum symmetric_spectrum(const Eigen::MatrixXd& gram) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+EigenDecomposition decompose_symmetric(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   if (solver.info() != Eigen::Success)
     fail(Status::internal, "the eigenvalues of the poses' covariance do not converge");
   return {solver.eigenvectors().rowwise().reverse().cast<float>(), solver.eigenvalues().reverse().cwiseMax(0.0)};
 }
 
-Eigen::MatrixXd gram_of(const float* columns, std::size_t rows, std::size_t count, const Parallel& parallel) {
+Eigen::MatrixXd gram_matrix(const float* columns, std::size_t rows, std::size_t count, const Parallel& parallel) {
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(rows, rows);
-  constexpr std::size_t poses_at_once = 4096;
-  for (std::size_t first = 0; first < count; first += poses_at_once) {
-    const std::size_t n = std::min(poses_at_once, count - first);
+  constexpr std::size_t columns_per_product = 4096;  // in float; products are summed in double
+  for (std::size_t first = 0; first < count; first += columns_per_product) {
+    const std::size_t n = std::min(columns_per_product, count - first);
     Matrix part(rows, rows);
-    tiles(parallel, rows, 64, [&](std::size_t column, std::size_t width) {
+    parallel_tiles(parallel, rows, 64, [&](std::size_t column, std::size_t width) {
       gemm(Op::plain, Op::transposed, rows, width, n, columns + first * rows, rows, columns + first * rows + column,
            rows, 0, part.data() + column * rows, rows);
     });
@@ -40,7 +40,7 @@ Eigen::MatrixXd gram_of(const float* columns, std::size_t rows, std::size_t coun
   return gram;
 }
 
-Matrix orthonormal(const Matrix& columns, std::size_t width) {
+Matrix orthonormalise(const Matrix& columns, std::size_t width) {
   Matrix full(columns.rows(), width);
   const std::size_t given = std::min<std::size_t>(columns.cols(), width);
   full.leftCols(given) = columns.leftCols(given);

@@ -8,13 +8,14 @@
 namespace fb::bake {
 namespace {
 
-// What a network costs, in any unit: numbers touched over its training.
-double cost_of(const TrainingSet& set, const TrainingPlan& plan) {
-  const NetShape shape = plan.start.empty() ? NetShape(set.inputs, plan, set.outputs) : NetShape(plan.start);
+// The relative cost of a training: parameters x poses x epochs.
+double training_cost(const TrainingSet& set, const TrainingPlan& plan) {
+  const NetworkShape shape =
+      plan.initial_layers.empty() ? NetworkShape(set.inputs, plan, set.outputs) : NetworkShape(plan.initial_layers);
   return static_cast<double>(shape.parameters) * static_cast<double>(set.poses) * plan.epochs;
 }
 
-// One bar for trainings that run beside each other.
+// One progress bar for trainings that run in parallel. Thread-safe.
 class SharedProgress {
  public:
   static constexpr std::uint64_t total = 10000;
@@ -38,70 +39,72 @@ class SharedProgress {
   double done_ = 0;
 };
 
-// One training's part of the bar.
+// One training's share of the bar.
 class PartProgress final : public Progress {
  public:
   PartProgress(SharedProgress& whole, double share) : whole_(whole), share_(share) {}
   void begin(std::string_view, std::uint64_t total) override { total_ = total; }
   void update(std::uint64_t done) override {
-    const double at = static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(total_, 1));
-    whole_.add((at - at_) * share_);
-    at_ = at;
+    const double fraction = static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(total_, 1));
+    whole_.add((fraction - fraction_) * share_);
+    fraction_ = fraction;
   }
   bool cancelled() const override { return whole_.cancelled(); }
   void note(std::string_view sentence) override { whole_.note(sentence); }
 
  private:
   SharedProgress& whole_;
-  double share_, at_ = 0;
+  double share_, fraction_ = 0;
   std::uint64_t total_ = 0;
 };
 
-// How long trainings, the longest first, take at least when each runs on a thread of its own.
-double time_of(std::span<const double> costs, std::size_t workers) {
+// Lower bound of the time of trainings, longest first, with one thread each.
+double one_thread_time(std::span<const double> costs, std::size_t workers) {
   if (costs.empty()) return 0;
   return std::max(costs.front(), std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(workers));
 }
 
-// How many of the trainings, the longest first, are quicker one after another on all threads.
-std::size_t count_alone(std::span<const double> costs, std::size_t workers, std::size_t microbatches) {
-  std::size_t alone = 0;
+// How many of the trainings, longest first, are faster one after another with all threads each.
+std::size_t count_all_threads(std::span<const double> costs, std::size_t workers, std::size_t microbatches) {
+  std::size_t all_threads = 0;
   const double speedup = static_cast<double>(std::min(workers, microbatches));
-  while (alone < costs.size() && workers > 1 &&
-         costs[alone] / speedup + time_of(costs.subspan(alone + 1), workers) < time_of(costs.subspan(alone), workers))
-    ++alone;
-  return alone;
+  while (all_threads < costs.size() && workers > 1 &&
+         costs[all_threads] / speedup + one_thread_time(costs.subspan(all_threads + 1), workers) <
+             one_thread_time(costs.subspan(all_threads), workers))
+    ++all_threads;
+  return all_threads;
 }
 
 }  // namespace
 
-std::vector<TrainedLayers> train_regions(std::span<const TrainingSet> sets, std::span<const TrainingPlan> plans,
-                                         const Parallel& parallel, Progress& progress, std::string_view stage) {
+std::vector<TrainedLayers> train_in_parallel(std::span<const TrainingSet> sets, std::span<const TrainingPlan> plans,
+                                             const Parallel& parallel, Progress& progress, std::string_view stage) {
   if (sets.size() != plans.size())
     fail(Status::invalid_argument, "training: %zu plans for %zu networks", plans.size(), sets.size());
   std::vector<std::size_t> order(sets.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::vector<double> costs(sets.size());
-  for (std::size_t i = 0; i < sets.size(); ++i) costs[i] = cost_of(sets[i], plans[i]);
+  for (std::size_t i = 0; i < sets.size(); ++i) costs[i] = training_cost(sets[i], plans[i]);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
   std::ranges::sort(costs, std::greater<>());
-  const double all = std::max(std::accumulate(costs.begin(), costs.end(), 0.0), 1.0);
+  const double total = std::max(std::accumulate(costs.begin(), costs.end(), 0.0), 1.0);
 
   SharedProgress shared(progress, stage);
   std::vector<TrainedLayers> trained(sets.size());
-  const auto train = [&](std::size_t place, const Parallel& own) {
-    TrainingPlan plan = plans[order[place]];
-    plan.parallel = own;
-    PartProgress part(shared, costs[place] / all);
-    trained[order[place]] = train_layers(sets[order[place]], plan, part);
+  const auto train = [&](std::size_t rank, const Parallel& threads) {
+    TrainingPlan plan = plans[order[rank]];
+    plan.parallel = threads;
+    PartProgress part(shared, costs[rank] / total);
+    trained[order[rank]] = train_layers(sets[order[rank]], plan, part);
   };
   const std::size_t microbatches =
       sets.empty() ? 1 : (plans[order[0]].batch + plans[order[0]].microbatch - 1) / plans[order[0]].microbatch;
-  const std::size_t alone = count_alone(costs, worker_count(parallel), microbatches);
-  for (std::size_t place = 0; place < alone; ++place) train(place, parallel);
+  const std::size_t all_threads = count_all_threads(costs, worker_count(parallel), microbatches);
+  for (std::size_t rank = 0; rank < all_threads; ++rank) train(rank, parallel);
   Parallel serial;
   serial.threads = 1;
-  parallel_for(parallel, sets.size() - alone, [&](std::size_t index, std::size_t) { train(alone + index, serial); });
+  parallel_for(parallel, sets.size() - all_threads,
+               [&](std::size_t index, std::size_t) { train(all_threads + index, serial); });
   return trained;
 }
 
