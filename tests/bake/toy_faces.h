@@ -1,4 +1,4 @@
-// Small faces of formulas, and what every test that bakes them needs.
+// Small faces defined by formulas, and helpers of the tests that bake them.
 #pragma once
 
 #include <unistd.h>
@@ -25,7 +25,7 @@ struct WorkFolder {
   ~WorkFolder() { std::filesystem::remove_all(path); }
 };
 
-// Controls of unlike ranges; two rest away from 0.
+// A face with controls of different ranges; two have a rest value other than 0.
 inline MemorySource face_of(const MemorySource::Formula& formula, bool live = false, std::size_t side = 8) {
   MemorySource source(4, side, formula, live);
   std::vector<fb::Control>& controls = source.edit_schema().controls;
@@ -34,7 +34,7 @@ inline MemorySource face_of(const MemorySource::Formula& formula, bool live = fa
   return source;
 }
 
-// The controls of face_of as shares of their reach, -1 to 1 or less.
+// The controls of face_of in units of their reach: -1 to 1 or less.
 inline std::array<float, 4> shares(const float* c) {
   return {c[0], (c[1] - 1) / 2, (c[2] + 2) / 2, c[3]};
 }

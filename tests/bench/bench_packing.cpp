@@ -63,7 +63,7 @@ struct Settings {
     const std::map<std::string, std::function<void()>> numbers = {
         {"parameters", [&] { recipe.parameters = static_cast<std::size_t>(value); }},
         {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
-        {"operations", [&] { recipe.operations = value; }},
+        {"training_flops", [&] { recipe.training_flops = value; }},
         {"corrective_bytes", [&] { recipe.corrective_bytes = value; }},
         {"regions", [&] { recipe.regions.regions = static_cast<std::uint32_t>(value); }},
         {"overlap", [&] { recipe.regions.overlap = value; }},
@@ -113,7 +113,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   PrintedStages progress;
   const double start = seconds();
   const TrainedFace face = train_face(settings.recipe, poses, rig, settings.options, progress);
-  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms);
+  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms_error);
   for (const RegionStats& region : face.stats.regions)
     std::printf(
         "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained "
@@ -131,7 +131,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   }
   print_floats("floats, base alone", base, kept);
 
-  const BlockwisePca pca(face.model, face.moments, face.model.network.regions.empty() ? 21 : 64, {});
+  const BlockwisePca pca(face.model, face.covariance, face.model.network.regions.empty() ? 21 : 64, {});
   double threshold, tolerance, drop;
   int bits;
   while (std::cin >> threshold >> tolerance >> drop >> bits) {

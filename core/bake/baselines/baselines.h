@@ -1,4 +1,4 @@
-// The systems that hero and compact are compared with.
+// The recipes that hero and compact are compared with: linear blendshapes, earlier systems, and the paper's network.
 #pragma once
 
 #include "bake/recipe/recipe.h"

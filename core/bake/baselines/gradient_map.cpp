@@ -9,8 +9,8 @@
 namespace fb::bake {
 namespace {
 
-// Triangles of less area than this part of their longest edge squared have no gradient worth the name.
-constexpr double flattest = 1e-5;
+// Triangles with less area than this times their longest edge squared are skipped: their gradients are ill-conditioned.
+constexpr double min_relative_area = 1e-5;
 
 struct Triangle {
   std::array<std::uint32_t, 3> corners;
@@ -18,7 +18,7 @@ struct Triangle {
   double area;
 };
 
-std::vector<Triangle> usable_triangles(const Mesh& rest) {
+std::vector<Triangle> gradient_triangles(const Mesh& rest) {
   std::vector<Triangle> triangles;
   const std::vector<std::uint32_t> corners = rest.triangles();
   for (std::size_t t = 0; t < corners.size(); t += 3) {
@@ -34,12 +34,12 @@ std::vector<Triangle> usable_triangles(const Mesh& rest) {
       triangle.cotangents[i] = a.dot(b) / twice;
     }
     triangle.area = twice / 2;
-    if (triangle.area > flattest * longest) triangles.push_back(triangle);
+    if (triangle.area > min_relative_area * longest) triangles.push_back(triangle);
   }
   return triangles;
 }
 
-// The connected component of every vertex, numbered by their first vertices.
+// The connected component of every vertex, by union-find; numbered in the order of their first vertices.
 std::vector<std::uint32_t> components_of(std::size_t vertices, const std::vector<Triangle>& triangles) {
   std::vector<std::uint32_t> root(vertices);
   std::iota(root.begin(), root.end(), 0u);
@@ -64,29 +64,29 @@ std::vector<std::uint32_t> components_of(std::size_t vertices, const std::vector
 
 }  // namespace
 
-GradientMap::GradientMap(const Mesh& rest) : vertices_(rest.vertex_count()), share_(vertices_, 0.0) {
-  const std::vector<Triangle> triangles = usable_triangles(rest);
+GradientMap::GradientMap(const Mesh& rest) : vertices_(rest.vertex_count()), area_share_(vertices_, 0.0) {
+  const std::vector<Triangle> triangles = gradient_triangles(rest);
   component_ = components_of(vertices_, triangles);
   double surface = 0;
   for (const Triangle& triangle : triangles) {
     surface += triangle.area;
-    for (const std::uint32_t v : triangle.corners) share_[v] += triangle.area / 3;
+    for (const std::uint32_t v : triangle.corners) area_share_[v] += triangle.area / 3;
   }
   const double diagonal = rest.diagonal();
-  const double lone = (surface > 0 ? surface : diagonal * diagonal) / static_cast<double>(vertices_);
+  const double isolated = (surface > 0 ? surface : diagonal * diagonal) / static_cast<double>(vertices_);
   std::vector<Eigen::Index> unknown(vertices_, -1);
   for (std::uint32_t v = 0; v < vertices_; ++v) {
-    if (share_[v] == 0) share_[v] = lone;  // it has no triangle
-    if (component_[v] == held_.size()) {
-      held_.push_back(v);
+    if (area_share_[v] == 0) area_share_[v] = isolated;  // no triangle
+    if (component_[v] == pinned_.size()) {
+      pinned_.push_back(v);
       weight_.push_back(0);
     } else {
       unknown[v] = static_cast<Eigen::Index>(free_.size());
       free_.push_back(v);
     }
-    weight_[component_[v]] += share_[v];
+    weight_[component_[v]] += area_share_[v];
   }
-  for (std::uint32_t v = 0; v < vertices_; ++v) share_[v] /= weight_[component_[v]];
+  for (std::uint32_t v = 0; v < vertices_; ++v) area_share_[v] /= weight_[component_[v]];
   for (double& weight : weight_) weight = std::sqrt(weight) / (translation_length * diagonal);
   if (free_.empty()) return;
 
@@ -110,34 +110,34 @@ GradientMap::GradientMap(const Mesh& rest) : vertices_(rest.vertex_count()), sha
 }
 
 void GradientMap::to_gradients(std::span<const float> displacements, std::span<float> gradients) const {
-  const std::size_t held = 3 * free_.size();
-  Eigen::MatrixX3d means = Eigen::MatrixX3d::Zero(held_.size(), 3), relative(free_.size(), 3);
+  const std::size_t means_offset = 3 * free_.size();
+  Eigen::MatrixX3d means = Eigen::MatrixX3d::Zero(pinned_.size(), 3), relative(free_.size(), 3);
   for (std::size_t v = 0; v < vertices_; ++v)
-    for (int axis = 0; axis < 3; ++axis) means(component_[v], axis) += share_[v] * displacements[3 * v + axis];
+    for (int axis = 0; axis < 3; ++axis) means(component_[v], axis) += area_share_[v] * displacements[3 * v + axis];
   for (std::size_t i = 0; i < free_.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
       relative(i, axis) =
-          double(displacements[3 * free_[i] + axis]) - displacements[3 * held_[component_[free_[i]]] + axis];
+          double(displacements[3 * free_[i] + axis]) - displacements[3 * pinned_[component_[free_[i]]] + axis];
   if (!free_.empty()) relative = (factor_.matrixU() * (factor_.permutationP() * relative).eval()).eval();
   for (std::size_t i = 0; i < free_.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) gradients[3 * i + axis] = static_cast<float>(relative(i, axis));
-  for (std::size_t c = 0; c < held_.size(); ++c)
+  for (std::size_t c = 0; c < pinned_.size(); ++c)
     for (int axis = 0; axis < 3; ++axis)
-      gradients[held + 3 * c + axis] = static_cast<float>(weight_[c] * means(c, axis));
+      gradients[means_offset + 3 * c + axis] = static_cast<float>(weight_[c] * means(c, axis));
 }
 
 void GradientMap::to_displacements(std::span<const float> gradients, std::span<float> displacements) const {
-  const std::size_t held = 3 * free_.size();
-  Eigen::MatrixX3d shift(held_.size(), 3), relative(free_.size(), 3);
+  const std::size_t means_offset = 3 * free_.size();
+  Eigen::MatrixX3d shift(pinned_.size(), 3), relative(free_.size(), 3);
   for (std::size_t i = 0; i < free_.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) relative(i, axis) = gradients[3 * i + axis];
   if (!free_.empty()) relative = (factor_.permutationPinv() * factor_.matrixU().solve(relative).eval()).eval();
-  for (std::size_t c = 0; c < held_.size(); ++c)
-    for (int axis = 0; axis < 3; ++axis) shift(c, axis) = gradients[held + 3 * c + axis] / weight_[c];
-  for (std::size_t i = 0; i < free_.size(); ++i)  // where the held vertex stays, the mean is not what it should be
-    shift.row(component_[free_[i]]) -= share_[free_[i]] * relative.row(i);
-  for (std::size_t c = 0; c < held_.size(); ++c)
-    for (int axis = 0; axis < 3; ++axis) displacements[3 * held_[c] + axis] = static_cast<float>(shift(c, axis));
+  for (std::size_t c = 0; c < pinned_.size(); ++c)
+    for (int axis = 0; axis < 3; ++axis) shift(c, axis) = gradients[means_offset + 3 * c + axis] / weight_[c];
+  for (std::size_t i = 0; i < free_.size(); ++i)  // corrects the mean, which pinning the vertex has changed
+    shift.row(component_[free_[i]]) -= area_share_[free_[i]] * relative.row(i);
+  for (std::size_t c = 0; c < pinned_.size(); ++c)
+    for (int axis = 0; axis < 3; ++axis) displacements[3 * pinned_[c] + axis] = static_cast<float>(shift(c, axis));
   for (std::size_t i = 0; i < free_.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
       displacements[3 * free_[i] + axis] = static_cast<float>(relative(i, axis) + shift(component_[free_[i]], axis));

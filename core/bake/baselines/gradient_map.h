@@ -10,38 +10,39 @@
 
 namespace fb::bake {
 
-// Deformation gradients of a mesh, in as few numbers as it has coordinates.
+// Deformation gradients of a mesh in the feature space of PCA, with as many values as the mesh has coordinates.
 //
-// In the plane of a triangle the gradient minus the identity is linear in the displacements, and the products of the
-// gradients of two poses, summed over triangles by area, are d' L e with L the cotangent Laplacian (Botsch, Sorkine,
-// "On Linear Variational Surface Deformation Methods", TVCG 2008). With L = R'R the numbers R d have the same products
-// and lengths, so their principal components are those of the gradients, and R^-1 is the Poisson solve that rebuilds
-// positions. L does not see a connected component move as a whole: its mean translation is three numbers more, in units
-// of `translation_length`. A vertex without a polygon is a component of its own.
+// In the plane of a triangle, the gradient minus the identity is linear in the displacements. The products of the
+// gradients of two poses d and e, summed over triangles by area, are d' L e with L the cotangent Laplacian (Botsch,
+// Sorkine, "On Linear Variational Surface Deformation Methods", TVCG 2008). With the Cholesky factorisation L = R'R,
+// the values R d have the same products and lengths, so their principal components are those of the gradients, and R^-1
+// is the Poisson solve that reconstructs positions. L is singular for translations of a connected component: the mean
+// translation of each is three more values, in units of `translation_length`. A vertex without a polygon is a component
+// of its own.
 class GradientMap {
  public:
   explicit GradientMap(const Mesh& rest);
 
-  // Both ways: 3 x vertices floats. Each undoes the other. Thread-safe.
+  // The two directions, each the inverse of the other: 3 x vertices floats. Thread-safe.
   void to_gradients(std::span<const float> displacements, std::span<float> gradients) const;
   void to_displacements(std::span<const float> gradients, std::span<float> displacements) const;
 
-  std::size_t component_count() const { return held_.size(); }
+  std::size_t component_count() const { return pinned_.size(); }
 
-  // Over the diagonal: a component that moves so far counts as if its gradient were 1 everywhere.
+  // Over the diagonal: a translation by this distance counts as much as a gradient of 1 everywhere.
   static constexpr double translation_length = 0.1;
 
  private:
   std::size_t vertices_;
   std::vector<std::uint32_t> component_;  // of each vertex
-  std::vector<double> share_;             // of each vertex in its component's mean
-  std::vector<std::uint32_t> held_;       // of each component: the vertex whose place the mean translation takes
-  std::vector<double> weight_;            // of each component's translation
-  std::vector<std::uint32_t> free_;       // all other vertices, in the order of the factor's unknowns
+  std::vector<double> area_share_;        // of each vertex in its component
+  std::vector<std::uint32_t> pinned_;     // of each component: the vertex that the mean translation replaces
+  std::vector<double> weight_;            // of each component's mean translation
+  std::vector<std::uint32_t> free_;       // all other vertices: the unknowns of the factorisation
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
 };
 
-// The gradients of poses. The map must outlive it.
+// The gradient values of poses. The map must outlive it.
 class GradientRows final : public PoseRows {
  public:
   GradientRows(PoseSet poses, const GradientMap& map) : PoseRows(std::move(poses)), map_(&map) {}

@@ -1,43 +1,42 @@
-// A skeleton with correctives, after Kanyuk, Coleman, Laird, "Mobilizing Mocap, Motion Blending, and Mayhem", SIGGRAPH
-// 2018 Talks, as far as two pages tell: a skeleton is extracted from the poses, linear blend skinning weights are
-// solved with a smoothing term, and what skinning misses is corrected by shapes that controls drive through a sparse
-// interpolant.
+// Skinning with pose-space correctives, after Kanyuk, Coleman, Laird, "Mobilizing Mocap, Motion Blending, and Mayhem",
+// SIGGRAPH 2018 Talks, as far as its two pages say: a skeleton is extracted from the poses, weights of linear blend
+// skinning are solved for with a smoothing term, and the residual is corrected by shapes that controls drive through a
+// sparse interpolant.
 //
-// Here 32 bones with up to four a vertex; each control's ramp moves them as fits its limit best, and the moves of
-// several controls add up. One corrective a ramp makes its limit exact; up to 256 more fire where two controls meet or
-// half-way along one.
+// Here: 32 bones, up to four a vertex. Each control's ramp moves the bones as fits the shape at its limit best; the
+// transforms of several controls add up. One corrective a ramp makes its limit exact; up to 256 more are driven by two
+// controls or by the middle of one.
 #include <numeric>
 
 #include "bake/baselines/baselines.h"
 #include "bake/baselines/model_residual.h"
 #include "bake/baselines/pose_correctives.h"
 #include "bake/baselines/ramp_blendshapes.h"
-#include "bake/baselines/skinned_model.h"
 #include "bake/baselines/skinning/bone_fitter.h"
 #include "base/checked.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr double negligible = 1e-5;  // of the diagonal: what a corrective leaves out
-constexpr std::uint32_t sweeps = 6;
+constexpr double drop_threshold = 1e-5;  // over the diagonal: smaller offsets of correctives are dropped
+constexpr std::uint32_t fit_sweeps = 6;  // of fitting bones to a shape
 
-// Ramps in, all numbers of all bones out: one linear layer without bias.
+// One linear layer without bias from the ramps to the transform parameters of all bones.
 Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::vector<float>& shapes, std::size_t ramps,
                        const Parallel& parallel) {
   const BoneFitter fitter(skeleton, rest);
-  const std::size_t rows = rest.points.size(), numbers = skeleton.numbers();
-  std::vector<float> transforms(ramps * numbers);
+  const std::size_t rows = rest.points.size(), parameters = skeleton.parameter_count();
+  std::vector<float> transforms(ramps * parameters);
   parallel_for(parallel, ramps, [&](std::size_t r, std::size_t) {
-    fitter.fit(std::span(shapes).subspan(r * rows, rows), std::span(transforms).subspan(r * numbers, numbers), false,
-               sweeps);
+    fitter.fit(std::span(shapes).subspan(r * rows, rows), std::span(transforms).subspan(r * parameters, parameters),
+               false, fit_sweeps);
   });
   DenseLayer layer;
   layer.inputs = checked_u32(ramps, "ramps");
-  layer.outputs = checked_u32(numbers, "transforms");
-  for (std::size_t n = 0; n < numbers; ++n)
-    for (std::size_t r = 0; r < ramps; ++r) layer.weights.push_back(transforms[r * numbers + n]);
-  layer.bias.assign(numbers, 0.0f);
+  layer.outputs = checked_u32(parameters, "transforms");
+  for (std::size_t n = 0; n < parameters; ++n)
+    for (std::size_t r = 0; r < ramps; ++r) layer.weights.push_back(transforms[r * parameters + n]);
+  layer.bias.assign(parameters, 0.0f);
   Region region{"skeleton", {}, {std::move(layer)}};
   region.features.resize(ramps);
   std::iota(region.features.begin(), region.features.end(), 0u);
@@ -57,19 +56,19 @@ RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const Bake
   model.network.features = ramps;
   model.network.regions = {skeleton_region(skeleton, model.rest, correctives, ramps.size(), options.parallel)};
 
-  // What bones do not do of each ramp's shape.
-  const std::size_t rows = model.rest.points.size(), numbers = skeleton.numbers();
+  // The correctives of the ramps: their shapes minus the skinning.
+  const std::size_t rows = model.rest.points.size(), parameters = skeleton.parameter_count();
   for (std::size_t r = 0; r < ramps.size(); ++r) {
-    std::vector<float> transforms(numbers);
-    for (std::size_t n = 0; n < numbers; ++n)
+    std::vector<float> transforms(parameters);
+    for (std::size_t n = 0; n < parameters; ++n)
       transforms[n] = model.network.regions[0].layers[0].weights[n * ramps.size() + r];
     add_skinned(skeleton, model.rest, transforms, -1, std::span(correctives).subspan(r * rows, rows));
   }
 
-  // The basis: correctives, then bones.
+  // Columns of the basis: correctives, then bones.
   const std::vector<float> bones = skinning_shapes(skeleton, model.rest);
   const auto set_correctives = [&] {
-    drop_below(correctives, model.rest, negligible);
+    drop_below(correctives, model.rest, drop_threshold);
     model.network.direct.resize(model.network.features.size());
     std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
     std::vector<float> all = correctives;
@@ -82,9 +81,10 @@ RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const Bake
   correctives.insert(correctives.end(), more.shapes.begin(), more.shapes.end());
   set_correctives();
   result.packing.output_bits = 16;
-  result.packing.coefficient_sizes = coefficient_sizes(model, poses, options.parallel);
-  result.stats.notes = {format("%zu correctives at the limits of single controls, %zu where controls meet or half-way",
-                               ramps.size(), more.features.size())};
+  result.packing.coefficient_sizes = rms_coefficients(model, poses, options.parallel);
+  result.stats.notes = {
+      format("%zu correctives at the limits of single controls, %zu of two controls or of the middle of one",
+             ramps.size(), more.features.size())};
   result.stats.bones = skeleton.bone_count();
   return result;
 }

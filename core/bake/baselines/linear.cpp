@@ -1,5 +1,5 @@
-// Linear blendshapes: each control's shape at its limit, one for either side of rest, scaled by how far the control is
-// and added up. What a rig exports to an engine today, and what every method is compared with.
+// Linear blendshapes: the shape of each control at its limit, one for either side of rest, scaled linearly by the
+// control and summed. What a rig exports to an engine as morph targets.
 #include <numeric>
 
 #include "bake/baselines/baselines.h"
@@ -10,8 +10,9 @@
 namespace fb::bake {
 namespace {
 
-constexpr double negligible = 1e-7;         // of the diagonal: what a shape leaves out
-constexpr double packing_tolerance = 1e-6;  // over the diagonal: there is no other error to hide a larger one in
+// Over the diagonal: smaller offsets are dropped, and the quantisation error of the basis. Small, as shapes have no
+// other error.
+constexpr double drop_threshold = 1e-7, packing_tolerance = 1e-6;
 
 }  // namespace
 
@@ -22,7 +23,7 @@ RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOpti
   model.rest = poses.source().rest();
   model.network.features = ramp_features(model.schema);
   std::vector<float> shapes = ramp_shapes(poses, rig, model.network.features, progress);
-  drop_below(shapes, model.rest, negligible);
+  drop_below(shapes, model.rest, drop_threshold);
   model.network.direct.resize(model.network.features.size());
   std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
   model.basis = make_basis(checked_u32(model.rest.points.size(), "coordinates"),

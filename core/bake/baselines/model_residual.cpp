@@ -35,21 +35,21 @@ std::vector<float> model_coefficients(const FaceModel& model, std::span<const fl
   return result;
 }
 
-std::vector<float> coefficient_sizes(const FaceModel& model, const PoseSet& poses, const Parallel& parallel) {
-  const PoseSet some = poses.subsampled(2000);
-  const std::vector<float> all = model_coefficients(model, some.controls(), parallel);
+std::vector<float> rms_coefficients(const FaceModel& model, const PoseSet& poses, const Parallel& parallel) {
+  const PoseSet sample = poses.subsampled(2000);
+  const std::vector<float> all = model_coefficients(model, sample.controls(), parallel);
   std::vector<double> squares(model.basis.columns);
   for (std::size_t i = 0; i < all.size(); ++i) squares[i % squares.size()] += double(all[i]) * all[i];
   std::vector<float> sizes;
-  for (const double sum : squares) sizes.push_back(static_cast<float>(std::sqrt(sum / double(some.size()))));
+  for (const double sum : squares) sizes.push_back(static_cast<float>(std::sqrt(sum / double(sample.size()))));
   return sizes;
 }
 
 ModelResidual::ModelResidual(PoseSet poses, const FaceModel& model)
-    : PoseRows(std::move(poses)), model_(&model), row_of_(rows()) {
+    : PoseRows(std::move(poses)), model_(&model), coordinate_of_row_(rows()) {
   const std::vector<std::uint32_t>& order = model.basis.order;
-  for (std::size_t row = 0; row < row_of_.size(); ++row)
-    row_of_[row] = order.empty() ? row : 3 * std::size_t(order[row / 3]) + row % 3;
+  for (std::size_t row = 0; row < coordinate_of_row_.size(); ++row)
+    coordinate_of_row_[row] = order.empty() ? row : 3 * std::size_t(order[row / 3]) + row % 3;
 }
 
 std::unique_ptr<PoseRows> ModelResidual::subsampled(std::size_t count) const {
@@ -61,19 +61,20 @@ void ModelResidual::read(std::size_t first, std::size_t count, std::span<float> 
   poses().read_displacements(first, count, values);
   std::vector<float> controls(count * model_->schema.control_count());
   poses().read_controls(first, count, controls);
-  const std::vector<float> given = model_coefficients(*model_, controls, parallel);
+  const std::vector<float> coefficients = model_coefficients(*model_, controls, parallel);
   const std::size_t columns = model_->basis.columns;
   parallel_for(parallel, model_->basis.groups.size(), [&](std::size_t g, std::size_t) {
     const RowGroup& group = model_->basis.groups[g];
     const std::size_t used = group.columns.size();
-    std::vector<float> own(used * count), moved(group.row_count * count);
+    std::vector<float> used_coefficients(used * count), displacements(group.row_count * count);
     for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t c = 0; c < used; ++c) own[i * used + c] = given[i * columns + group.columns[c]];
-    gemm(Op::plain, Op::plain, group.row_count, count, used, group.values.data(), group.row_count, own.data(), used, 0,
-         moved.data(), group.row_count);
+      for (std::size_t c = 0; c < used; ++c)
+        used_coefficients[i * used + c] = coefficients[i * columns + group.columns[c]];
+    gemm(Op::plain, Op::plain, group.row_count, count, used, group.values.data(), group.row_count,
+         used_coefficients.data(), used, 0, displacements.data(), group.row_count);
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t row = 0; row < group.row_count; ++row)
-        values[i * rows() + row_of_[group.first_row + row]] -= moved[i * group.row_count + row];
+        values[i * rows() + coordinate_of_row_[group.first_row + row]] -= displacements[i * group.row_count + row];
   });
 }
 

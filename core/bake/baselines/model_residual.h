@@ -5,15 +5,15 @@
 
 namespace fb::bake {
 
-// The coefficients a model without gates computes, in float, for poses (count x controls): count x columns.
+// The coefficients of a model without gates, computed in float, for poses (count x controls): count x columns.
 std::vector<float> model_coefficients(const FaceModel& model, std::span<const float> controls,
                                       const Parallel& parallel);
 
-// The root mean square of each coefficient over at most 2,000 of the poses, evenly spaced: what packing goes by.
-std::vector<float> coefficient_sizes(const FaceModel& model, const PoseSet& poses, const Parallel& parallel);
+// The root mean square of each coefficient over at most 2,000 of the poses, evenly spaced:
+// PackOptions::coefficient_sizes.
+std::vector<float> rms_coefficients(const FaceModel& model, const PoseSet& poses, const Parallel& parallel);
 
-// What a model without gates, in float, leaves over of recorded poses: what the parts added to it next learn. The model
-// must outlive it.
+// Recorded displacements minus those of a model without gates, computed in float. The model must outlive it.
 class ModelResidual final : public PoseRows {
  public:
   ModelResidual(PoseSet poses, const FaceModel& model);
@@ -22,7 +22,7 @@ class ModelResidual final : public PoseRows {
 
  private:
   const FaceModel* model_;
-  std::vector<std::size_t> row_of_;  // of the basis: which coordinate of the mesh it is
+  std::vector<std::size_t> coordinate_of_row_;  // the coordinate of the mesh of each row of the basis
 };
 
 }  // namespace fb::bake

@@ -11,11 +11,11 @@ namespace {
 
 using Matrix = Eigen::MatrixXf;  // column-major: a column is a pose or a component
 
-constexpr std::size_t block_poses = 256;
-constexpr std::size_t sample_poses = 1024;
-constexpr std::size_t tile = 1024;  // rows of a product one worker makes at a time
+constexpr std::size_t poses_per_read = 256;
+constexpr std::size_t sample_poses = 1024;  // of the first subspace
+constexpr std::size_t tile = 1024;          // rows of a product that one worker computes at a time
 
-// subspace^T * block, one column a pose.
+// subspace^T * block: one column of coefficients a pose.
 void project(const Matrix& subspace, const float* block, std::size_t poses, float* out, const Parallel& parallel) {
   parallel_tiles(parallel, subspace.cols(), 64, [&](std::size_t first, std::size_t count) {
     gemm(Op::transposed, Op::plain, count, poses, subspace.rows(), subspace.data() + first * subspace.rows(),
@@ -23,7 +23,7 @@ void project(const Matrix& subspace, const float* block, std::size_t poses, floa
   });
 }
 
-// How many leading values sum to the target; all of them if they do not.
+// The number of leading values whose sum reaches the target; all if it does not.
 std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
   double sum = 0;
   for (Eigen::Index k = 0; k < values.size(); ++k)
@@ -31,8 +31,8 @@ std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
   return values.size();
 }
 
-// Orthonormal columns that span nearly what the poses span: from the sample's own components, filled up with noise.
-Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& wanted) {
+// The normalised components of a sample of the poses. `width` becomes the number of columns to search with.
+Matrix initial_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& width) {
   const std::unique_ptr<PoseRows> sample = poses.subsampled(sample_poses);
   const std::size_t rows = poses.rows(), samples = sample->size();
   Matrix points(rows, samples);
@@ -42,9 +42,9 @@ Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel&
   const EigenDecomposition eigen = decompose_symmetric(inner.cast<double>());
   const double total = eigen.values.sum();
   const std::size_t needed = total > 0 ? count_reaching(eigen.values, fraction * total) : 1;
-  wanted = std::min({needed + needed / 3 + 16, rows, poses.size()});
-  Matrix start(rows, wanted);
-  const std::size_t known = std::min<std::size_t>(wanted, samples);
+  width = std::min({needed + needed / 3 + 16, rows, poses.size()});
+  Matrix start(rows, width);
+  const std::size_t known = std::min<std::size_t>(width, samples);
   parallel_tiles(parallel, known, 16, [&](std::size_t first, std::size_t count) {
     gemm(Op::plain, Op::plain, rows, count, samples, points.data(), rows, eigen.vectors.data() + first * samples,
          samples, 0, start.data() + first * rows, rows);
@@ -57,10 +57,10 @@ Matrix starting_subspace(const PoseRows& poses, double fraction, const Parallel&
 }
 
 // One step of subspace iteration over all poses: sum of x (x^T subspace).
-Matrix iterate(const PoseRows& poses, const Matrix& subspace, const Parallel& parallel, Progress& progress) {
+Matrix subspace_iteration(const PoseRows& poses, const Matrix& subspace, const Parallel& parallel, Progress& progress) {
   Matrix sum = Matrix::Zero(subspace.rows(), subspace.cols());
-  Matrix weights(subspace.cols(), block_poses);
-  for_blocks(poses, block_poses, parallel, progress, [&](std::size_t, std::size_t n, const float* block) {
+  Matrix weights(subspace.cols(), poses_per_read);
+  for_blocks(poses, poses_per_read, parallel, progress, [&](std::size_t, std::size_t n, const float* block) {
     project(subspace, block, n, weights.data(), parallel);
     parallel_tiles(parallel, sum.rows(), tile, [&](std::size_t row, std::size_t count) {
       gemm(Op::plain, Op::transposed, count, sum.cols(), n, block + row, sum.rows(), weights.data(), subspace.cols(), 1,
@@ -75,19 +75,19 @@ Matrix iterate(const PoseRows& poses, const Matrix& subspace, const Parallel& pa
 PrincipalComponents principal_components(const PoseRows& poses, double fraction, const Parallel& parallel,
                                          Progress& progress) {
   const std::size_t rows = poses.rows();
-  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find components of");
+  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find principal components of");
   std::size_t width = 0;
-  Matrix subspace = starting_subspace(poses, fraction, parallel, width);
+  Matrix subspace = initial_subspace(poses, fraction, parallel, width);
   for (;;) {
     subspace = orthonormalise(subspace, width);
     progress.begin("finding blendshapes", poses.size());
-    subspace = orthonormalise(iterate(poses, subspace, parallel, progress), width);
+    subspace = orthonormalise(subspace_iteration(poses, subspace, parallel, progress), width);
 
     PrincipalComponents result;
     std::vector<float> projected(poses.size() * width);
     progress.begin("projecting poses", poses.size());
     double squares = 0;
-    for_blocks(poses, block_poses, parallel, progress, [&](std::size_t first, std::size_t n, const float* block) {
+    for_blocks(poses, poses_per_read, parallel, progress, [&](std::size_t first, std::size_t n, const float* block) {
       project(subspace, block, n, projected.data() + first * width, parallel);
       const Eigen::Map<const Matrix> columns(block, rows, n);
       for (Eigen::Index i = 0; i < columns.cols(); ++i) squares += columns.col(i).cast<double>().squaredNorm();

@@ -1,4 +1,5 @@
-// Correctives that fire when controls combine, found in recorded poses: the sparse interpolant of kanyuk2018.
+// Pose-space correctives: shapes driven by combinations of controls, chosen on recorded poses. The sparse interpolant
+// of kanyuk2018.
 #pragma once
 
 #include <vector>
@@ -9,21 +10,20 @@
 namespace fb::bake {
 
 struct CorrectiveOptions {
-  std::size_t most = 256;    // correctives
-  std::size_t poses = 6000;  // looked at, evenly spaced; a fifth of them only to decide when to stop
-  std::uint32_t rounds = 4;  // of choosing
+  std::size_t max_count = 256;  // correctives
+  std::size_t poses = 6000;     // sampled, evenly spaced; a fifth of them is the validation set
+  std::uint32_t rounds = 4;     // of selection
 };
 
-// Features that pick a place in the space of controls, each with the shape it moves there.
 struct PoseCorrectives {
-  std::vector<Feature> features;  // products and minima of two ramps, and hats half-way along one
+  std::vector<Feature> features;  // products and minima of two ramps, and hats at the middle of one
   std::vector<float> shapes;      // features x 3 x vertices
 };
 
-// In each round the features whose values explain most of what is left are taken (matching pursuit: Mallat, Zhang, IEEE
-// Trans. Signal Processing 41, 1993), and the shapes of all are fitted anew by regularised least squares, in the
-// leading components of `residual`; poses held back say when more of them do harm. `ramps` become the first features of
-// the network, to which the new ones refer.
+// Matching pursuit (Mallat, Zhang, IEEE Trans. Signal Processing 41, 1993): each round adds the features whose values
+// explain most of the remaining residual, and fits the shapes of all features anew by ridge regression on the leading
+// principal components of `residual`. Stops when the error on the validation set no longer falls. `ramps` become the
+// first features of the network; the new features refer to them by index.
 PoseCorrectives find_correctives(const PoseRows& residual, const std::vector<Feature>& ramps,
                                  const CorrectiveOptions& options, const Parallel& parallel, Progress& progress);
 

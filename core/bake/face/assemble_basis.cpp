@@ -7,15 +7,15 @@
 namespace fb::bake {
 namespace {
 
-// A column that moves some vertices: 3 numbers for each.
+// A column of the basis that moves some vertices: 3 values each.
 struct SparseColumn {
   std::span<const std::uint32_t> vertices;
   std::span<const float> offsets;
-  std::size_t next = 0;  // the first vertex not yet placed
+  std::size_t next = 0;  // index of the first vertex not yet in a block
 };
 
-// Vertices of a row group: 63 rows, which panels of 64 lanes hold with one to spare.
-constexpr std::size_t group_vertices = 21;
+// Vertices of a row block: 63 rows, one less than the runtime's panels of 64 lanes.
+constexpr std::size_t block_vertices = 21;
 
 }  // namespace
 
@@ -29,8 +29,8 @@ Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::s
           {regions[r].vertices, std::span(bases[r].components).subspan(k * bases[r].rows, bases[r].rows)});
 
   Basis basis{checked_u32(3 * vertices, "coordinates"), checked_u32(columns.size(), "coefficients"), {}};
-  for (std::size_t first = 0; first < vertices; first += group_vertices) {
-    const std::size_t count = std::min(group_vertices, vertices - first);
+  for (std::size_t first = 0; first < vertices; first += block_vertices) {
+    const std::size_t count = std::min(block_vertices, vertices - first);
     RowGroup group{static_cast<std::uint32_t>(3 * first), static_cast<std::uint32_t>(3 * count), {}, {}};
     for (std::size_t c = 0; c < columns.size(); ++c) {
       SparseColumn& column = columns[c];

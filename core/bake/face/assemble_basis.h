@@ -10,7 +10,7 @@
 
 namespace fb::bake {
 
-// The block-sparse basis of a face: a column for each shape of the base, then one for each component of every region.
+// The block-sparse basis of a face: one column for each sparse blendshape, then one for each component of every region.
 Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::span<const FaceRegion> regions,
                      std::span<const LocalBasis> bases);
 

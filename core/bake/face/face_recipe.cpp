@@ -7,77 +7,76 @@
 #include "bake/compress/fit_target.h"
 #include "bake/face/assemble_basis.h"
 #include "bake/face/finish_face.h"
-#include "bake/face/live_features.h"
 #include "bake/face/network_inputs.h"
-#include "bake/face/train_networks.h"
+#include "bake/face/train_region_networks.h"
 #include "bake/linalg/gemm.h"
 #include "base/status.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t typical_poses = 1000;  // that stand for those to come
+constexpr std::size_t pruning_poses = 1000;  // on which correctives are weighed against their bytes
+constexpr double min_additive_error = 5e-6;  // FaceRecipe::min_compression_error of an additive face, at most
 
-// outputs x outputs: the mean over poses of the product of two coefficients.
-std::vector<float> second_moments(const LocalBasis& basis, std::size_t poses) {
+// The uncentred covariance of the coefficients: outputs x outputs, the mean over poses of products of two coefficients.
+std::vector<float> coefficient_covariance(const LocalBasis& basis, std::size_t poses) {
   const std::size_t n = basis.count;
-  std::vector<float> moments(n * n);
+  std::vector<float> covariance(n * n);
   gemm(Op::plain, Op::transposed, n, n, poses, basis.coefficients.data(), n, basis.coefficients.data(), n, 0,
-       moments.data(), n);
-  for (float& moment : moments) moment /= static_cast<float>(poses);
-  return moments;
+       covariance.data(), n);
+  for (float& value : covariance) value /= static_cast<float>(poses);
+  return covariance;
 }
 
-struct Parts {
+// The structure of a face: sparse blendshapes, and the regions of their residual with a basis each.
+struct Decomposition {
   RigAnalysis analysis;
   std::vector<FaceRegion> regions;
   std::vector<LocalBasis> bases;
 };
 
-// What is probed, and what that leaves over, cut into regions with a basis each.
-Parts find_parts(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
-                 Progress& progress) {
-  Parts parts;
-  AnalysisOptions probing = recipe.analysis;
-  probing.seed = options.seed;
-  probing.rig_budget = options.rig_budget;
-  parts.analysis =
-      rig ? analyse_rig(*rig, probing, progress) : analyse_poses(poses, probing, options.parallel, progress);
+Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
+                        Progress& progress) {
+  Decomposition face;
+  AnalysisOptions analysis = recipe.analysis;
+  analysis.seed = options.seed;
+  analysis.rig_budget = options.rig_budget;
+  face.analysis =
+      rig ? analyse_rig(*rig, analysis, progress) : analyse_poses(poses, analysis, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
   const std::size_t dropped =
-      prune_correctives(parts.analysis, schema, without_shots(poses).subsampled(typical_poses).controls(),
+      prune_correctives(face.analysis, schema, without_shots(poses).subsampled(pruning_poses).controls(),
                         rest.diagonal(), recipe.corrective_bytes);
   if (dropped > 0)
-    progress.note(format("%zu of %zu combinations of controls are left to the networks", dropped,
-                         parts.analysis.correctives.size()));
-  RegionOptions cutting = recipe.regions;
-  cutting.seed = options.seed;
-  parts.regions = find_regions(rest, schema, parts.analysis.residual_motion, cutting);
-  const Residual residual(poses, parts.analysis.base);
-  parts.bases = local_bases(residual, parts.regions, recipe.basis, options.parallel, progress);
-  // A region with nothing left to learn needs no network.
-  for (std::size_t r = parts.regions.size(); r-- > 0;)
-    if (parts.bases[r].count == 0 || parts.regions[r].controls.empty()) {
-      parts.regions.erase(parts.regions.begin() + static_cast<std::ptrdiff_t>(r));
-      parts.bases.erase(parts.bases.begin() + static_cast<std::ptrdiff_t>(r));
+    progress.note(format("%zu of %zu correctives are left to the networks", dropped, face.analysis.correctives.size()));
+  RegionOptions region_options = recipe.regions;
+  region_options.seed = options.seed;
+  face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
+  const Residual residual(poses, face.analysis.base);
+  face.bases = local_bases(residual, face.regions, recipe.basis, options.parallel, progress);
+  // Regions without residual need no network.
+  for (std::size_t r = face.regions.size(); r-- > 0;)
+    if (face.bases[r].count == 0 || face.regions[r].controls.empty()) {
+      face.regions.erase(face.regions.begin() + static_cast<std::ptrdiff_t>(r));
+      face.bases.erase(face.bases.begin() + static_cast<std::ptrdiff_t>(r));
     }
-  return parts;
+  return face;
 }
 
-std::vector<std::string> notes_on(const Parts& parts, double rms) {
-  std::size_t numbers = 0;
-  for (const SparseShape& shape : parts.analysis.base.shapes) numbers += shape.offsets.size();
+std::vector<std::string> summary_notes(const Decomposition& face, double rms_error) {
+  std::size_t values = 0;
+  for (const SparseShape& shape : face.analysis.base.shapes) values += shape.offsets.size();
   std::vector<std::string> notes = {
-      format("the base holds %zu shapes of %zu numbers; %u controls are linear, %zu combinations of controls interact; "
-             "between knots it is off by %.1e of the diagonal at most",
-             parts.analysis.base.shapes.size(), numbers, parts.analysis.linear_controls,
-             parts.analysis.correctives.size(), parts.analysis.curve_error)};
-  if (parts.regions.empty())
-    notes.push_back("the base leaves nothing over: there are no networks");
+      format("the blendshapes are %zu shapes with %zu values; %u controls are linear, %zu correctives were found; "
+             "between knots the curves are off by %.1e of the diagonal at most",
+             face.analysis.base.shapes.size(), values, face.analysis.linear_controls, face.analysis.correctives.size(),
+             face.analysis.curve_error)};
+  if (face.regions.empty())
+    notes.push_back("the blendshapes leave no residual: there are no networks");
   else
-    notes.push_back(format("%zu networks leave %.1e of the diagonal (root mean square, poses kept back)",
-                           parts.regions.size(), rms));
+    notes.push_back(format("%zu networks leave an rms error of %.1e of the diagonal on validation poses",
+                           face.regions.size(), rms_error));
   return notes;
 }
 
@@ -86,23 +85,23 @@ std::vector<std::string> notes_on(const Parts& parts, double rms) {
 TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
-  const Parts parts = find_parts(recipe, poses, rig, options, progress);
+  const Decomposition parts = decompose(recipe, poses, rig, options, progress);
   const RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
   TrainedFace face;
   face.model.schema = poses.source().schema();
   face.model.rest = poses.source().rest();
   face.model.network.features = inputs.features;
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
-  Networks networks = train_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
+  RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
   face.model.network.regions = std::move(networks.regions);
   keep_live_features(face.model.network);
   face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.analysis.base, parts.regions, parts.bases);
-  for (const LocalBasis& basis : parts.bases) face.moments.push_back(second_moments(basis, poses.size()));
-  face.rms = networks.rms;
-  face.adds_up = parts.regions.empty() && parts.analysis.correctives.empty();
+  for (const LocalBasis& basis : parts.bases) face.covariance.push_back(coefficient_covariance(basis, poses.size()));
+  face.rms_error = networks.rms_error;
+  face.additive = parts.regions.empty() && parts.analysis.correctives.empty();
   face.stats.regions = std::move(networks.stats);
   face.stats.rig_calls = parts.analysis.rig_calls;
-  face.stats.notes = notes_on(parts, networks.rms);
+  face.stats.notes = summary_notes(parts, networks.rms_error);
   for (const std::string& note : face.stats.notes) progress.note(note);
   return face;
 }
@@ -110,13 +109,14 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
 RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
   TrainedFace face = train_face(recipe, poses, rig, options, progress);
-  const double finest = face.adds_up ? std::min(recipe.finest, 5e-6) : recipe.finest;
-  const Precision precision{std::max(recipe.precision * face.rms, finest), recipe.weight_bits};
+  const double min_error =
+      face.additive ? std::min(recipe.min_compression_error, min_additive_error) : recipe.min_compression_error;
+  const Precision precision{std::max(recipe.compression_error_share * face.rms_error, min_error), recipe.weight_bits};
   BlockwisePcaOptions localize;
   localize.threshold = precision.scale;
   PackOptions packing = precision.pack();
-  // Without networks, whose columns are chosen by how much they move, shapes take fewest bytes for an error where more
-  // of them is kept and rounded in larger steps, but nearer to them.
+  // Without networks, sparse shapes alone need the fewest bytes for an error with longer blocks, fewer dropped columns
+  // and larger quantisation steps with a weaker rate term.
   if (face.model.network.regions.empty()) {
     localize.block_vertices = 100;
     packing.drop *= 0.5;
@@ -124,7 +124,7 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
     packing.step_lambda = 13;
   }
   RecipeResult result =
-      finish_face(face.model, face.moments, localize, packing, poses, options, progress, recipe.touched_bytes);
+      finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.touched_bytes);
   result.stats = std::move(face.stats);
   return result;
 }

@@ -1,5 +1,5 @@
-// Our own way to bake: a base of curves and terms that is probed, and small networks that learn, region by region, what
-// it leaves over. `hero` and `compact` are this with different numbers.
+// The recipes hero and compact: sparse blendshapes found by rig analysis, and small networks that learn, region by
+// region, the residual. The two differ in the values of FaceRecipe only.
 #pragma once
 
 #include <cstddef>
@@ -11,41 +11,46 @@
 
 namespace fb::bake {
 
+// Most values can be tried by `bench_packing hero|compact NAME=VALUE... -- SOURCE...`.
 struct FaceRecipe {
   AnalysisOptions analysis;
   RegionOptions regions;
   LocalBasisOptions basis;
-  // Bytes of terms that a pose may read on average; the networks learn what the others would have held.
+  // Bytes of correctives that a pose may read on average; pruned ones are left to the networks.
   double corrective_bytes = 0;
-  // Networks: numbers in all of them together, shared out by what each region's residual asks for. With fewer poses
-  // than are ample they fall with the cube root of these, down to a share: the sample face, 8,000 poses, comes out no
-  // worse with 300,000 numbers than with 500,000 (compact), a toy rig, 900 poses, worse with 140,000. And there are at
-  // most so many for each pose: with 200 poses on the toy rig, more doubled the error.
-  std::size_t parameters = 0, ample_poses = 40'000, parameters_per_pose = 2000;
-  double least_share = 0.6;
+  // Parameters of all networks together, distributed by the error each region is expected to leave. With fewer poses
+  // than full_size_poses they shrink with the cube root of the number of poses, down to min_parameter_share: on the
+  // sample face (8,000 poses) compact lost nothing with 300,000 instead of 500,000 parameters; on a toy rig (900 poses)
+  // it got worse with 140,000. parameters_per_pose is a further limit: on the toy rig with 200 poses, more doubled the
+  // error.
+  std::size_t parameters = 0, full_size_poses = 40'000, parameters_per_pose = 2000;
+  double min_parameter_share = 0.6;
   std::uint32_t hidden_layers = 3;
-  std::uint32_t widest = 512;
-  int weight_bits = 7;    // of a number, as archived; training that reckons with as many instead of 8 leaves no less
-  double operations = 0;  // floating-point operations that training may take, about
-  // What localizing, rounding and dropping may lose: a share of the networks' own error (root mean square over poses
-  // kept back), but never less than `finest` of the diagonal; where single controls add up, no more than 5e-6 of it.
-  double precision = 0.1, finest = 1e-6;
-  double touched_bytes = 0;  // that a pose may read (see finish_face), a ground for less precision; 0: any
+  std::uint32_t max_width = 512;  // of a hidden layer
+  // Of a weight in the archive. hero loses little by 7 instead of 8, compact nothing by 6. Training quantises to 8 bits
+  // for either; with these bits instead it left no less error.
+  int weight_bits = 7;
+  double training_flops = 0;  // floating-point operations that training may take, about
+  // The error that blockwise PCA, quantisation and dropping of columns may add: a share of the networks' own rms error
+  // on validation poses, but at least min_compression_error over the diagonal. Where single controls simply add up, the
+  // minimum is at most 5e-6.
+  double compression_error_share = 0.1, min_compression_error = 1e-6;
+  double touched_bytes = 0;  // a pose may read on average; precision is lowered to keep to it, see finish_face; 0: any
 };
 
 FaceRecipe hero_recipe();
 FaceRecipe compact_recipe();
 
-// A face of floats: what is known before anything is rounded.
+// A trained face in floats, before quantisation.
 struct TrainedFace {
   FaceModel model;
-  std::vector<std::vector<float>> moments;  // of each region's coefficients over the poses, see blockwise_pca
-  double rms = 0;                           // what the networks leave at a vertex on poses kept back, over D
-  bool adds_up = false;  // nothing but single controls, as morph targets add up: rounding is all that errs
+  std::vector<std::vector<float>> covariance;  // of each region's coefficients over the poses, see blockwise_pca
+  double rms_error = 0;                        // of the networks, at a vertex on validation poses, over D
+  bool additive = false;  // shapes of single controls only, like morph targets: all error comes from quantisation
   BakeStats stats;
 };
 
-// Without a rig, or with too small a budget to probe it, everything is learnt from the poses.
+// Without a rig, or with a budget too small to analyse it, everything is learnt from the poses.
 TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress);
 

@@ -1,4 +1,9 @@
-// The numbers of hero, which may read 4 MB a pose, and of compact, which may read 1.3 MB (see FaceRecipe).
+// The values of hero, for which a pose may read 4 MB, and of compact, for which it may read 1.3 MB.
+//
+// They trade error against bytes and training time: a larger basis.max_error, a smaller corrective_bytes and fewer
+// parameters make a pose cheaper, a larger compression_error_share makes the archive smaller, more training_flops lower
+// the error of the networks. Repeat a choice with `bench_packing hero|compact NAME=VALUE... -- SOURCE...`, and with
+// `facebaker compare SOURCE --methods hero,compact`.
 #include "bake/face/face_recipe.h"
 
 namespace fb::bake {
@@ -8,9 +13,9 @@ FaceRecipe hero_recipe() {
   recipe.basis.max_error = 8e-4;
   recipe.corrective_bytes = 1'000'000;
   recipe.parameters = 1'400'000;
-  recipe.operations = 4.5e13;
-  recipe.precision = 0.02;
-  recipe.touched_bytes = 3.9e6;
+  recipe.training_flops = 4.5e13;
+  recipe.compression_error_share = 0.02;
+  recipe.touched_bytes = 3.9e6;  // on synthetic shots; leaves a margin below 4 MB
   return recipe;
 }
 
@@ -21,11 +26,11 @@ FaceRecipe compact_recipe() {
   recipe.basis.max_components = 96;
   recipe.corrective_bytes = 150'000;
   recipe.parameters = 500'000;
-  recipe.operations = 2.5e13;
+  recipe.training_flops = 2.5e13;
   recipe.weight_bits = 6;
-  recipe.precision = 0.1;
-  recipe.finest = 1.5e-5;
-  recipe.touched_bytes = 1.25e6;
+  recipe.compression_error_share = 0.1;
+  recipe.min_compression_error = 1.5e-5;
+  recipe.touched_bytes = 1.25e6;  // on synthetic shots; leaves a margin below 1.3 MB
   return recipe;
 }
 

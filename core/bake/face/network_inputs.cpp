@@ -3,23 +3,43 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_poses = 1024;
+constexpr std::size_t task_poses = 1024;  // evaluated by one worker at a time
 
 float gate_value(const Gate& gate, const float* values) {
-  float sum = 0, most = 0;
+  float sum = 0, largest = 0;
   for (const std::uint32_t f : gate.features) {
-    const float size = std::abs(values[f]);
-    sum += size;
-    most = std::max(most, size);
+    const float value = std::abs(values[f]);
+    sum += value;
+    largest = std::max(largest, value);
   }
-  return std::clamp(gate.slope * (sum - most), 0.0f, 1.0f);
+  return std::clamp(gate.slope * (sum - largest), 0.0f, 1.0f);
 }
 
 }  // namespace
+
+Feature identity_feature(const RigSchema& schema, std::uint32_t control) {
+  return {Feature::Kind::identity, control, 1 / schema.controls[control].reach(), 0};
+}
+
+std::vector<Feature> identity_features(const RigSchema& schema) {
+  std::vector<Feature> features;
+  for (std::uint32_t c = 0; c < schema.control_count(); ++c) features.push_back(identity_feature(schema, c));
+  return features;
+}
+
+std::vector<float> identity_values(std::vector<float> controls, const RigSchema& schema) {
+  const std::vector<Feature> features = identity_features(schema);
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    const std::size_t c = i % features.size();
+    controls[i] = (controls[i] - schema.controls[c].rest) * features[c].scale;
+  }
+  return controls;
+}
 
 RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated) {
@@ -30,32 +50,32 @@ RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema,
     for (const std::uint32_t control : region.controls) {
       if (identity[control] != UINT32_MAX) continue;
       identity[control] = static_cast<std::uint32_t>(inputs.features.size());
-      inputs.features.push_back({Feature::Kind::identity, control, 1 / schema.controls[control].reach(), 0});
+      inputs.features.push_back(identity_feature(schema, control));
     }
   for (const FaceRegion& region : regions) {
-    std::set<std::uint32_t> mine;
+    std::set<std::uint32_t> region_features;
     Gate gate;
     for (const std::uint32_t control : region.controls) {
-      mine.insert(identity[control]);
+      region_features.insert(identity[control]);
       if (gated) gate.features.push_back(identity[control]);
     }
     for (const Corrective& corrective : analysis.correctives)
-      if (mine.size() < 2 * region.controls.size() &&
+      if (region_features.size() < 2 * region.controls.size() &&
           std::includes(region.controls.begin(), region.controls.end(), corrective.controls.begin(),
                         corrective.controls.end()))
-        mine.insert(corrective.features.begin(), corrective.features.end());
-    inputs.of_region.emplace_back(mine.begin(), mine.end());
+        region_features.insert(corrective.features.begin(), corrective.features.end());
+    inputs.of_region.emplace_back(region_features.begin(), region_features.end());
     inputs.gates.push_back(std::move(gate));
   }
   return inputs;
 }
 
 std::vector<std::uint32_t> FeatureTable::columns(std::span<const std::uint32_t> of) const {
-  std::vector<std::uint32_t> places;
+  std::vector<std::uint32_t> columns;
   for (const std::uint32_t feature : of)
-    places.push_back(
+    columns.push_back(
         static_cast<std::uint32_t>(std::lower_bound(features.begin(), features.end(), feature) - features.begin()));
-  return places;
+  return columns;
 }
 
 FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, const Parallel& parallel) {
@@ -68,10 +88,10 @@ FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, con
   for (const Gate& gate : inputs.gates) table.gates.emplace_back(gate.features.empty() ? 0 : count);
 
   const std::vector<float> controls = poses.controls(), rest = poses.source().schema().rest_pose();
-  const std::size_t blocks = (count + block_poses - 1) / block_poses;
+  const std::size_t blocks = (count + task_poses - 1) / task_poses;
   parallel_for(parallel, blocks, [&](std::size_t b, std::size_t) {
     std::vector<float> values(all);
-    for (std::size_t pose = b * block_poses; pose < std::min(count, (b + 1) * block_poses); ++pose) {
+    for (std::size_t pose = b * task_poses; pose < std::min(count, (b + 1) * task_poses); ++pose) {
       evaluate_features(inputs.features, std::span(controls).subspan(pose * rest.size(), rest.size()), rest, values);
       for (std::size_t f = 0; f < width; ++f) table.values[pose * width + f] = values[table.features[f]];
       for (std::size_t r = 0; r < inputs.gates.size(); ++r)
@@ -79,6 +99,44 @@ FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, con
     }
   });
   return table;
+}
+
+void keep_live_features(Network& network) {
+  std::vector<Feature>& features = network.features;
+  std::vector<char> used(features.size());
+  const auto mark = [&](const std::vector<std::uint32_t>& list) {
+    for (const std::uint32_t f : list) used[f] = 1;
+  };
+  mark(network.direct);
+  for (const Region& region : network.regions) {
+    mark(region.features);
+    mark(region.gate.features);
+  }
+  // Features are listed after those they are computed from.
+  for (std::size_t f = features.size(); f-- > 0;)
+    if (used[f] && features[f].of_features()) used[features[f].first] = used[features[f].second] = 1;
+
+  std::vector<std::uint32_t> new_index(features.size());
+  std::vector<Feature> kept;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    new_index[f] = static_cast<std::uint32_t>(kept.size());
+    if (!used[f]) continue;
+    Feature feature = features[f];
+    if (feature.of_features()) {
+      feature.first = new_index[feature.first];
+      feature.second = new_index[feature.second];
+    }
+    kept.push_back(feature);
+  }
+  features = std::move(kept);
+  const auto renumber = [&](std::vector<std::uint32_t>& list) {
+    for (std::uint32_t& f : list) f = new_index[f];
+  };
+  renumber(network.direct);
+  for (Region& region : network.regions) {
+    renumber(region.features);
+    renumber(region.gate.features);
+  }
 }
 
 }  // namespace fb::bake

@@ -12,29 +12,41 @@
 
 namespace fb::bake {
 
-// The features of a face and which of them each region's network is given.
+// A control as a feature: its distance from rest, in units of its reach.
+Feature identity_feature(const RigSchema& schema, std::uint32_t control);
+
+// One identity feature a control, in the order of the controls.
+std::vector<Feature> identity_features(const RigSchema& schema);
+
+// The values of identity_features in poses (poses x controls): poses x controls.
+std::vector<float> identity_values(std::vector<float> controls, const RigSchema& schema);
+
+// The features of a face, and which of them are the inputs of each region's network.
 struct RegionInputs {
-  std::vector<Feature> features;  // those of the base, then an identity for each control that a region needs
-  std::vector<std::vector<std::uint32_t>> of_region;  // inputs, ascending
+  std::vector<Feature> features;  // those of the blendshapes, then identities of the controls that regions need
+  std::vector<std::vector<std::uint32_t>> of_region;  // feature indices, ascending
   std::vector<Gate> gates;                            // one a region
 };
 
-// A region's inputs are its controls and the strongest products and minima probed of them, about as many as it has
-// controls; its gate, with `gated`, watches its controls.
+// A region's inputs are its controls and the strongest product and minimum features of their correctives, about as many
+// as it has controls. With `gated`, its gate has its controls as features.
 RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated);
 
-// The values that training needs of every pose.
+// The values of the networks' input features in every pose.
 struct FeatureTable {
   std::size_t poses = 0;
-  std::vector<std::uint32_t> features;    // which, ascending
+  std::vector<std::uint32_t> features;    // feature indices, ascending: the columns
   std::vector<float> values;              // poses x features
-  std::vector<std::vector<float>> gates;  // a region's gate in every pose; empty without one
+  std::vector<std::vector<float>> gates;  // the gate value of each region in every pose; empty without a gate
 
-  // Where these features are in a row.
+  // The columns of these features.
   std::vector<std::uint32_t> columns(std::span<const std::uint32_t> of) const;
 };
 
 FeatureTable feature_table(const RegionInputs& inputs, const PoseSet& poses, const Parallel& parallel);
+
+// Removes the features that no coefficient, input, gate or other feature uses; the others keep their order.
+void keep_live_features(Network& network);
 
 }  // namespace fb::bake

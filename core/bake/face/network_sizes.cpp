@@ -11,21 +11,21 @@ std::size_t network_parameters(const NetworkDemand& demand, std::uint32_t layers
 }
 
 std::vector<std::uint32_t> network_widths(std::span<const NetworkDemand> demands, std::uint32_t layers,
-                                          std::uint32_t widest, std::size_t parameters) {
-  constexpr std::uint32_t step = 16, narrowest = 32;
+                                          std::uint32_t max_width, std::size_t parameters) {
+  constexpr std::uint32_t step = 16, min_width = 32;
   std::vector<std::uint32_t> widths(demands.size());
-  double most = 0;
-  for (const NetworkDemand& demand : demands) most = std::max(most, demand.error);
-  // The widest network that fits; the others follow in proportion.
-  for (std::uint32_t lead = std::max(widest / step, narrowest / step) * step;; lead -= step) {
+  double max_error = 0;
+  for (const NetworkDemand& demand : demands) max_error = std::max(max_error, demand.error);
+  // The largest width of the region with the most error that fits; the others follow in proportion.
+  for (std::uint32_t widest = std::max(max_width / step, min_width / step) * step;; widest -= step) {
     std::size_t total = 0;
     for (std::size_t r = 0; r < demands.size(); ++r) {
-      const double share = most > 0 ? std::pow(demands[r].error / most, 1.0 / 3) : 1;
-      const auto steps = static_cast<std::uint32_t>(std::lround(lead * share / step));
-      widths[r] = std::clamp(steps * step, narrowest, std::max(lead, narrowest));
+      const double ratio = max_error > 0 ? std::pow(demands[r].error / max_error, 1.0 / 3) : 1;
+      const auto steps = static_cast<std::uint32_t>(std::lround(widest * ratio / step));
+      widths[r] = std::clamp(steps * step, min_width, std::max(widest, min_width));
       total += network_parameters(demands[r], layers, widths[r]);
     }
-    if (total <= parameters || lead <= narrowest) return widths;
+    if (total <= parameters || widest <= min_width) return widths;
   }
 }
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "bake/analysis/rig_analysis.h"
-#include "bake/baselines/paper_network.h"
+#include "bake/face/network_inputs.h"
 #include "bake/recipe/recipe.h"
 #include "bake/regions/local_basis.h"
 #include "bake/regions/residual.h"

@@ -1,4 +1,4 @@
-// The earlier systems: what they learn of a toy face, and that they bear whatever a rig is.
+// The earlier systems: errors on a toy face, and robustness to unusual rigs.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using namespace fb::bake;
 
 namespace {
 
-struct Heard final : Progress {
+struct RecordedProgress final : Progress {
   void begin(std::string_view stage, std::uint64_t) override { stages += std::string(stage) + "; "; }
   void update(std::uint64_t) override {}
   bool cancelled() const override { return false; }
@@ -75,7 +75,7 @@ TEST_CASE("the corrective of two controls is found among all pairs") {
   for (std::uint32_t c = 0; c < 4; ++c)
     for (const float side : {1.0f, -1.0f}) ramps.push_back({Feature::Kind::ramp, c, side, 0});
   const PoseCorrectives found =
-      find_correctives(Displacements(poses), ramps, {.most = 2, .rounds = 2}, {}, silent_progress());
+      find_correctives(Displacements(poses), ramps, {.max_count = 2, .rounds = 2}, {}, silent_progress());
   REQUIRE(found.features.size() == 2);
   CHECK(found.features[0].kind == Feature::Kind::product);
   CHECK(found.features[0].first == 2);
@@ -117,10 +117,10 @@ TEST_CASE("every method bakes one control, no polygons, three poses and a live r
   }
 }
 
-TEST_CASE("a comparison that is repeated bakes nothing again, unless the poses are others") {
+TEST_CASE("a repeated comparison bakes nothing again, unless the poses differ") {
   WorkFolder folder;
   MemorySource source = curved_face();
-  Heard first, again, other;
+  RecordedProgress first, again, other;
   const std::vector<std::string> methods = {"linear", "paper"};
   BakeOptions options = options_in(folder);
   options.epochs = 1;
@@ -137,7 +137,7 @@ TEST_CASE("a comparison that is repeated bakes nothing again, unless the poses a
   }
   std::filesystem::remove(folder.path / "linear.variant" / "face.fbk");
   write_file(folder.path / "paper.backlot" / "bake.json", std::string("{\"key\": 1"));
-  Heard damaged;
+  RecordedProgress damaged;
   CHECK(compare(source, methods, options, damaged).methods.size() == before.methods.size());
   CHECK(damaged.did("training"));
   source.edit_clip(0).controls[4] = 0.125f;
@@ -145,19 +145,19 @@ TEST_CASE("a comparison that is repeated bakes nothing again, unless the poses a
   CHECK(other.did("training"));
 }
 
-TEST_CASE("a method that fails does not lose the others") {
+TEST_CASE("a method that fails does not stop the others") {
   WorkFolder folder;
   MemorySource still(2, 4, [](const float*, std::span<float>) {});
   still.add_clip("dense", ClipKind::dense, Split::train, 30, 1, 1);
   still.add_clip("unseen", ClipKind::shot, Split::test, 30, 1, 2);
-  Heard heard;
-  const CompareReport report = compare(still, {"paper", "linear"}, options_in(folder), heard);
+  RecordedProgress progress;
+  const CompareReport report = compare(still, {"paper", "linear"}, options_in(folder), progress);
   REQUIRE(report.methods.size() == 1);
   CHECK(report.methods[0].name == "linear");
   REQUIRE(report.failures.size() == 1);
   CHECK(report.failures[0].name == "paper");
   CHECK(report.failures[0].reason.find("no pose moves any vertex") != std::string::npos);
-  CHECK(heard.notes.find("\"paper\" failed") != std::string::npos);
+  CHECK(progress.notes.find("\"paper\" failed") != std::string::npos);
   CHECK_THROWS_WITH(compare(still, {"paper"}, options_in(folder), silent_progress()),
                     doctest::Contains("no pose moves any vertex"));
 }

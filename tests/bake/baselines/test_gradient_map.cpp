@@ -34,7 +34,7 @@ Mesh broken_mesh() {
   return mesh;
 }
 
-std::vector<float> there_and_back(const GradientMap& map, const std::vector<float>& displacements) {
+std::vector<float> round_trip(const GradientMap& map, const std::vector<float>& displacements) {
   std::vector<float> gradients(displacements.size()), back(displacements.size());
   map.to_gradients(displacements, gradients);
   map.to_displacements(gradients, back);
@@ -43,14 +43,14 @@ std::vector<float> there_and_back(const GradientMap& map, const std::vector<floa
 
 }  // namespace
 
-TEST_CASE("positions are rebuilt from gradients and mean translations") {
+TEST_CASE("positions are reconstructed from gradients and mean translations") {
   const Mesh mesh = broken_mesh();
   const GradientMap map(mesh);
   CHECK(map.component_count() == 4);
   std::vector<float> displacements(mesh.points.size());
   for (std::size_t i = 0; i < displacements.size(); ++i)
     displacements[i] = std::sin(0.3f * float(i)) + (i < displacements.size() / 2 ? 2.0f : -1.0f);
-  const std::vector<float> back = there_and_back(map, displacements);
+  const std::vector<float> back = round_trip(map, displacements);
   for (std::size_t i = 0; i < back.size(); ++i) CHECK(back[i] == doctest::Approx(displacements[i]).epsilon(1e-4));
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("the length of a pose is that of its triangles' gradients and its comp
   CHECK(length == doctest::Approx(expected).epsilon(1e-5));
 }
 
-TEST_CASE("a mesh without polygons is all translations") {
+TEST_CASE("a mesh without polygons has translations only") {
   MemorySource source(2, 4, wave);
   source.edit_rest().polygon_sizes.clear();
   source.edit_rest().polygon_corners.clear();
@@ -98,7 +98,7 @@ TEST_CASE("a mesh without polygons is all translations") {
   CHECK(map.component_count() == 16);
   std::vector<float> displacements(source.rest().points.size());
   for (std::size_t i = 0; i < displacements.size(); ++i) displacements[i] = std::cos(float(i));
-  const std::vector<float> back = there_and_back(map, displacements);
+  const std::vector<float> back = round_trip(map, displacements);
   for (std::size_t i = 0; i < back.size(); ++i) CHECK(back[i] == doctest::Approx(displacements[i]).epsilon(1e-6));
 }
 

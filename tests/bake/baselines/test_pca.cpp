@@ -12,7 +12,7 @@ using namespace fb::bake;
 
 namespace {
 
-// Three fixed shapes of falling size, driven by the three first controls.
+// Three fixed shapes of falling size, driven by the first three controls.
 float shape(std::size_t k, std::size_t i) {
   return std::sin(0.37f * float((k + 1) * i) + float(k));
 }
@@ -27,7 +27,7 @@ MemorySource three_shapes() {
   return source;
 }
 
-// Counts passes over the poses that look for a subspace.
+// Counts the steps of subspace iteration.
 struct Passes final : Progress {
   void begin(std::string_view stage, std::uint64_t) override { count += stage == "finding blendshapes"; }
   void update(std::uint64_t) override {}
@@ -53,7 +53,7 @@ double reconstruction_error(const PrincipalComponents& pca, const PoseSet& poses
 
 }  // namespace
 
-TEST_CASE("principal components hold the fraction asked for with as few as possible") {
+TEST_CASE("the fewest principal components that hold the given fraction are kept") {
   MemorySource source = three_shapes();
   const PoseSet poses(source, [](const Clip&) { return true; });
   const PrincipalComponents most = principal_components(Displacements(poses), 0.999, {}, silent_progress());
@@ -72,7 +72,7 @@ TEST_CASE("principal components hold the fraction asked for with as few as possi
     }
 }
 
-TEST_CASE("a spectrum longer than the sample is still caught") {
+TEST_CASE("a spectrum longer than the sample is found") {
   // Every row moves on its own in its own poses, so no small sample spans the set.
   MemorySource source(40, 6, [](const float* c, std::span<float> points) {
     for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[i % 40] * (1.0f + float(i) / 100.0f);
@@ -85,7 +85,7 @@ TEST_CASE("a spectrum longer than the sample is still caught") {
   CHECK(reconstruction_error(pca, poses) < 1e-4);
 }
 
-TEST_CASE("shapes that no pose of the sample shows are found by a larger subspace") {
+TEST_CASE("shapes missing from the sample are found by a larger subspace") {
   MemorySource source(40, 6, [](const float* c, std::span<float> points) {
     for (std::size_t i = 0; i < points.size(); ++i) points[i] += c[i % 40] * (1.0f + float(i) / 100.0f);
   });
@@ -101,7 +101,7 @@ TEST_CASE("shapes that no pose of the sample shows are found by a larger subspac
   CHECK(pca.count == 40);
 }
 
-TEST_CASE("all poses of a long recording count, and one pass is enough where the sample shows all shapes") {
+TEST_CASE("all poses of a long recording are used, and one iteration is enough where the sample has all shapes") {
   MemorySource source = three_shapes();
   source.add_clip("more", ClipKind::dense, Split::train, 5000, 1.0f, 8);
   source.add_clip("rest", ClipKind::dense, Split::train, 300, 0, 9);

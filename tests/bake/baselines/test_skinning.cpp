@@ -15,17 +15,17 @@ namespace {
 
 constexpr std::size_t side = 12;
 
-// The share of the second bone at a vertex: 0 on the left third, 1 on the right third, in between a straight line.
-float share(std::size_t vertex) {
+// The weight of the second bone at a vertex: 0 on the left third, 1 on the right third, linear in between.
+float bone_weight(std::size_t vertex) {
   return std::clamp((float(vertex % side) - 4) / 3, 0.0f, 1.0f);
 }
 
-// A grid whose right part turns about x = 5.5 and shifts; the left part stays.
+// A grid whose right part rotates about x = 5.5 and translates; the left part stays.
 void bend(const float* controls, std::span<float> points) {
   const float angle = 0.5f * controls[0], cosine = std::cos(angle), sine = std::sin(angle);
   for (std::size_t v = 0; v < points.size() / 3; ++v) {
     float* p = points.data() + 3 * v;
-    const float x = p[0] - 5.5f, z = p[2], w = share(v);
+    const float x = p[0] - 5.5f, z = p[2], w = bone_weight(v);
     p[0] += w * (cosine * x + sine * z - x);
     p[1] += w * controls[1];
     p[2] += w * (cosine * z - sine * x - z);
@@ -42,11 +42,11 @@ PoseSet all_of(Source& source) {
   return PoseSet(source, [](const Clip&) { return true; });
 }
 
-// Largest distance from the poses that skinning with fitted transforms leaves, over the diagonal.
+// The largest error along an axis of skinning with fitted transforms, over the diagonal.
 double worst_error(const Skeleton& skeleton, const PoseSet& poses) {
   const Mesh& rest = poses.source().rest();
   const BoneFitter fitter(skeleton, rest);
-  std::vector<float> moved(rest.points.size()), transforms(skeleton.numbers());
+  std::vector<float> moved(rest.points.size()), transforms(skeleton.parameter_count());
   double worst = 0;
   for (std::size_t pose = 0; pose < poses.size(); ++pose) {
     poses.read_displacements(pose, 1, moved);
@@ -67,13 +67,13 @@ TEST_CASE("two planted bones are found, with their weights") {
   const std::uint32_t moving = skeleton.bones[side - 1][0];
   for (std::size_t v = 0; v < side * side; ++v) {
     float weight = 0, sum = 0;
-    for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+    for (std::size_t i = 0; i < bones_per_vertex; ++i) {
       CHECK(skeleton.weights[v][i] >= 0);
       sum += skeleton.weights[v][i];
       if (skeleton.bones[v][i] == moving) weight += skeleton.weights[v][i];
     }
     CHECK(sum == doctest::Approx(1));
-    CHECK(std::abs(weight - share(v)) < 0.02f);
+    CHECK(std::abs(weight - bone_weight(v)) < 0.02f);
   }
   CHECK(worst_error(skeleton, poses) < 1e-3);
 }
@@ -95,13 +95,13 @@ TEST_CASE("smoothing makes weights vary less along the mesh") {
   CHECK(smoother < 0.8 * smooth);
 }
 
-TEST_CASE("skinning shapes are what a unit of each number of a transform moves") {
+TEST_CASE("skinning shapes are the displacements by one unit of each transform parameter") {
   MemorySource source = bending_face();
   const Skeleton skeleton = extract_skeleton(all_of(source), {.bones = 3, .rounds = 2}, {}, silent_progress());
   const std::size_t rows = source.rest().points.size();
   const std::vector<float> shapes = skinning_shapes(skeleton, source.rest());
-  REQUIRE(shapes.size() == skeleton.numbers() * rows);
-  std::vector<float> transforms(skeleton.numbers()), sum(rows, 0.0f);
+  REQUIRE(shapes.size() == skeleton.parameter_count() * rows);
+  std::vector<float> transforms(skeleton.parameter_count()), sum(rows, 0.0f);
   for (std::size_t n = 0; n < transforms.size(); ++n) {
     transforms[n] = 0.1f * std::sin(float(n));
     for (std::size_t i = 0; i < rows; ++i) sum[i] += transforms[n] * shapes[n * rows + i];
@@ -112,13 +112,13 @@ TEST_CASE("skinning shapes are what a unit of each number of a transform moves")
   for (const float left : sum) CHECK(std::abs(left) < 1e-4f);
 }
 
-TEST_CASE("weights on a simplex are the best ones there are") {
-  // Two motions, (1, 0) and (0, 1): the nearest point of the line between them, and of its ends.
-  const Eigen::MatrixXd form = Eigen::MatrixXd::Identity(2, 2);
-  CHECK(solve_simplex(form, Eigen::Vector2d(0.7, 0.3))[0] == doctest::Approx(0.7).epsilon(1e-3));
-  CHECK(solve_simplex(form, Eigen::Vector2d(2, 0))[0] == doctest::Approx(1).epsilon(1e-3));
-  CHECK(solve_simplex(form, Eigen::Vector2d(0.2, 0.2))[0] == doctest::Approx(0.5).epsilon(1e-3));
-  // A third motion far off gets nothing.
+TEST_CASE("solve_simplex finds the optimal weights") {
+  // Two motions, (1, 0) and (0, 1): the nearest point on the segment between them, and its ends.
+  const Eigen::MatrixXd quadratic = Eigen::MatrixXd::Identity(2, 2);
+  CHECK(solve_simplex(quadratic, Eigen::Vector2d(0.7, 0.3))[0] == doctest::Approx(0.7).epsilon(1e-3));
+  CHECK(solve_simplex(quadratic, Eigen::Vector2d(2, 0))[0] == doctest::Approx(1).epsilon(1e-3));
+  CHECK(solve_simplex(quadratic, Eigen::Vector2d(0.2, 0.2))[0] == doctest::Approx(0.5).epsilon(1e-3));
+  // A third motion far off gets weight 0.
   Eigen::MatrixXd three = Eigen::MatrixXd::Identity(3, 3);
   three(2, 2) = 100;
   const Eigen::VectorXd weights = solve_simplex(three, Eigen::Vector3d(0.6, 0.4, -1));
@@ -134,7 +134,7 @@ TEST_CASE("a skeleton does not depend on the number of threads") {
   CHECK(one.weights == three.weights);
 }
 
-TEST_CASE("bones are found in little: one pose, no polygons, nothing that moves") {
+TEST_CASE("skeletons of one pose, of a mesh without polygons, and of poses that do not move") {
   MemorySource source = bending_face();
   source.edit_rest().polygon_sizes.clear();
   source.edit_rest().polygon_corners.clear();

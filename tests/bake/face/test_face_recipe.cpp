@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "bake/face/assemble_basis.h"
-#include "bake/face/live_features.h"
 #include "bake/face/network_inputs.h"
 #include "bake/face/network_sizes.h"
 #include "memory_source.h"
@@ -12,7 +11,7 @@
 using namespace fb;
 using namespace fb::bake;
 
-TEST_CASE("networks share the numbers there are, wider where more is left to learn") {
+TEST_CASE("networks share the parameters, wider where the expected error is larger") {
   const std::vector<NetworkDemand> demands = {{40, 60, 1.0}, {10, 12, 1e-2}, {10, 12, 1e-8}};
   for (const std::size_t parameters : {60'000u, 200'000u, 600'000u}) {
     const std::vector<std::uint32_t> widths = network_widths(demands, 4, 512, parameters);
@@ -31,7 +30,7 @@ TEST_CASE("networks share the numbers there are, wider where more is left to lea
   CHECK(network_widths(demands, 4, 512, 1) == std::vector<std::uint32_t>{32, 32, 32});
 }
 
-TEST_CASE("the basis of a face moves each vertex by shape and components, and lists nothing else") {
+TEST_CASE("the basis of a face holds the shapes and components of each vertex, and no zero columns") {
   SparseBlendshapes base;
   base.features = {{Feature::Kind::identity, 0, 1, 0}};
   base.shapes = {{0, {1, 40}, {1, 2, 3, 4, 5, 6}}};
@@ -54,13 +53,14 @@ TEST_CASE("the basis of a face moves each vertex by shape and components, and li
   CHECK(moved[5] == 1503);
   CHECK(moved[120] == 4);
   CHECK(std::accumulate(moved.begin(), moved.end(), 0.0f) == 21 + 100 * (10 + 11 + 12 + 13 + 14 + 15));
-  CHECK(basis.value_count() == 2 * 63 + 63);  // both columns on the first 21 vertices, the shape where vertex 40 is
+  CHECK(basis.value_count() ==
+        2 * 63 + 63);  // both columns in the first block of 21 vertices, the shape in that of vertex 40
 }
 
-TEST_CASE("a region is given its controls, and the strongest of the terms they make, about as many") {
+TEST_CASE("a region's inputs are its controls and the strongest features of their correctives, about as many") {
   RigAnalysis analysis;
   for (std::uint32_t c = 0; c < 4; ++c) analysis.base.features.push_back({Feature::Kind::identity, c});
-  const auto interact = [&](std::uint32_t a, std::uint32_t b) {
+  const auto add_corrective = [&](std::uint32_t a, std::uint32_t b) {
     Feature product{Feature::Kind::product};
     product.first = a;
     product.second = b;
@@ -69,8 +69,8 @@ TEST_CASE("a region is given its controls, and the strongest of the terms they m
     analysis.correctives.push_back({{a, b}, 1, {feature}});
     return feature;
   };
-  const std::uint32_t first = interact(0, 1), elsewhere = interact(2, 3), second = interact(1, 2);
-  const std::uint32_t third = interact(0, 2), weakest = interact(0, 1);
+  const std::uint32_t first = add_corrective(0, 1), elsewhere = add_corrective(2, 3), second = add_corrective(1, 2);
+  const std::uint32_t third = add_corrective(0, 2), weakest = add_corrective(0, 1);
   RigSchema schema;
   for (const char* name : {"a", "b", "c", "d"}) {
     Control control;
@@ -82,14 +82,14 @@ TEST_CASE("a region is given its controls, and the strongest of the terms they m
   const FaceRegion region{"lips", {0}, {1}, {0, 1, 2}, 1};
   const RegionInputs inputs = region_inputs(analysis, schema, std::vector{region}, true);
   REQUIRE(inputs.of_region.size() == 1);
-  const std::vector<std::uint32_t>& mine = inputs.of_region[0];
-  CHECK(mine.size() == 6);
-  for (const std::uint32_t feature : {first, second, third}) CHECK(std::ranges::count(mine, feature) == 1);
-  for (const std::uint32_t feature : {elsewhere, weakest}) CHECK(std::ranges::count(mine, feature) == 0);
+  const std::vector<std::uint32_t>& features = inputs.of_region[0];
+  CHECK(features.size() == 6);
+  for (const std::uint32_t feature : {first, second, third}) CHECK(std::ranges::count(features, feature) == 1);
+  for (const std::uint32_t feature : {elsewhere, weakest}) CHECK(std::ranges::count(features, feature) == 0);
   CHECK(inputs.gates[0].features.size() == 3);
 }
 
-TEST_CASE("features that nothing needs leave the network, and those that stay mean the same") {
+TEST_CASE("unused features are removed, and indices of the others are updated") {
   Network network;
   for (std::uint32_t c = 0; c < 4; ++c) network.features.push_back({Feature::Kind::identity, c});
   Feature product{Feature::Kind::product};

@@ -11,8 +11,8 @@ using namespace fb::bake;
 
 namespace {
 
-// What shapes of single controls and products cannot hold: controls that saturate together on the left half. The last
-// control moves the right half alone.
+// Controls that saturate together on the left half, which shapes of single controls and products cannot represent. The
+// last control alone moves the right half.
 void saturating_formula(const float* controls, std::span<float> points) {
   const auto c = shares(controls);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -44,7 +44,7 @@ double mse_of(const std::string& recipe, MemorySource rig) {
 
 }  // namespace
 
-TEST_CASE("hero and compact learn what single controls and their combinations leave over") {
+TEST_CASE("hero and compact learn the residual of single controls and correctives") {
   const double linear = mse_of("linear", saturating_rig());
   const double compact = mse_of("compact", saturating_rig()), hero = mse_of("hero", saturating_rig());
   MESSAGE("linear ", linear, ", compact ", compact, ", hero ", hero);
@@ -52,7 +52,7 @@ TEST_CASE("hero and compact learn what single controls and their combinations le
   CHECK(hero < 0.1 * linear);
 }
 
-TEST_CASE("single controls are held by the base alone, and a control moves no vertex of another part of the face") {
+TEST_CASE("single controls are exact through blendshapes alone, and move no vertex of another region") {
   const WorkFolder folder;
   MemorySource rig = saturating_rig();
   const Baked baked = bake_face(rig, quick(folder, "hero"), silent_progress());
@@ -63,16 +63,17 @@ TEST_CASE("single controls are held by the base alone, and a control moves no ve
       const Control& c = single.schema().controls[control];
       single.edit_clip(0).controls[frame * 4 + control] = c.minimum + (c.maximum - c.minimum) * float(frame) / 20;
     }
-    CHECK(unseen_mse(baked.archive, single) < 1e-8);  // what a curve may be off between its knots
+    CHECK(unseen_mse(baked.archive, single) < 1e-8);  // error of a curve between its knots
   }
-  // No network of a region that moves the left half is given the last control.
+  // The last control is an input of no network: it moves the right half, which has no residual.
   const PackedModel model = read_archive(baked.archive).model;
   for (const PackedRegion& region : model.regions)
     for (const std::uint32_t f : region.features)
       if (!model.features[f].of_features()) CHECK(model.features[f].control != 3);
 }
 
-TEST_CASE("within a rig budget, poses are chosen by variance; a rig too dear to probe is learnt from them alone") {
+TEST_CASE(
+    "within a rig budget, poses are chosen by variance; a budget too small for analysis is spent on poses alone") {
   for (const std::uint64_t budget : {200u, 900u}) {
     const WorkFolder folder;
     MemorySource rig = saturating_rig();
@@ -87,7 +88,7 @@ TEST_CASE("within a rig budget, poses are chosen by variance; a rig too dear to 
     std::size_t chosen = 0;
     for (const Clip& clip : recorded->clips()) chosen += clip.name.starts_with("chosen_") ? clip.frames : 0;
     CHECK(chosen > budget / 8);
-    // 200 poses teach no more than blendshapes say, but do no great harm either.
+    // 200 poses are too few to beat blendshapes, but must not be much worse.
     CHECK(unseen_mse(baked.archive, rig) < (budget == 900 ? 0.1 : 4) * mse_of("linear", saturating_rig()));
   }
 }
@@ -103,7 +104,7 @@ TEST_CASE("a rig of plain morph targets needs no network") {
   }
 }
 
-TEST_CASE("without a rig to ask, the base is fitted to recordings") {
+TEST_CASE("without a live rig, the blendshapes are fitted to recorded poses") {
   MemorySource source = curved_face();
   const WorkFolder linear_folder, folder;
   BakeOptions options = options_in(folder, "hero");

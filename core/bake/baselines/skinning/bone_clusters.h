@@ -4,9 +4,9 @@
 
 namespace fb::bake {
 
-// At most `bones` clusters of vertices, each moving as rigidly as can be, as a skeleton whose vertices hang on one bone
-// each. All centres are the mesh's own.
-Skeleton cluster_vertices(const Mesh& rest, const HoldoutSet& poses, std::uint32_t bones, const Parallel& parallel,
-                          Progress& progress);
+// At most `bones` clusters of vertices that move as rigidly as possible, as a skeleton with one bone a vertex. All
+// bones have the centre of the mesh.
+Skeleton cluster_bones(const Mesh& rest, const PoseSample& poses, std::uint32_t bones, const Parallel& parallel,
+                       Progress& progress);
 
 }  // namespace fb::bake

@@ -7,38 +7,39 @@
 
 namespace fb::bake {
 
-// Some poses, small enough to hold.
-struct HoldoutSet {
+// The poses that a skeleton is extracted from, in memory.
+struct PoseSample {
   std::size_t count = 0;
   std::vector<float> displacements;  // count x 3 x vertices
-  Eigen::MatrixXf trajectories;      // 3 x count, vertices: the same, a column a vertex
+  Eigen::MatrixXf trajectories;      // 3 count x vertices: the same, one column a vertex
 
-  HoldoutSet(const PoseSet& poses, std::size_t most, Progress& progress);
+  PoseSample(const PoseSet& poses, std::size_t max_count, Progress& progress);
 };
 
-// Transforms of the bones in every pose (count x numbers()): begun from `transforms` if they are there.
-void fit_poses(const Skeleton& skeleton, const Mesh& rest, const HoldoutSet& poses, std::uint32_t sweeps,
+// Rigid transforms of the bones in every pose (count x parameter_count()), starting from `transforms` if not empty.
+void fit_poses(const Skeleton& skeleton, const Mesh& rest, const PoseSample& poses, std::uint32_t sweeps,
                std::vector<float>& transforms, const Parallel& parallel);
 
-// What each bone would do to a vertex on its own, against what the vertex does: sums over all poses. Products of the
-// transforms are made once, so asking for a vertex costs nothing that grows with the poses.
+// How well the bones explain the motion of vertices, summed over all poses. Products of the transforms are computed
+// once, so the cost of a query does not depend on the number of poses.
 class BoneMotion {
  public:
-  BoneMotion(const Skeleton& skeleton, const Mesh& rest, const HoldoutSet& poses, const std::vector<float>& transforms,
+  BoneMotion(const Skeleton& skeleton, const Mesh& rest, const PoseSample& poses, const std::vector<float>& transforms,
              const Parallel& parallel);
 
-  // |what bone `b` does|^2 - 2 (what bone b does) . (what the vertex does): how badly it fits, up to a constant.
-  double misfit(std::size_t vertex, std::size_t bone) const;
-  // The whole quadratic form: |sum w_b (what b does) - (what the vertex does)|^2 = w'products w - 2 w'against + ...
-  void form(std::size_t vertex, Eigen::MatrixXd& products, Eigen::VectorXd& against) const;
+  // Squared error of moving a vertex by one bone, up to a constant of the vertex:
+  // |motion by the bone|^2 - 2 (motion by the bone) . (motion of the vertex).
+  double error(std::size_t vertex, std::size_t bone) const;
+  // The quadratic form of the weights w: |sum w_b (motion by b) - (motion of the vertex)|^2 = w' Q w - 2 w' r + const.
+  void quadratic_form(std::size_t vertex, Eigen::MatrixXd& quadratic, Eigen::VectorXd& linear) const;
 
  private:
-  Eigen::Vector4d place(std::size_t vertex, std::size_t bone) const;
+  Eigen::Vector4d local_position(std::size_t vertex, std::size_t bone) const;
 
   const Skeleton* skeleton_;
   const Mesh* rest_;
-  Eigen::MatrixXd products_;  // 4 bones x 4 bones
-  Eigen::MatrixXf against_;   // 4 bones x vertices
+  Eigen::MatrixXd products_;     // of transforms with transforms: 4 bones x 4 bones
+  Eigen::MatrixXf projections_;  // of transforms with the vertices' motion: 4 bones x vertices
 };
 
 }  // namespace fb::bake

@@ -5,13 +5,13 @@
 
 namespace fb::bake {
 
-// New weights of all vertices for the bones' motion, starting from those the skeleton has: the best non-negative ones
-// with sum 1, at most bones_a_vertex, where a weight that differs by 1 from a neighbour's costs `smoothing`.
+// Solves for the weights of all vertices given the bones' motion: non-negative with sum 1, at most bones_per_vertex
+// non-zero. A difference of 1 from a neighbour's current weight costs `smoothing`.
 void solve_weights(Skeleton& skeleton, const BoneMotion& motion, const SurfaceGraph& graph, double smoothing,
                    const Parallel& parallel);
 
-// Minimises w'form w - 2 w'against over w >= 0 with sum 1: an active-set method after Lawson, Hanson, "Solving Least
-// Squares Problems", 1974; the sum is held by a stiff penalty.
-Eigen::VectorXd solve_simplex(Eigen::MatrixXd form, Eigen::VectorXd against);
+// Minimises w' Q w - 2 w' r over the simplex w >= 0, sum w = 1: the active-set method of Lawson, Hanson, "Solving Least
+// Squares Problems", 1974, with the sum as a stiff penalty.
+Eigen::VectorXd solve_simplex(Eigen::MatrixXd quadratic, Eigen::VectorXd linear);
 
 }  // namespace fb::bake

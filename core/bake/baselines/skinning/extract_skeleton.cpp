@@ -10,29 +10,29 @@
 namespace fb::bake {
 namespace {
 
-constexpr int smoothing_sweeps = 3;  // of weights over the mesh a round
+constexpr int smoothing_sweeps = 3;  // of the weights over the mesh, per round
 
-// Bones without a vertex go; centres become the weighted means of what each bone holds.
-void tidy_bones(Skeleton& skeleton, const Mesh& rest) {
+// Drops bones without vertices and sets centres to the weighted means of the bones' vertices.
+void clean_up_bones(Skeleton& skeleton, const Mesh& rest) {
   const std::size_t count = skeleton.bone_count();
   std::vector<std::array<double, 4>> sums(count, {0, 0, 0, 0});
   for (std::size_t v = 0; v < rest.vertex_count(); ++v)
-    for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+    for (std::size_t i = 0; i < bones_per_vertex; ++i) {
       std::array<double, 4>& sum = sums[skeleton.bones[v][i]];
       for (int k = 0; k < 3; ++k) sum[k] += double(skeleton.weights[v][i]) * rest.points[3 * v + k];
       sum[3] += skeleton.weights[v][i];
     }
-  std::vector<std::uint32_t> number(count, 0);
+  std::vector<std::uint32_t> new_index(count, 0);
   skeleton.centres.clear();
   for (std::size_t b = 0; b < count; ++b) {
-    number[b] = static_cast<std::uint32_t>(skeleton.centres.size());
+    new_index[b] = static_cast<std::uint32_t>(skeleton.centres.size());
     const auto& [x, y, z, mass] = sums[b];
     if (mass > 0) skeleton.centres.push_back({float(x / mass), float(y / mass), float(z / mass)});
   }
   for (std::size_t v = 0; v < rest.vertex_count(); ++v)
-    for (std::size_t i = 0; i < bones_a_vertex; ++i) {
+    for (std::size_t i = 0; i < bones_per_vertex; ++i) {
       const bool used = skeleton.weights[v][i] > 0;
-      skeleton.bones[v][i] = number[skeleton.bones[v][used ? i : 0]];
+      skeleton.bones[v][i] = new_index[skeleton.bones[v][used ? i : 0]];
     }
 }
 
@@ -40,21 +40,21 @@ void tidy_bones(Skeleton& skeleton, const Mesh& rest) {
 
 Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, const Parallel& parallel,
                           Progress& progress) {
-  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find bones in");
+  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to extract bones from");
   const Mesh& rest = poses.source().rest();
-  const HoldoutSet held(poses, options.poses, progress);
-  Skeleton skeleton = cluster_vertices(rest, held, std::max(1u, options.bones), parallel, progress);
+  const PoseSample sample(poses, options.poses, progress);
+  Skeleton skeleton = cluster_bones(rest, sample, std::max(1u, options.bones), parallel, progress);
   const SurfaceGraph graph(rest, {});
-  const double smoothing = std::pow(options.smoothing * rest.diagonal(), 2) * static_cast<double>(held.count);
+  const double smoothing = std::pow(options.smoothing * rest.diagonal(), 2) * static_cast<double>(sample.count);
   std::vector<float> transforms;
   progress.begin("fitting bones", options.rounds);
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
-    fit_poses(skeleton, rest, held, round == 0 ? 0 : 2, transforms, parallel);
-    const BoneMotion motion(skeleton, rest, held, transforms, parallel);
+    fit_poses(skeleton, rest, sample, round == 0 ? 0 : 2, transforms, parallel);
+    const BoneMotion motion(skeleton, rest, sample, transforms, parallel);
     for (int sweep = 0; sweep < smoothing_sweeps; ++sweep) solve_weights(skeleton, motion, graph, smoothing, parallel);
     progress.step(round + 1);
   }
-  tidy_bones(skeleton, rest);
+  clean_up_bones(skeleton, rest);
   return skeleton;
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bake/face/face_recipe.h"
+#include "bake/face/network_inputs.h"
+
+namespace fb::bake {
+
+struct RegionNetworks {
+  std::vector<Region> regions;
+  std::vector<RegionStats> stats;
+  double rms_error = 0;  // at a vertex on validation poses, over D
+};
+
+// Trains one network a region on the coefficients of its basis, within the recipe's parameters and floating-point
+// operations. A pilot training of narrow networks comes first: the error each leaves decides how many parameters its
+// region gets.
+RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
+                                     std::span<const LocalBasis> bases, const RegionInputs& inputs,
+                                     const PoseSet& poses, const BakeOptions& options, Progress& progress);
+
+}  // namespace fb::bake
