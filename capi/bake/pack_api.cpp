@@ -52,9 +52,13 @@ void scale_steps(Archive& face, const fb_pack_desc& desc, fb_pack_result& result
       [&](double factor) { return with(factor).moved.max; });
   auto [chosen, moved] = with(choice.factor);
   face = std::move(chosen);
-  result.met = desc.max_bytes > 0 ? choice.bytes <= desc.max_bytes : choice.error <= desc.max_error;
+  result.within_limits = desc.max_bytes > 0 ? choice.bytes <= desc.max_bytes : choice.error <= desc.max_error;
+  if (!result.within_limits && !desc.force)
+    fail(Status::limit, "%llu bytes cannot be had: the fewest are %llu",
+         static_cast<unsigned long long>(desc.max_bytes), static_cast<unsigned long long>(choice.bytes));
   result.step_factor = choice.factor;
-  result.moved = c_errors(moved);
+  result.max_error = desc.max_error;
+  result.displacement = c_errors(moved);
 }
 
 }  // namespace
@@ -76,7 +80,7 @@ fb_status fb_pack(const fb_pack_desc* desc, fb_report** report) {
     Archive face = fb::with_context(name, [&] { return read_any(bytes); });
     auto made = std::make_unique<fb_report>();
     fb_pack_result result = {};
-    result.met = 1;
+    result.within_limits = 1;
     result.step_factor = 1;
     result.bytes_before = bytes.size();
     result.format_before = face.format_version;

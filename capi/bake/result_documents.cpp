@@ -238,9 +238,11 @@ std::string pack_json(const std::string& archive, const std::string& out, const 
        {"out", out},
        {"bytes", result.archive_bytes},
        {"format", version(result.format)},
-       {"met", result.met != 0},
+       {"within_limits", result.within_limits != 0},
        {"step_factor", result.step_factor},
-       {"moved", {{"frames", result.moved.frames}, {"mse", result.moved.mse}, {"max", result.moved.max}}}});
+       {"max_error", result.max_error},
+       {"displacement",
+        {{"frames", result.displacement.frames}, {"mse", result.displacement.mse}, {"max", result.displacement.max}}}});
 }
 
 std::string details_json(const CompareReport& report, const Measured& measured) {

@@ -282,16 +282,17 @@ static void layout_of_results(void** state) {
   assert_at(fb_verify_result, poses, 16);
   assert_at(fb_verify_result, vertices, 24);
 
-  assert_int_equal(sizeof(fb_pack_result), 112);
+  assert_int_equal(sizeof(fb_pack_result), 120);
   assert_at(fb_pack_result, struct_size, 0);
-  assert_at(fb_pack_result, met, 4);
+  assert_at(fb_pack_result, within_limits, 4);
   assert_at(fb_pack_result, archive, 8);
   assert_at(fb_pack_result, archive_bytes, 16);
   assert_at(fb_pack_result, bytes_before, 24);
   assert_at(fb_pack_result, format_before, 32);
   assert_at(fb_pack_result, format, 36);
   assert_at(fb_pack_result, step_factor, 40);
-  assert_at(fb_pack_result, moved, 48);
+  assert_at(fb_pack_result, max_error, 48);
+  assert_at(fb_pack_result, displacement, 56);
 }
 
 static void layout_of_archives(void** state) {

@@ -536,9 +536,10 @@ typedef struct fb_pack_desc {
   uint64_t byte_count; /**< of bytes */
   const char* out;     /**< the .fbk to write: complete or not at all; may be path; null: only into the report */
   uint64_t seed;       /**< of the poses that precision is measured on, and of a new proof; default 1 */
-  uint64_t max_bytes;  /**< of the new archive: no less precise than they need; 0 (default): any */
-  double max_error; /**< how far a vertex may move from where it was, over the diagonal: in as few bytes as it allows;
-                       0 (default): nowhere; max_bytes comes first */
+  uint64_t max_bytes;  /**< of the new archive: in the smallest quantisation steps within them; 0 (default): any */
+  double max_error;    /**< largest displacement of a vertex, over the diagonal. Alone: in as few bytes as it allows;
+                          with max_bytes: a limit. 0 (default): none, or with max_bytes the largest error that the
+                          certificate states */
   const char* licence; /**< text in place of the archive's; null (default): kept */
   fb_callbacks callbacks;
 } fb_pack_desc;
@@ -554,14 +555,15 @@ FB_API fb_status fb_pack(const fb_pack_desc* desc, fb_report** report);
 
 typedef struct fb_pack_result {
   uint32_t struct_size;
-  uint32_t met;           /**< 0: a target was not met (with force) */
+  uint32_t within_limits; /**< 0 with force only: a target was not met */
   const void* archive;    /**< bytes of the new archive */
   uint64_t archive_bytes; /**< of them */
   uint64_t bytes_before;
   uint32_t format_before; /**< format version, major * 1,000 + minor */
   uint32_t format;
-  double step_factor; /**< by which the steps of the basis were multiplied; 1: as they were */
-  fb_errors moved;    /**< from where vertices were, on seeded poses; frames 0: nowhere */
+  double step_factor;     /**< of the basis' quantisation steps; 1: as they were */
+  double max_error;       /**< the limit of the displacement that held, over the diagonal; 0: none did */
+  fb_errors displacement; /**< of vertices from where they were, on seeded poses; frames 0: none */
 } fb_pack_result;
 
 FB_API void fb_pack_result_fill(fb_pack_result* to, uint32_t struct_size);
