@@ -1,4 +1,5 @@
 #include "bake/authoring.h"
+#include "bake/measure/certificate.h"
 #include "bake/measure/touched_bytes.h"
 #include "base/file.h"
 #include "model/feature_values.h"
@@ -14,6 +15,7 @@ std::unique_ptr<fb_archive> read(std::string name, std::vector<std::byte> bytes)
   auto archive = std::make_unique<fb_archive>();
   archive->contents = fb::archive::read_archive(bytes);
   archive->recipe = recipe_of(archive->contents);
+  archive->certificate_summary = fb::bake::certificate_summary(archive->contents.text.certificate);
   archive->rest_controls = archive->contents.model.schema.rest_pose();
   archive->name = std::move(name);
   archive->bytes = std::move(bytes);
@@ -47,6 +49,7 @@ fb_archive_info info_of(const fb_archive& archive) {
   info.name = model.schema.name.c_str();
   info.recipe = archive.recipe.c_str();
   info.licence = contents.text.licence.c_str();
+  info.certificate_summary = archive.certificate_summary.c_str();
   info.certificate = contents.text.certificate.c_str();
   info.provenance = model.provenance.c_str();
   info.section_count = static_cast<std::uint32_t>(contents.sections.size());

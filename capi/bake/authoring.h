@@ -29,7 +29,7 @@ struct fb_archive {
   std::string name;  // stands for the path in reports
   std::vector<std::byte> bytes;
   fb::archive::Archive contents;
-  std::string recipe;
+  std::string recipe, certificate_summary;
   std::vector<float> rest_controls;
 };
 

@@ -28,6 +28,7 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc) {
   options.epochs = desc.epochs;
   options.max_bytes = desc.max_bytes;
   options.max_error = desc.max_error;
+  options.force = desc.force != 0;
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
   options.learning_curve = desc.learning_curve != 0;

@@ -21,6 +21,9 @@ namespace fb::capi {
 
 std::string json_text(const nlohmann::ordered_json& json);
 
+// An object of bounded depth whatever an archive holds, else null: files come from anyone, and printing JSON recurses.
+nlohmann::ordered_json object_in(const std::string& text);
+
 std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
 std::string bake_json(const std::string& archive, const bake::Baked& baked);
 // "quality" and "locality" are null where they were not measured.

@@ -55,19 +55,18 @@ Json control_list(const RigSchema& schema) {
   return controls;
 }
 
-// An object of bounded depth whatever the archive holds, else null: files come from anyone, and printing JSON recurses.
-Json object_in(const std::string& text) {
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(text, shallow, false);
-  return json.is_object() ? json : Json();
-}
-
 Json provenance_of(const Archive& archive) {
   const Json json = object_in(archive.model.provenance);
   return json.is_null() ? Json::object() : json;
 }
 
 }  // namespace
+
+nlohmann::ordered_json object_in(const std::string& text) {
+  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
+  Json json = Json::parse(text, shallow, false);
+  return json.is_object() ? json : Json();
+}
 
 std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes) {

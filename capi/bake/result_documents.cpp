@@ -223,8 +223,11 @@ std::string compare_json(const CompareReport& report) {
 }
 
 std::string verify_json(const std::string& archive, const VerifyReport& report) {
-  return json_text(
-      {{"archive", archive}, {"bytes", report.bytes}, {"poses", report.poses}, {"vertices", report.vertices}});
+  return json_text({{"archive", archive},
+                    {"bytes", report.bytes},
+                    {"poses", report.poses},
+                    {"vertices", report.vertices},
+                    {"certificate", object_in(report.certificate)}});
 }
 
 std::string pack_json(const std::string& archive, const std::string& out, const fb_pack_result& result) {

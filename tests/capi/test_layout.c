@@ -297,7 +297,7 @@ static void layout_of_results(void** state) {
 
 static void layout_of_archives(void** state) {
   (void)state;
-  assert_int_equal(sizeof(fb_archive_info), 120);
+  assert_int_equal(sizeof(fb_archive_info), 128);
   assert_at(fb_archive_info, struct_size, 0);
   assert_at(fb_archive_info, format_version, 4);
   assert_at(fb_archive_info, bytes, 8);
@@ -307,18 +307,19 @@ static void layout_of_archives(void** state) {
   assert_at(fb_archive_info, licence, 40);
   assert_at(fb_archive_info, certificate, 48);
   assert_at(fb_archive_info, provenance, 56);
-  assert_at(fb_archive_info, section_count, 64);
-  assert_at(fb_archive_info, note_count, 68);
-  assert_at(fb_archive_info, proof_poses, 72);
-  assert_at(fb_archive_info, proof_vertices, 76);
-  assert_at(fb_archive_info, vertex_count, 80);
-  assert_at(fb_archive_info, control_count, 84);
-  assert_at(fb_archive_info, feature_count, 88);
-  assert_at(fb_archive_info, direct_count, 92);
-  assert_at(fb_archive_info, region_count, 96);
-  assert_at(fb_archive_info, coefficient_count, 100);
-  assert_at(fb_archive_info, parameter_count, 104);
-  assert_at(fb_archive_info, value_count, 112);
+  assert_at(fb_archive_info, certificate_summary, 64);
+  assert_at(fb_archive_info, section_count, 72);
+  assert_at(fb_archive_info, note_count, 76);
+  assert_at(fb_archive_info, proof_poses, 80);
+  assert_at(fb_archive_info, proof_vertices, 84);
+  assert_at(fb_archive_info, vertex_count, 88);
+  assert_at(fb_archive_info, control_count, 92);
+  assert_at(fb_archive_info, feature_count, 96);
+  assert_at(fb_archive_info, direct_count, 100);
+  assert_at(fb_archive_info, region_count, 104);
+  assert_at(fb_archive_info, coefficient_count, 108);
+  assert_at(fb_archive_info, parameter_count, 112);
+  assert_at(fb_archive_info, value_count, 120);
 
   assert_int_equal(sizeof(fb_section), 32);
   assert_at(fb_section, struct_size, 0);

@@ -389,15 +389,16 @@ typedef struct fb_archive_info {
   uint32_t format_version; /**< major * 1,000 + minor */
   const void* bytes;       /**< of the file; for fb_load_memory */
   uint64_t byte_count;
-  const char* name;        /**< of the character */
-  const char* recipe;      /**< from the provenance */
-  const char* licence;     /**< text */
-  const char* certificate; /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
-  const char* provenance;  /**< a JSON object: how the face was made */
-  uint32_t section_count;  /**< of fb_archive_section_at */
-  uint32_t note_count;     /**< of fb_archive_note_at */
-  uint32_t proof_poses;    /**< that fb_verify evaluates again */
-  uint32_t proof_vertices; /**< whose positions are kept beside the hashes of all */
+  const char* name;                /**< of the character */
+  const char* recipe;              /**< from the provenance */
+  const char* licence;             /**< text */
+  const char* certificate;         /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
+  const char* provenance;          /**< a JSON object: how the face was made */
+  const char* certificate_summary; /**< its main figures in words: up to three lines, each with its newline */
+  uint32_t section_count;          /**< of fb_archive_section_at */
+  uint32_t note_count;             /**< of fb_archive_note_at */
+  uint32_t proof_poses;            /**< that fb_verify evaluates again */
+  uint32_t proof_vertices;         /**< whose positions are kept beside the hashes of all */
   uint32_t vertex_count;
   uint32_t control_count;
   uint32_t feature_count;

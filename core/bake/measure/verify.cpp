@@ -56,9 +56,12 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
 }
 
 VerifyReport verify_archive(std::span<const std::byte> archive) {
-  const archive::Archive read = archive::read_archive(archive);
+  return verify_archive(archive::read_archive(archive), archive.size());
+}
+
+VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
   const archive::Proof& proof = read.proof;
-  const VerifyReport report{archive.size(), proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
+  const VerifyReport report{bytes, proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
   pose_by_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
     const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
     for (const std::uint32_t vertex : proof.vertices)

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "archive/proof.h"
+#include "archive/reader.h"
 #include "bake/measure/errors.h"
 #include "base/parallel.h"
 #include "model/face_model.h"
@@ -27,6 +28,8 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed);
 // Reads an archive whole, evaluates the poses of its proof and compares every bit. Fails with the reader's error if it
 // is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
 VerifyReport verify_archive(std::span<const std::byte> archive);
+// The same of an archive that was read whole, of so many bytes.
+VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes);
 
 // Writes an archive to a temporary file beside `path`, verifies what is on the disk and renames it. Whatever fails
 // (writing, verification), an old file at `path` stays as it was.
