@@ -47,6 +47,7 @@ typedef struct fb_callbacks {
 /** An opened rig or recording. Immutable but for what its rig keeps. */
 typedef struct fb_source fb_source;
 
+/** Where poses come from. */
 typedef struct fb_source_desc {
   uint32_t struct_size;
   uint32_t path_count;      /**< of paths; 0 with a rig */
@@ -74,16 +75,16 @@ FB_API void fb_source_close(fb_source* source);
 /** What a source is. Strings and arrays are the source's and live as long as it does. */
 typedef struct fb_source_info {
   uint32_t struct_size;
-  uint32_t flags;      /**< FB_SOURCE_LIVE, FB_RIG_THREAD_SAFE */
-  const char* name;    /**< of the character */
-  const char* units;   /**< of positions */
-  const char* up_axis; /**< "y" or "z" */
-  double diagonal;     /**< of the rest mesh's bounding box, in units: what every reported error is divided by */
-  uint32_t control_count;
-  uint32_t clip_count;
-  uint32_t vertex_count;
-  uint32_t polygon_count;
-  uint32_t polygon_corner_count;
+  uint32_t flags;         /**< FB_SOURCE_LIVE, FB_RIG_THREAD_SAFE */
+  const char* name;       /**< of the character */
+  const char* units;      /**< of positions */
+  const char* up_axis;    /**< "y" or "z" */
+  double diagonal;        /**< of the rest mesh's bounding box, in units: what every reported error is divided by */
+  uint32_t control_count; /**< floats in a pose */
+  uint32_t clip_count;    /**< of fb_source_clip_at */
+  uint32_t vertex_count;  /**< vertices of the mesh */
+  uint32_t polygon_count; /**< polygons of the mesh */
+  uint32_t polygon_corner_count;   /**< the sum of polygon_sizes */
   uint32_t uv_count;               /**< 0: no texture coordinates */
   const float* rest_positions;     /**< 3 x vertex_count, xyz interleaved */
   const uint32_t* polygon_sizes;   /**< corners of each polygon */
@@ -96,6 +97,7 @@ FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
 static inline void fb_source_info_init(fb_source_info* to) {
   fb_source_info_fill(to, (uint32_t)sizeof *to);
 }
+/** Fills *info. */
 FB_API fb_status fb_source_describe(const fb_source* source, fb_source_info* info);
 
 /** Fills *control for index < control_count; see fb_control_at. Its strings are the source's. */
@@ -210,6 +212,7 @@ static inline void fb_method_init(fb_method* to) {
 }
 /** Faces of the report: 1 of fb_bake and fb_eval, one for every method and use of fb_compare, else 0. */
 FB_API uint32_t fb_report_method_count(const fb_report* report);
+/** Fills *method for index < fb_report_method_count; its pointers are the report's. */
 FB_API fb_status fb_report_method_at(const fb_report* report, uint32_t index, fb_method* method);
 
 /** Errors on one clip. */
@@ -218,8 +221,8 @@ typedef struct fb_clip_errors {
   int32_t kind;  /**< FB_CLIP_... */
   int32_t split; /**< FB_SPLIT_... */
   uint32_t reserved;
-  const char* name;
-  fb_errors errors;
+  const char* name; /**< of the clip */
+  fb_errors errors; /**< over its frames */
 } fb_clip_errors;
 
 FB_API void fb_clip_errors_fill(fb_clip_errors* to, uint32_t struct_size);
@@ -232,16 +235,18 @@ FB_API fb_status fb_report_clip_at(const fb_report* report, uint32_t method, uin
 /** A method of fb_compare that could not be baked or measured. */
 typedef struct fb_failure {
   uint32_t struct_size;
-  int32_t use; /**< FB_USE_... */
-  const char* name;
-  const char* reason;
+  int32_t use;        /**< FB_USE_... */
+  const char* name;   /**< of the recipe */
+  const char* reason; /**< the message of its error */
 } fb_failure;
 
 FB_API void fb_failure_fill(fb_failure* to, uint32_t struct_size);
 static inline void fb_failure_init(fb_failure* to) {
   fb_failure_fill(to, (uint32_t)sizeof *to);
 }
+/** Methods of fb_compare that failed; else 0. */
 FB_API uint32_t fb_report_failure_count(const fb_report* report);
+/** Fills *failure for index < fb_report_failure_count; its strings are the report's. */
 FB_API fb_status fb_report_failure_at(const fb_report* report, uint32_t index, fb_failure* failure);
 
 /** The recording that fb_compare made of a live rig, which has the clips that were measured on; null where those are
@@ -250,6 +255,7 @@ FB_API fb_source* fb_report_source(const fb_report* report);
 
 /* ---- Sampling ---------------------------------------------------------------------------------------------------- */
 
+/** What fb_sample samples, and how. */
 typedef struct fb_sample_desc {
   uint32_t struct_size;
   uint32_t threads;         /**< at most 4,096; 0 (default): all */
@@ -276,6 +282,7 @@ static inline void fb_sample_desc_init(fb_sample_desc* to) {
  * with INVALID_ARGUMENT on a recording, BAD_DATA on a folder that holds something else, RIG, NOT_FINITE, IO. */
 FB_API fb_status fb_sample(const fb_sample_desc* desc, fb_report** report);
 
+/** What fb_sample wrote. */
 typedef struct fb_sample_result {
   uint32_t struct_size;
   uint32_t reserved;
@@ -296,6 +303,7 @@ FB_API fb_status fb_report_sample(const fb_report* report, fb_sample_result* res
 /** Recipes that fb_bake and fb_compare know: "hero" and "compact", and those they are compared with ("paper", "linear",
  * ...). Static storage; null for index >= fb_recipe_count. */
 FB_API uint32_t fb_recipe_count(void);
+/** Its name; null for index >= fb_recipe_count. */
 FB_API const char* fb_recipe_name(uint32_t index);
 
 /* What to measure; or-ed. */
@@ -304,6 +312,7 @@ FB_API const char* fb_recipe_name(uint32_t index);
   2u /**< whether controls move vertices that they do not move in the rig; of a live source \
         only, else left out */
 
+/** What fb_bake bakes, and how. */
 typedef struct fb_bake_desc {
   uint32_t struct_size;
   uint32_t threads;    /**< at most 4,096; 0 (default): all */
@@ -344,18 +353,19 @@ FB_API fb_status fb_bake(const fb_bake_desc* desc, fb_report** report);
 
 /* ---- Comparing --------------------------------------------------------------------------------------------------- */
 
+/** What fb_compare compares, and how. */
 typedef struct fb_compare_desc {
   uint32_t struct_size;
   uint32_t threads;           /**< at most 4,096; 0 (default): all */
   fb_source* source;          /**< a live one, or a recording with clips of the split test */
   const char* const* methods; /**< recipes; null (default): "linear", "paper-tuned", "hero" */
-  uint32_t method_count;
-  uint32_t epochs;         /**< passes over the training poses; 0 (default): each recipe's own */
-  uint64_t poses;          /**< sampled from a live source; default 20,000 */
-  const char* mix;         /**< of those: "dense" (default) or "paper" */
-  uint64_t rig_budget;     /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
-  uint64_t seed;           /**< default 1 */
-  uint32_t learning_curve; /**< 1: bake on parts of the poses too */
+  uint32_t method_count;      /**< of methods */
+  uint32_t epochs;            /**< passes over the training poses; 0 (default): each recipe's own */
+  uint64_t poses;             /**< sampled from a live source; default 20,000 */
+  const char* mix;            /**< of those: "dense" (default) or "paper" */
+  uint64_t rig_budget;        /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
+  uint64_t seed;              /**< default 1 */
+  uint32_t learning_curve;    /**< 1: bake on parts of the poses too */
   uint32_t reserved;
   const char* work; /**< folder for intermediate files, kept so that the same call goes on; null (default): a temporary
                        one, removed by fb_report_free */
@@ -386,9 +396,9 @@ FB_API void fb_archive_close(fb_archive* archive);
 /** What an archive holds. Strings and arrays are the archive's; texts it has not are "". */
 typedef struct fb_archive_info {
   uint32_t struct_size;
-  uint32_t format_version; /**< major * 1,000 + minor */
-  const void* bytes;       /**< of the file; for fb_load_memory */
-  uint64_t byte_count;
+  uint32_t format_version;         /**< major * 1,000 + minor */
+  const void* bytes;               /**< of the file; for fb_load_memory */
+  uint64_t byte_count;             /**< of bytes */
   const char* name;                /**< of the character */
   const char* recipe;              /**< from the provenance */
   const char* licence;             /**< text */
@@ -399,26 +409,28 @@ typedef struct fb_archive_info {
   uint32_t note_count;             /**< of fb_archive_note_at */
   uint32_t proof_poses;            /**< that fb_verify evaluates again */
   uint32_t proof_vertices;         /**< whose positions are kept beside the hashes of all */
-  uint32_t vertex_count;
-  uint32_t control_count;
-  uint32_t feature_count;
-  uint32_t direct_count;      /**< features that are coefficients themselves */
-  uint32_t region_count;      /**< of fb_archive_region_at */
-  uint32_t coefficient_count; /**< columns of the basis */
-  uint64_t parameter_count;   /**< weights and biases of the networks */
-  uint64_t value_count;       /**< numbers of the basis */
+  uint32_t vertex_count;           /**< vertices of the mesh */
+  uint32_t control_count;          /**< floats in a pose */
+  uint32_t feature_count;          /**< numbers computed from the controls */
+  uint32_t direct_count;           /**< features that are coefficients themselves */
+  uint32_t region_count;           /**< of fb_archive_region_at */
+  uint32_t coefficient_count;      /**< columns of the basis */
+  uint64_t parameter_count;        /**< weights and biases of the networks */
+  uint64_t value_count;            /**< numbers of the basis */
 } fb_archive_info;
 
 FB_API void fb_archive_info_fill(fb_archive_info* to, uint32_t struct_size);
 static inline void fb_archive_info_init(fb_archive_info* to) {
   fb_archive_info_fill(to, (uint32_t)sizeof *to);
 }
+/** Fills *info. */
 FB_API fb_status fb_archive_describe(const fb_archive* archive, fb_archive_info* info);
 
+/** A section of an archive, as stored. */
 typedef struct fb_section {
   uint32_t struct_size;
   uint32_t reserved;
-  const char* name;
+  const char* name;        /**< as in FORMAT.md */
   uint64_t stored_bytes;   /**< in the file */
   uint64_t unpacked_bytes; /**< in memory, before the model is made of it */
 } fb_section;
@@ -427,6 +439,7 @@ FB_API void fb_section_fill(fb_section* to, uint32_t struct_size);
 static inline void fb_section_init(fb_section* to) {
   fb_section_fill(to, (uint32_t)sizeof *to);
 }
+/** Fills *section for index < section_count. */
 FB_API fb_status fb_archive_section_at(const fb_archive* archive, uint32_t index, fb_section* section);
 /** What was odd but harmless, such as an optional section that was skipped; null for index >= note_count. */
 FB_API const char* fb_archive_note_at(const fb_archive* archive, uint32_t index);
@@ -447,10 +460,10 @@ FB_API const uint32_t* fb_archive_direct(const fb_archive* archive);
  * of the regions before it, less what it gives at rest. */
 typedef struct fb_region {
   uint32_t struct_size;
-  uint32_t layer_count;
-  const char* name;
-  const uint32_t* inputs; /**< indices of its input features */
-  uint32_t input_count;
+  uint32_t layer_count;        /**< of fb_archive_layer_at */
+  const char* name;            /**< for people */
+  const uint32_t* inputs;      /**< indices of its input features */
+  uint32_t input_count;        /**< features that the first layer is given */
   uint32_t gate_count;         /**< 0: no gate */
   const uint32_t* gate_inputs; /**< the coefficients are 0 while all but one of these features are 0 */
 } fb_region;
@@ -459,27 +472,30 @@ FB_API void fb_region_fill(fb_region* to, uint32_t struct_size);
 static inline void fb_region_init(fb_region* to) {
   fb_region_fill(to, (uint32_t)sizeof *to);
 }
+/** Fills *region for index < region_count. */
 FB_API fb_status fb_archive_region_at(const fb_archive* archive, uint32_t index, fb_region* region);
 
 /* Activations. */
-#define FB_ACTIVATION_LINEAR 0
-#define FB_ACTIVATION_RELU 1
-#define FB_ACTIVATION_TANH 2
-#define FB_ACTIVATION_SILU 3
+#define FB_ACTIVATION_LINEAR 0 /**< y */
+#define FB_ACTIVATION_RELU 1   /**< max(y, 0) */
+#define FB_ACTIVATION_TANH 2   /**< the rational function of FORMAT.md */
+#define FB_ACTIVATION_SILU 3   /**< y x sigmoid(y), by the same tanh */
 
 /** Unstable. y = activation(W x + bias), plus x with `skip`. */
 typedef struct fb_layer {
   uint32_t struct_size;
-  uint32_t inputs, outputs;
+  uint32_t inputs;    /**< width of x */
+  uint32_t outputs;   /**< width of y */
   int32_t activation; /**< FB_ACTIVATION_... */
-  uint32_t skip;
-  uint32_t bits; /**< of a stored weight: 8 or 16 */
+  uint32_t skip;      /**< 1: the layer adds its input to its output */
+  uint32_t bits;      /**< of a stored weight: 8 or 16 */
 } fb_layer;
 
 FB_API void fb_layer_fill(fb_layer* to, uint32_t struct_size);
 static inline void fb_layer_init(fb_layer* to) {
   fb_layer_fill(to, (uint32_t)sizeof *to);
 }
+/** Fills *to for a layer of a region, index < layer_count. */
 FB_API fb_status fb_archive_layer_at(const fb_archive* archive, uint32_t region, uint32_t layer, fb_layer* to);
 /** Unstable. weights: outputs x inputs floats, a row an output; bias: outputs floats. */
 FB_API fb_status fb_archive_layer_values(const fb_archive* archive, uint32_t region, uint32_t layer, float* weights,
@@ -490,13 +506,14 @@ FB_API fb_status fb_inspect(const fb_archive* archive, fb_report** report);
 
 /* ---- Measuring and verifying ------------------------------------------------------------------------------------- */
 
+/** What fb_eval measures. */
 typedef struct fb_eval_desc {
   uint32_t struct_size;
-  uint32_t threads; /**< at most 4,096; 0 (default): all */
-  const fb_archive* archive;
-  fb_source* source; /**< of the same face: same controls, same rest mesh */
-  int32_t split;     /**< which clips: FB_SPLIT_...; default FB_SPLIT_TEST */
-  uint32_t measure;  /**< besides errors: FB_MEASURE_...; default 0 */
+  uint32_t threads;          /**< at most 4,096; 0 (default): all */
+  const fb_archive* archive; /**< what is measured */
+  fb_source* source;         /**< of the same face: same controls, same rest mesh */
+  int32_t split;             /**< which clips: FB_SPLIT_...; default FB_SPLIT_TEST */
+  uint32_t measure;          /**< besides errors: FB_MEASURE_...; default 0 */
   fb_callbacks callbacks;
 } fb_eval_desc;
 
@@ -512,6 +529,7 @@ FB_API fb_status fb_eval(const fb_eval_desc* desc, fb_report** report);
  * vertex. `report` may be null. An archive without a proof is whole, with 0 poses in the report. */
 FB_API fb_status fb_verify(const fb_archive* archive, fb_report** report);
 
+/** What fb_verify compared. */
 typedef struct fb_verify_result {
   uint32_t struct_size;
   uint32_t reserved;
@@ -529,6 +547,7 @@ FB_API fb_status fb_report_verify(const fb_report* report, fb_verify_result* res
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
+/** What fb_pack packs, and how. */
 typedef struct fb_pack_desc {
   uint32_t struct_size;
   uint32_t force;      /**< 1: write a face that does not meet max_bytes or max_error; 0 (default): fail with LIMIT */
@@ -554,14 +573,15 @@ static inline void fb_pack_desc_init(fb_pack_desc* to) {
  * fb_archive_open does, and with LIMIT, saying what could be met, on a target that cannot be. */
 FB_API fb_status fb_pack(const fb_pack_desc* desc, fb_report** report);
 
+/** What fb_pack wrote. */
 typedef struct fb_pack_result {
   uint32_t struct_size;
   uint32_t within_limits; /**< 0 with force only: a target was not met */
   const void* archive;    /**< bytes of the new archive */
   uint64_t archive_bytes; /**< of them */
-  uint64_t bytes_before;
+  uint64_t bytes_before;  /**< of the archive that was packed anew */
   uint32_t format_before; /**< format version, major * 1,000 + minor */
-  uint32_t format;
+  uint32_t format;        /**< of the new archive */
   double step_factor;     /**< of the basis' quantisation steps; 1: as they were */
   double max_error;       /**< the limit of the displacement that held, over the diagonal; 0: none did */
   fb_errors displacement; /**< of vertices from where they were, on seeded poses; frames 0: none */
