@@ -1,7 +1,6 @@
 // The C headers compile as C++, and the numbers the core throws are those the ABI pins.
 #include <facebaker/facebaker.h>
 #include <facebaker/facebaker_bake.h>
-#include <facebaker/facebaker_rig.h>
 
 #include "base/status.h"
 

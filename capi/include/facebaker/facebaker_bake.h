@@ -22,130 +22,13 @@
 #define FACEBAKER_FACEBAKER_BAKE_H
 
 #include <facebaker/facebaker.h>
+#include <facebaker/facebaker_archive.h>
 #include <facebaker/facebaker_rig.h>
+#include <facebaker/facebaker_source.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* ---- Progress, notes, cancelling --------------------------------------------------------------------------------- */
-
-/** How a call that takes long reports to its host. Either function may be null. They are called from the calling thread
- * or from one that the call started, never two at once; they must not throw and must not call the same source. */
-typedef struct fb_callbacks {
-  void* user; /**< passed to both */
-  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0. Return non-zero to
-   * stop: the call ends with FB_ERROR_INTERRUPTED at the next point where nothing is lost, and the same call goes on
-   * from there where a work folder or dataset keeps what is done. */
-  int32_t (*progress)(void* user, const char* stage, uint64_t done, uint64_t total);
-  /** A sentence that is no error: a clip left out, a value clamped, what analysis found. Valid during the call. */
-  void (*note)(void* user, const char* sentence);
-} fb_callbacks;
-
-/* ---- Sources: where poses come from ------------------------------------------------------------------------------ */
-
-/** An opened rig or recording. Immutable but for what its rig keeps. */
-typedef struct fb_source fb_source;
-
-/** Where poses come from. */
-typedef struct fb_source_desc {
-  uint32_t struct_size;
-  uint32_t path_count;      /**< of paths; 0 with a rig */
-  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, or "sample" for the
-                               built-in face; several are one character: same controls, same rest mesh */
-  const fb_rig* rig;        /**< in place of paths: a rig that the host filled. Borrowed until fb_source_close, which
-                               does not call destroy. */
-  fb_callbacks callbacks;   /**< note: what was found while opening */
-} fb_source_desc;
-
-FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
-static inline void fb_source_desc_init(fb_source_desc* to) {
-  fb_source_desc_fill(to, (uint32_t)sizeof *to);
-}
-
-/** Opens a source and checks everything it declares; a rig's rest pose is evaluated once. *source is owned by the
- * caller. Fails with NOT_FOUND, IO, BAD_DATA, NOT_FINITE, RIG or UNSUPPORTED and a message that names the file, field,
- * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. */
-FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
-/** Null is allowed. No call may be using the source. */
-FB_API void fb_source_close(fb_source* source);
-
-#define FB_SOURCE_LIVE 2u /**< new poses can be evaluated; without it the source is a recording */
-
-/** What a source is. Strings and arrays are the source's and live as long as it does. */
-typedef struct fb_source_info {
-  uint32_t struct_size;
-  uint32_t flags;         /**< FB_SOURCE_LIVE, FB_RIG_THREAD_SAFE */
-  const char* name;       /**< of the character */
-  const char* units;      /**< of positions */
-  const char* up_axis;    /**< "y" or "z" */
-  double diagonal;        /**< of the rest mesh's bounding box, in units: what every reported error is divided by */
-  uint32_t control_count; /**< floats in a pose */
-  uint32_t clip_count;    /**< of fb_source_clip_at */
-  uint32_t vertex_count;  /**< vertices of the mesh */
-  uint32_t polygon_count; /**< polygons of the mesh */
-  uint32_t polygon_corner_count;   /**< the sum of polygon_sizes */
-  uint32_t uv_count;               /**< 0: no texture coordinates */
-  const float* rest_positions;     /**< 3 x vertex_count, xyz interleaved */
-  const uint32_t* polygon_sizes;   /**< corners of each polygon */
-  const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
-  const float* uvs;                /**< 2 x uv_count, v growing upwards */
-  const uint32_t* uv_corners;      /**< polygon_corner_count indices of pairs; null without texture coordinates */
-} fb_source_info;
-
-FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
-static inline void fb_source_info_init(fb_source_info* to) {
-  fb_source_info_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *info. */
-FB_API fb_status fb_source_describe(const fb_source* source, fb_source_info* info);
-
-/** Fills *control for index < control_count; see fb_control_at. Its strings are the source's. */
-FB_API fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control);
-
-/** A clip of a source. */
-typedef struct fb_clip {
-  uint32_t struct_size;
-  int32_t kind;          /**< FB_CLIP_... */
-  int32_t split;         /**< FB_SPLIT_... */
-  uint32_t readable;     /**< 0: a plan, controls without recorded positions */
-  const char* name;      /**< unique in the source */
-  double fps;            /**< frames a second */
-  uint64_t frames;       /**< at least 1 */
-  const float* controls; /**< frames x control_count */
-} fb_clip;
-
-FB_API void fb_clip_fill(fb_clip* to, uint32_t struct_size);
-static inline void fb_clip_init(fb_clip* to) {
-  fb_clip_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *clip for index < clip_count; its pointers are the source's. */
-FB_API fb_status fb_source_clip_at(const fb_source* source, uint32_t index, fb_clip* clip);
-
-/** Positions of frames [first, first + count) of a clip: count x 3 x vertex_count floats, object space, in units.
- * Recorded frames are read, a live rig's are evaluated. `position_floats`: size of the buffer, checked. Fails by clip,
- * frame and vertex on what is not finite. */
-FB_API fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first, uint64_t count, float* positions,
-                                uint64_t position_floats);
-
-/** Positions of new poses of a live source: controls is poses x control_count, all within their ranges, positions is
- * poses x 3 x vertex_count floats; `position_floats`: size of that buffer, checked. On `threads` threads (at most
- * 4,096; 0: all) if the source is thread-safe. Fails with INVALID_ARGUMENT on a recording, and by pose on what cannot
- * be evaluated. */
-FB_API fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t poses, uint32_t threads,
-                                    float* positions, uint64_t position_floats);
-
-/** Fails with BAD_DATA, saying where they differ, unless the model has the source's controls (names, order, ranges) and
- * number of vertices. */
-FB_API fb_status fb_source_check_model(const fb_source* source, const fb_model* model);
-
-/** Frames of an animation in a NumPy file (.npy, version 1 or 2, little-endian, C order) of shape frames x
- * control_count. Reads the header only. Fails with NOT_FOUND, IO or BAD_DATA, naming the file. */
-FB_API fb_status fb_clip_file_frames(const char* path, uint32_t control_count, uint64_t* frames);
-/** Reads frames [first, first + count) of such a file into count x control_count floats. Values are as the file has
- * them: neither clamped nor checked. */
-FB_API fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t first, uint64_t count,
-                                   float* controls);
 
 /* ---- Reports: what a call found out ------------------------------------------------------------------------------ */
 
@@ -236,7 +119,7 @@ FB_API fb_status fb_report_clip_at(const fb_report* report, uint32_t method, uin
 typedef struct fb_failure {
   uint32_t struct_size;
   int32_t use;        /**< FB_USE_... */
-  const char* name;   /**< of the recipe */
+  const char* name;   /**< of the method */
   const char* reason; /**< the message of its error */
 } fb_failure;
 
@@ -244,7 +127,7 @@ FB_API void fb_failure_fill(fb_failure* to, uint32_t struct_size);
 static inline void fb_failure_init(fb_failure* to) {
   fb_failure_fill(to, (uint32_t)sizeof *to);
 }
-/** Methods of fb_compare that failed; else 0. */
+/** Methods of fb_compare that failed. */
 FB_API uint32_t fb_report_failure_count(const fb_report* report);
 /** Fills *failure for index < fb_report_failure_count; its strings are the report's. */
 FB_API fb_status fb_report_failure_at(const fb_report* report, uint32_t index, fb_failure* failure);
@@ -255,7 +138,7 @@ FB_API fb_source* fb_report_source(const fb_report* report);
 
 /* ---- Sampling ---------------------------------------------------------------------------------------------------- */
 
-/** What fb_sample samples, and how. */
+/** What to sample. */
 typedef struct fb_sample_desc {
   uint32_t struct_size;
   uint32_t threads;         /**< at most 4,096; 0 (default): all */
@@ -282,7 +165,7 @@ static inline void fb_sample_desc_init(fb_sample_desc* to) {
  * with INVALID_ARGUMENT on a recording, BAD_DATA on a folder that holds something else, RIG, NOT_FINITE, IO. */
 FB_API fb_status fb_sample(const fb_sample_desc* desc, fb_report** report);
 
-/** What fb_sample wrote. */
+/** What fb_sample did. */
 typedef struct fb_sample_result {
   uint32_t struct_size;
   uint32_t reserved;
@@ -301,9 +184,9 @@ FB_API fb_status fb_report_sample(const fb_report* report, fb_sample_result* res
 /* ---- Baking ------------------------------------------------------------------------------------------------------ */
 
 /** Recipes that fb_bake and fb_compare know: "hero" and "compact", and those they are compared with ("paper", "linear",
- * ...). Static storage; null for index >= fb_recipe_count. */
+ * ...). */
 FB_API uint32_t fb_recipe_count(void);
-/** Its name; null for index >= fb_recipe_count. */
+/** The name of a recipe, in static storage; null for index >= fb_recipe_count. */
 FB_API const char* fb_recipe_name(uint32_t index);
 
 /* What to measure; or-ed. */
@@ -312,7 +195,7 @@ FB_API const char* fb_recipe_name(uint32_t index);
   2u /**< whether controls move vertices that they do not move in the rig; of a live source \
         only, else left out */
 
-/** What fb_bake bakes, and how. */
+/** What to bake. */
 typedef struct fb_bake_desc {
   uint32_t struct_size;
   uint32_t threads;    /**< at most 4,096; 0 (default): all */
@@ -353,7 +236,7 @@ FB_API fb_status fb_bake(const fb_bake_desc* desc, fb_report** report);
 
 /* ---- Comparing --------------------------------------------------------------------------------------------------- */
 
-/** What fb_compare compares, and how. */
+/** What to compare. */
 typedef struct fb_compare_desc {
   uint32_t struct_size;
   uint32_t threads;           /**< at most 4,096; 0 (default): all */
@@ -380,137 +263,17 @@ static inline void fb_compare_desc_init(fb_compare_desc* to) {
  * clips. A method that fails is among the report's failures; if all fail, the first error is the call's. */
 FB_API fb_status fb_compare(const fb_compare_desc* desc, fb_report** report);
 
-/* ---- Archives ---------------------------------------------------------------------------------------------------- */
-
-/** An archive read with everything in it, for measuring and inspecting; for posing load it with fb_load. Immutable. */
-typedef struct fb_archive fb_archive;
-
-/** Reads the archive at `path`. Files may come from anyone: every size is checked before it is believed. *archive is
- * owned by the caller. Fails as fb_load does. */
-FB_API fb_status fb_archive_open(const char* path, fb_archive** archive);
-/** The same from memory, which is copied. `name` (null: "memory") stands for the path in reports. */
-FB_API fb_status fb_archive_open_memory(const void* bytes, uint64_t size, const char* name, fb_archive** archive);
-/** Null is allowed. */
-FB_API void fb_archive_close(fb_archive* archive);
-
-/** What an archive holds. Strings and arrays are the archive's; texts it has not are "". */
-typedef struct fb_archive_info {
-  uint32_t struct_size;
-  uint32_t format_version;         /**< major * 1,000 + minor */
-  const void* bytes;               /**< of the file; for fb_load_memory */
-  uint64_t byte_count;             /**< of bytes */
-  const char* name;                /**< of the character */
-  const char* recipe;              /**< from the provenance */
-  const char* licence;             /**< text */
-  const char* certificate;         /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
-  const char* provenance;          /**< a JSON object: how the face was made */
-  const char* certificate_summary; /**< its main figures in words: up to three lines, each with its newline */
-  uint32_t section_count;          /**< of fb_archive_section_at */
-  uint32_t note_count;             /**< of fb_archive_note_at */
-  uint32_t proof_poses;            /**< that fb_verify evaluates again */
-  uint32_t proof_vertices;         /**< whose positions are kept beside the hashes of all */
-  uint32_t vertex_count;           /**< vertices of the mesh */
-  uint32_t control_count;          /**< floats in a pose */
-  uint32_t feature_count;          /**< numbers computed from the controls */
-  uint32_t direct_count;           /**< features that are coefficients themselves */
-  uint32_t region_count;           /**< of fb_archive_region_at */
-  uint32_t coefficient_count;      /**< columns of the basis */
-  uint64_t parameter_count;        /**< weights and biases of the networks */
-  uint64_t value_count;            /**< numbers of the basis */
-} fb_archive_info;
-
-FB_API void fb_archive_info_fill(fb_archive_info* to, uint32_t struct_size);
-static inline void fb_archive_info_init(fb_archive_info* to) {
-  fb_archive_info_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *info. */
-FB_API fb_status fb_archive_describe(const fb_archive* archive, fb_archive_info* info);
-
-/** A section of an archive, as stored. */
-typedef struct fb_section {
-  uint32_t struct_size;
-  uint32_t reserved;
-  const char* name;        /**< as in FORMAT.md */
-  uint64_t stored_bytes;   /**< in the file */
-  uint64_t unpacked_bytes; /**< in memory, before the model is made of it */
-} fb_section;
-
-FB_API void fb_section_fill(fb_section* to, uint32_t struct_size);
-static inline void fb_section_init(fb_section* to) {
-  fb_section_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *section for index < section_count. */
-FB_API fb_status fb_archive_section_at(const fb_archive* archive, uint32_t index, fb_section* section);
-/** What was odd but harmless, such as an optional section that was skipped; null for index >= note_count. */
-FB_API const char* fb_archive_note_at(const fb_archive* archive, uint32_t index);
-
-/** Bytes of the model that each of these poses reads, which is what its speed comes from; controls: poses x
- * control_count, bytes: a number a pose. docs/measuring.md has the rule, which does not depend on the processor. */
-FB_API fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls, uint64_t poses,
-                                       uint64_t* bytes);
-
-/* The networks in floats, for those who evaluate a face by other means. Unstable. */
-
-/** Unstable. The value of every feature in a pose (control_count values, within their ranges): feature_count floats. */
-FB_API fb_status fb_archive_features(const fb_archive* archive, const float* controls, float* features);
-/** Unstable. Indices of the features that are coefficients, the first direct_count ones. */
-FB_API const uint32_t* fb_archive_direct(const fb_archive* archive);
-
-/** Unstable. A region: a network that gives the next layer[last].outputs coefficients, after the direct ones and those
- * of the regions before it, less what it gives at rest. */
-typedef struct fb_region {
-  uint32_t struct_size;
-  uint32_t layer_count;        /**< of fb_archive_layer_at */
-  const char* name;            /**< for people */
-  const uint32_t* inputs;      /**< indices of its input features */
-  uint32_t input_count;        /**< features that the first layer is given */
-  uint32_t gate_count;         /**< 0: no gate */
-  const uint32_t* gate_inputs; /**< the coefficients are 0 while all but one of these features are 0 */
-} fb_region;
-
-FB_API void fb_region_fill(fb_region* to, uint32_t struct_size);
-static inline void fb_region_init(fb_region* to) {
-  fb_region_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *region for index < region_count. */
-FB_API fb_status fb_archive_region_at(const fb_archive* archive, uint32_t index, fb_region* region);
-
-/* Activations. */
-#define FB_ACTIVATION_LINEAR 0 /**< y */
-#define FB_ACTIVATION_RELU 1   /**< max(y, 0) */
-#define FB_ACTIVATION_TANH 2   /**< the rational function of FORMAT.md */
-#define FB_ACTIVATION_SILU 3   /**< y x sigmoid(y), by the same tanh */
-
-/** Unstable. y = activation(W x + bias), plus x with `skip`. */
-typedef struct fb_layer {
-  uint32_t struct_size;
-  uint32_t inputs;    /**< width of x */
-  uint32_t outputs;   /**< width of y */
-  int32_t activation; /**< FB_ACTIVATION_... */
-  uint32_t skip;      /**< 1: the layer adds its input to its output */
-  uint32_t bits;      /**< of a stored weight: 8 or 16 */
-} fb_layer;
-
-FB_API void fb_layer_fill(fb_layer* to, uint32_t struct_size);
-static inline void fb_layer_init(fb_layer* to) {
-  fb_layer_fill(to, (uint32_t)sizeof *to);
-}
-/** Fills *to for a layer of a region, index < layer_count. */
-FB_API fb_status fb_archive_layer_at(const fb_archive* archive, uint32_t region, uint32_t layer, fb_layer* to);
-/** Unstable. weights: outputs x inputs floats, a row an output; bias: outputs floats. */
-FB_API fb_status fb_archive_layer_values(const fb_archive* archive, uint32_t region, uint32_t layer, float* weights,
-                                         float* bias);
+/* ---- Inspecting, measuring, verifying ------------------------------------------------------------------------------
+ */
 
 /** Everything worth knowing of an archive as the document of `inspect`. */
 FB_API fb_status fb_inspect(const fb_archive* archive, fb_report** report);
 
-/* ---- Measuring and verifying ------------------------------------------------------------------------------------- */
-
-/** What fb_eval measures. */
+/** What to measure. */
 typedef struct fb_eval_desc {
   uint32_t struct_size;
   uint32_t threads;          /**< at most 4,096; 0 (default): all */
-  const fb_archive* archive; /**< what is measured */
+  const fb_archive* archive; /**< the face */
   fb_source* source;         /**< of the same face: same controls, same rest mesh */
   int32_t split;             /**< which clips: FB_SPLIT_...; default FB_SPLIT_TEST */
   uint32_t measure;          /**< besides errors: FB_MEASURE_...; default 0 */
@@ -547,7 +310,7 @@ FB_API fb_status fb_report_verify(const fb_report* report, fb_verify_result* res
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
-/** What fb_pack packs, and how. */
+/** What to pack. */
 typedef struct fb_pack_desc {
   uint32_t struct_size;
   uint32_t force;      /**< 1: write a face that does not meet max_bytes or max_error; 0 (default): fail with LIMIT */
@@ -573,13 +336,13 @@ static inline void fb_pack_desc_init(fb_pack_desc* to) {
  * fb_archive_open does, and with LIMIT, saying what could be met, on a target that cannot be. */
 FB_API fb_status fb_pack(const fb_pack_desc* desc, fb_report** report);
 
-/** What fb_pack wrote. */
+/** What fb_pack made. */
 typedef struct fb_pack_result {
   uint32_t struct_size;
   uint32_t within_limits; /**< 0 with force only: a target was not met */
   const void* archive;    /**< bytes of the new archive */
   uint64_t archive_bytes; /**< of them */
-  uint64_t bytes_before;  /**< of the archive that was packed anew */
+  uint64_t bytes_before;  /**< of the archive that was packed */
   uint32_t format_before; /**< format version, major * 1,000 + minor */
   uint32_t format;        /**< of the new archive */
   double step_factor;     /**< of the basis' quantisation steps; 1: as they were */

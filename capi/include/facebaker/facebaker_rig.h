@@ -23,7 +23,7 @@ typedef struct fb_rig_control {
   const char* name;  /**< unique, not empty */
   const char* group; /**< the control group ("brows", "mouth"); null or "": none. Sampling combines groups. */
   float minimum;     /**< minimum < maximum, both finite */
-  float maximum;     /**< see minimum */
+  float maximum;     /**< the other end of the range */
   float rest;        /**< value in the rest pose, within the range */
   uint32_t reserved; /**< 0 */
 } fb_rig_control;
@@ -105,7 +105,8 @@ static inline void fb_rig_init(fb_rig* rig) {
  * that data beside it can be found. *rig comes zeroed, with room for a struct up to four times as long. On failure
  * writes a sentence into message (message_size bytes, zero-terminated) and leaves nothing to destroy. */
 typedef fb_status (*fb_rig_open_function)(const char* path, fb_rig* rig, char* message, uint32_t message_size);
-#define FB_RIG_OPEN_SYMBOL "fb_rig_open" /**< the name of that symbol */
+/** The name of that symbol. */
+#define FB_RIG_OPEN_SYMBOL "fb_rig_open"
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,137 @@
+/** @file
+ * FaceBaker archives as objects: everything that a .fbk holds, for measuring, inspecting and exporting. C99; in
+ * libfacebaker_bake. facebaker_bake.h, which includes this, has the rules that hold for all of it; for posing use
+ * fb_load of facebaker.h.
+ */
+#ifndef FACEBAKER_FACEBAKER_ARCHIVE_H
+#define FACEBAKER_FACEBAKER_ARCHIVE_H
+
+#include <facebaker/facebaker.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** An archive read with everything in it, for measuring and inspecting; for posing load it with fb_load. Immutable. */
+typedef struct fb_archive fb_archive;
+
+/** Reads the archive at `path`. Files may come from anyone: every size is checked before it is believed. *archive is
+ * owned by the caller. Fails as fb_load does. */
+FB_API fb_status fb_archive_open(const char* path, fb_archive** archive);
+/** The same from memory, which is copied. `name` (null: "memory") stands for the path in reports. */
+FB_API fb_status fb_archive_open_memory(const void* bytes, uint64_t size, const char* name, fb_archive** archive);
+/** Null is allowed. */
+FB_API void fb_archive_close(fb_archive* archive);
+
+/** What an archive holds. Strings and arrays are the archive's; texts it has not are "". */
+typedef struct fb_archive_info {
+  uint32_t struct_size;
+  uint32_t format_version;         /**< major * 1,000 + minor */
+  const void* bytes;               /**< of the file; for fb_load_memory */
+  uint64_t byte_count;             /**< of bytes */
+  const char* name;                /**< of the character */
+  const char* recipe;              /**< from the provenance */
+  const char* licence;             /**< text */
+  const char* certificate;         /**< a JSON object: the errors measured when the face was baked; see FORMAT.md */
+  const char* provenance;          /**< a JSON object: how the face was made */
+  const char* certificate_summary; /**< its main figures in words: up to three lines, each with its newline */
+  uint32_t section_count;          /**< of fb_archive_section_at */
+  uint32_t note_count;             /**< of fb_archive_note_at */
+  uint32_t proof_poses;            /**< that fb_verify evaluates again */
+  uint32_t proof_vertices;         /**< whose positions are kept beside the hashes of all */
+  uint32_t vertex_count;           /**< of the mesh */
+  uint32_t control_count;          /**< floats in a pose */
+  uint32_t feature_count;          /**< of fb_archive_features */
+  uint32_t direct_count;           /**< features that are coefficients themselves */
+  uint32_t region_count;           /**< of fb_archive_region_at */
+  uint32_t coefficient_count;      /**< columns of the basis */
+  uint64_t parameter_count;        /**< weights and biases of the networks */
+  uint64_t value_count;            /**< numbers of the basis */
+} fb_archive_info;
+
+FB_API void fb_archive_info_fill(fb_archive_info* to, uint32_t struct_size);
+static inline void fb_archive_info_init(fb_archive_info* to) {
+  fb_archive_info_fill(to, (uint32_t)sizeof *to);
+}
+/** Fills *info. */
+FB_API fb_status fb_archive_describe(const fb_archive* archive, fb_archive_info* info);
+
+/** A section of an archive. */
+typedef struct fb_section {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;        /**< see FORMAT.md */
+  uint64_t stored_bytes;   /**< in the file */
+  uint64_t unpacked_bytes; /**< in memory, before the model is made of it */
+} fb_section;
+
+FB_API void fb_section_fill(fb_section* to, uint32_t struct_size);
+static inline void fb_section_init(fb_section* to) {
+  fb_section_fill(to, (uint32_t)sizeof *to);
+}
+/** Fills *section for index < section_count; its name is the archive's. */
+FB_API fb_status fb_archive_section_at(const fb_archive* archive, uint32_t index, fb_section* section);
+/** What was odd but harmless, such as an optional section that was skipped; null for index >= note_count. */
+FB_API const char* fb_archive_note_at(const fb_archive* archive, uint32_t index);
+
+/** Bytes of the model that each of these poses reads, which is what its speed comes from; controls: poses x
+ * control_count, bytes: a number a pose. docs/measuring.md has the rule, which does not depend on the processor. */
+FB_API fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls, uint64_t poses,
+                                       uint64_t* bytes);
+
+/* The networks in floats, for those who evaluate a face by other means. Unstable. */
+
+/** Unstable. The value of every feature in a pose (control_count values, within their ranges): feature_count floats. */
+FB_API fb_status fb_archive_features(const fb_archive* archive, const float* controls, float* features);
+/** Unstable. Indices of the features that are coefficients, the first direct_count ones. */
+FB_API const uint32_t* fb_archive_direct(const fb_archive* archive);
+
+/** Unstable. A region: a network that gives the next layer[last].outputs coefficients, after the direct ones and those
+ * of the regions before it, less what it gives at rest. */
+typedef struct fb_region {
+  uint32_t struct_size;
+  uint32_t layer_count;        /**< of fb_archive_layer_at */
+  const char* name;            /**< as fb_region_name has it */
+  const uint32_t* inputs;      /**< indices of its input features */
+  uint32_t input_count;        /**< of inputs */
+  uint32_t gate_count;         /**< 0: no gate */
+  const uint32_t* gate_inputs; /**< the coefficients are 0 while all but one of these features are 0 */
+} fb_region;
+
+FB_API void fb_region_fill(fb_region* to, uint32_t struct_size);
+static inline void fb_region_init(fb_region* to) {
+  fb_region_fill(to, (uint32_t)sizeof *to);
+}
+/** Unstable. Fills *region for index < region_count; its pointers are the archive's. */
+FB_API fb_status fb_archive_region_at(const fb_archive* archive, uint32_t index, fb_region* region);
+
+/* Activations. */
+#define FB_ACTIVATION_LINEAR 0 /**< x */
+#define FB_ACTIVATION_RELU 1   /**< max(x, 0) */
+#define FB_ACTIVATION_TANH 2   /**< the rational function of FORMAT.md that is near tanh(x) */
+#define FB_ACTIVATION_SILU 3   /**< x times its sigmoid, by that tanh */
+
+/** Unstable. y = activation(W x + bias), plus x with `skip`. */
+typedef struct fb_layer {
+  uint32_t struct_size;
+  uint32_t inputs;    /**< length of x */
+  uint32_t outputs;   /**< length of y */
+  int32_t activation; /**< FB_ACTIVATION_... */
+  uint32_t skip;      /**< 1: x is added; inputs and outputs are as many */
+  uint32_t bits;      /**< of a stored weight: 8 or 16 */
+} fb_layer;
+
+FB_API void fb_layer_fill(fb_layer* to, uint32_t struct_size);
+static inline void fb_layer_init(fb_layer* to) {
+  fb_layer_fill(to, (uint32_t)sizeof *to);
+}
+/** Unstable. Fills *to for a layer of a region, layer < layer_count. */
+FB_API fb_status fb_archive_layer_at(const fb_archive* archive, uint32_t region, uint32_t layer, fb_layer* to);
+/** Unstable. weights: outputs x inputs floats, a row an output; bias: outputs floats. */
+FB_API fb_status fb_archive_layer_values(const fb_archive* archive, uint32_t region, uint32_t layer, float* weights,
+                                         float* bias);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

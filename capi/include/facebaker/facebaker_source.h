@@ -1,0 +1,138 @@
+/** @file
+ * FaceBaker sources: where the poses of a bake come from, rigs and recordings, and how a call that takes long reports
+ * to its host. C99; in libfacebaker_bake. facebaker_bake.h, which includes this, has the rules that hold for all of it.
+ */
+#ifndef FACEBAKER_FACEBAKER_SOURCE_H
+#define FACEBAKER_FACEBAKER_SOURCE_H
+
+#include <facebaker/facebaker.h>
+#include <facebaker/facebaker_rig.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Progress, notes, cancelling --------------------------------------------------------------------------------- */
+
+/** How a call that takes long reports to its host. Either function may be null. They are called from the calling thread
+ * or from one that the call started, never two at once; they must not throw and must not call the same source. This
+ * struct is part of others and never changes. */
+typedef struct fb_callbacks {
+  void* user; /**< passed to both */
+  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0. Return non-zero to
+   * stop: the call ends with FB_ERROR_INTERRUPTED at the next point where nothing is lost, and the same call goes on
+   * from there where a work folder or dataset keeps what is done. */
+  int32_t (*progress)(void* user, const char* stage, uint64_t done, uint64_t total);
+  /** A sentence that is no error: a clip left out, a value clamped, what analysis found. Valid during the call. */
+  void (*note)(void* user, const char* sentence);
+} fb_callbacks;
+
+/* ---- Sources: where poses come from ------------------------------------------------------------------------------ */
+
+/** An opened rig or recording. Immutable but for what its rig keeps. */
+typedef struct fb_source fb_source;
+
+/** What to open. */
+typedef struct fb_source_desc {
+  uint32_t struct_size;
+  uint32_t path_count;      /**< of paths; 0 with a rig */
+  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, or "sample" for the
+                               built-in face; several are one character: same controls, same rest mesh */
+  const fb_rig* rig;        /**< in place of paths: a rig that the host filled. Borrowed until fb_source_close, which
+                               does not call destroy. */
+  fb_callbacks callbacks;   /**< note: what was found while opening */
+} fb_source_desc;
+
+FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
+static inline void fb_source_desc_init(fb_source_desc* to) {
+  fb_source_desc_fill(to, (uint32_t)sizeof *to);
+}
+
+/** Opens a source and checks everything it declares; a rig's rest pose is evaluated once. *source is owned by the
+ * caller. Fails with NOT_FOUND, IO, BAD_DATA, NOT_FINITE, RIG or UNSUPPORTED and a message that names the file, field,
+ * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. */
+FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
+/** Null is allowed. No call may be using the source. */
+FB_API void fb_source_close(fb_source* source);
+
+#define FB_SOURCE_LIVE 2u /**< new poses can be evaluated; without it the source is a recording */
+
+/** What a source is. Strings and arrays are the source's and live as long as it does. */
+typedef struct fb_source_info {
+  uint32_t struct_size;
+  uint32_t flags;         /**< FB_SOURCE_LIVE, FB_RIG_THREAD_SAFE */
+  const char* name;       /**< of the character */
+  const char* units;      /**< of positions */
+  const char* up_axis;    /**< "y" or "z" */
+  double diagonal;        /**< of the rest mesh's bounding box, in units: what every reported error is divided by */
+  uint32_t control_count; /**< of fb_source_control_at; floats in a pose */
+  uint32_t clip_count;    /**< of fb_source_clip_at */
+  uint32_t vertex_count;  /**< of the mesh */
+  uint32_t polygon_count; /**< of polygon_sizes */
+  uint32_t polygon_corner_count;   /**< of polygon_corners */
+  uint32_t uv_count;               /**< 0: no texture coordinates */
+  const float* rest_positions;     /**< 3 x vertex_count, xyz interleaved */
+  const uint32_t* polygon_sizes;   /**< corners of each polygon */
+  const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
+  const float* uvs;                /**< 2 x uv_count, v growing upwards */
+  const uint32_t* uv_corners;      /**< polygon_corner_count indices of pairs; null without texture coordinates */
+} fb_source_info;
+
+FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
+static inline void fb_source_info_init(fb_source_info* to) {
+  fb_source_info_fill(to, (uint32_t)sizeof *to);
+}
+/** Fills *info. */
+FB_API fb_status fb_source_describe(const fb_source* source, fb_source_info* info);
+
+/** Fills *control for index < control_count; see fb_control_at. Its strings are the source's. */
+FB_API fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control);
+
+/** A clip of a source. */
+typedef struct fb_clip {
+  uint32_t struct_size;
+  int32_t kind;          /**< FB_CLIP_... */
+  int32_t split;         /**< FB_SPLIT_... */
+  uint32_t readable;     /**< 0: a plan, controls without recorded positions */
+  const char* name;      /**< unique in the source */
+  double fps;            /**< frames a second */
+  uint64_t frames;       /**< at least 1 */
+  const float* controls; /**< frames x control_count */
+} fb_clip;
+
+FB_API void fb_clip_fill(fb_clip* to, uint32_t struct_size);
+static inline void fb_clip_init(fb_clip* to) {
+  fb_clip_fill(to, (uint32_t)sizeof *to);
+}
+/** Fills *clip for index < clip_count; its pointers are the source's. */
+FB_API fb_status fb_source_clip_at(const fb_source* source, uint32_t index, fb_clip* clip);
+
+/** Positions of frames [first, first + count) of a clip: count x 3 x vertex_count floats, object space, in units.
+ * Recorded frames are read, a live rig's are evaluated. `position_floats`: size of the buffer, checked. Fails by clip,
+ * frame and vertex on what is not finite. */
+FB_API fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first, uint64_t count, float* positions,
+                                uint64_t position_floats);
+
+/** Positions of new poses of a live source: controls is poses x control_count, all within their ranges, positions is
+ * poses x 3 x vertex_count floats; `position_floats`: size of that buffer, checked. On `threads` threads (at most
+ * 4,096; 0: all) if the source is thread-safe. Fails with INVALID_ARGUMENT on a recording, and by pose on what cannot
+ * be evaluated. */
+FB_API fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t poses, uint32_t threads,
+                                    float* positions, uint64_t position_floats);
+
+/** Fails with BAD_DATA, saying where they differ, unless the model has the source's controls (names, order, ranges) and
+ * number of vertices. */
+FB_API fb_status fb_source_check_model(const fb_source* source, const fb_model* model);
+
+/** Frames of an animation in a NumPy file (.npy, version 1 or 2, little-endian, C order) of shape frames x
+ * control_count. Reads the header only. Fails with NOT_FOUND, IO or BAD_DATA, naming the file. */
+FB_API fb_status fb_clip_file_frames(const char* path, uint32_t control_count, uint64_t* frames);
+/** Reads frames [first, first + count) of such a file into count x control_count floats. Values are as the file has
+ * them: neither clamped nor checked. */
+FB_API fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t first, uint64_t count,
+                                   float* controls);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,312 @@
+/* What the commands eval, inspect, verify, pack, pose and bench of the tool do, through the C interface alone. */
+#include "authoring_fixture.h"
+
+/* ---- eval ---- */
+
+static void an_archive_is_measured_against_its_rig(void** state) {
+  (void)state;
+  Seen seen;
+  fb_eval_desc desc;
+  fb_eval_desc_init(&desc);
+  assert_int_equal(desc.split, FB_SPLIT_TEST);
+  desc.archive = toy_face;
+  desc.source = toy;
+  desc.callbacks = watch(&seen);
+  fb_report* report = NULL;
+  assert_ok(fb_eval(&desc, &report));
+  fb_method face;
+  fb_method_init(&face);
+  assert_ok(fb_report_method_at(report, 0, &face));
+  assert_string_equal(face.name, "toy");
+  assert_true(face.unseen.frames == 12 && face.unseen.max > face.unseen.rms && face.clip_count == 1);
+  fb_clip_errors clip;
+  fb_clip_errors_init(&clip);
+  assert_ok(fb_report_clip_at(report, 0, 0, &clip));
+  assert_string_equal(clip.name, "frown");
+  assert_true(clip.kind == FB_CLIP_SHOT && clip.errors.mse == face.unseen.mse);
+  assert_refused(fb_report_clip_at(report, 0, 1, &clip), FB_ERROR_INVALID_ARGUMENT, "clip 1 of 1");
+  assert_contains(fb_report_json(report), "\"quality\": null");
+  assert_contains(fb_report_json(report), "\"touched_bytes\"");
+  fb_report_free(report);
+
+  desc.split = FB_SPLIT_ALL;
+  desc.measure = FB_MEASURE_QUALITY | FB_MEASURE_LOCALITY;
+  assert_ok(fb_eval(&desc, &report));
+  assert_ok(fb_report_method_at(report, 0, &face));
+  assert_int_equal(face.unseen.frames, 24);
+  assert_contains(fb_report_json(report), "\"normal_degrees_rms\"");
+  assert_contains(fb_report_json(report), "\"share_above\"");
+  fb_report_free(report);
+
+  desc.split = FB_SPLIT_VALIDATION;
+  assert_refused(fb_eval(&desc, &report), FB_ERROR_BAD_DATA, "split validation");
+  desc.split = 3;
+  assert_refused(fb_eval(&desc, &report), FB_ERROR_INVALID_ARGUMENT, "split 3");
+  desc.split = FB_SPLIT_TEST, desc.source = NULL;
+  assert_refused(fb_eval(&desc, &report), FB_ERROR_INVALID_ARGUMENT, "source");
+  desc.source = toy, desc.archive = NULL;
+  assert_refused(fb_eval(&desc, &report), FB_ERROR_INVALID_ARGUMENT, "archive");
+  fb_archive* tiny = NULL;
+  assert_ok(fb_archive_open(FB_FIXTURE, &tiny));
+  desc.archive = tiny;
+  assert_refused(fb_eval(&desc, &report), FB_ERROR_BAD_DATA, "controls");
+  fb_archive_close(tiny);
+}
+
+/* ---- inspect, verify ---- */
+
+static void an_archive_is_inspected(void** state) {
+  (void)state;
+  fb_archive_info info;
+  fb_archive_info_init(&info);
+  assert_ok(fb_archive_describe(toy_face, &info));
+  assert_int_equal(info.format_version, fb_format_version());
+  assert_string_equal(info.name, "toy");
+  assert_string_equal(info.recipe, "linear");
+  assert_string_equal(info.licence, "");
+  assert_contains(info.certificate_summary, "\n");
+  assert_true(info.vertex_count == vertices && info.control_count == controls && info.proof_poses > 0);
+  uint64_t stored = 0;
+  for (uint32_t s = 0; s < info.section_count; ++s) {
+    fb_section section;
+    fb_section_init(&section);
+    assert_ok(fb_archive_section_at(toy_face, s, &section));
+    assert_true(*section.name && section.stored_bytes > 0);
+    stored += section.stored_bytes;
+  }
+  assert_true(stored > 0 && stored < info.byte_count);
+  assert_null(fb_archive_note_at(toy_face, info.note_count));
+  fb_section section;
+  fb_section_init(&section);
+  assert_refused(fb_archive_section_at(toy_face, 99, &section), FB_ERROR_INVALID_ARGUMENT, "section 99");
+
+  fb_report* report = NULL;
+  assert_ok(fb_inspect(toy_face, &report));
+  const char* const keys[] = {"\"vertices\": 50",  "\"controls\": 6", "\"recipe\": \"linear\"", "\"bytes\"",
+                              "\"runtime_bytes\"", "\"certificate\"", "\"provenance\""};
+  for (size_t k = 0; k < sizeof keys / sizeof *keys; ++k) assert_contains(fb_report_json(report), keys[k]);
+  fb_report_free(report);
+  assert_int_equal(fb_inspect(NULL, &report), FB_ERROR_INVALID_ARGUMENT);
+
+  fb_archive* wrong = NULL;
+  assert_refused(fb_archive_open("nowhere.fbk", &wrong), FB_ERROR_NOT_FOUND, "nowhere.fbk");
+  assert_refused(fb_archive_open(FB_TEXT_FILE, &wrong), FB_ERROR_NOT_AN_ARCHIVE, "CMakeLists.txt");
+  assert_int_equal(fb_archive_open_memory("FB", 2, NULL, &wrong), FB_ERROR_NOT_AN_ARCHIVE);
+  fb_archive_close(NULL);
+}
+
+/* Evaluates a network in floats, less what it gives at rest, as fb_region says. */
+static void run_region(const fb_archive* archive, uint32_t index, const float* features, float* out, uint32_t* count) {
+  fb_region region;
+  fb_region_init(&region);
+  assert_ok(fb_archive_region_at(archive, index, &region));
+  float x[64], y[64], weights[64 * 64], bias[64];
+  for (uint32_t i = 0; i < region.input_count; ++i) x[i] = features[region.inputs[i]];
+  for (uint32_t l = 0; l < region.layer_count; ++l) {
+    fb_layer layer;
+    fb_layer_init(&layer);
+    assert_ok(fb_archive_layer_at(archive, index, l, &layer));
+    assert_true(layer.inputs <= 64 && layer.outputs <= 64 && (layer.bits == 8 || layer.bits == 16));
+    assert_ok(fb_archive_layer_values(archive, index, l, weights, bias));
+    for (uint32_t o = 0; o < layer.outputs; ++o) {
+      float sum = bias[o];
+      for (uint32_t i = 0; i < layer.inputs; ++i) sum += weights[o * layer.inputs + i] * x[i];
+      if (layer.activation == FB_ACTIVATION_RELU) sum = sum > 0 ? sum : 0;
+      if (layer.activation == FB_ACTIVATION_TANH) sum = tanhf(sum);
+      if (layer.activation == FB_ACTIVATION_SILU) sum = sum / (1 + expf(-sum));
+      y[o] = sum + (layer.skip ? x[o] : 0);
+    }
+    memcpy(x, y, layer.outputs * sizeof *x);
+    *count = layer.outputs;
+  }
+  memcpy(out, x, *count * sizeof *out);
+}
+
+static void the_networks_of_an_archive_can_be_evaluated(void** state) {
+  (void)state;
+  fb_archive* tiny = NULL;
+  assert_ok(fb_archive_open(FB_FIXTURE, &tiny));
+  fb_archive_info info;
+  fb_archive_info_init(&info);
+  assert_ok(fb_archive_describe(tiny, &info));
+  fb_model* model = NULL;
+  assert_ok(fb_load_memory(info.bytes, (size_t)info.byte_count, NULL, &model));
+  float pose[16], features[32], resting[32], expected[16], coefficients[16];
+  assert_true(info.control_count <= 16 && info.feature_count <= 32 && info.coefficient_count <= 16);
+  for (uint32_t c = 0; c < info.control_count; ++c) {
+    fb_control control;
+    fb_control_init(&control);
+    assert_ok(fb_control_at(model, c, &control));
+    pose[c] = control.minimum + 0.8f * (control.maximum - control.minimum);
+  }
+  assert_ok(fb_archive_features(tiny, pose, features));
+  assert_ok(fb_archive_features(tiny, fb_rest_controls(model), resting));
+  uint32_t at = 0;
+  for (; at < info.direct_count; ++at) expected[at] = features[fb_archive_direct(tiny)[at]];
+  for (uint32_t r = 0; r < info.region_count; ++r) {
+    float posed[64], rest[64];
+    uint32_t count = 0;
+    run_region(tiny, r, features, posed, &count);
+    run_region(tiny, r, resting, rest, &count);
+    for (uint32_t i = 0; i < count; ++i) expected[at++] = posed[i] - rest[i];
+  }
+  assert_int_equal(at, info.coefficient_count);
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_scratch_create(model, 1, &scratch));
+  assert_ok(fb_evaluate_coefficients(model, scratch, pose, coefficients));
+  for (uint32_t i = 0; i < at; ++i)
+    if (fabsf(coefficients[i] - expected[i]) > 0.05f * (1 + fabsf(expected[i])))
+      fail_msg("coefficient %u is %g, not %g", i, (double)coefficients[i], (double)expected[i]);
+  fb_scratch_destroy(scratch);
+  fb_release(model);
+
+  fb_region region;
+  fb_region_init(&region);
+  assert_refused(fb_archive_region_at(tiny, 9, &region), FB_ERROR_INVALID_ARGUMENT, "region 9");
+  fb_layer layer;
+  fb_layer_init(&layer);
+  assert_refused(fb_archive_layer_at(tiny, 0, 9, &layer), FB_ERROR_INVALID_ARGUMENT, "layer 9");
+  fb_archive_close(tiny);
+}
+
+static void an_archive_is_verified(void** state) {
+  (void)state;
+  fb_report* report = NULL;
+  assert_ok(fb_verify(toy_face, &report));
+  fb_verify_result result;
+  fb_verify_result_init(&result);
+  assert_ok(fb_report_verify(report, &result));
+  assert_true(result.poses > 0 && result.vertices == vertices && result.bytes > 0);
+  assert_contains(fb_report_json(report), "\"vertices\": 50");
+  assert_contains(fb_report_json(report), "\"certificate\": {");
+  fb_report_free(report);
+  assert_ok(fb_verify(toy_face, NULL));
+  assert_int_equal(fb_verify(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
+}
+
+/* ---- pack ---- */
+
+static void an_archive_is_packed_again(void** state) {
+  (void)state;
+  fb_archive_info info;
+  fb_archive_info_init(&info);
+  assert_ok(fb_archive_describe(toy_face, &info));
+  fb_pack_desc desc;
+  fb_pack_desc_init(&desc);
+  desc.bytes = info.bytes;
+  desc.byte_count = info.byte_count;
+  desc.out = in_folder("packed.fbk");
+  desc.licence = "anew";
+  fb_report* report = NULL;
+  assert_ok(fb_pack(&desc, &report));
+  fb_pack_result result;
+  fb_pack_result_init(&result);
+  assert_ok(fb_report_pack(report, &result));
+  assert_true(result.within_limits && result.step_factor == 1 && result.displacement.frames == 0);
+  assert_true(result.bytes_before == info.byte_count && result.format == fb_format_version());
+  fb_archive* packed = NULL;
+  assert_ok(fb_archive_open(desc.out, &packed));
+  fb_archive_info new_info;
+  fb_archive_info_init(&new_info);
+  assert_ok(fb_archive_describe(packed, &new_info));
+  assert_string_equal(new_info.licence, "anew");
+  assert_memory_equal(new_info.bytes, result.archive, result.archive_bytes);
+  fb_archive_close(packed);
+  fb_report_free(report);
+
+  desc.out = NULL;
+  desc.max_error = 1e-2;
+  assert_ok(fb_pack(&desc, &report));
+  assert_ok(fb_report_pack(report, &result));
+  assert_true(result.step_factor > 1 && result.displacement.max <= 1e-2 && result.archive_bytes < info.byte_count);
+  assert_contains(fb_report_json(report), "\"step_factor\": ");
+  fb_report_free(report);
+
+  desc.max_error = 0;
+  desc.max_bytes = 100;
+  assert_refused(fb_pack(&desc, &report), FB_ERROR_LIMIT, "100 bytes cannot be had");
+  desc.force = 1;
+  assert_ok(fb_pack(&desc, &report));
+  assert_ok(fb_report_pack(report, &result));
+  assert_int_equal(result.within_limits, 0);
+  fb_report_free(report);
+
+  desc.path = "nowhere.fbk";
+  assert_refused(fb_pack(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "either");
+  desc.bytes = NULL;
+  assert_refused(fb_pack(&desc, NULL), FB_ERROR_NOT_FOUND, "nowhere.fbk");
+  desc.path = NULL;
+  assert_refused(fb_pack(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "either");
+}
+
+/* ---- pose, bench ---- */
+
+static void write_npy(const char* path, const float* values, unsigned rows, unsigned columns) {
+  char header[128];
+  FILE* file = fopen(path, "wb");
+  assert_non_null(file);
+  const int length =
+      snprintf(header, sizeof header, "{'descr': '<f4', 'fortran_order': False, 'shape': (%u, %u), }", rows, columns);
+  assert_true(length < 117);
+  memset(header + length, ' ', 118 - (size_t)length);
+  header[117] = '\n';
+  assert_int_equal(fwrite("\x93NUMPY\x01\x00\x76\x00", 1, 10, file), 10);
+  assert_int_equal(fwrite(header, 1, 118, file), 118);
+  assert_int_equal(fwrite(values, sizeof *values * columns, rows, file), rows);
+  fclose(file);
+}
+
+static void a_clip_from_a_file_is_posed(void** state) {
+  (void)state;
+  float clip[3 * controls];
+  for (int i = 0; i < 3 * controls; ++i) clip[i] = 0.05f * (float)i;
+  const char* path = in_folder("clip.npy");
+  write_npy(path, clip, 3, controls);
+  uint64_t frames = 0;
+  assert_ok(fb_clip_file_frames(path, controls, &frames));
+  assert_int_equal(frames, 3);
+  float read[2 * controls];
+  assert_ok(fb_clip_file_read(path, controls, 1, 2, read));
+  assert_memory_equal(read, clip + controls, sizeof read);
+  assert_refused(fb_clip_file_read(path, controls, 2, 2, read), FB_ERROR_INVALID_ARGUMENT, "has 3 frames");
+  assert_refused(fb_clip_file_frames(path, 5, &frames), FB_ERROR_BAD_DATA, "shape (3, 6) is not frames x 5");
+  assert_refused(fb_clip_file_frames("nowhere.npy", 5, &frames), FB_ERROR_NOT_FOUND, "nowhere.npy");
+
+  fb_archive_info info;
+  fb_archive_info_init(&info);
+  assert_ok(fb_archive_describe(toy_face, &info));
+  fb_model* model = NULL;
+  assert_ok(fb_load_memory(info.bytes, (size_t)info.byte_count, NULL, &model));
+  assert_ok(fb_source_check_model(toy, model));
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_scratch_create(model, 1, &scratch));
+  float posed[floats], truth[floats];
+  assert_ok(fb_evaluate(model, scratch, read, posed));
+  assert_ok(fb_source_evaluate(toy, read, 1, 1, truth, floats));
+  for (int i = 0; i < floats; ++i) assert_true(fabsf(posed[i] - truth[i]) < 0.2f * (float)info.control_count);
+  fb_scratch_destroy(scratch);
+  fb_release(model);
+
+  uint64_t bytes[3] = {0}, at_rest = 0;
+  assert_ok(fb_archive_pose_bytes(toy_face, clip, 3, bytes));
+  float rest[controls] = {0, 0, 0.5f, 0, 0, 0};
+  assert_ok(fb_archive_pose_bytes(toy_face, rest, 1, &at_rest));
+  assert_true(at_rest > 12 * vertices && bytes[1] > at_rest);
+  assert_int_equal(fb_archive_pose_bytes(toy_face, NULL, 1, bytes), FB_ERROR_INVALID_ARGUMENT);
+
+  fb_model* tiny = load_tiny();
+  assert_refused(fb_source_check_model(toy, tiny), FB_ERROR_BAD_DATA, "controls");
+  fb_release(tiny);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(an_archive_is_measured_against_its_rig),
+      cmocka_unit_test(an_archive_is_inspected),
+      cmocka_unit_test(the_networks_of_an_archive_can_be_evaluated),
+      cmocka_unit_test(an_archive_is_verified),
+      cmocka_unit_test(an_archive_is_packed_again),
+      cmocka_unit_test(a_clip_from_a_file_is_posed),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}
