@@ -147,7 +147,7 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::u
   return batch;
 }
 
-const fb::runtime::RowBlock& group_at(const fb_model* model, std::uint32_t index) {
+const fb::runtime::RowBlockMatrix& group_at(const fb_model* model, std::uint32_t index) {
   require(model, "model");
   const auto& groups = model->evaluator.chunks();
   if (index >= groups.size()) fail(Status::invalid_argument, "group %u of %zu", index, groups.size());
@@ -395,7 +395,7 @@ fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* g
   return abi_guard([&] {
     require(group, "group");
     fb::capi::require_size(group->struct_size, "fb_row_block");
-    const fb::runtime::RowBlock& found = group_at(model, index);
+    const fb::runtime::RowBlockMatrix& found = group_at(model, index);
     const fb_row_block full = {group->struct_size, found.first_row(), found.row_count(),
                                static_cast<std::uint32_t>(found.column_count())};
     std::memcpy(group, &full, std::min<std::size_t>(group->struct_size, sizeof full));
@@ -406,7 +406,7 @@ fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* c
   return abi_guard([&] {
     require(columns, "columns");
     require(values, "values");
-    const fb::runtime::RowBlock& found = group_at(model, index);
+    const fb::runtime::RowBlockMatrix& found = group_at(model, index);
     const fb::runtime::FloatState state;
     for (std::size_t c = 0; c < found.column_count(); ++c) {
       columns[c] = found.column(c);

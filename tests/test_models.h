@@ -66,7 +66,7 @@ inline DenseLayer random_layer(Random& random, std::uint32_t inputs, std::uint32
 
 // 5 controls, one from -1 to 1 and one at 0.25 in the rest pose; 30 vertices in quads and one triangle and one
 // pentagon; identity and ramp features, 2 direct coefficients, one region of 3 layers with skip and relu that gives 3
-// coefficients; a basis of two row groups with different columns.
+// coefficients; a basis of two row blocks with different columns.
 inline FaceModel tiny_model(std::uint64_t seed = 1) {
   Random random(seed);
   FaceModel model;
@@ -94,8 +94,8 @@ inline FaceModel tiny_model(std::uint64_t seed = 1) {
         random_layer(random, 8, 3, Activation::linear, false)}}};
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
   std::vector<float> dense = random_values(random, std::size_t(5) * rows, 0.5f);
-  for (std::uint32_t row = 0; row < basis_group_rows; ++row) dense[1 * rows + row] = 0;     // not in the first group
-  for (std::uint32_t row = basis_group_rows; row < rows; ++row) dense[4 * rows + row] = 0;  // not in the second
+  for (std::uint32_t row = 0; row < default_block_rows; ++row) dense[1 * rows + row] = 0;     // not in the first block
+  for (std::uint32_t row = default_block_rows; row < rows; ++row) dense[4 * rows + row] = 0;  // not in the second
   model.basis = make_basis(rows, 5, dense);
   model.provenance = R"({"recipe":"tiny"})";
   return model;
@@ -121,17 +121,17 @@ inline PackedLayer random_packed_layer(Random& random, std::uint32_t inputs, std
   return layer;
 }
 
-// A group that uses the columns given, about every other one wide, and moves by up to `reach` each.
-inline PackedRowBlock random_group(Random& random, std::uint32_t first_row, std::uint32_t row_count,
-                                   const std::vector<std::uint32_t>& columns, float reach) {
-  PackedRowBlock group{first_row, row_count, {}, {}};
+// A block that uses the columns given, about every other one wide, and moves by up to `reach` each.
+inline PackedRowBlock random_row_block(Random& random, std::uint32_t first_row, std::uint32_t row_count,
+                                       const std::vector<std::uint32_t>& columns, float reach) {
+  PackedRowBlock block{first_row, row_count, {}, {}};
   for (const std::uint32_t column : columns) {
     const bool wide = random.uniform() < 0.5f;
-    group.columns.push_back({column, wide, reach / float(wide ? largest_wide : largest_narrow)});
+    block.columns.push_back({column, wide, reach / float(wide ? largest_wide : largest_narrow)});
     const std::vector<std::int16_t> values = random_numbers(random, row_count, wide);
-    group.values.insert(group.values.end(), values.begin(), values.end());
+    block.values.insert(block.values.end(), values.begin(), values.end());
   }
-  return group;
+  return block;
 }
 
 // The controls, mesh and sizes of tiny_model, in whole numbers, with everything a packed model can have: features of
@@ -165,7 +165,8 @@ inline PackedModel tiny_packed_model(std::uint64_t seed = 1) {
   model.columns = 5;
   const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
   for (std::uint32_t i = 0; i < vertices; ++i) model.order.push_back((7 * i + 3) % vertices);
-  model.groups = {random_group(random, 0, 63, {0, 2, 3, 4}, 0.5f), random_group(random, 63, 27, {0, 1, 2, 3}, 0.5f)};
+  model.row_blocks = {random_row_block(random, 0, 63, {0, 2, 3, 4}, 0.5f),
+                      random_row_block(random, 63, 27, {0, 1, 2, 3}, 0.5f)};
   return model;
 }
 

@@ -1,4 +1,5 @@
-// Size arithmetic on numbers that came from outside: fails instead of wrapping.
+// Size arithmetic on untrusted numbers: fails with Status::limit instead of wrapping. `what` names the size in the
+// message.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +21,7 @@ inline std::size_t checked_add(std::size_t a, std::size_t b, const char* what) {
   return sum;
 }
 
-// Narrows a count to 32 bits, the width counts have in archives and in the C ABI.
+// Narrows a count to 32 bits, the width of counts in archives and in the C ABI.
 inline std::uint32_t checked_u32(std::size_t n, const char* what) {
   if (n > UINT32_MAX) fail(Status::limit, "%s: %zu does not fit 32 bits", what, n);
   return static_cast<std::uint32_t>(n);

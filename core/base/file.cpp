@@ -42,16 +42,16 @@ void fail_too_large(const std::filesystem::path& path, std::uint64_t limit) {
 void make_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
-  if (error) fail(Status::io, "%s: cannot be made: %s", path.c_str(), error.message().c_str());
+  if (error) fail(Status::io, "%s: cannot be created: %s", path.c_str(), error.message().c_str());
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code unreadable;
-  const auto there = std::filesystem::status(path_, unreadable);
-  if (std::filesystem::is_directory(there)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
-  // Renaming would put a file in the place of a device.
-  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
-    fail(Status::io, "%s: cannot be written: is no regular file", path_.c_str());
+  const auto existing = std::filesystem::status(path_, unreadable);
+  if (std::filesystem::is_directory(existing)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
+  // Renaming would replace a device by a file.
+  if (std::filesystem::exists(existing) && !std::filesystem::is_regular_file(existing))
+    fail(Status::io, "%s: cannot be written: is not a regular file", path_.c_str());
   partial_ = path_;
   partial_ += ".partial-" + std::to_string(getpid());
   file_ = std::fopen(partial_.c_str(), "wb");
@@ -76,7 +76,7 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 void AtomicFile::commit(const std::function<void(const std::filesystem::path&)>& check) {
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_here("writing failed");
   if (check) check(partial_);
-  if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail_here("cannot be put in place");
+  if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail_here("cannot be renamed into place");
   std::fclose(file_);
   file_ = nullptr;
 }

@@ -1,4 +1,4 @@
-// Whole files in, whole files out: a file that is written appears under its name complete or not at all.
+// Reading and writing whole files. Writing is atomic: a file appears under its name complete or not at all.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace fb {
 
-// The bytes of a file; fails with its path: not_found if it is missing, io if it is a directory or unreadable, limit if
-// it is larger than that.
+// The bytes of a file. Fails with its path: not_found if it is missing, io if it is a directory or unreadable, limit if
+// it has more than `limit` bytes.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
-// That a file is larger than read_file or its like may take.
+// Fails with Status::limit: the file is larger than `limit` bytes.
 [[noreturn]] void fail_too_large(const std::filesystem::path& path, std::uint64_t limit);
 
-// Makes a folder, and those it lies in, unless it is there; fails with its path and the system's reason.
+// Creates a folder and its missing parents. Fails with its path and the system's reason.
 void make_folder(const std::filesystem::path& path);
 
 // Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes what was not
@@ -33,8 +33,8 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
-  // Flushes to the disk, calls check(path of the temporary file), if there is one, and renames; the file is there when
-  // this returns. A check that throws leaves the target as it was.
+  // Flushes to the disk, calls check(path of the temporary file), if given, and renames. If check throws, the target is
+  // unchanged.
   void commit(const std::function<void(const std::filesystem::path&)>& check = {});
 
  private:

@@ -21,15 +21,15 @@ void* LargePages::do_allocate(std::size_t bytes, std::size_t alignment) {
     auto* const first = static_cast<std::byte*>(std::pmr::new_delete_resource()->allocate(size, page));
     blocks_.push_back({first, size});
 #if defined(__linux__)
-    madvise(first, size, MADV_HUGEPAGE);  // where it is refused, pages are small
+    madvise(first, size, MADV_HUGEPAGE);  // if refused, pages have the normal size
 #endif
     free_ = first;
     left_ = size;
   }
-  void* const found = free_;
+  void* const memory = free_;
   free_ = static_cast<std::byte*>(free_) + bytes;
   left_ -= bytes;
-  return found;
+  return memory;
 }
 
 }  // namespace fb

@@ -17,7 +17,8 @@
 namespace fb {
 namespace {
 
-// Nothing for what cannot be mapped, as an empty file. Asked for regular files only: opening a pipe would disturb it.
+// Empty if the file cannot be mapped, such as an empty one. Called for regular files only: opening a pipe has side
+// effects.
 #ifdef _WIN32
 
 std::span<const std::byte> map(const std::filesystem::path& path) {
@@ -47,9 +48,9 @@ std::span<const std::byte> map(const std::filesystem::path& path) {
   std::span<const std::byte> bytes;
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return bytes;
-  struct stat about;
-  if (::fstat(file, &about) == 0 && about.st_size > 0) {
-    const auto size = static_cast<std::size_t>(about.st_size);
+  struct stat info;
+  if (::fstat(file, &info) == 0 && info.st_size > 0) {
+    const auto size = static_cast<std::size_t>(info.st_size);
     void* const first = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file, 0);
     if (first != MAP_FAILED) bytes = {static_cast<const std::byte*>(first), size};
   }
@@ -67,14 +68,14 @@ void unmap(std::span<const std::byte> bytes) {
 MappedFile::MappedFile(const std::filesystem::path& path, std::uint64_t limit) {
   std::error_code unreadable;
   if (std::filesystem::is_regular_file(path, unreadable)) bytes_ = map(path);
-  if (bytes_.empty()) bytes_ = read_ = read_file(path, limit);
+  if (bytes_.empty()) bytes_ = buffer_ = read_file(path, limit);
   if (bytes_.size() <= limit) return;
   unmap(bytes_);
   fail_too_large(path, limit);
 }
 
 MappedFile::~MappedFile() {
-  if (read_.empty() && !bytes_.empty()) unmap(bytes_);
+  if (buffer_.empty() && !bytes_.empty()) unmap(bytes_);
 }
 
 }  // namespace fb

@@ -8,10 +8,9 @@
 
 namespace fb {
 
-// The bytes of a file while this object lives: mapped read-only, so that processes that look at the same file share
-// its pages and nothing is copied; read into memory what cannot be mapped, as a pipe. Fails as read_file does. Nobody
-// may cut a mapped file short meanwhile (the system ends whoever reads beyond its new end); to replace it by renaming,
-// as AtomicFile does, is safe.
+// The bytes of a file for the life of this object: mapped read-only and shared between processes, or read into memory
+// where mapping is not possible, such as a pipe. Fails as read_file does. Truncating a mapped file is not allowed (the
+// system kills processes that read beyond the new end); replacing it by renaming, as AtomicFile does, is.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
@@ -23,7 +22,7 @@ class MappedFile {
 
  private:
   std::span<const std::byte> bytes_;
-  std::vector<std::byte> read_;  // empty if mapped
+  std::vector<std::byte> buffer_;  // empty if mapped
 };
 
 }  // namespace fb

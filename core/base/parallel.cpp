@@ -13,7 +13,7 @@
 namespace fb {
 namespace {
 
-// Keeps the exception of the lowest index, so that what is reported does not depend on scheduling.
+// Keeps the exception of the lowest index, so that errors do not depend on scheduling.
 struct Loop {
   LoopBody body;
   std::mutex mutex;

@@ -1,5 +1,4 @@
-// The one way loops run in parallel: serial, on a host's threads, or OpenMP. parallel.cpp is the only file with a
-// pragma.
+// Parallel loops: serial, on a host's threads, or with OpenMP. parallel.cpp is the only file with an OpenMP pragma.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +8,11 @@
 
 namespace fb {
 
-// A borrowed callable void(index, worker); valid while the callable lives. Unlike std::function it never allocates.
+// A non-owning reference to a callable void(index, worker). Unlike std::function it never allocates.
 class LoopBody {
  public:
   template <class F>
-  requires(!std::is_same_v<std::remove_cvref_t<F>, LoopBody>) LoopBody(F&& body)  // NOLINT: implicit on purpose
+  requires(!std::is_same_v<std::remove_cvref_t<F>, LoopBody>) LoopBody(F&& body)  // NOLINT: implicit by design
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(body)))),
         call_([](void* object, std::size_t index, std::size_t worker) {
           (*static_cast<std::remove_reference_t<F>*>(object))(index, worker);
@@ -25,8 +24,9 @@ class LoopBody {
   void (*call_)(void*, std::size_t, std::size_t);
 };
 
-// A host's own scheduler; same shape as fb_parallel_for in facebaker.h. It calls task(context, index, worker) once for
-// every index below count, worker < workers, never two calls with one worker at once, and returns when all are done.
+// A host's scheduler, with the signature of fb_parallel_for in facebaker.h: calls task(context, index, worker) once for
+// every index < count with worker < workers, never two calls with the same worker at once, and returns when all are
+// done.
 using HostTask = void (*)(void* context, std::uint32_t index, std::uint32_t worker);
 using HostParallelFor = void (*)(void* user, std::uint32_t count, std::uint32_t workers, HostTask task, void* context);
 
@@ -36,11 +36,11 @@ struct Parallel {
   void* host_user = nullptr;
 };
 
-// The largest number of workers a loop under this setting has.
+// The largest number of workers of a loop with this setting.
 std::size_t worker_count(const Parallel& parallel);
 
-// Calls body(index, worker) for every index below count, in no particular order; serial inside another parallel region.
-// The exception of the lowest failing index, if any, is thrown again after the loop. Allocates nothing itself.
+// Calls body(index, worker) for every index < count, in any order; serial inside another parallel region. Rethrows the
+// exception of the lowest failing index after the loop. Allocates nothing.
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body);
 
 }  // namespace fb

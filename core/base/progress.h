@@ -1,4 +1,4 @@
-// How long work tells its caller how far it is, and learns that it should stop.
+// Progress reports and cancellation of long-running work.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ class Progress {
   virtual void begin(std::string_view stage, std::uint64_t total) = 0;
   // `done` steps of the current stage are complete.
   virtual void update(std::uint64_t done) = 0;
-  // True once the user asked to stop; work ends at the next point where nothing is lost. Callable from any thread.
+  // True once the user asked to stop; work ends at the next point where no result is lost. Callable from any thread.
   virtual bool cancelled() const = 0;
-  // A sentence worth reading that is not an error: a control nobody moves, a clip skipped.
+  // A message that is not an error, such as an unused control or a skipped clip.
   virtual void note(std::string_view sentence) = 0;
 
-  // update, then throws Error(interrupted) if cancelled.
+  // update(done), then throws Error(interrupted) if cancelled.
   void step(std::uint64_t done);
 };
 
-// Says nothing and never stops.
+// Ignores reports and never cancels.
 Progress& silent_progress();
 
 }  // namespace fb

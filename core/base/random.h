@@ -1,5 +1,5 @@
-// Seeded random numbers that do not depend on the standard library, the thread count or the order of work:
-// every item of work opens its own stream (seed, stream number).
+// Seeded random numbers, independent of the standard library, the thread count and the order of work: every work item
+// uses its own stream (seed, stream number).
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ class Random {
   // 64 random bits: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
   std::uint64_t next() { return mix(state_ += golden); }
 
-  // [0, 1), 24 bits.
+  // Uniform in [0, 1), 24 bits.
   float uniform() { return static_cast<float>(next() >> 40) * 0x1p-24f; }
   float uniform(float low, float high) { return low + (high - low) * uniform(); }
 
-  // [0, count), count > 0; bias below count / 2^32.
+  // Uniform in [0, count), count > 0; bias below count / 2^32.
   std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(((next() >> 32) * count) >> 32); }
 
-  // Close to normal with mean 0 and deviation 1: the centred sum of 12 uniforms (Irwin-Hall), libm-free, in [-6, 6].
+  // Approximately standard normal, in [-6, 6]: the centred sum of 12 uniforms (Irwin-Hall), without libm.
   float normal() {
     float sum = -6.0f;
     for (int i = 0; i < 12; ++i) sum += uniform();

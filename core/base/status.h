@@ -1,4 +1,4 @@
-// How core code reports failure: it throws Error; only capi turns that into the status codes of facebaker.h.
+// Failures: core code throws Error; only capi converts it to the status codes of facebaker.h.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace fb {
 
-// Same numbers as FB_OK, FB_ERROR_... in facebaker.h (a test compares them).
+// The numbers of FB_OK, FB_ERROR_... in facebaker.h (a test compares them).
 enum class Status : std::int32_t {
   ok = 0,
   invalid_argument = 1,  // null pointer, wrong buffer size, value of the wrong kind
@@ -19,9 +19,9 @@ enum class Status : std::int32_t {
   unsupported = 6,       // an .fbk (or ABI) newer than this library
   limit = 7,             // beyond a limit the caller set
   out_of_memory = 8,
-  not_finite = 9,  // NaN or infinity where a number is needed
-  bad_data = 10,   // a dataset or mesh that contradicts itself
-  rig = 11,        // a rig plugin failed or lied
+  not_finite = 9,  // NaN or infinity where a finite number is required
+  bad_data = 10,   // an inconsistent dataset or mesh
+  rig = 11,        // a rig plugin failed or broke its contract
   interrupted = 12,
   internal = 13,
 };
@@ -37,13 +37,13 @@ class Error : public std::exception {
   std::string message_;
 };
 
-// printf into a string.
+// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...);
 
-// Throws Error with a printf-style message that names what is wrong and where.
+// Throws Error with a printf-style message that names the fault and its place.
 [[noreturn]] [[gnu::format(printf, 2, 3)]] void fail(Status status, const char* pattern, ...);
 
-// Calls work() and puts "where: " before what it complains about: the file whose bytes were looked at.
+// Calls work() and prefixes the message of an Error with "where: ", such as the path of the file being read.
 template <class Work>
 auto with_context(const std::string& where, Work&& work) {
   try {

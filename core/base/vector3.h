@@ -1,4 +1,4 @@
-// The little vector arithmetic that drawing and measuring need.
+// Vector arithmetic for rendering and measuring.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// The activations that bend: made of + * / and comparisons only, so that they are the same bits on every machine, and
-// the same function in training as in the archive.
+// Activation functions. They use only + - * / and comparisons, so they give the same bits on every machine; training
+// and the runtime share these definitions.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@ namespace fb {
 // silu is x / (1 + exp(-x)).
 enum class Activation : std::uint32_t { linear = 0, relu = 1, tanh = 2, silu = 3 };
 
-// tanh to about 1e-6: a rational function of degree 13 over 6, on [-7.9, 7.9], beyond which it is constant.
+// tanh with an absolute error of about 1e-6: a rational function of degree 13 over 6 on [-7.9, 7.9], constant outside.
 // Coefficients: Eigen 3.4, Eigen/src/Core/MathFunctionsImpl.h (generic_fast_tanh_float).
 [[gnu::always_inline]] inline float rational_tanh(float x) {
-  constexpr float reach = 7.90531110763549805f;
-  x = x < -reach ? -reach : x > reach ? reach : x;
+  constexpr float limit = 7.90531110763549805f;
+  x = x < -limit ? -limit : x > limit ? limit : x;
   const float s = x * x;
   float p = s * -2.76076847742355e-16f + 2.00018790482477e-13f;
   p = s * p + -8.60467152213735e-11f;
@@ -27,7 +27,7 @@ enum class Activation : std::uint32_t { linear = 0, relu = 1, tanh = 2, silu = 3
   return x * p / q;
 }
 
-// x / (1 + exp(-x)) by way of tanh(x / 2).
+// x / (1 + exp(-x)) = x * (1 + tanh(x / 2)) / 2.
 [[gnu::always_inline]] inline float rational_silu(float x) {
   return x * (0.5f + 0.5f * rational_tanh(0.5f * x));
 }

@@ -9,16 +9,16 @@
 
 namespace fb {
 
-// A baked face: positions = rest points + basis * network(controls).
+// A baked face in floats: positions = rest points + basis * network(controls).
 struct FaceModel {
   RigSchema schema;
   Mesh rest;
   Network network;
   Basis basis;             // rows = 3 x vertices, columns = network.coefficient_count()
-  std::string provenance;  // a JSON object: recipe, creator, seed, sources, figures; read by people and `inspect`
+  std::string provenance;  // a JSON object: recipe, creator, seed, sources, figures; for people and `inspect`
 };
 
-// Checks every part and that they fit each other.
+// Validates every part and their sizes against each other.
 void check(const FaceModel& model);
 
 }  // namespace fb

@@ -37,7 +37,7 @@ namespace {
 void check_uvs(const Mesh& mesh) {
   const std::size_t pairs = mesh.uvs.size() / 2;
   if (mesh.uvs.size() % 2 != 0)
-    fail(Status::bad_data, "rest mesh: %zu numbers are no pairs of texture coordinates", mesh.uvs.size());
+    fail(Status::bad_data, "rest mesh: %zu numbers are not pairs of texture coordinates", mesh.uvs.size());
   for (std::size_t i = 0; i < mesh.uvs.size(); ++i)
     if (!std::isfinite(mesh.uvs[i])) fail(Status::not_finite, "rest mesh: texture coordinate %zu is not finite", i / 2);
   const std::size_t needed = pairs == 0 ? 0 : mesh.polygon_corners.size();

@@ -60,16 +60,16 @@ void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Fe
 void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region) {
   if (!std::isfinite(gate.slope) || !(gate.slope > 0))
     fail(Status::not_finite, "region \"%s\" has a gate of slope %g", region, gate.slope);
-  const Feature* before = nullptr;
+  const Feature* previous = nullptr;
   for (const std::uint32_t f : gate.features) {
     if (f >= features.size())
       fail(Status::bad_data, "the gate of region \"%s\" names feature %u of %zu", region, f, features.size());
     if (features[f].kind != Feature::Kind::identity)
-      fail(Status::bad_data, "the gate of region \"%s\" names feature %u, which is no identity", region, f);
-    if (before && features[f].control <= before->control)
-      fail(Status::bad_data, "the gate of region \"%s\" looks at control %u after control %u", region,
-           features[f].control, before->control);
-    before = &features[f];
+      fail(Status::bad_data, "the gate of region \"%s\" names feature %u, which is not an identity", region, f);
+    if (previous && features[f].control <= previous->control)
+      fail(Status::bad_data, "the gate of region \"%s\" lists control %u after control %u", region, features[f].control,
+           previous->control);
+    previous = &features[f];
   }
 }
 

@@ -1,4 +1,4 @@
-// The explicit graph from controls to coefficients; see core/archive/FORMAT.md for what a reader must compute.
+// The graph from controls to coefficients, in floats. core/archive/FORMAT.md defines the evaluation.
 #pragma once
 
 #include <cstddef>
@@ -11,38 +11,39 @@
 
 namespace fb {
 
-// A number computed from the controls that is 0 at rest. With u = (control - rest) * scale of the control it names (see
-// control_feature.h):
+// A function of the controls that is 0 at rest: of one control (identity, ramp, hat; see control_feature.h) or of two
+// earlier features (product, minimum).
 struct Feature {
   using Kind = FeatureKind;
   Kind kind = Kind::identity;
   std::uint32_t control = 0;  // identity, ramp, hat
   float scale = 1;
   float threshold = 0;                  // ramp, hat; >= 0
-  float fall = 0;                       // hat; >= 0: how much steeper it falls than it rises
-  std::uint32_t first = 0, second = 0;  // product, minimum: features that come before this one
+  float fall = 0;                       // hat; >= 0: slope of the falling side over that of the rising side
+  std::uint32_t first = 0, second = 0;  // product, minimum: indices of earlier features
 
+  // A combination of features, not a function of one control.
   bool of_features() const { return kind == Kind::product || kind == Kind::minimum; }
 };
 
-// y = activation(W x + b), plus x where `skip`.
+// y = activation(W x + b), plus x if `skip`.
 struct DenseLayer {
   std::uint32_t inputs = 0, outputs = 0;
   Activation activation = Activation::linear;
-  bool skip = false;           // needs inputs == outputs
-  std::vector<float> weights;  // outputs x inputs, row after row
+  bool skip = false;           // residual connection; requires inputs == outputs
+  std::vector<float> weights;  // outputs x inputs, row-major
   std::vector<float> bias;     // outputs
 };
 
-// What keeps a region still while at most one control is away from rest, where the base alone is exact: coefficients
-// are multiplied by clamp(slope * (sum |f| - max |f|), 0, 1) over these features. Without features there is no gate.
+// Multiplies a region's coefficients by clamp(slope * (sum |f| - max |f|), 0, 1) over these features: 0 while at most
+// one control is away from rest, where the sparse blendshapes alone are exact. Without features there is no gate.
 struct Gate {
   std::vector<std::uint32_t> features;  // identities, their controls ascending
   float slope = 10;
 };
 
-// A network of its own: some features in, coefficients out. What its last layer gives in the rest pose is subtracted,
-// so a region's coefficients are exactly 0 at rest.
+// A region of vertices with its own network: features in, coefficients out. The output of the last layer at rest is
+// subtracted, so a region's coefficients are exactly 0 at rest.
 struct Region {
   std::string name;
   std::vector<std::uint32_t> features;  // its inputs, indices into Network::features
@@ -52,15 +53,15 @@ struct Region {
 
 struct Network {
   std::vector<Feature> features;
-  std::vector<std::uint32_t> direct;  // features that are coefficients as they are: the base, exact on single controls
+  std::vector<std::uint32_t> direct;  // features that are coefficients themselves: those of the sparse blendshapes
   std::vector<Region> regions;
 
-  // Coefficients in the order of basis columns: the direct ones, then each region's.
+  // Coefficients are in the order of basis columns: the direct ones, then those of each region.
   std::size_t coefficient_count() const;
-  std::size_t parameter_count() const;
+  std::size_t parameter_count() const;  // weights and biases
 };
 
-// Fails, naming feature, region and layer, unless every index and width fits and every number is finite.
+// Validates indices, widths and finiteness; fails with the feature, region and layer.
 void check(const Network& network, std::size_t control_count);
 
 }  // namespace fb

@@ -1,4 +1,4 @@
-// What a network of floats and one of whole numbers have to hold alike.
+// Checks shared by Network (floats) and PackedModel (integers).
 #pragma once
 
 #include <algorithm>
@@ -12,16 +12,19 @@
 
 namespace fb {
 
-// Fails, naming the feature, unless controls exist, products and minima use earlier features, and numbers are finite.
+// Fails, naming the feature, unless its control exists, products and minima use earlier features, and numbers are
+// finite.
 void check_features(const std::vector<Feature>& features, std::size_t control_count);
 
-// Fails unless the features that direct coefficients name exist.
+// Fails unless the features of direct coefficients exist.
 void check_direct(const std::vector<std::uint32_t>& direct, const std::vector<Feature>& features);
 
-// Fails unless its features exist and are identities of ascending controls, and its slope is a positive number.
+// Fails unless the gate's features exist and are identities of ascending controls, and its slope is finite and
+// positive.
 void check_gate(const Gate& gate, const std::vector<Feature>& features, const char* region);
 
-// Fails, naming region and layer, unless widths fit each other; check_values(layer, where) looks at the numbers.
+// Fails, naming region and layer, unless the widths of consecutive layers agree. check_values(layer, where) checks a
+// layer's numbers.
 template <class AnyRegion, class CheckValues>
 void check_regions(const std::vector<AnyRegion>& regions, const std::vector<Feature>& features,
                    CheckValues&& check_values) {
@@ -34,8 +37,8 @@ void check_regions(const std::vector<AnyRegion>& regions, const std::vector<Feat
     std::size_t width = region.features.size();
     for (std::size_t l = 0; l < region.layers.size(); ++l) {
       const auto& layer = region.layers[l];
-      const std::string place = format("region \"%s\" layer %zu", name, l);
-      const char* where = place.c_str();
+      const std::string label = format("region \"%s\" layer %zu", name, l);
+      const char* where = label.c_str();
       if (layer.inputs != width)
         fail(Status::bad_data, "%s takes %u inputs and is given %zu", where, layer.inputs, width);
       if (layer.outputs == 0) fail(Status::bad_data, "%s has no outputs", where);

@@ -1,5 +1,5 @@
-// A face in whole numbers: what an archive stores and a reader evaluates. core/bake/quantize makes it of a FaceModel;
-// core/archive/FORMAT.md says what is computed from it.
+// The quantised face model: what an archive stores and the runtime evaluates. core/bake/compress/pack_model quantises a
+// FaceModel; core/archive/FORMAT.md defines the evaluation.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@
 
 namespace fb {
 
-// Whole numbers of 8 bits lie in -127..127, those of 16 bits in -32512..32512, so that such a number is 256 * high +
-// low with both digits in -128..127.
+// Quantised values: narrow ones (8 bits) are in -127..127, wide ones (16 bits) in -32512..32512, so that a wide value
+// is 256 * high + low with both digits in -128..127.
 inline constexpr int largest_narrow = 127, largest_wide = 32512;
 
-// The two digits of a whole number.
+// The two signed 8-bit digits of a value.
 constexpr int low_digit(int number) {
   return ((number + 128) & 255) - 128;
 }
@@ -25,19 +25,20 @@ constexpr int high_digit(int number) {
   return (number - low_digit(number)) / 256;
 }
 
-// Numbers summed in one row at most, so that a sum of digits times 1 fits 32 bits.
-inline constexpr std::uint32_t most_summands = 0xffffff;
+// The largest number of inputs of a matrix row: a sum of so many digits fits 32 bits.
+inline constexpr std::uint32_t max_row_inputs = 0xffffff;
 
-// y = activation(scales[o] * (W x)[o] + bias[o]), plus x where `skip`.
+// y = activation(scales[o] * (W x)[o] + bias[o]), plus x if `skip`.
 struct PackedLayer {
   std::uint32_t inputs = 0, outputs = 0;
   Activation activation = Activation::linear;
   bool skip = false;
-  bool wide = false;                  // weights of 16 bits
-  std::vector<std::int16_t> weights;  // outputs x inputs, row after row
+  bool wide = false;                  // 16-bit weights
+  std::vector<std::int16_t> weights;  // outputs x inputs, row-major
   std::vector<float> scales, bias;    // outputs
 };
 
+// See Region.
 struct PackedRegion {
   std::string name;
   std::vector<std::uint32_t> features;
@@ -45,17 +46,18 @@ struct PackedRegion {
   Gate gate;
 };
 
-// A column of a row group: scale * values is what one unit of the coefficient moves.
+// A column of a row block: scale * values is the displacement for one unit of the coefficient.
 struct PackedColumn {
   std::uint32_t column = 0;
   bool wide = false;
   float scale = 0;
 };
 
+// Consecutive rows of the basis that use the same coefficients.
 struct PackedRowBlock {
   std::uint32_t first_row = 0, row_count = 0;
   std::vector<PackedColumn> columns;  // ascending
-  std::vector<std::int16_t> values;   // column after column, row_count numbers each
+  std::vector<std::int16_t> values;   // column-major: row_count values a column
 };
 
 struct PackedModel {
@@ -64,23 +66,23 @@ struct PackedModel {
   std::vector<Feature> features;
   std::vector<std::uint32_t> direct;
   std::vector<PackedRegion> regions;
-  std::uint32_t columns = 0;           // of the basis: the number of coefficients
-  std::vector<std::uint32_t> order;    // see Basis::order
-  std::vector<PackedRowBlock> groups;  // ascending, without gaps or overlaps, covering 3 x vertices rows
-  std::string provenance;              // a JSON object; read by people and `inspect`
+  std::uint32_t columns = 0;               // of the basis: the number of coefficients
+  std::vector<std::uint32_t> order;        // see Basis::order
+  std::vector<PackedRowBlock> row_blocks;  // ascending, without gaps or overlaps, covering 3 x vertices rows
+  std::string provenance;                  // a JSON object, for people and `inspect`
 
   std::size_t parameter_count() const;  // weights and biases
   std::size_t value_count() const;      // of the basis
-  // Which of the rest mesh's coordinates a row of the basis moves.
+  // The index in rest.points of the coordinate that a row of the basis displaces.
   std::size_t coordinate(std::uint32_t row) const {
     return order.empty() ? row : 3 * std::size_t(order[row / 3]) + row % 3;
   }
 };
 
-// The numbers of a column of a group multiplied out: what one unit of the coefficient moves, row by row.
-std::vector<float> displacements(const PackedRowBlock& group, std::size_t column);
+// scale * values of a column of a row block (`column` counts within the block): row_count displacements.
+std::vector<float> displacements(const PackedRowBlock& block, std::size_t column);
 
-// Checks every part and that they fit each other; fails by name.
+// Validates every part and their sizes against each other; fails with the part's name.
 void check(const PackedModel& model);
 
 }  // namespace fb

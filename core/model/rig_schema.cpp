@@ -21,7 +21,7 @@ std::optional<std::size_t> RigSchema::find(std::string_view control) const {
 }
 
 std::string_view RigSchema::closest(std::string_view misspelt) const {
-  // Levenshtein's distance row by row, blind to case.
+  // Levenshtein distance, one row of the table at a time, case-insensitive.
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   std::string_view best;
   std::size_t fewest = SIZE_MAX;

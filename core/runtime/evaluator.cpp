@@ -20,7 +20,7 @@ std::vector<std::uint32_t> places_of(const std::vector<std::uint32_t>& order) {
 
 std::vector<std::uint32_t> first_rows(const PackedModel& model) {
   std::vector<std::uint32_t> rows;
-  for (const PackedRowBlock& group : model.groups) rows.push_back(group.first_row);
+  for (const PackedRowBlock& group : model.row_blocks) rows.push_back(group.first_row);
   rows.push_back(checked_u32(model.rest.points.size(), "the rows of the basis"));
   return rows;
 }
@@ -30,7 +30,7 @@ std::pmr::memory_resource& memory_for(const PackedModel& model, LargePages& page
   std::size_t bytes = 0;
   for (const PackedRegion& region : model.regions)
     for (const PackedLayer& layer : region.layers) bytes += layer.weights.size();
-  for (const PackedRowBlock& group : model.groups) bytes += group.values.size();
+  for (const PackedRowBlock& group : model.row_blocks) bytes += group.values.size();
   return bytes < LargePages::page ? *std::pmr::get_default_resource() : pages;
 }
 
@@ -101,8 +101,8 @@ Evaluator::Evaluator(const PackedModel& model, std::pmr::memory_resource* memory
     work_size_ = std::max(work_size_, net.work_size());
   }
   first_coefficient_.push_back(static_cast<std::uint32_t>(coefficient));
-  chunks_.reserve(model.groups.size());
-  for (const PackedRowBlock& group : model.groups) chunks_.emplace_back(group, memory_);
+  chunks_.reserve(model.row_blocks.size());
+  for (const PackedRowBlock& group : model.row_blocks) chunks_.emplace_back(group, memory_);
   lay_out_lists(model);
   lay_out_uses(model);
 }
@@ -115,7 +115,7 @@ void Evaluator::lay_out_lists(const PackedModel& model) {
   };
   for (const RegionNet& net : nets_) add(net.input_count());
   for (const PackedRegion& region : model.regions) add(region.gate.features.size());
-  for (const RowBlock& chunk : chunks_) add(chunk.summand_count());
+  for (const RowBlockMatrix& chunk : chunks_) add(chunk.summand_count());
   first_in_list_.push_back(checked_u32(numbers, "the numbers of all lists"));
   for (std::size_t first = 0; first < chunks_.size(); first += some_chunks) {
     const std::size_t end = std::min(first + some_chunks, chunks_.size());
@@ -135,13 +135,13 @@ void Evaluator::lay_out_uses(const PackedModel& model) {
   }
   Grouped<ChunkRegion> regions(chunks_.size());
   for (std::uint32_t c = 0; c < chunks_.size(); ++c) {
-    const RowBlock& chunk = chunks_[c];
+    const RowBlockMatrix& chunk = chunks_[c];
     for (std::uint32_t s = 0; s < chunk.summand_count(); ++s)
       if (chunk.column(s) < direct)
         uses.add(direct_[chunk.column(s)], {static_cast<std::uint32_t>(chunk_list(c)), s, chunk.scale(s)});
     for (std::uint32_t r = 0; r < nets_.size(); ++r) {
       const auto [low, high] = chunk.summands_of(first_coefficient_[r], first_coefficient_[r + 1]);
-      for (const RowBlock::Span span : {low, high})
+      for (const RowBlockMatrix::Span span : {low, high})
         if (span.begin < span.end) regions.add(c, {r, span.begin, span.end});
     }
   }
@@ -216,7 +216,7 @@ void Evaluator::run_regions(RegionMask regions, Workspace& workspace) const {
 template <std::size_t poses>
 void Evaluator::round_summands(std::size_t c, Workspace& workspace, std::int16_t* quantised,
                                Quantized& summands) const {
-  const RowBlock& chunk = chunks_[c];
+  const RowBlockMatrix& chunk = chunks_[c];
   PoseNumbers list = numbers(chunk_list(c), poses, workspace);
   for (std::uint32_t u = chunk_regions_begin_[c]; u < chunk_regions_begin_[c + 1]; ++u) {
     const auto [region, begin, end] = chunk_regions_[u];
@@ -242,7 +242,7 @@ void Evaluator::run_chunks(float* const* rows, Workspace& workspace) const {
       round_summands<poses>(c, workspace, workspace.quantised_.data() + place * poses, rounded[c - first]);
     }
     for (std::size_t c = first; c < end; ++c) {
-      const RowBlock& chunk = chunks_[c];
+      const RowBlockMatrix& chunk = chunks_[c];
       const Quantized& summands = rounded[c - first];
       const float* rest = rest_rows_.data() + chunk.first_row();
       float* to[poses];

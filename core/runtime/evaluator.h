@@ -17,7 +17,7 @@
 #include "runtime/metered_memory.h"
 #include "runtime/quantized.h"
 #include "runtime/region_net.h"
-#include "runtime/row_block.h"
+#include "runtime/row_block_matrix.h"
 #include "runtime/vertex_normals.h"
 #include "runtime/vertex_output.h"
 #include "runtime/vertex_tangents.h"
@@ -105,7 +105,7 @@ class Evaluator {
   std::uint64_t bytes() const { return memory_.bytes(); }
   const std::vector<std::string>& region_names() const { return region_names_; }
   // The basis: row 3 i + axis is coordinate `axis` of vertex order()[i], or of vertex i if it is empty.
-  const std::pmr::vector<RowBlock>& chunks() const { return chunks_; }
+  const std::pmr::vector<RowBlockMatrix>& chunks() const { return chunks_; }
   std::span<const std::uint32_t> order() const { return order_; }
   // See VertexTangents::signs.
   std::span<const float> tangent_signs() const { return tangents_.signs(); }
@@ -174,7 +174,7 @@ class Evaluator {
   std::vector<std::string> region_names_;
   std::pmr::vector<RegionNet> nets_;
   std::pmr::vector<float> slopes_;  // of the regions' gates; 0: no gate
-  std::pmr::vector<RowBlock> chunks_;
+  std::pmr::vector<RowBlockMatrix> chunks_;
   std::pmr::vector<std::uint32_t> direct_;
   std::pmr::vector<std::uint32_t> first_coefficient_;  // of regions
   std::pmr::vector<std::uint32_t> first_in_list_;      // one more than lists

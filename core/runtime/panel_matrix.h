@@ -58,7 +58,7 @@ class PanelMatrix {
     std::uint32_t heaviest = 0;
     for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
       constexpr std::size_t longest = std::max(column_rows, quad_rows * quad_columns);  // line
-      std::uint32_t weights[longest] = {};  // at most most_summands times 128
+      std::uint32_t weights[longest] = {};  // at most max_row_inputs times 128
       const std::size_t length = stored_rows(first) * width();
       constexpr std::size_t few = 256;  // whose sum fits 16 bits
       for (std::size_t begin = 0; begin < lines_; begin += few) {
@@ -82,7 +82,7 @@ class PanelMatrix {
   std::size_t columns() const { return columns_; }
 
   // The largest input with which no sum of a row, however inputs are signed, leaves 32 bits; at least 1 if columns()
-  // is at most most_summands.
+  // is at most max_row_inputs.
   std::int32_t limit() const { return limit_; }
 
   std::uint32_t panel_rows() const { return form_ == Form::quads ? quad_rows : column_rows; }

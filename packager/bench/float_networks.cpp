@@ -62,7 +62,7 @@ FloatModel::FloatModel(const PackedModel& model)
       widest = std::max<std::size_t>({widest, layer.inputs, layer.outputs});
     }
   }
-  for (const PackedRowBlock& group : model.groups) {
+  for (const PackedRowBlock& group : model.row_blocks) {
     std::vector<float>& values = groups_.emplace_back();
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const std::vector<float> moved = displacements(group, c);
@@ -95,7 +95,7 @@ void FloatModel::evaluate(const float* controls, float* positions) {
     coefficient = std::copy_n(x_.begin(), region.layers.back().outputs, coefficient);
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const PackedRowBlock& group = model_.groups[g];
+    const PackedRowBlock& group = model_.row_blocks[g];
     for (std::size_t c = 0; c < group.columns.size(); ++c) x_[c] = coefficients_[group.columns[c].column];
     kernels.multiply(group.row_count, group.columns.size(), 1, groups_[g].data(), nullptr, x_.data(),
                      rows_.data() + group.first_row);

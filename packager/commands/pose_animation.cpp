@@ -7,7 +7,7 @@ namespace {
 
 std::vector<float> column_displacements(const PackedModel& model, std::uint32_t column) {
   std::vector<float> moved(model.rest.points.size());
-  for (const PackedRowBlock& group : model.groups) {
+  for (const PackedRowBlock& group : model.row_blocks) {
     const auto found = std::lower_bound(group.columns.begin(), group.columns.end(), column,
                                         [](const PackedColumn& c, std::uint32_t wanted) { return c.column < wanted; });
     if (found == group.columns.end() || found->column != column) continue;

@@ -23,7 +23,7 @@ PackedModel example_model() {
   model.features = {{Feature::Kind::identity, 0, 1, 0}};
   model.direct = {0};
   model.columns = 1;
-  model.groups = {{0, 9, {{0, false, 0.015625f}}, {0, 0, 0, 0, 0, 0, 0, 127, 0}}};
+  model.row_blocks = {{0, 9, {{0, false, 0.015625f}}, {0, 0, 0, 0, 0, 0, 0, 127, 0}}};
   return model;
 }
 
@@ -49,8 +49,8 @@ TEST_CASE("the example in FORMAT.md reads as the model it describes") {
   CHECK(archive.model.schema.controls[0].name == "up");
   CHECK(archive.model.rest.points == model.rest.points);
   CHECK(archive.model.rest.polygon_corners == model.rest.polygon_corners);
-  CHECK(archive.model.groups[0].values == model.groups[0].values);
-  CHECK(archive.model.groups[0].columns[0].scale == model.groups[0].columns[0].scale);
+  CHECK(archive.model.row_blocks[0].values == model.row_blocks[0].values);
+  CHECK(archive.model.row_blocks[0].columns[0].scale == model.row_blocks[0].columns[0].scale);
 }
 
 TEST_CASE("the writer produces the example in FORMAT.md") {

@@ -65,9 +65,9 @@ void check_same(const PackedModel& a, const PackedModel& b) {
   }
   CHECK(a.columns == b.columns);
   CHECK(a.order == b.order);
-  REQUIRE(a.groups.size() == b.groups.size());
-  for (std::size_t g = 0; g < a.groups.size(); ++g) {
-    const PackedRowBlock &x = a.groups[g], &y = b.groups[g];
+  REQUIRE(a.row_blocks.size() == b.row_blocks.size());
+  for (std::size_t g = 0; g < a.row_blocks.size(); ++g) {
+    const PackedRowBlock &x = a.row_blocks[g], &y = b.row_blocks[g];
     CHECK(x.first_row == y.first_row);
     CHECK(x.row_count == y.row_count);
     CHECK(x.values == y.values);
@@ -147,11 +147,11 @@ TEST_CASE("parts are read alone") {
   CHECK(definition.model.provenance.empty());
   const Archive mesh = read_archive(bytes, {}, Parts::mesh);
   CHECK(same_bits(mesh.model.rest.points, model.rest.points));
-  CHECK(mesh.model.groups.empty());
+  CHECK(mesh.model.row_blocks.empty());
   const Archive behaviour = read_archive(bytes, {}, Parts::behaviour);
   CHECK(behaviour.model.rest.points.empty());
-  REQUIRE(behaviour.model.groups.size() == 2);
-  CHECK(behaviour.model.groups[1].values == model.groups[1].values);
+  REQUIRE(behaviour.model.row_blocks.size() == 2);
+  CHECK(behaviour.model.row_blocks[1].values == model.row_blocks[1].values);
   CHECK(behaviour.model.regions[0].layers[0].weights == model.regions[0].layers[0].weights);
   const Archive text = read_archive(bytes, {}, Parts::text | Parts::proof);
   CHECK(text.text.licence == "mine");
@@ -170,10 +170,10 @@ TEST_CASE("bases of every kind are restored") {
         model.rest = grid_mesh(10, 9);
         if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
         model.order.clear();
-        model.groups.clear();
+        model.row_blocks.clear();
         for (std::uint32_t v = 0; v < 90; ++v) model.order.push_back((v * 37 + 5) % 90);
         for (std::uint32_t row = 0; row < 270; row += block_rows) {
-          PackedRowBlock& group = model.groups.emplace_back();
+          PackedRowBlock& group = model.row_blocks.emplace_back();
           group.first_row = row;
           group.row_count = std::min(block_rows, 270 - row);
           for (std::uint32_t c = 0; c < 5; ++c) {
@@ -202,7 +202,7 @@ TEST_CASE("smooth columns take far fewer bytes than noise") {
           group.values.push_back(static_cast<std::int16_t>(smooth ? int(v % 40 + 2 * (v / 40) + axis * c) - 60
                                                                   : int(random.below(121)) - 60));
     }
-    model.groups = {group};
+    model.row_blocks = {group};
     for (const SectionInfo& section : read_archive(write_archive(model, {})).sections)
       if (section.name == "basis-values") return section.stored_bytes;
     return std::uint64_t(0);

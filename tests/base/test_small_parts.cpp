@@ -12,7 +12,7 @@
 
 namespace fb {
 
-TEST_CASE("a seed gives the same numbers for ever") {
+TEST_CASE("a seed always gives the same numbers") {
   Random random(1, 2);
   CHECK(random.next() == 5948053812914333585u);
   CHECK(random.next() == 10371359604880545516u);
@@ -65,7 +65,7 @@ TEST_CASE("sizes that overflow fail instead of wrapping") {
   CHECK_THROWS_WITH_AS(checked_u32(std::size_t(1) << 32, "corners"), doctest::Contains("corners"), Error);
 }
 
-TEST_CASE("failures carry a status and a sentence of any length") {
+TEST_CASE("failures carry a status and a message of any length") {
   try {
     fail(Status::rig, "control %d: %s", 7, std::string(3000, 'x').c_str());
   } catch (const Error& error) {
@@ -75,7 +75,7 @@ TEST_CASE("failures carry a status and a sentence of any length") {
   CHECK(format("%s", "").empty());
 }
 
-TEST_CASE("progress passes steps on and stops when asked") {
+TEST_CASE("progress forwards steps and throws when cancelled") {
   struct Recorder : Progress {
     std::uint64_t last = 0, stop_at = 3;
     void begin(std::string_view, std::uint64_t) override {}

@@ -78,7 +78,7 @@ PackedModel made_up_face(const Size& size) {
     const std::uint32_t first = 3 * block_vertices * chunk, rows = std::min(3 * block_vertices, 3 * vertices - first);
     PackedRowBlock group{first, rows, {}, random_numbers(random, std::size_t(rows) * used.size(), false)};
     for (const std::uint32_t column : used) group.columns.push_back({column, false, 0.01f / largest_narrow});
-    model.groups.push_back(std::move(group));
+    model.row_blocks.push_back(std::move(group));
   }
   return model;
 }

@@ -35,7 +35,7 @@ class Dump {
       });
     });
     each(m.columns, m.order);
-    list(m.groups, [this](PackedRowBlock& g) {
+    list(m.row_blocks, [this](PackedRowBlock& g) {
       each(g.first_row, g.row_count, g.values);
       list(g.columns, [this](PackedColumn& c) { each(c.column, c.wide, c.scale); });
     });

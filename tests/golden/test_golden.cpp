@@ -98,7 +98,7 @@ TEST_CASE("an archive of version 0.2 is recognised and converted") {
   const Archive archive = read_version_0_2(old);
   CHECK(archive.format_version == 2);
   CHECK(archive.model.schema.controls[0].name == "up");
-  CHECK(archive.model.groups[0].values == std::vector<std::int16_t>{0, 0, 0, 0, 0, 0, 0, 127, 0});
+  CHECK(archive.model.row_blocks[0].values == std::vector<std::int16_t>{0, 0, 0, 0, 0, 0, 0, 127, 0});
   const auto fresh = write_archive(archive.model, make_proof(archive.model, 1));
   CHECK(verify_archive(fresh).poses == 11);
   CHECK(!is_version_0_2(fresh));

@@ -63,7 +63,7 @@ PackedModel smallest() {
   PackedModel model;
   model.schema.controls = {{"c", 0, 1, 0, ""}};
   model.rest.points = {0, 0, 0, 1, 0, 0};
-  model.groups = {{0, 6, {}, {}}};
+  model.row_blocks = {{0, 6, {}, {}}};
   return model;
 }
 
@@ -90,12 +90,12 @@ PackedModel split_model(std::uint32_t block_rows, bool polygons) {
   PackedModel model = tiny_packed_model();
   if (!polygons) model.rest.polygon_sizes.clear(), model.rest.polygon_corners.clear();
   Random random(block_rows);
-  model.groups.clear();
+  model.row_blocks.clear();
   for (std::uint32_t row = 0; row < 90; row += block_rows) {
     std::vector<std::uint32_t> columns;
     for (std::uint32_t c = 0; c < 5; ++c)
       if (random.uniform() < 0.6f) columns.push_back(c);
-    model.groups.push_back(random_group(random, row, std::min(block_rows, 90 - row), columns, 0.25f));
+    model.row_blocks.push_back(random_row_block(random, row, std::min(block_rows, 90 - row), columns, 0.25f));
   }
   return model;
 }
@@ -122,8 +122,8 @@ PackedModel odd_mesh() {
   model.features = {{Feature::Kind::identity, 0, 1, 0}};
   model.direct = {0};
   model.columns = 1;
-  model.groups = {random_group(random, 0, 900, {0}, 1)};
-  for (std::size_t i = 0; i < 900; ++i) model.groups[0].values[i] = static_cast<std::int16_t>(i % 100) - 50;
+  model.row_blocks = {random_row_block(random, 0, 900, {0}, 1)};
+  for (std::size_t i = 0; i < 900; ++i) model.row_blocks[0].values[i] = static_cast<std::int16_t>(i % 100) - 50;
   return model;
 }
 

@@ -1,4 +1,4 @@
-// Every way a model can contradict itself is refused by name.
+// Every inconsistency of a float model is refused by name.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace fb {
 namespace {
 
-// Breaks one thing in a sound model and expects check() to say what.
+// Breaks one property of a valid model and expects check() to name it.
 void refuses(Status status, const char* part, const std::function<void(FaceModel&)>& breaking) {
   FaceModel model = tiny_model();
   breaking(model);
@@ -25,7 +25,7 @@ void refuses(Status status, const char* part, const std::function<void(FaceModel
 
 }  // namespace
 
-TEST_CASE("sound models pass") {
+TEST_CASE("valid models pass") {
   for (std::uint64_t seed = 1; seed < 5; ++seed) CHECK_NOTHROW(check(tiny_model(seed)));
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("rest mesh") {
   refuses(Status::bad_data, "runs past", [](auto& m) { m.rest.polygon_corners.pop_back(); });
   refuses(Status::bad_data, "polygons use", [](auto& m) { m.rest.polygon_corners.push_back(0); });
   refuses(Status::bad_data, "polygon 1 names vertex 30 of 30", [](auto& m) { m.rest.polygon_corners[5] = 30; });
-  refuses(Status::bad_data, "3 numbers are no pairs", [](auto& m) { m.rest.uvs = {0, 0, 1}; });
+  refuses(Status::bad_data, "3 numbers are not pairs", [](auto& m) { m.rest.uvs = {0, 0, 1}; });
   refuses(Status::bad_data, "0 corners have texture coordinates where 84 should", [](auto& m) { m.rest.uvs = {0, 0}; });
   refuses(Status::bad_data, "84 corners have texture coordinates where 0 should",
           [](auto& m) { m.rest.uv_corners.resize(84); });
@@ -103,13 +103,13 @@ TEST_CASE("regions and layers") {
 }
 
 TEST_CASE("basis") {
-  refuses(Status::bad_data, "row group 1 begins at row", [](auto& m) { m.basis.groups[1].first_row = 60; });
-  refuses(Status::bad_data, "lists column 5", [](auto& m) { m.basis.groups[0].columns.back() = 5; });
-  refuses(Status::bad_data, "row group 0 lists column",
-          [](auto& m) { std::swap(m.basis.groups[0].columns[0], m.basis.groups[0].columns[1]); });
-  refuses(Status::bad_data, "row group 0 has 255 values", [](auto& m) { m.basis.groups[0].values.pop_back(); });
-  refuses(Status::not_finite, "row group 1 holds a value", [](auto& m) { m.basis.groups[1].values[0] = NAN; });
-  refuses(Status::bad_data, "row groups cover 64 of 90 rows", [](auto& m) { m.basis.groups.pop_back(); });
+  refuses(Status::bad_data, "row block 1 begins at row", [](auto& m) { m.basis.row_blocks[1].first_row = 60; });
+  refuses(Status::bad_data, "lists column 5", [](auto& m) { m.basis.row_blocks[0].columns.back() = 5; });
+  refuses(Status::bad_data, "row block 0 lists column",
+          [](auto& m) { std::swap(m.basis.row_blocks[0].columns[0], m.basis.row_blocks[0].columns[1]); });
+  refuses(Status::bad_data, "row block 0 has 255 values", [](auto& m) { m.basis.row_blocks[0].values.pop_back(); });
+  refuses(Status::not_finite, "row block 1 holds a value", [](auto& m) { m.basis.row_blocks[1].values[0] = NAN; });
+  refuses(Status::bad_data, "row blocks cover 64 of 90 rows", [](auto& m) { m.basis.row_blocks.pop_back(); });
   refuses(Status::bad_data, "the order has 1 vertices for 90 rows", [](auto& m) { m.basis.order = {0}; });
   refuses(Status::bad_data, "the basis has 87 rows for 90 coordinates",
           [](auto& m) { m.basis = make_basis(87, 5, std::vector<float>(5 * 87, 1.0f)); });

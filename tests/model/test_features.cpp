@@ -1,4 +1,4 @@
-// What features and activations compute.
+// Values of features and activations.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ float hat(float u, float threshold, float fall) {
 
 }  // namespace
 
-TEST_CASE("a hat rises from its threshold over one unit and falls as steeply as it is told") {
+TEST_CASE("a hat rises from its threshold over one unit and falls with the given slope") {
   CHECK(hat(0, 0.25f, 2) == 0);
   CHECK(hat(0.25f, 0.25f, 2) == 0);
   CHECK(hat(0.75f, 0.25f, 2) == 0.5f);
@@ -32,7 +32,7 @@ TEST_CASE("a hat rises from its threshold over one unit and falls as steeply as 
   CHECK(hat(-1, 0, 0) == 0);
 }
 
-TEST_CASE("features count from rest, and products and minima are made of earlier ones") {
+TEST_CASE("features are 0 at rest, and products and minima combine earlier ones") {
   using Kind = Feature::Kind;
   const Feature features[] = {{Kind::identity, 1, 2},
                               {Kind::ramp, 0, -1, 0.5f},
@@ -49,7 +49,7 @@ TEST_CASE("features count from rest, and products and minima are made of earlier
   for (const float value : values) CHECK(value == 0);
 }
 
-TEST_CASE("a feature of controls at rest is +0, whatever the others are") {
+TEST_CASE("a feature of controls at rest is +0, whatever the other controls are") {
   using Kind = Feature::Kind;
   const Feature features[] = {{Kind::identity, 0, -1},
                               {Kind::identity, 1, 3e38f},
@@ -62,7 +62,7 @@ TEST_CASE("a feature of controls at rest is +0, whatever the others are") {
   for (const int f : {0, 2, 3}) CHECK((values[f] == 0 && !std::signbit(values[f])));
 }
 
-TEST_CASE("activations follow the functions they are named for") {
+TEST_CASE("activations approximate the functions they are named for") {
   double worst_tanh = 0, worst_silu = 0;
   for (int i = -200000; i <= 200000; ++i) {
     const float x = float(i) * 1e-4f;

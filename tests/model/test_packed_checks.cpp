@@ -1,4 +1,4 @@
-// Every way a packed model can contradict itself is refused by name.
+// Every inconsistency of a quantised model is refused by name.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -24,18 +24,18 @@ void refuses(Status status, const char* part, const std::function<void(PackedMod
 
 }  // namespace
 
-TEST_CASE("sound packed models pass") {
+TEST_CASE("valid packed models pass") {
   for (std::uint64_t seed = 1; seed < 5; ++seed) CHECK_NOTHROW(check(tiny_packed_model(seed)));
 }
 
-TEST_CASE("a whole number is 256 times its high digit plus its low one") {
+TEST_CASE("a wide value is 256 times its high digit plus its low digit") {
   for (int number = -largest_wide; number <= largest_wide; ++number) {
     const int low = low_digit(number), high = high_digit(number);
     if (256 * high + low != number || low < -128 || low > 127 || high < -127 || high > 127) FAIL_CHECK(number);
   }
 }
 
-TEST_CASE("layers of whole numbers") {
+TEST_CASE("quantised layers") {
   refuses(Status::bad_data, "region \"face\" layer 1 is 8 x 8 and has 63 weights",
           [](auto& m) { m.regions[0].layers[1].weights.pop_back(); });
   refuses(Status::bad_data, "64 weights, 9 scales, 8 biases",
@@ -53,32 +53,32 @@ TEST_CASE("layers of whole numbers") {
 TEST_CASE("gates") {
   refuses(Status::bad_data, "the gate of region \"brow\" names feature 9 of 9",
           [](auto& m) { m.regions[1].gate.features[0] = 9; });
-  refuses(Status::bad_data, "names feature 2, which is no identity",
+  refuses(Status::bad_data, "names feature 2, which is not an identity",
           [](auto& m) { m.regions[1].gate.features[0] = 2; });
-  refuses(Status::bad_data, "looks at control 1 after control 1", [](auto& m) { m.regions[1].gate.features[0] = 1; });
-  refuses(Status::bad_data, "looks at control 0 after control 1",
+  refuses(Status::bad_data, "lists control 1 after control 1", [](auto& m) { m.regions[1].gate.features[0] = 1; });
+  refuses(Status::bad_data, "lists control 0 after control 1",
           [](auto& m) { std::swap(m.regions[1].gate.features[0], m.regions[1].gate.features[1]); });
   for (const float slope : {0.0f, -1.0f, INFINITY, NAN})
     refuses(Status::not_finite, "region \"brow\" has a gate of slope",
             [=](auto& m) { m.regions[1].gate.slope = slope; });
 }
 
-TEST_CASE("a basis of whole numbers") {
-  refuses(Status::bad_data, "row group 1 begins at row", [](auto& m) { m.groups[1].first_row = 60; });
-  refuses(Status::bad_data, "row group 0 lists column 5", [](auto& m) { m.groups[0].columns.back().column = 5; });
-  refuses(Status::bad_data, "row group 0 lists column",
-          [](auto& m) { std::swap(m.groups[0].columns[0], m.groups[0].columns[1]); });
-  refuses(Status::bad_data, "row group 0 has 251 values", [](auto& m) { m.groups[0].values.pop_back(); });
-  refuses(Status::not_finite, "row group 1 has a scale", [](auto& m) { m.groups[1].columns[1].scale = NAN; });
-  refuses(Status::not_finite, "row group 1 has a scale", [](auto& m) {
-    m.groups[1].columns[1].wide = true;
-    m.groups[1].columns[1].scale = 3e36f;
+TEST_CASE("a quantised basis") {
+  refuses(Status::bad_data, "row block 1 begins at row", [](auto& m) { m.row_blocks[1].first_row = 60; });
+  refuses(Status::bad_data, "row block 0 lists column 5", [](auto& m) { m.row_blocks[0].columns.back().column = 5; });
+  refuses(Status::bad_data, "row block 0 lists column",
+          [](auto& m) { std::swap(m.row_blocks[0].columns[0], m.row_blocks[0].columns[1]); });
+  refuses(Status::bad_data, "row block 0 has 251 values", [](auto& m) { m.row_blocks[0].values.pop_back(); });
+  refuses(Status::not_finite, "row block 1 has a scale", [](auto& m) { m.row_blocks[1].columns[1].scale = NAN; });
+  refuses(Status::not_finite, "row block 1 has a scale", [](auto& m) {
+    m.row_blocks[1].columns[1].wide = true;
+    m.row_blocks[1].columns[1].scale = 3e36f;
   });
-  refuses(Status::bad_data, "row group 0 holds a value beyond its range in column 2", [](auto& m) {
-    m.groups[0].columns[1].wide = false;
-    m.groups[0].values[63] = 128;
+  refuses(Status::bad_data, "row block 0 holds a value beyond its range in column 2", [](auto& m) {
+    m.row_blocks[0].columns[1].wide = false;
+    m.row_blocks[0].values[63] = 128;
   });
-  refuses(Status::bad_data, "row groups cover 63 rows of 90", [](auto& m) { m.groups.pop_back(); });
+  refuses(Status::bad_data, "row blocks cover 63 rows of 90", [](auto& m) { m.row_blocks.pop_back(); });
   refuses(Status::bad_data, "the order has 29 vertices for 90 rows", [](auto& m) { m.order.pop_back(); });
   refuses(Status::bad_data, "the order names vertex 3 twice", [](auto& m) { m.order[1] = m.order[0]; });
   refuses(Status::bad_data, "the order names vertex 30 twice or beyond", [](auto& m) { m.order[1] = 30; });

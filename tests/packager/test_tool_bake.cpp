@@ -369,7 +369,7 @@ TEST_CASE("a bake that cannot write its archive says so before it works, and on 
     arguments.insert(arguments.end(), {option, file});
     const ToolRun run = run_tool(arguments);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "bake", {file + ": cannot be made"}));
+    CHECK(is_complaint(run.err, "bake", {file + ": cannot be created"}));
     CHECK(folder.names() == std::vector<std::string>{"data", "file"});
   }
   fb::write_file(archive, std::string("precious"));

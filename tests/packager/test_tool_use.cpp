@@ -146,7 +146,7 @@ TEST_CASE("a pipe or device is not replaced by a file") {
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   const ToolRun run = run_tool({"pose", archive, "--out", pipe});
   CHECK(run.exit_code == 1);
-  CHECK(is_complaint(run.err, "pose", {pipe, "no regular file"}));
+  CHECK(is_complaint(run.err, "pose", {pipe, "not a regular file"}));
   CHECK(std::filesystem::is_fifo(pipe));
 }
 

@@ -177,16 +177,16 @@ inline Floats coefficients(const PackedModel& model, const Floats& controls) {
 inline Floats positions(const PackedModel& model, const Floats& controls) {
   const Floats weights = coefficients(model, controls);
   Floats positions = model.rest.points;
-  for (const PackedRowBlock& group : model.groups) {
-    Digits digits(group.row_count);
+  for (const PackedRowBlock& block : model.row_blocks) {
+    Digits digits(block.row_count);
     Floats x;
-    for (std::size_t c = 0; c < group.columns.size(); ++c) {
-      const PackedColumn& column = group.columns[c];
+    for (std::size_t c = 0; c < block.columns.size(); ++c) {
+      const PackedColumn& column = block.columns[c];
       const float moved = weights[column.column] * column.scale;
       if (column.wide) x.push_back(256 * moved);
       x.push_back(moved);
-      for (std::size_t r = 0; r < group.row_count; ++r) {
-        const std::int64_t value = group.values[c * group.row_count + r];
+      for (std::size_t r = 0; r < block.row_count; ++r) {
+        const std::int64_t value = block.values[c * block.row_count + r];
         std::int64_t high = 0, low = value;
         if (column.wide) split(value, high, low);
         if (column.wide) digits[r].push_back(high);
@@ -195,8 +195,8 @@ inline Floats positions(const PackedModel& model, const Floats& controls) {
     }
     const Quantised in = quantise(x, limit_of(heaviest(digits)));
     const auto sums = multiply(digits, in.q);
-    for (std::size_t r = 0; r < group.row_count; ++r) {
-      const std::size_t row = group.first_row + r;
+    for (std::size_t r = 0; r < block.row_count; ++r) {
+      const std::size_t row = block.first_row + r;
       const std::size_t at = model.order.empty() ? row : 3 * std::size_t(model.order[row / 3]) + row % 3;
       const float moved = in.step * float(sums[r]);
       if (in.step != 0) positions[at] = positions[at] + moved;

@@ -51,13 +51,13 @@ PackedModel wide_model(std::uint64_t seed = 7) {
   model.rest = grid_mesh(23, 17, seed);
   model.rest.points[4] = -0.0f;
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
-  model.groups.clear();
+  model.row_blocks.clear();
   for (std::uint32_t first = 0; first < rows;) {
     const std::uint32_t count = std::min(40 + random.below(100), rows - first);
     std::vector<std::uint32_t> columns;
     for (std::uint32_t column = 0; column < 60; ++column)
       if (column % 4 == 0 || random.uniform() < 0.3f) columns.push_back(column);
-    model.groups.push_back(random_group(random, first, count, columns, 0.3f));
+    model.row_blocks.push_back(random_row_block(random, first, count, columns, 0.3f));
     first += count;
   }
   model.order.clear();
@@ -126,13 +126,13 @@ TEST_CASE("whole numbers never overflow, whatever the weights") {
                                                                      : int(random.below(250)) - 125));
       region.layers = {first, random_packed_layer(random, 4, 2, Activation::linear, false, false)};
       model.columns = 4;
-      for (PackedRowBlock& group : model.groups) {
-        group.columns.resize(3);
-        for (std::uint32_t c = 0; c < 3; ++c) group.columns[c].column = c + 1;
-        group.values.resize(std::size_t(3) * group.row_count);
-        for (std::size_t i = 0; i < group.values.size(); ++i)
-          if (!group.columns[i / group.row_count].wide)
-            group.values[i] = std::clamp<std::int16_t>(group.values[i], -127, 127);
+      for (PackedRowBlock& block : model.row_blocks) {
+        block.columns.resize(3);
+        for (std::uint32_t c = 0; c < 3; ++c) block.columns[c].column = c + 1;
+        block.values.resize(std::size_t(3) * block.row_count);
+        for (std::size_t i = 0; i < block.values.size(); ++i)
+          if (!block.columns[i / block.row_count].wide)
+            block.values[i] = std::clamp<std::int16_t>(block.values[i], -127, 127);
       }
       const Evaluator evaluator(model);
       for (const float jaw : {1.0f, 0.37f, 0.0f}) {
@@ -148,7 +148,7 @@ TEST_CASE("numbers beyond all bounds have a defined result too") {
     PackedModel model = wide_model();
     for (std::size_t f = 0; f < model.features.size(); f += 5) model.features[f].scale = huge;
     for (float& scale : model.regions[0].layers[1].scales) scale = huge;
-    for (PackedRowBlock& group : model.groups) group.columns[0].scale = huge * 1e-3f;
+    for (PackedRowBlock& block : model.row_blocks) block.columns[0].scale = huge * 1e-3f;
     const Evaluator evaluator(model);
     Random random(11);
     for (int n = 0; n < 5; ++n) {
@@ -192,11 +192,11 @@ TEST_CASE("coefficients are the weights of the basis' columns") {
   std::vector<float> weights(evaluator.coefficient_count());
   evaluator.coefficients(pose.data(), weights.data(), workspace);
   std::vector<double> sum(model.rest.points.begin(), model.rest.points.end());
-  for (const PackedRowBlock& group : model.groups)
-    for (std::size_t c = 0; c < group.columns.size(); ++c) {
-      const std::vector<float> moved = displacements(group, c);
-      for (std::uint32_t r = 0; r < group.row_count; ++r)
-        sum[model.coordinate(group.first_row + r)] += double(weights[group.columns[c].column]) * moved[r];
+  for (const PackedRowBlock& block : model.row_blocks)
+    for (std::size_t c = 0; c < block.columns.size(); ++c) {
+      const std::vector<float> moved = displacements(block, c);
+      for (std::uint32_t r = 0; r < block.row_count; ++r)
+        sum[model.coordinate(block.first_row + r)] += double(weights[block.columns[c].column]) * moved[r];
     }
   for (std::size_t i = 0; i < sum.size(); ++i)  // but for the rounding of coefficients
     CHECK(std::fabs(positions[i] - sum[i]) < 1e-4 * model.rest.diagonal());

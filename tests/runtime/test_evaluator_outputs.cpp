@@ -74,7 +74,7 @@ PackedModel banded_model() {
   model.features.clear();
   model.regions.clear();
   model.direct.clear();
-  model.groups.clear();
+  model.row_blocks.clear();
   model.order.clear();
   model.rest = grid_mesh(40, 30);
   const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
@@ -83,7 +83,7 @@ PackedModel banded_model() {
     model.schema.controls.push_back({"band" + std::to_string(c), 0, 1, 0, ""});
     model.features.push_back({Feature::Kind::identity, c});
     model.direct.push_back(c);
-    model.groups.push_back(random_group(random, first, std::min(100u, rows - first), {c}, 2));
+    model.row_blocks.push_back(random_row_block(random, first, std::min(100u, rows - first), {c}, 2));
   }
   model.columns = static_cast<std::uint32_t>(model.direct.size());
   return model;

@@ -20,11 +20,11 @@ void read_order(ByteReader& in, std::uint32_t vertices, std::vector<std::uint32_
 void read_block_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   const std::vector<std::uint32_t> rows = in.planes(in.count(4, "row blocks"), "row counts");
   in.budget().take(rows.size(), sizeof(PackedRowBlock), "row blocks");
-  model.groups.resize(rows.size());
+  model.row_blocks.resize(rows.size());
   std::uint64_t row = 0;
   for (std::size_t b = 0; b < rows.size(); ++b) {
-    model.groups[b].first_row = static_cast<std::uint32_t>(row);
-    model.groups[b].row_count = rows[b];
+    model.row_blocks[b].first_row = static_cast<std::uint32_t>(row);
+    model.row_blocks[b].row_count = rows[b];
     row += rows[b];
     if (row > 3 * std::uint64_t(vertices)) break;
   }
@@ -48,12 +48,12 @@ void read_segments(ByteReader& in, PackedModel& model) {
     for (std::uint32_t i = 0; i < counts[c]; ++i, ++at) {
       if (i > 0 && deltas[at] == 0) in.corrupt("a column lies twice in one row block");
       block += deltas[at];
-      if (block >= model.groups.size()) in.corrupt("a column lies in a row block that does not exist");
+      if (block >= model.row_blocks.size()) in.corrupt("a column lies in a row block that does not exist");
       if (flags[at] & ~(segment_16_bit_flag | segment_new_scale_flag))
         fail(Status::unsupported, "%s has a column of unknown flags 0x%x", in.where().c_str(), flags[at]);
       if (flags[at] & segment_new_scale_flag) ++next_scale;
       if (next_scale == 0 || next_scale > scales.size()) in.corrupt("a column has no scale");
-      model.groups[block].columns.push_back({c, (flags[at] & segment_16_bit_flag) != 0, scales[next_scale - 1]});
+      model.row_blocks[block].columns.push_back({c, (flags[at] & segment_16_bit_flag) != 0, scales[next_scale - 1]});
     }
   }
   if (next_scale != scales.size()) in.corrupt("there are more scales than columns use");

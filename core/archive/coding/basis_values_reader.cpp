@@ -86,7 +86,7 @@ class StreamDecoder {
     }
     if (column_ == columns_.size()) return;
     const auto [b, index] = columns_[column_][segment_++];
-    PackedRowBlock& block = model_.groups[b];
+    PackedRowBlock& block = model_.row_blocks[b];
     values_ = block.values.data() + std::size_t(index) * block.row_count;
     history_.begin_segment(block.columns[index].wide);
     unit_ = units_[b].data();
@@ -160,7 +160,7 @@ void decode_streams(std::vector<StreamDecoder>& streams) {
 
 // Allocates the values of the row blocks, all 0.
 void allocate_values(ByteReader& in, PackedModel& model) {
-  for (PackedRowBlock& block : model.groups) {
+  for (PackedRowBlock& block : model.row_blocks) {
     const std::size_t count = checked_multiply(block.columns.size(), block.row_count, in.where().c_str());
     in.budget().take(count, sizeof(std::int16_t), "basis values");
     block.values.resize(count);
@@ -170,7 +170,7 @@ void allocate_values(ByteReader& in, PackedModel& model) {
 // The coding units with their predictors, which `stream` codes.
 std::vector<std::vector<CodingUnit>> read_units(const RansReader& rans, RansStream& stream, std::uint32_t vertices,
                                                 const PackedModel& model) {
-  return coding_units(model.rest, vertices, model.order, model.groups,
+  return coding_units(model.rest, vertices, model.order, model.row_blocks,
                       [&](CodingUnit& unit, std::span<const Predictor> candidates) {
                         const auto count = static_cast<std::uint32_t>(candidates.size());
                         const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_context(unit)) : 0;

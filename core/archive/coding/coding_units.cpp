@@ -192,9 +192,9 @@ std::vector<std::vector<CodingUnit>> coding_units(const Mesh& mesh, std::uint32_
 
 std::vector<std::vector<ColumnSegment>> column_segments(const PackedModel& model) {
   std::vector<std::vector<ColumnSegment>> segments(model.columns);
-  for (std::uint32_t b = 0; b < model.groups.size(); ++b)
-    for (std::uint32_t c = 0; c < model.groups[b].columns.size(); ++c)
-      segments[model.groups[b].columns[c].column].push_back({b, c});
+  for (std::uint32_t b = 0; b < model.row_blocks.size(); ++b)
+    for (std::uint32_t c = 0; c < model.row_blocks[b].columns.size(); ++c)
+      segments[model.row_blocks[b].columns[c].column].push_back({b, c});
   return segments;
 }
 
@@ -203,7 +203,7 @@ std::array<std::size_t, stream_count + 1> first_columns_of_streams(
   std::vector<std::uint64_t> values_before = {0};  // in the columns before each
   for (const auto& column : segments) {
     std::uint64_t values = 0;
-    for (const ColumnSegment& segment : column) values += model.groups[segment.block].row_count;
+    for (const ColumnSegment& segment : column) values += model.row_blocks[segment.block].row_count;
     values_before.push_back(values_before.back() + values);
   }
   std::array<std::size_t, stream_count + 1> first;

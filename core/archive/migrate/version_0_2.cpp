@@ -65,7 +65,7 @@ void read_row_blocks(ByteReader& in, std::uint32_t vertices, PackedModel& model)
   std::uint32_t row = 0;
   std::size_t at = 0;
   for (std::uint32_t b = 0; b < blocks; ++b) {
-    PackedRowBlock& block = model.groups.emplace_back();
+    PackedRowBlock& block = model.row_blocks.emplace_back();
     block.first_row = row;
     row += block.row_count = rows[b];
     std::uint32_t column = 0;
@@ -78,7 +78,7 @@ void read_row_blocks(ByteReader& in, std::uint32_t vertices, PackedModel& model)
                                                read_quantised(in, value_counts[1], true, "16-bit values")};
   in.end();
   const std::int16_t* next[2] = {values[0].data(), values[1].data()};
-  for (PackedRowBlock& block : model.groups)
+  for (PackedRowBlock& block : model.row_blocks)
     for (const PackedColumn& column : block.columns) {
       block.values.insert(block.values.end(), next[column.wide], next[column.wide] + block.row_count);
       next[column.wide] += block.row_count;

@@ -63,8 +63,8 @@ void ModelResidual::read(std::size_t first, std::size_t count, std::span<float> 
   poses().read_controls(first, count, controls);
   const std::vector<float> coefficients = model_coefficients(*model_, controls, parallel);
   const std::size_t columns = model_->basis.columns;
-  parallel_for(parallel, model_->basis.groups.size(), [&](std::size_t g, std::size_t) {
-    const RowGroup& group = model_->basis.groups[g];
+  parallel_for(parallel, model_->basis.row_blocks.size(), [&](std::size_t g, std::size_t) {
+    const RowBlock& group = model_->basis.row_blocks[g];
     const std::size_t used = group.columns.size();
     std::vector<float> used_coefficients(used * count), displacements(group.row_count * count);
     for (std::size_t i = 0; i < count; ++i)

@@ -34,7 +34,7 @@ RegionColumns region_columns(const Region& region, std::uint32_t first, const st
 }
 
 // Columns [first, first + count) of a group: begin and end in its list.
-std::pair<std::size_t, std::size_t> listed(const RowGroup& group, std::uint32_t first, std::uint32_t count) {
+std::pair<std::size_t, std::size_t> listed(const RowBlock& group, std::uint32_t first, std::uint32_t count) {
   const auto begin = std::lower_bound(group.columns.begin(), group.columns.end(), first);
   const auto end = std::lower_bound(begin, group.columns.end(), first + count);
   return {std::size_t(begin - group.columns.begin()), std::size_t(end - group.columns.begin())};
@@ -51,8 +51,8 @@ class RowFinder {
  public:
   explicit RowFinder(const Basis& basis) : basis_(&basis), row_of_(basis.rows / 3), group_of_(basis.rows) {
     for (std::uint32_t i = 0; i < row_of_.size(); ++i) row_of_[basis.order.empty() ? i : basis.order[i]] = 3 * i;
-    for (std::uint32_t g = 0; g < basis.groups.size(); ++g)
-      std::fill_n(group_of_.begin() + basis.groups[g].first_row, basis.groups[g].row_count, g);
+    for (std::uint32_t g = 0; g < basis.row_blocks.size(); ++g)
+      std::fill_n(group_of_.begin() + basis.row_blocks[g].first_row, basis.row_blocks[g].row_count, g);
   }
 
   // Those of columns [first, first + count) that are not 0 on all of these vertices.
@@ -60,7 +60,7 @@ class RowFinder {
     Matrix values = Matrix::Zero(3 * Eigen::Index(vertices.size()), count);
     for (std::size_t i = 0; i < 3 * vertices.size(); ++i) {
       const std::uint32_t row = row_of_[vertices[i / 3]] + std::uint32_t(i % 3);
-      const RowGroup& group = basis_->groups[group_of_[row]];
+      const RowBlock& group = basis_->row_blocks[group_of_[row]];
       const auto [begin, end] = listed(group, first, count);
       for (std::size_t c = begin; c < end; ++c)
         values(Eigen::Index(i), group.columns[c] - first) = group.values[c * group.row_count + row - group.first_row];
@@ -83,8 +83,8 @@ class RowFinder {
 std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vector<RegionColumns>& parts,
                                              const Parallel& parallel) {
   std::vector<float> strength(basis.rows * parts.size(), 0);  // squared motion by row and region
-  parallel_for(parallel, basis.groups.size(), [&](std::size_t g, std::size_t) {
-    const RowGroup& group = basis.groups[g];
+  parallel_for(parallel, basis.row_blocks.size(), [&](std::size_t g, std::size_t) {
+    const RowBlock& group = basis.row_blocks[g];
     for (std::size_t r = 0; r < parts.size(); ++r) {
       const auto [begin, end] = listed(group, parts[r].first, parts[r].count);
       Matrix motion = Matrix::Zero(group.row_count, parts[r].count);
@@ -194,7 +194,7 @@ DenseLayer merged(const DenseLayer& last, const std::vector<VertexBlock>& blocks
   return layer;
 }
 
-void append(RowGroup& group, std::uint32_t column, const Matrix& values, Eigen::Index c) {
+void append(RowBlock& group, std::uint32_t column, const Matrix& values, Eigen::Index c) {
   group.columns.push_back(column);
   group.values.insert(group.values.end(), values.col(c).data(), values.col(c).data() + values.rows());
 }
@@ -248,7 +248,7 @@ BlockwiseModel BlockwisePca::truncated(double threshold_over_diagonal) const {
   basis = {model.basis.rows, direct, {}, {}};
   for (const VertexBlock& block : blocks) {
     const auto rows = 3 * std::uint32_t(block.vertices.size());
-    RowGroup& group = basis.groups.emplace_back(RowGroup{3 * std::uint32_t(basis.order.size()), rows, {}, {}});
+    RowBlock& group = basis.row_blocks.emplace_back(RowBlock{3 * std::uint32_t(basis.order.size()), rows, {}, {}});
     basis.order.insert(basis.order.end(), block.vertices.begin(), block.vertices.end());
     for (std::size_t c = 0; c < block.direct.numbers.size(); ++c)
       append(group, block.direct.numbers[c], block.direct.values, Eigen::Index(c));
@@ -261,11 +261,11 @@ BlockwiseModel BlockwisePca::truncated(double threshold_over_diagonal) const {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const Local& part = blocks[i].regions[r];
       for (Eigen::Index c = 0; local && c < part.kept(threshold); ++c) {
-        append(basis.groups[i], own++, part.directions, c);
+        append(basis.row_blocks[i], own++, part.directions, c);
         result.coefficient_sizes.push_back(float(part.motion[std::size_t(c)]));
       }
       for (std::size_t c = 0; !local && c < part.old.numbers.size(); ++c)
-        append(basis.groups[i], basis.columns + part.old.numbers[c] - regions[r].first, part.old.values,
+        append(basis.row_blocks[i], basis.columns + part.old.numbers[c] - regions[r].first, part.old.values,
                Eigen::Index(c));
     }
     for (Eigen::Index c = 0; !local && c < regions[r].root.rows(); ++c)

@@ -87,7 +87,7 @@ Mesh on_grid(const Mesh& mesh, double basis_step) {
 }
 
 // `exact`: what the values are rounded from, in steps.
-PackedRowBlock pack_row_block(const RowGroup& group, const std::vector<Allowance>& allowances,
+PackedRowBlock pack_row_block(const RowBlock& group, const std::vector<Allowance>& allowances,
                               std::vector<float>& exact) {
   PackedRowBlock packed{group.first_row, group.row_count, {}, {}};
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
@@ -135,8 +135,8 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
                                   : Allowance{any, 0, 0});
   }
   std::vector<std::vector<float>> exact;
-  for (const RowGroup& group : model.basis.groups)
-    packed.groups.push_back(pack_row_block(group, allowances, exact.emplace_back()));
+  for (const RowBlock& group : model.basis.row_blocks)
+    packed.row_blocks.push_back(pack_row_block(group, allowances, exact.emplace_back()));
   if (options.step > 0) rate_distortion_quantise(packed, exact, options.step_lambda);
   check(packed);
   return packed;

@@ -22,7 +22,7 @@ void for_each_unit(const PackedModel& model, const Units& units, Function&& func
   ColumnHistory history(model.rest.vertex_count());
   for (const std::vector<ColumnSegment>& segments : archive::column_segments(model)) {
     for (const auto& [b, index] : segments) {
-      const PackedRowBlock& block = model.groups[b];
+      const PackedRowBlock& block = model.row_blocks[b];
       history.begin_segment(block.columns[index].wide);
       for (const CodingUnit& unit : units[b])
         function(history, unit, b, std::size_t(index) * block.row_count + unit.row);
@@ -63,7 +63,7 @@ struct BitCounter {
 SymbolCosts measure_costs(const PackedModel& model, const Units& units) {
   SymbolCosts costs;
   for_each_unit(model, units, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
-    const AxisVector values = archive::values_of_vertex(history, unit, &model.groups[b].values[at]),
+    const AxisVector values = archive::values_of_vertex(history, unit, &model.row_blocks[b].values[at]),
                      residuals = archive::residuals_of(history, unit, values);
     archive::write_unit(costs, history, unit, residuals);
     history.set(unit.rank, values, residuals, archive::class_of(residuals));
@@ -135,7 +135,7 @@ constexpr int rounds = 2;
 
 void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double lambda) {
   std::vector<std::vector<std::int16_t>> nearest;
-  for (const PackedRowBlock& block : model.groups) nearest.push_back(block.values);
+  for (const PackedRowBlock& block : model.row_blocks) nearest.push_back(block.values);
   for (int round = 0; round < rounds; ++round) {
     const Units units = archive::choose_predictors(model);
     const SymbolCosts costs = measure_costs(model, units);
@@ -150,7 +150,7 @@ void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<
                               archive::residuals_of(history, unit, values)};
       quantiser.quantise();
       for (std::uint32_t i = 0; i < unit.count; ++i)
-        model.groups[b].values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
+        model.row_blocks[b].values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
       history.set(unit.rank, quantiser.values, quantiser.residuals, archive::class_of(quantiser.residuals));
     });
   }

@@ -30,7 +30,7 @@ PackedModel with_scaled_steps(const PackedModel& model, double factor) {
   PackedModel out = model;
   if (factor <= 1) return out;
   std::vector<std::vector<float>> exact;
-  for (PackedRowBlock& group : out.groups) {
+  for (PackedRowBlock& group : out.row_blocks) {
     std::vector<float>& values_of_group = exact.emplace_back();
     const PackedRowBlock before = std::move(group);
     group = {before.first_row, before.row_count, {}, {}};

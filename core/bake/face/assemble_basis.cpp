@@ -31,7 +31,7 @@ Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::s
   Basis basis{checked_u32(3 * vertices, "coordinates"), checked_u32(columns.size(), "coefficients"), {}};
   for (std::size_t first = 0; first < vertices; first += block_vertices) {
     const std::size_t count = std::min(block_vertices, vertices - first);
-    RowGroup group{static_cast<std::uint32_t>(3 * first), static_cast<std::uint32_t>(3 * count), {}, {}};
+    RowBlock group{static_cast<std::uint32_t>(3 * first), static_cast<std::uint32_t>(3 * count), {}, {}};
     for (std::size_t c = 0; c < columns.size(); ++c) {
       SparseColumn& column = columns[c];
       const std::size_t begin = column.next;
@@ -43,7 +43,7 @@ Basis assemble_basis(std::size_t vertices, const SparseBlendshapes& base, std::s
       for (std::size_t i = begin; i < column.next; ++i)
         std::copy_n(column.offsets.data() + 3 * i, 3, group.values.data() + at + 3 * (column.vertices[i] - first));
     }
-    basis.groups.push_back(std::move(group));
+    basis.row_blocks.push_back(std::move(group));
   }
   return basis;
 }

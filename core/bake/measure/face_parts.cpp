@@ -29,7 +29,7 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
   }
   const std::vector<double> squares = mean_squares(runtime::Evaluator(model), poses);
   std::vector<double> moved(vertices * regions);
-  for (const PackedRowBlock& group : model.groups)
+  for (const PackedRowBlock& group : model.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const std::size_t column = group.columns[c].column;
       if (region_of[column] == regions) continue;

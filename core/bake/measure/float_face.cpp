@@ -77,7 +77,7 @@ std::vector<double> FloatFace::evaluate(std::span<const float> controls) const {
   const std::vector<double> weights = coefficients(controls);
   std::vector<double> positions(model_.rest.points.begin(), model_.rest.points.end());
   std::vector<double> moved;
-  for (const RowGroup& group : basis.groups) {
+  for (const RowBlock& group : basis.row_blocks) {
     moved.assign(group.row_count, 0);
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const double weight = weights[group.columns[c]];

@@ -50,7 +50,7 @@ ByteCount::ByteCount(const PackedModel& model) : model_(&model), direct_(model.d
     }
     owner.insert(owner.end(), region.layers.back().outputs, &bytes);
   }
-  for (const PackedRowBlock& group : model.groups)
+  for (const PackedRowBlock& group : model.row_blocks)
     for (const PackedColumn& column : group.columns)
       *owner.at(column.column) += group.row_count * number_bytes(column.wide) + scaled_bytes;
 }

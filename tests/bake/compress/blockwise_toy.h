@@ -74,7 +74,7 @@ inline std::vector<float> coefficients_of(const Network& network, const std::vec
 
 inline std::vector<float> displacements_of(const FaceModel& model, const std::vector<float>& coefficients) {
   std::vector<double> sums(model.basis.rows, 0);
-  for (const RowGroup& group : model.basis.groups)
+  for (const RowBlock& group : model.basis.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c)
       for (std::uint32_t i = 0; i < group.row_count; ++i) {
         const std::uint32_t row = group.first_row + i;
@@ -134,8 +134,8 @@ inline FaceModel unpacked(const PackedModel& packed) {
     }
   }
   model.basis = {std::uint32_t(packed.rest.points.size()), packed.columns, {}, packed.order};
-  for (const PackedRowBlock& group : packed.groups) {
-    RowGroup& plain = model.basis.groups.emplace_back(RowGroup{group.first_row, group.row_count, {}, {}});
+  for (const PackedRowBlock& group : packed.row_blocks) {
+    RowBlock& plain = model.basis.row_blocks.emplace_back(RowBlock{group.first_row, group.row_count, {}, {}});
     for (const PackedColumn& column : group.columns) plain.columns.push_back(column.column);
     for (std::size_t i = 0; i < group.values.size(); ++i)
       plain.values.push_back(group.columns[i / group.row_count].scale * float(group.values[i]));

@@ -42,11 +42,11 @@ TEST_CASE("with threshold 0 nothing moves otherwise") {
   std::vector<std::uint32_t> order = basis.order;
   std::sort(order.begin(), order.end());
   for (std::uint32_t v = 0; v < side * side; ++v) REQUIRE(order[v] == v);
-  for (const RowGroup& group : basis.groups) CHECK(group.row_count == 3);
+  for (const RowBlock& group : basis.row_blocks) CHECK(group.row_count == 3);
   CHECK(numbers_in(local.model) < numbers_in(model));
 
   for (std::size_t d = 0; d < direct_count; ++d) CHECK(direct_column(model, d) == direct_column(local.model, d));
-  for (const RowGroup& group : basis.groups)
+  for (const RowBlock& group : basis.row_blocks)
     for (std::size_t c = 0; c < group.columns.size() && group.columns[c] < direct_count; ++c) {
       const auto first = group.values.begin() + std::ptrdiff_t(c * group.row_count);
       CHECK(std::any_of(first, first + group.row_count, [](float value) { return value != 0; }));
@@ -60,7 +60,7 @@ TEST_CASE("a threshold loses what theory says, and leaves fewer numbers") {
   for (const double threshold : {1e-5, 1e-4, 1e-3}) {
     const BlockwiseModel local = blockwise_pca(model, covariance, {.threshold = threshold});
     CHECK(numbers_in(local.model) < last);
-    CHECK(local.model.basis.groups.size() <= side * side / 64 + 3);  // one not full in each region, and outside
+    CHECK(local.model.basis.row_blocks.size() <= side * side / 64 + 3);  // one not full in each region, and outside
     last = numbers_in(local.model);
     // At worst every direction lost moves a vertex by the threshold, as often as there are columns.
     const Difference lost = difference(model, local.model);
@@ -69,7 +69,7 @@ TEST_CASE("a threshold loses what theory says, and leaves fewer numbers") {
 
     // Coefficients of one group only, of the size told.
     std::set<std::uint32_t> seen;
-    for (const RowGroup& group : local.model.basis.groups)
+    for (const RowBlock& group : local.model.basis.row_blocks)
       for (const std::uint32_t column : group.columns)
         if (column >= direct_count) CHECK(seen.insert(column).second);
     CHECK(seen.size() + direct_count == local.model.basis.columns);
@@ -114,8 +114,8 @@ TEST_CASE("localized models localize again, the same on any threads, and bad cov
   const BlockwiseModel once = blockwise_pca(model, covariance, {}, {.threads = 1});
   const BlockwiseModel other = blockwise_pca(model, covariance, {}, {.threads = 3});
   CHECK(once.model.basis.order == other.model.basis.order);
-  for (std::size_t g = 0; g < once.model.basis.groups.size(); ++g)
-    CHECK(once.model.basis.groups[g].values == other.model.basis.groups[g].values);
+  for (std::size_t g = 0; g < once.model.basis.row_blocks.size(); ++g)
+    CHECK(once.model.basis.row_blocks[g].values == other.model.basis.row_blocks[g].values);
   CHECK(once.model.network.regions[1].layers.back().weights == other.model.network.regions[1].layers.back().weights);
 
   const BlockwiseModel twice =

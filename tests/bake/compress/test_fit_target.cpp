@@ -105,7 +105,7 @@ TEST_CASE("models are localized and packed to the target, and it is told what wa
   const auto covariance = covariances(model.network);
   const auto bytes = [](const PackedModel& packed) {
     std::uint64_t sum = 0;
-    for (const PackedRowBlock& group : packed.groups)
+    for (const PackedRowBlock& group : packed.row_blocks)
       for (const PackedColumn& column : group.columns) sum += group.row_count * (column.wide ? 2u : 1u);
     for (const PackedRegion& region : packed.regions)
       for (const PackedLayer& layer : region.layers) sum += layer.weights.size() * (layer.wide ? 2u : 1u);

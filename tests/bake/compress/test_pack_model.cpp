@@ -149,20 +149,20 @@ TEST_CASE("columns are wide where rounding would move a vertex too far, and what
       dense[column * rows + row] = float(1e-5 * diagonal) * sizes[column] * std::cos(float(row) + 1) * 0.9f;
   model.basis = make_basis(rows, 5, dense);
   PackedModel packed = pack_model(model, {});
-  REQUIRE(packed.groups[0].columns.size() == 4);  // the last is 0 everywhere
-  CHECK(packed.groups[0].columns[0].wide);
-  CHECK(!packed.groups[0].columns[1].wide);
-  CHECK(!packed.groups[0].columns[3].wide);
+  REQUIRE(packed.row_blocks[0].columns.size() == 4);  // the last is 0 everywhere
+  CHECK(packed.row_blocks[0].columns[0].wide);
+  CHECK(!packed.row_blocks[0].columns[1].wide);
+  CHECK(!packed.row_blocks[0].columns[3].wide);
 
   packed = pack_model(model, {8, 8, 8, 1e-5, {0.01f, 10, 1000, 0, 1}, 0});
-  CHECK(!packed.groups[0].columns[0].wide);
-  CHECK(packed.groups[0].columns[1].wide);
-  CHECK(packed.groups[0].columns[2].wide);
-  CHECK(!packed.groups[0].columns[3].wide);  // a coefficient that is always 0
+  CHECK(!packed.row_blocks[0].columns[0].wide);
+  CHECK(packed.row_blocks[0].columns[1].wide);
+  CHECK(packed.row_blocks[0].columns[2].wide);
+  CHECK(!packed.row_blocks[0].columns[3].wide);  // a coefficient that is always 0
 
   packed = pack_model(model, {8, 8, 8, 1e-5, {}, 3e-5});
-  REQUIRE(packed.groups[0].columns.size() == 3);
-  CHECK(packed.groups[0].columns[2].column == 2);
+  REQUIRE(packed.row_blocks[0].columns.size() == 3);
+  CHECK(packed.row_blocks[0].columns[2].column == 2);
   CHECK_THROWS_AS(pack_model(model, {8, 8, 8, 1e-5, {1, 1}, 0}), Error);
 }
 
@@ -195,7 +195,7 @@ TEST_CASE("the float face is the rest mesh at rest and follows the order of rows
   pose[0] = 0.5f;
   const std::vector<double> weights = FloatFace(model).coefficients(pose), posed = FloatFace(model).evaluate(pose);
   std::vector<double> expected(model.rest.points.begin(), model.rest.points.end());
-  for (const RowGroup& group : model.basis.groups)
+  for (const RowBlock& group : model.basis.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c)
       for (std::uint32_t r = 0; r < group.row_count; ++r) {
         const std::uint32_t row = group.first_row + r;

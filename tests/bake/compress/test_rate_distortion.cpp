@@ -24,7 +24,7 @@ struct Rounded {
     double sum = 0;
     for (std::size_t g = 0; g < exact.size(); ++g)
       for (std::size_t i = 0; i < exact[g].size(); ++i) {
-        const double off = model.groups[g].values[i] - exact[g][i];
+        const double off = model.row_blocks[g].values[i] - exact[g][i];
         sum += off * off;
       }
     return sum / (3.0 * side * side * columns);
@@ -48,7 +48,7 @@ Rounded rounded(float step) {
     }
   Random random(3);
   for (std::uint32_t row = 0; row < 3 * side * side; row += block_rows) {
-    PackedRowBlock& group = model.groups.emplace_back();
+    PackedRowBlock& group = model.row_blocks.emplace_back();
     group.first_row = row;
     group.row_count = block_rows;
     std::vector<float>& exact = made.exact.emplace_back();
@@ -77,13 +77,13 @@ TEST_CASE("rate-distortion optimised quantisation takes fewer bytes for the same
   CHECK(double(optimised.bytes()) < 0.97 * double(nearest.bytes()));
   for (std::size_t g = 0; g < optimised.exact.size(); ++g)
     for (std::size_t i = 0; i < optimised.exact[g].size(); ++i)
-      CHECK(std::fabs(optimised.model.groups[g].values[i] - optimised.exact[g][i]) < 1);
+      CHECK(std::fabs(optimised.model.row_blocks[g].values[i] - optimised.exact[g][i]) < 1);
 }
 
 TEST_CASE("a large lambda rounds to nearest") {
   Rounded precise = rounded(1);
   const PackedModel before = precise.model;
   rate_distortion_quantise(precise.model, precise.exact, 1e6);
-  for (std::size_t g = 0; g < before.groups.size(); ++g)
-    CHECK(precise.model.groups[g].values == before.groups[g].values);
+  for (std::size_t g = 0; g < before.row_blocks.size(); ++g)
+    CHECK(precise.model.row_blocks[g].values == before.row_blocks[g].values);
 }

@@ -44,7 +44,7 @@ TEST_CASE("the basis of a face holds the shapes and components of each vertex, a
   CHECK(basis.rows == 150);
   CHECK(basis.columns == 2);
   std::vector<float> moved(150, 0.0f);
-  for (const RowGroup& group : basis.groups)
+  for (const RowBlock& group : basis.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c)
       for (std::size_t row = 0; row < group.row_count; ++row)
         moved[group.first_row + row] += group.values[c * group.row_count + row] * (group.columns[c] == 0 ? 1 : 100);

@@ -41,7 +41,7 @@ PackedModel counted_model(const Source& source) {
   model.direct = {0};
   model.regions.push_back({"region", {0, 1, 2}, {layer(3, 10, false), layer(10, 2, true)}, {{0, 1, 2}}});
   model.columns = 3;
-  model.groups = {group(0, 6, {{0, false, 1}, {1, false, 1}}), group(6, 6, {{0, true, 1}, {2, true, 1}})};
+  model.row_blocks = {group(0, 6, {{0, false, 1}, {1, false, 1}}), group(6, 6, {{0, true, 1}, {2, true, 1}})};
   return model;
 }
 

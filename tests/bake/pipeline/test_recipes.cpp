@@ -149,7 +149,7 @@ TEST_CASE("a proof holds the rest pose, the ends of all ranges and dense poses")
   PackedModel model;
   model.schema = source.schema();
   model.rest = source.rest();
-  model.groups = {{0, static_cast<std::uint32_t>(model.rest.points.size()), {}, {}}};
+  model.row_blocks = {{0, static_cast<std::uint32_t>(model.rest.points.size()), {}, {}}};
   const Proof proof = make_proof(model, 1);
   REQUIRE(proof.controls.size() > 4 * 4);
   CHECK(std::vector<float>(proof.controls.begin(), proof.controls.begin() + 12) ==

@@ -45,8 +45,8 @@ int predicted(const Predictor& predictor, const ColumnValues& values, std::size_
 class PredictorChooser {
  public:
   explicit PredictorChooser(const PackedModel& model) : model_(model), segments_(column_segments(model)) {
-    units_ = coding_units(model.rest, static_cast<std::uint32_t>(model.rest.vertex_count()), model.order, model.groups,
-                          [&](CodingUnit& unit, std::span<const Predictor> predictors) {
+    units_ = coding_units(model.rest, static_cast<std::uint32_t>(model.rest.vertex_count()), model.order,
+                          model.row_blocks, [&](CodingUnit& unit, std::span<const Predictor> predictors) {
                             set_predictors(unit, predictors, 0);
                             candidates_.push_back({{predictors.begin(), predictors.end()}, {}, {}});
                           });
@@ -122,7 +122,7 @@ class PredictorChooser {
   // Calls function(unit, its values, its candidates).
   template <class Function>
   void for_each_unit(const ColumnSegment& segment, const Function& function) {
-    const PackedRowBlock& block = model_.groups[segment.block];
+    const PackedRowBlock& block = model_.row_blocks[segment.block];
     const std::int16_t* const values = block.values.data() + std::size_t(segment.index) * block.row_count;
     std::size_t at = first_[segment.block];
     for (const CodingUnit& unit : units_[segment.block]) function(unit, values + unit.row, candidates_[at++]);

@@ -33,7 +33,7 @@ void write_segments(ByteWriter& out, const PackedModel& model) {
     counts.push_back(checked_u32(segments.size(), "segments"));
     std::uint32_t before = 0;
     for (const auto& [b, index] : segments) {
-      const PackedColumn& column = model.groups[b].columns[index];
+      const PackedColumn& column = model.row_blocks[b].columns[index];
       deltas.push_back(b - before);
       before = b;
       const bool new_scale = scales.empty() || !same_bits(scales.back(), column.scale);
@@ -86,9 +86,9 @@ ByteWriter write_basis(const PackedModel& model) {
   out.number(model.columns);
   out.number(std::uint32_t(!model.order.empty()));
   out.planes(zigzag_deltas(model.order));
-  out.count(model.groups.size(), "row blocks");
+  out.count(model.row_blocks.size(), "row blocks");
   std::vector<std::uint32_t> rows;
-  for (const PackedRowBlock& block : model.groups) rows.push_back(block.row_count);
+  for (const PackedRowBlock& block : model.row_blocks) rows.push_back(block.row_count);
   out.planes(rows);
   write_segments(out, model);
   return out;
@@ -107,7 +107,7 @@ ByteWriter write_basis_values(const PackedModel& model) {
     rans.select_stream(stream);
     for (std::size_t c = first_columns[stream]; c < first_columns[stream + 1]; ++c) {
       for (const auto& [b, index] : segments[c]) {
-        const PackedRowBlock& block = model.groups[b];
+        const PackedRowBlock& block = model.row_blocks[b];
         write_segment(rans, history, units[b], block.columns[index].wide,
                       block.values.data() + std::size_t(index) * block.row_count);
       }

@@ -1,4 +1,4 @@
-#include "runtime/row_block.h"
+#include "runtime/row_block_matrix.h"
 
 #include <algorithm>
 
@@ -21,7 +21,7 @@ PanelMatrix digits_of(const PackedRowBlock& group, std::pmr::memory_resource& me
 
 }  // namespace
 
-RowBlock::RowBlock(const PackedRowBlock& group, std::pmr::memory_resource& memory)
+RowBlockMatrix::RowBlockMatrix(const PackedRowBlock& group, std::pmr::memory_resource& memory)
     : first_row_(group.first_row),
       column_count_(group.columns.size()),
       columns_(&memory),
@@ -37,8 +37,8 @@ RowBlock::RowBlock(const PackedRowBlock& group, std::pmr::memory_resource& memor
       }
 }
 
-std::pair<RowBlock::Span, RowBlock::Span> RowBlock::summands_of(std::uint32_t first_column,
-                                                                std::uint32_t last_column) const {
+std::pair<RowBlockMatrix::Span, RowBlockMatrix::Span> RowBlockMatrix::summands_of(std::uint32_t first_column,
+                                                                                  std::uint32_t last_column) const {
   const auto part = [&](std::size_t begin, std::size_t end) {
     const auto at = [&](std::uint32_t column) {
       return static_cast<std::uint32_t>(std::lower_bound(columns_.begin() + begin, columns_.begin() + end, column) -
@@ -49,7 +49,8 @@ std::pair<RowBlock::Span, RowBlock::Span> RowBlock::summands_of(std::uint32_t fi
   return {part(0, column_count_), part(column_count_, columns_.size())};
 }
 
-void RowBlock::run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const {
+void RowBlockMatrix::run(const PoseKernels& kernels, const Quantized& summands, const float* rest,
+                         float* const* rows) const {
   for (std::uint32_t first = 0; first < row_count(); first += digits_.panel_rows()) {
     std::int32_t sums[block_poses * most_rows];
     digits_.sum(kernels, first, summands.panel_inputs(), sums);
@@ -60,7 +61,7 @@ void RowBlock::run(const PoseKernels& kernels, const Quantized& summands, const 
   }
 }
 
-void RowBlock::displacements(std::size_t place, float* moved) const {
+void RowBlockMatrix::displacements(std::size_t place, float* moved) const {
   const auto wide = std::lower_bound(columns_.begin() + column_count_, columns_.end(), columns_[place]);
   const std::size_t high = wide - columns_.begin();
   const bool has_high = wide != columns_.end() && *wide == columns_[place];

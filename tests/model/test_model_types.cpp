@@ -1,4 +1,4 @@
-// What the nouns compute about themselves.
+// Small functions of the model types.
 #include <doctest/doctest.h>
 
 #include "base/status.h"
@@ -12,14 +12,14 @@ TEST_CASE("reach is the larger distance from rest") {
   CHECK(Control{"a", 0, 1, 0.25f, ""}.reach() == 0.75f);
 }
 
-TEST_CASE("controls are found by name, poses begin at rest") {
+TEST_CASE("controls are found by name; rest_pose lists the rest values") {
   const RigSchema schema = tiny_model().schema;
   CHECK(schema.find("brow_raise") == 2);
   CHECK_FALSE(schema.find("brow").has_value());
   CHECK(schema.rest_pose() == std::vector<float>{0, 0, 0.25f, 0, 0});
 }
 
-TEST_CASE("two rigs with different controls are told apart by name") {
+TEST_CASE("two rigs with different controls are refused by name") {
   const RigSchema a = tiny_model().schema;
   CHECK_NOTHROW(check_same_controls(a, "left", a, "right"));
   RigSchema b = a;
@@ -33,7 +33,7 @@ TEST_CASE("two rigs with different controls are told apart by name") {
   CHECK_THROWS_WITH_AS(check_same_controls(a, "left", b, "right"), doctest::Contains("another range"), Error);
 }
 
-TEST_CASE("a mesh knows its diagonal and fans its polygons") {
+TEST_CASE("a mesh computes its diagonal and triangle fans") {
   Mesh mesh{{0, 0, 0, 3, 0, 0, 3, 4, 0, 0, 4, 12, 1, 1, 1}, {4, 3}, {1, 2, 3, 0, 4, 0, 1}};
   CHECK(mesh.diagonal() == 13);
   CHECK(mesh.triangles() == std::vector<std::uint32_t>{1, 2, 3, 1, 3, 0, 4, 0, 1});
@@ -45,21 +45,21 @@ TEST_CASE("a network counts coefficients and parameters") {
   CHECK(network.parameter_count() == (6 * 8 + 8) + (8 * 8 + 8) + (8 * 3 + 3));
 }
 
-TEST_CASE("a dense basis is cut into groups that leave out what is zero") {
-  const std::uint32_t rows = 2 * basis_group_rows + 3;
+TEST_CASE("a dense basis is cut into row blocks without columns of zeros") {
+  const std::uint32_t rows = 2 * default_block_rows + 3;
   std::vector<float> dense(2 * rows, 0);
-  dense[5] = 1;                        // column 0, group 0
-  dense[rows + basis_group_rows] = 2;  // column 1, group 1
+  dense[5] = 1;                          // column 0, block 0
+  dense[rows + default_block_rows] = 2;  // column 1, block 1
   const Basis basis = make_basis(rows, 2, dense);
   CHECK_NOTHROW(check(basis));
-  REQUIRE(basis.groups.size() == 3);
-  CHECK(basis.groups[0].columns == std::vector<std::uint32_t>{0});
-  CHECK(basis.groups[0].values[5] == 1);
-  CHECK(basis.groups[1].columns == std::vector<std::uint32_t>{1});
-  CHECK(basis.groups[1].values[0] == 2);
-  CHECK(basis.groups[2].columns.empty());
-  CHECK(basis.groups[2].row_count == 3);
-  CHECK(basis.value_count() == 2 * basis_group_rows);
+  REQUIRE(basis.row_blocks.size() == 3);
+  CHECK(basis.row_blocks[0].columns == std::vector<std::uint32_t>{0});
+  CHECK(basis.row_blocks[0].values[5] == 1);
+  CHECK(basis.row_blocks[1].columns == std::vector<std::uint32_t>{1});
+  CHECK(basis.row_blocks[1].values[0] == 2);
+  CHECK(basis.row_blocks[2].columns.empty());
+  CHECK(basis.row_blocks[2].row_count == 3);
+  CHECK(basis.value_count() == 2 * default_block_rows);
   CHECK_THROWS_AS(make_basis(rows, 3, dense), Error);
 }
 

@@ -15,9 +15,9 @@ namespace fb::runtime {
 
 // Summand s is coefficient column(s) times scale(s); a wide column has two, one for each digit. Every column's values
 // or low digits come first, then the high digits of wide columns; in both parts columns ascend.
-class RowBlock {
+class RowBlockMatrix {
  public:
-  RowBlock(const PackedRowBlock& group, std::pmr::memory_resource& memory);
+  RowBlockMatrix(const PackedRowBlock& group, std::pmr::memory_resource& memory);
 
   std::uint32_t first_row() const { return first_row_; }
   std::uint32_t row_count() const { return digits_.rows(); }
