@@ -1,4 +1,4 @@
-// The crossing from C++ to C: what every exported function that can fail runs inside.
+// The boundary between C++ and C: every exported function that can fail runs inside abi_guard().
 #pragma once
 
 #include <facebaker/facebaker.h>
@@ -14,10 +14,10 @@
 
 namespace fb::capi {
 
-// Keeps the message for fb_last_error of this thread and gives the status back.
+// Stores the message for fb_last_error() of this thread and returns the status.
 fb_status report(Status status, const char* message) noexcept;
 
-// Runs body; any exception becomes a status and this thread's message.
+// Calls body(); converts any exception to a status and this thread's message.
 template <class Body>
 fb_status abi_guard(Body&& body) noexcept {
   try {
@@ -38,15 +38,16 @@ inline void require(const void* pointer, const char* what) {
   if (!pointer) fail(Status::invalid_argument, "%s is null", what);
 }
 
-// Structs begin with struct_size and another 32-bit number in every version of the headers.
+// Fails on a struct that was not initialised. In every version of the headers, structs begin with struct_size and
+// another 32-bit number.
 inline void require_size(std::uint32_t struct_size, const char* what) {
   if (struct_size < 8)
     fail(Status::invalid_argument, "%s: struct_size is %u; fill the struct with %s_init first", what, struct_size,
          what);
 }
 
-// Defaults for a caller whose header has a struct of struct_size bytes: nothing beyond them is touched, and what this
-// library does not know of them is 0.
+// Writes defaults to a caller's struct of struct_size bytes: fields that this library does not know are set to 0, and
+// nothing beyond struct_size is written.
 template <class Struct>
 void fill_struct(Struct* to, std::uint32_t struct_size, Struct defaults) {
   if (!to || struct_size < 8) return;
@@ -55,7 +56,8 @@ void fill_struct(Struct* to, std::uint32_t struct_size, Struct defaults) {
   std::memcpy(static_cast<void*>(to), &defaults, std::min<std::size_t>(struct_size, sizeof defaults));
 }
 
-// What the caller gave, with defaults for the fields an older caller does not know, without those of a newer one.
+// The caller's struct in this library's version: defaults for fields that an older caller does not have; fields of a
+// newer caller are ignored.
 template <class Struct>
 Struct read_struct(const Struct& given, void (*init)(Struct*), const char* what) {
   require_size(given.struct_size, what);

@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "host_memory.h"
 #include "runtime/evaluator.h"
-#include "runtime/float_state.h"
+#include "runtime/float_mode.h"
 #include "version.h"
 
 using fb::fail;
@@ -76,9 +76,9 @@ struct fb_scratch {
     if (owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
   }
 
-  Reference owner;  // outlives what is made of the model's memory
+  Reference owner;  // first: outlives the members that use the model's memory
   std::pmr::vector<fb::runtime::Workspace> workspaces;
-  std::pmr::vector<std::uint8_t> regions;  // which run, in a batch that says so
+  std::pmr::vector<std::uint8_t> regions;  // the region mask of a batch
   std::uint64_t clamped = 0;
 };
 
@@ -87,12 +87,11 @@ namespace {
 fb_model* load(std::span<const std::byte> bytes, const fb_load_desc& desc) {
   std::unique_ptr<fb_model> model;
   std::vector<std::string> notes;
-  {
-    const fb::runtime::FloatState state;  // unpacking rounds, whatever mode the host set
+  fb::runtime::with_float_mode([&] {
     fb::archive::Archive archive = fb::archive::read_archive(bytes, {desc.max_model_bytes});
     model = std::make_unique<fb_model>(archive, desc);
     notes = std::move(archive.notes);
-  }
+  });
   if (desc.log)
     for (const std::string& note : notes) desc.log(desc.log_user, note.c_str());
   return model.release();
@@ -147,18 +146,18 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::u
   return batch;
 }
 
-const fb::runtime::RowBlockMatrix& group_at(const fb_model* model, std::uint32_t index) {
+const fb::runtime::RowBlockMatrix& row_block_at(const fb_model* model, std::uint32_t index) {
   require(model, "model");
-  const auto& groups = model->evaluator.chunks();
-  if (index >= groups.size()) fail(Status::invalid_argument, "group %u of %zu", index, groups.size());
-  return groups[index];
+  const auto& blocks = model->evaluator.row_blocks();
+  if (index >= blocks.size()) fail(Status::invalid_argument, "row block %u of %zu", index, blocks.size());
+  return blocks[index];
 }
 
 }  // namespace
 
 fb_status fb::capi::report(Status status, const char* message) noexcept {
   std::size_t length = std::min(std::strlen(message), sizeof last_error - 1);
-  // A message that is cut ends with a whole UTF-8 character.
+  // A truncated message ends with a complete UTF-8 character.
   if (message[length] != '\0')
     while (length > 0 && (message[length] & 0xc0) == 0x80) --length;
   std::memmove(last_error, message, length);
@@ -255,7 +254,7 @@ void fb_release(fb_model* model) {
   if (model) release(model);
 }
 
-// ---- What is in it ----
+// ---- Contents ----
 
 uint32_t fb_vertex_count(const fb_model* model) {
   return model ? static_cast<uint32_t>(model->evaluator.vertex_count()) : 0;
@@ -388,17 +387,17 @@ void fb_row_block_fill(fb_row_block* to, uint32_t struct_size) {
 }
 
 uint32_t fb_row_block_count(const fb_model* model) {
-  return model ? static_cast<uint32_t>(model->evaluator.chunks().size()) : 0;
+  return model ? static_cast<uint32_t>(model->evaluator.row_blocks().size()) : 0;
 }
 
-fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* group) {
+fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* block) {
   return abi_guard([&] {
-    require(group, "group");
-    fb::capi::require_size(group->struct_size, "fb_row_block");
-    const fb::runtime::RowBlockMatrix& found = group_at(model, index);
-    const fb_row_block full = {group->struct_size, found.first_row(), found.row_count(),
+    require(block, "block");
+    fb::capi::require_size(block->struct_size, "fb_row_block");
+    const fb::runtime::RowBlockMatrix& found = row_block_at(model, index);
+    const fb_row_block full = {block->struct_size, found.first_row(), found.row_count(),
                                static_cast<std::uint32_t>(found.column_count())};
-    std::memcpy(group, &full, std::min<std::size_t>(group->struct_size, sizeof full));
+    std::memcpy(block, &full, std::min<std::size_t>(block->struct_size, sizeof full));
   });
 }
 
@@ -406,12 +405,13 @@ fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* c
   return abi_guard([&] {
     require(columns, "columns");
     require(values, "values");
-    const fb::runtime::RowBlockMatrix& found = group_at(model, index);
-    const fb::runtime::FloatState state;
-    for (std::size_t c = 0; c < found.column_count(); ++c) {
-      columns[c] = found.column(c);
-      found.displacements(c, values + c * found.row_count());
-    }
+    const fb::runtime::RowBlockMatrix& found = row_block_at(model, index);
+    fb::runtime::with_float_mode([&] {
+      for (std::size_t c = 0; c < found.column_count(); ++c) {
+        columns[c] = found.column(c);
+        found.displacements(c, values + c * found.row_count());
+      }
+    });
   });
 }
 

@@ -7,7 +7,7 @@
 
 namespace fb::capi {
 
-// A host's fb_allocator, or malloc where it gave none.
+// Memory from a host's fb_allocator, or from malloc if it has none.
 class HostMemory final : public std::pmr::memory_resource {
  public:
   explicit HostMemory(const fb_allocator& allocator) : allocator_(allocator) {}

@@ -1,19 +1,19 @@
-// Many poses at once.
+// Evaluator: batches of poses.
 #include <algorithm>
 
 #include "base/checked.h"
 #include "base/status.h"
 #include "runtime/evaluator.h"
-#include "runtime/float_state.h"
+#include "runtime/float_mode.h"
 
 namespace fb::runtime {
 namespace {
 
-// Beyond this, what was written first has left a core's caches before the last is written, and writing past them spares
-// reading every line that is overwritten.
+// Batches with outputs of at least this size are written with non-temporal stores: they do not fit a core's caches, and
+// the stores save reading each cache line before it is overwritten.
 constexpr std::size_t streamed_bytes = std::size_t(4) << 20;
 
-// One past the last number that `count` items of `size` numbers touch, `stride` apart.
+// Numbers from the first to the last of `count` items of `size` numbers, `stride` apart.
 std::size_t extent(std::size_t count, std::size_t stride, std::size_t size) {
   return count == 0 ? 0 : checked_add(checked_multiply(count - 1, stride, "batch"), size, "batch");
 }
@@ -37,7 +37,7 @@ void check_output(const BatchOutput& output, const char* what, std::size_t poses
   if (output.size < needed)
     fail(Status::invalid_argument, "%zu poses need %zu numbers of %s; the buffer has %zu", poses, needed, what,
          output.size);
-  // Poses one after the other, or interleaved within each vertex.
+  // Poses follow each other, or are interleaved within each vertex.
   const bool interleaved = pose_stride >= 3 && vertex_stride >= extent(poses, pose_stride, 3);
   if (poses > 1 && pose_stride < pose_extent && !interleaved)
     fail(Status::invalid_argument, "%s of poses overlap: %zu numbers apart, %zu long", what, pose_stride, pose_extent);
@@ -63,16 +63,17 @@ void Evaluator::check_batch(const Batch& batch) const {
          batch.controls.size());
   check_output(batch.positions, "positions", batch.poses, vertex_count());
   check_output(batch.normals, "normals", batch.poses, vertex_count());
-  if (batch.tangents.first && tangents_.signs().empty())
-    fail(Status::invalid_argument, "tangents are asked of a face without texture coordinates");
+  if (batch.tangents.first && layout_.tangents.signs().empty())
+    fail(Status::invalid_argument, "a face without texture coordinates has no tangents");
   check_output(batch.tangents, "tangents", batch.poses, vertex_count());
-  if (!batch.regions.empty() && batch.regions.size() != nets_.size())
-    fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", batch.regions.size(), nets_.size());
+  if (!batch.regions.empty() && batch.regions.size() != layout_.networks.size())
+    fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", batch.regions.size(),
+         layout_.networks.size());
   for (std::size_t pose = 0; pose < batch.poses; ++pose) {
     const std::size_t control = find_nan(batch.controls.data() + pose * control_stride);
     if (control < control_count())
       fail(Status::not_finite, "pose %zu: control \"%s\" is not a number", pose,
-           schema_.controls[control].name.c_str());
+           schema().controls[control].name.c_str());
   }
 }
 
@@ -89,26 +90,26 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
                       output_of(batch, batch.normals, pose, vertices),
                       output_of(batch, batch.tangents, pose, vertices)};
   };
-  // Whole blocks first, if there are enough for all workers; then the poses that are left.
-  const std::size_t blocks = batch.poses / block_poses >= workers ? batch.poses / block_poses : 0;
-  const std::size_t tasks = blocks + batch.poses - blocks * block_poses;
+  // Whole blocks first, if there are enough for all workers; then the remaining poses.
+  const std::size_t blocks = batch.poses / poses_per_block >= workers ? batch.poses / poses_per_block : 0;
+  const std::size_t tasks = blocks + batch.poses - blocks * poses_per_block;
   parallel_for(within, tasks, [&](std::size_t task, std::size_t worker) {
     if (task >= tasks || worker >= workspaces.size())
       fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu", task, tasks,
            worker, workspaces.size());
-    const FloatState state;
     Workspace& workspace = workspaces[worker];
-    const std::size_t pose = task < blocks ? task * block_poses : task + blocks * (block_poses - 1);
+    PoseExecution execution(layout_, batch.regions, workspace);
+    const std::size_t pose = task < blocks ? task * poses_per_block : task + blocks * (poses_per_block - 1);
     const float* controls = batch.controls.data() + pose * control_stride;
     if (task >= blocks) {
-      run_pose(controls, output_at(pose), batch.regions, workspace);
+      with_float_mode([&] { execution.run_pose(controls, output_at(pose)); });
       ++workspace.poses_;
       return;
     }
-    PoseOutput outputs[block_poses];
-    for (std::size_t p = 0; p < block_poses; ++p) outputs[p] = output_at(pose + p);
-    run_block(controls, control_stride, outputs, batch.regions, workspace);
-    workspace.poses_ += block_poses;
+    PoseOutput outputs[poses_per_block];
+    for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = output_at(pose + p);
+    with_float_mode([&] { execution.run_block(controls, control_stride, outputs); });
+    workspace.poses_ += poses_per_block;
   });
   std::size_t done = 0;
   for (const Workspace& workspace : workspaces) done += workspace.poses_;

@@ -7,18 +7,17 @@
 
 #include "base/checked.h"
 #include "model/feature_values.h"
-#include "runtime/grouped.h"
 
 namespace fb::runtime {
 
 FeatureState::FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory)
-    : values_(graph.feature_count() * block_poses, &memory),
+    : values_(graph.feature_count() * poses_per_block, &memory),
       active_(graph.feature_count() + 16, &memory),
       candidates_(graph.feature_count() + 1, &memory),
-      moves_(graph.control_count() * block_poses, &memory) {}
+      offsets_(graph.control_count() * poses_per_block, &memory) {}
 
 FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory)
-    : numbers_(model.features.size(), &memory),
+    : graph_index_(model.features.size(), &memory),
       minimum_(&memory),
       maximum_(&memory),
       rest_(&memory),
@@ -27,18 +26,20 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
       scales_(&memory),
       thresholds_(&memory),
       falls_(&memory),
-      combined_(&memory),
-      combined_begin_(&memory),
-      other_(&memory),
-      always_(&memory),
-      always_begin_(&memory) {
-  for (std::pmr::vector<float>* ends : {&minimum_, &maximum_, &rest_}) ends->reserve(model.schema.control_count());
+      combined_(memory),
+      other_operand_(&memory),
+      always_evaluated_(memory) {
+  for (std::pmr::vector<float>* values : {&minimum_, &maximum_, &rest_}) values->reserve(model.schema.control_count());
   for (const Control& c : model.schema.controls) {
     minimum_.push_back(c.minimum);
     maximum_.push_back(c.maximum);
     rest_.push_back(c.rest);
   }
+  add_control_features(model);
+  add_combined_features(model);
+}
 
+void FeatureGraph::add_control_features(const PackedModel& model) {
   std::vector<std::uint32_t> of_controls;
   for (std::uint32_t f = 0; f < model.features.size(); ++f)
     if (!model.features[f].of_features()) of_controls.push_back(f);
@@ -50,43 +51,47 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
   kinds_.reserve(of_controls.size());
   for (const std::uint32_t f : of_controls) {
     const Feature& feature = model.features[f];
-    numbers_[f] = static_cast<std::uint32_t>(controls_.size());
+    graph_index_[f] = static_cast<std::uint32_t>(controls_.size());
     controls_.push_back(feature.control);
     kinds_.push_back(feature.kind);
     scales_.push_back(feature.scale);
     thresholds_.push_back(feature.threshold);
     falls_.push_back(feature.fall);
   }
+}
 
+void FeatureGraph::add_combined_features(const PackedModel& model) {
   std::vector<std::uint32_t> level(feature_count(), 0);
-  std::vector<char> signed_(feature_count(), 0);  // may be below 0, or not a number
-  Grouped<Combined> by_feature(feature_count()), by_level(0);
-  std::uint32_t deepest = 0, next = static_cast<std::uint32_t>(of_controls.size());
+  std::vector<char> may_be_negative(feature_count(), 0);  // or NaN
+  std::uint32_t next = static_cast<std::uint32_t>(controls_.size()), deepest = 0;
   for (std::uint32_t f = 0; f < feature_count(); ++f) {
     const Feature& feature = model.features[f];
-    if (!feature.of_features()) {
+    if (feature.of_features()) {
+      graph_index_[f] = next++;
+      level[f] = 1 + std::max(level[feature.first], level[feature.second]);
+      deepest = std::max(deepest, level[f]);
+      may_be_negative[f] = may_be_negative[feature.first] || may_be_negative[feature.second];
+    } else {
       for (const float end : {minimum_[feature.control], maximum_[feature.control]})
-        if (!(control_feature(feature, end, rest_[feature.control]) >= 0)) signed_[f] = 1;
-      continue;
+        if (!(control_feature(feature, end, rest_[feature.control]) >= 0)) may_be_negative[f] = 1;
     }
-    numbers_[f] = next++;
-    const auto [first, second] = std::pair(feature.first, feature.second);
-    level[f] = 1 + std::max(level[first], level[second]);
-    deepest = std::max(deepest, level[f]);
-    signed_[f] = signed_[first] || signed_[second];
-    const Combined combined = {numbers_[f], numbers_[first], numbers_[second], feature.kind};
-    if (feature.kind == Feature::Kind::minimum && signed_[f])
+  }
+  CsrBuilder<Combined> by_operand(feature_count()), by_level(std::size_t(deepest) + 1);
+  for (std::uint32_t f = 0; f < feature_count(); ++f) {
+    const Feature& feature = model.features[f];
+    if (!feature.of_features()) continue;
+    const std::uint32_t first = feature.first, second = feature.second;
+    const Combined combined = {graph_index_[f], graph_index_[first], graph_index_[second], feature.kind};
+    if (feature.kind == Feature::Kind::minimum && may_be_negative[f])
       by_level.add(level[f], combined);
     else
-      by_feature.add(numbers_[level[first] >= level[second] ? first : second], combined);
+      by_operand.add(graph_index_[level[first] >= level[second] ? first : second], combined);
   }
-  by_level.widen(std::size_t(deepest) + 1);
-  by_feature.move_to(combined_, combined_begin_);
-  other_.reserve(combined_.size());
+  by_operand.build(combined_);
+  other_operand_.reserve(combined_.entries.size());
   for (std::uint32_t f = 0; f < feature_count(); ++f)
-    for (std::uint32_t c = combined_begin_[f]; c < combined_begin_[f + 1]; ++c)
-      other_.push_back(combined_[c].first == f ? combined_[c].second : combined_[c].first);
-  by_level.move_to(always_, always_begin_);
+    for (const Combined& c : combined_.row(f)) other_operand_.push_back(c.first == f ? c.second : c.first);
+  by_level.build(always_evaluated_);
 }
 
 namespace {
@@ -97,9 +102,9 @@ FourFloats load_four(const float* from) {
   return four;
 }
 
-// Minus how many of a feature's values are not 0: of one pose, or in each of four lanes those of poses four apart.
+// Minus the number of a feature's values that are not 0: of one pose, or by lane of every fourth pose.
 template <std::size_t poses>
-auto moved(const float* values) {
+auto nonzero_mask(const float* values) {
   if constexpr (poses == 1) {
     return -std::int32_t((std::bit_cast<std::uint32_t>(*values) & 0x7fffffff) != 0);
   } else {
@@ -126,38 +131,32 @@ std::size_t total(FourMasks masks) {
 
 }  // namespace
 
+// Collects the indices of active features. An index is always written, but counted only if the feature is active: a
+// branch would be unpredictable.
 template <std::size_t poses>
-std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* controls, std::size_t stride,
-                                      FeatureState& state) const {
-  float* const values = state.values_.data();
-  std::uint32_t* const active = state.active_.data();
-  std::uint64_t clamped = 0;
-  for (std::size_t p = 0; p < poses; ++p)
-    clamped += kernels.clamp_controls(controls + p * stride, minimum_.data(), maximum_.data(), rest_.data(),
-                                      control_count(), state.moves_.data() + p, poses);
-  kernels.control_features(
-      {controls_.data(), kinds_.data(), scales_.data(), thresholds_.data(), falls_.data(), controls_.size()},
-      state.moves_.data(), poses, values);
-
-  // Listed whether 0 or not, and then not counted: that is a coin toss no branch predictor wins.
-  std::size_t count = 0;
-  decltype(moved<poses>(values)) moved_counts = {};
-  const auto list = [&](std::uint32_t feature) {
-    const auto is_moved = moved<poses>(values + feature * poses);
-    active[count] = feature;
-    count += any_of(is_moved);
-    moved_counts += is_moved;
-  };
-  if constexpr (poses == 1) {
-    count = kernels.compact_nonzeros(values, controls_.size(), active);
-    moved_counts = -static_cast<std::int32_t>(count);
-  } else {
-    for (std::uint32_t f = 0; f < controls_.size(); ++f) list(f);
+class FeatureGraph::ActiveList {
+ public:
+  ActiveList(const float* values, std::uint32_t* indices) : values_(values), indices_(indices) {}
+  void append_if_active(std::uint32_t feature) {
+    const auto mask = nonzero_mask<poses>(values_ + feature * poses);
+    indices_[count] = feature;
+    count += any_of(mask);
+    masks += mask;
   }
-  state.of_controls_ = count;
-  // Level after level: what is listed under the features of one level is of the next.
-  const auto combine = [&](const Combined& c) {
-    if constexpr (poses == 1) {  // neither is 0, or it is a minimum of any two
+
+  std::size_t count = 0;
+  decltype(nonzero_mask<poses>(nullptr)) masks = {};  // the sum over all features
+
+ private:
+  const float* values_;
+  std::uint32_t* indices_;
+};
+
+template <std::size_t poses>
+void FeatureGraph::run_combined(FeatureState& state, ActiveList<poses>& active) const {
+  float* const values = state.values_.data();
+  const auto evaluate = [&](const Combined& c) {
+    if constexpr (poses == 1) {  // both operands are active, or it is a minimum
       const float first = values[c.first], second = values[c.second];
       const float least = first < second ? first : second, product = first * second;
       values[c.index] = c.kind == Feature::Kind::minimum ? least : product;
@@ -168,43 +167,67 @@ std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* c
         std::memcpy(values + c.index * poses + p, &value, sizeof value);
       }
     }
-    list(c.index);
+    active.append_if_active(c.index);
   };
-  // What is looked at lies here and there, so it is asked for some steps ahead.
-  constexpr std::size_t ahead = 8;
-  const std::uint32_t *const begin = combined_begin_.data(), *const other = other_.data();
+  constexpr std::size_t prefetch_distance = 8;  // in active features
+  const std::uint32_t* const begin = combined_.row_offsets.data();
+  const std::uint32_t* const other = other_operand_.data();
+  const std::uint32_t* const indices = state.active_.data();
   std::uint32_t* const candidates = state.candidates_.data();
   std::size_t done = 0;
-  for (std::size_t level = 1; level + 1 < always_begin_.size(); ++level) {
-    const std::size_t end = count;
+  // The rows of the active features of one level list features of the next.
+  for (std::size_t level = 1; level + 1 < always_evaluated_.row_offsets.size(); ++level) {
+    const std::size_t end = active.count;
     std::size_t candidate_count = 0;
     for (; done < end; ++done) {
-      if (done + ahead < end) __builtin_prefetch(other + begin[active[done + ahead]]);
-      const std::uint32_t last = begin[active[done] + 1];
-      for (std::uint32_t c = begin[active[done]]; c < last; ++c) {
+      if (done + prefetch_distance < end) __builtin_prefetch(other + begin[indices[done + prefetch_distance]]);
+      const std::uint32_t last = begin[indices[done] + 1];
+      for (std::uint32_t c = begin[indices[done]]; c < last; ++c) {
         candidates[candidate_count] = c;
-        candidate_count += any_of(moved<poses>(values + other[c] * poses));
+        candidate_count += any_of(nonzero_mask<poses>(values + other[c] * poses));
       }
     }
-    for (std::size_t i = 0; i < candidate_count; ++i) combine(combined_[candidates[i]]);
-    for (std::uint32_t c = always_begin_[level]; c < always_begin_[level + 1]; ++c) combine(always_[c]);
+    for (std::size_t i = 0; i < candidate_count; ++i) evaluate(combined_.entries[candidates[i]]);
+    for (const Combined& c : always_evaluated_.row(level)) evaluate(c);
   }
-  state.count_ = count;
-  state.moved_count_ = total(moved_counts);
+}
+
+template <std::size_t poses>
+std::uint64_t FeatureGraph::run_poses(const PoseKernels& kernels, const float* controls, std::size_t stride,
+                                      FeatureState& state) const {
+  std::uint64_t clamped = 0;
+  for (std::size_t p = 0; p < poses; ++p)
+    clamped += kernels.clamp_controls(controls + p * stride, minimum_.data(), maximum_.data(), rest_.data(),
+                                      control_count(), state.offsets_.data() + p, poses);
+  kernels.control_features(
+      {controls_.data(), kinds_.data(), scales_.data(), thresholds_.data(), falls_.data(), controls_.size()},
+      state.offsets_.data(), poses, state.values_.data());
+  ActiveList<poses> active(state.values_.data(), state.active_.data());
+  if constexpr (poses == 1) {
+    active.count = kernels.compact_nonzeros(state.values_.data(), controls_.size(), state.active_.data());
+    active.masks = -static_cast<std::int32_t>(active.count);
+  } else {
+    for (std::uint32_t f = 0; f < controls_.size(); ++f) active.append_if_active(f);
+  }
+  state.active_control_features_ = active.count;
+  run_combined(state, active);
+  state.active_count_ = active.count;
+  state.nonzero_count_ = total(active.masks);
   return clamped;
 }
 
 std::uint64_t FeatureGraph::run(const PoseKernels& kernels, const float* controls, std::size_t stride,
                                 std::size_t poses, FeatureState& state) const {
-  for (const std::uint32_t feature : state.active().subspan(state.of_controls_))
+  // Combined features of the previous run are reset; features of controls are all computed.
+  for (const std::uint32_t feature : state.active().subspan(state.active_control_features_))
     if (state.poses_ == 1)
       state.values_[feature] = 0;
     else
-      std::fill_n(state.values_.data() + feature * block_poses, block_poses, 0.0f);
+      std::fill_n(state.values_.data() + feature * poses_per_block, poses_per_block, 0.0f);
   if (state.poses_ != poses) std::fill_n(state.values_.data(), controls_.size() * state.poses_, 0.0f);
   state.poses_ = poses;
   return poses == 1 ? run_poses<1>(kernels, controls, stride, state)
-                    : run_poses<block_poses>(kernels, controls, stride, state);
+                    : run_poses<poses_per_block>(kernels, controls, stride, state);
 }
 
 }  // namespace fb::runtime

@@ -30,13 +30,13 @@ constexpr const PoseKernels* built[] = {&scalar_kernels,
 };
 
 #if defined(__x86_64__)
-// __builtin_cpu_supports asks the system too, whether it keeps the registers; compilers do not all know avxvnni.
+// __builtin_cpu_supports also checks that the system saves the registers, but not all compilers know avxvnni.
 bool has_avx_vnni() {
   unsigned a = 0, b = 0, c = 0, d = 0;
   return __get_cpuid_count(7, 1, &a, &b, &c, &d) && (a & (1u << 4));
 }
 
-bool runs(const PoseKernels* kernels) {
+bool is_supported(const PoseKernels* kernels) {
   if (kernels == &avx2_kernels) return __builtin_cpu_supports("avx2");
   if (kernels == &avx_vnni_kernels) return __builtin_cpu_supports("avx2") && has_avx_vnni();
   if (kernels == &avx512_vnni_kernels)
@@ -45,45 +45,45 @@ bool runs(const PoseKernels* kernels) {
   return true;
 }
 #elif defined(__aarch64__)
-bool runs(const PoseKernels* kernels) {
+bool is_supported(const PoseKernels* kernels) {
   if (kernels != &neon_dot_kernels) return true;
 #if defined(__linux__)
   return getauxval(AT_HWCAP) & HWCAP_ASIMDDP;
 #elif defined(__APPLE__)
-  return true;  // every processor of theirs has it
+  return true;  // on every Apple processor
 #else
   return false;
 #endif
 }
 #else
-bool runs(const PoseKernels*) {
+bool is_supported(const PoseKernels*) {
   return true;
 }
 #endif
 
-// How many of `built` a cap leaves.
-std::size_t left_by(const char* cap, const char* whose) {
+// The number of `built` kernels up to a cap. `source`: the origin of the cap, for the message.
+std::size_t count_up_to(const char* cap, const char* source) {
   if (!cap || !*cap) return std::size(built);
   const auto named = [&](const PoseKernels* kernels) { return std::strcmp(kernels->name, cap) == 0; };
   const auto found = std::find_if(std::begin(built), std::end(built), named);
   if (found != std::end(built)) return found - std::begin(built) + 1;
   std::string names;
   for (const PoseKernels* kernels : built) names += (names.empty() ? "" : ", ") + std::string(kernels->name);
-  fail(Status::invalid_argument, "%s: \"%s\" is none of %s", whose, cap, names.c_str());
+  fail(Status::invalid_argument, "%s: \"%s\" is not one of %s", source, cap, names.c_str());
 }
 
 }  // namespace
 
 const PoseKernels& choose_kernels(const char* cap) {
-  std::size_t count = std::min(left_by(cap, "instruction set"),
-                               left_by(std::getenv(instruction_set_variable), instruction_set_variable));
-  while (!runs(built[count - 1])) --count;
+  std::size_t count = std::min(count_up_to(cap, "instruction set"),
+                               count_up_to(std::getenv(instruction_set_variable), instruction_set_variable));
+  while (!is_supported(built[count - 1])) --count;
   return *built[count - 1];
 }
 
 std::vector<const PoseKernels*> runnable_kernels() {
   std::vector<const PoseKernels*> found;
-  std::copy_if(std::begin(built), std::end(built), std::back_inserter(found), runs);
+  std::copy_if(std::begin(built), std::end(built), std::back_inserter(found), is_supported);
   return found;
 }
 

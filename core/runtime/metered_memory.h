@@ -8,8 +8,8 @@
 
 namespace fb::runtime {
 
-// Memory with a meter and a limit: what lasting blocks are taken through, so that a model's footprint is known and a
-// hostile archive cannot exceed what its loader allowed. Fails with Status::limit. Not thread-safe.
+// Counts the bytes allocated from another resource and limits them, so that a model's footprint is known and a hostile
+// archive cannot exceed the loader's limit. Fails with Status::limit. Not thread-safe.
 class MeteredMemory final : public std::pmr::memory_resource {
  public:
   MeteredMemory(std::pmr::memory_resource& upstream, std::uint64_t limit) : upstream_(upstream), limit_(limit) {}

@@ -1,63 +1,64 @@
-// A row group of the basis, laid out for speed.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <utility>
 #include <vector>
 
 #include "model/packed_model.h"
-#include "runtime/kernels/panel_kernels.h"
 #include "runtime/panel_matrix.h"
-#include "runtime/quantized.h"
+#include "runtime/quantise.h"
 
 namespace fb::runtime {
 
-// Summand s is coefficient column(s) times scale(s); a wide column has two, one for each digit. Every column's values
-// or low digits come first, then the high digits of wide columns; in both parts columns ascend.
+// A row block of the basis, laid out for evaluation as a matrix of digits. A matrix column has the values or low digits
+// of a basis column, or the high digits of a wide one; its input is coefficient column(i) times scale(i). The columns
+// of values and low digits come first; in both parts basis columns ascend.
 class RowBlockMatrix {
  public:
-  RowBlockMatrix(const PackedRowBlock& group, std::pmr::memory_resource& memory);
+  RowBlockMatrix(const PackedRowBlock& block, std::pmr::memory_resource& memory);
 
   std::uint32_t first_row() const { return first_row_; }
   std::uint32_t row_count() const { return digits_.rows(); }
-  std::size_t summand_count() const { return columns_.size(); }
-  std::uint32_t column(std::size_t summand) const { return columns_[summand]; }
-  float scale(std::size_t summand) const { return scales_[summand]; }
+  std::size_t column_count() const { return column_count_; }   // of the basis, used by this block
+  std::size_t input_count() const { return columns_.size(); }  // matrix columns
+  std::uint32_t column(std::size_t input) const { return columns_[input]; }
+  float scale(std::size_t input) const { return scales_[input]; }
 
-  // The summands that use columns first_column and on, up to last_column: begin..end.
-  struct Span {
+  // Inputs begin..end - 1.
+  struct InputRange {
     std::uint32_t begin, end;
   };
-  // Of both parts; the second is empty if there is no wide column.
-  std::pair<Span, Span> summands_of(std::uint32_t first_column, std::uint32_t last_column) const;
+  // The inputs of basis columns first_column..last_column - 1 in both parts; the second is empty without wide columns.
+  std::pair<InputRange, InputRange> inputs_of(std::uint32_t first_column, std::uint32_t last_column) const;
 
-  // coefficients[column(s)] * scale(s) for the summands of a span, those of poses side by side.
+  // inputs[i * poses + p] = coefficient column(i) of pose p times scale(i), for a range. Coefficients of poses are
+  // interleaved likewise.
   template <std::size_t poses>
-  void weigh(Span span, const float* coefficients, float* summands) const {
-    for (std::uint32_t s = span.begin; s < span.end; ++s, summands += poses)
-      for (std::size_t p = 0; p < poses; ++p) summands[p] = coefficients[columns_[s] * poses + p] * scales_[s];
+  void scale_coefficients(InputRange range, const float* coefficients, float* inputs) const {
+    for (std::uint32_t i = range.begin; i < range.end; ++i, inputs += poses)
+      for (std::size_t p = 0; p < poses; ++p) inputs[p] = coefficients[columns_[i] * poses + p] * scales_[i];
   }
 
-  // Asks the processor for the digits of these summands: which are needed next no prefetcher can prediction.
-  void fetch(const std::uint32_t* places, std::size_t count) const {
-    for (std::size_t i = 0; i < count; ++i) digits_.fetch(places[i]);
+  // Prefetches matrix columns: which ones a pose uses is unpredictable to the hardware.
+  void prefetch(const std::uint32_t* indices, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) digits_.prefetch(indices[i]);
   }
 
-  // The largest number that summands may be rounded to.
+  // See PanelMatrix::limit.
   float limit() const { return static_cast<float>(digits_.limit()); }
 
-  // rows[pose] = rest + what the pose's summands, those at their places, move. Rows are left alone where all are 0.
-  void run(const PoseKernels& kernels, const Quantized& summands, const float* rest, float* const* rows) const;
+  // rows[p] = rest + displacements of pose p, row_count() floats. Rows of poses whose inputs are all 0 are not written.
+  void run(const PoseKernels& kernels, const QuantisedInputs& inputs, const float* rest, float* const* rows) const;
 
-  // What one unit of a column's coefficient moves: row_count() floats. `place` is that of its value or low digit.
-  void displacements(std::size_t place, float* moved) const;
-  std::size_t column_count() const { return column_count_; }
+  // The displacements for one unit of the coefficient of basis column `input` < column_count(): row_count() floats.
+  void displacements(std::size_t input, float* values) const;
 
  private:
   std::uint32_t first_row_;
   std::size_t column_count_;
-  std::pmr::vector<std::uint32_t> columns_;
+  std::pmr::vector<std::uint32_t> columns_;  // of the basis, by matrix column
   std::pmr::vector<float> scales_;
   PanelMatrix digits_;
 };

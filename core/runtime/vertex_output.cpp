@@ -9,65 +9,66 @@
 namespace fb::runtime {
 namespace {
 
-// Without gaps, a number more than the three is copied, because that is one instruction; the next vertex sets it right.
-template <class Number, class Place>
-void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, Place&& place) {
+// index_of(v): the index in `rows` of the vertex that is written as the v-th. Without gaps, four numbers are copied,
+// which is one instruction; the next vertex overwrites the fourth.
+template <class Number, class IndexOf>
+void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, IndexOf&& index_of) {
   auto* to = static_cast<Number*>(output.first);
   if (vertices == 0) return;
   const std::size_t last = vertices - 1;
   if (output.vertex_stride == 3)
 #pragma GCC unroll 4
-    for (std::size_t v = 0; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * place(v), 4 * sizeof(Number));
+    for (std::size_t v = 0; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
   else
     for (std::size_t v = 0; v < last; ++v)
-      std::memcpy(to + v * output.vertex_stride, rows + 3 * place(v), 3 * sizeof(Number));
-  std::memcpy(to + last * output.vertex_stride, rows + 3 * place(last), 3 * sizeof(Number));
+      std::memcpy(to + v * output.vertex_stride, rows + 3 * index_of(v), 3 * sizeof(Number));
+  std::memcpy(to + last * output.vertex_stride, rows + 3 * index_of(last), 3 * sizeof(Number));
 }
 
 #if defined(__SSE2__)
-// Four vertices are three vectors.
-template <class Place>
-void stream(const float* rows, std::size_t vertices, float* to, Place&& place) {
+// Non-temporal stores of aligned vectors: four vertices are three vectors.
+template <class IndexOf>
+void stream(const float* rows, std::size_t vertices, float* to, IndexOf&& index_of) {
   std::size_t v = 0;
   for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
-    std::memcpy(to + 3 * v, rows + 3 * place(v), 3 * sizeof(float));
+    std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
   for (; v + 4 <= vertices; v += 4) {
-    const __m128 a = _mm_loadu_ps(rows + 3 * place(v)), b = _mm_loadu_ps(rows + 3 * place(v + 1));
-    const __m128 c = _mm_loadu_ps(rows + 3 * place(v + 2)), d = _mm_loadu_ps(rows + 3 * place(v + 3));
+    const __m128 a = _mm_loadu_ps(rows + 3 * index_of(v)), b = _mm_loadu_ps(rows + 3 * index_of(v + 1));
+    const __m128 c = _mm_loadu_ps(rows + 3 * index_of(v + 2)), d = _mm_loadu_ps(rows + 3 * index_of(v + 3));
     const __m128 az_bx = _mm_shuffle_ps(a, b, _MM_SHUFFLE(0, 0, 2, 2));  // z z x x
     const __m128 cz_dx = _mm_shuffle_ps(c, d, _MM_SHUFFLE(0, 0, 2, 2));
     _mm_stream_ps(to + 3 * v, _mm_shuffle_ps(a, az_bx, _MM_SHUFFLE(2, 0, 1, 0)));
     _mm_stream_ps(to + 3 * v + 4, _mm_shuffle_ps(b, c, _MM_SHUFFLE(1, 0, 2, 1)));
     _mm_stream_ps(to + 3 * v + 8, _mm_shuffle_ps(cz_dx, d, _MM_SHUFFLE(2, 1, 2, 0)));
   }
-  for (; v < vertices; ++v) std::memcpy(to + 3 * v, rows + 3 * place(v), 3 * sizeof(float));
+  for (; v < vertices; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
   _mm_sfence();
 }
 #endif
 
-template <class Number, class Place>
-void write(const Number* rows, std::size_t vertices, const VertexOutput& output, Place&& place) {
+template <class Number, class IndexOf>
+void write(const Number* rows, std::size_t vertices, const VertexOutput& output, IndexOf&& index_of) {
 #if defined(__SSE2__)
   if constexpr (sizeof(Number) == sizeof(float))
     if (output.streamed && output.vertex_stride == 3)
-      return stream(rows, vertices, static_cast<float*>(output.first), place);
+      return stream(rows, vertices, static_cast<float*>(output.first), index_of);
 #endif
-  copy(rows, vertices, output, place);
+  copy(rows, vertices, output, index_of);
 }
 
 }  // namespace
 
 void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
-                    std::span<const std::uint32_t> place_of, std::uint16_t* halves, const VertexOutput& output) {
-  const auto in_order = [&](const auto* numbers) {
-    if (place_of.empty() || output.order == VertexOrder::baked)
+                    std::span<const std::uint32_t> baked_index, std::uint16_t* halves, const VertexOutput& output) {
+  const auto write_ordered = [&](const auto* numbers) {
+    if (baked_index.empty() || output.order == VertexOrder::baked)
       write(numbers, vertices, output, [](std::size_t v) { return v; });
     else
-      write(numbers, vertices, output, [&](std::size_t v) { return std::size_t(place_of[v]); });
+      write(numbers, vertices, output, [&](std::size_t v) { return std::size_t(baked_index[v]); });
   };
-  if (output.format == NumberFormat::float32) return in_order(rows);
-  kernels.to_halves(rows, halves, 3 * vertices);
-  in_order(static_cast<const std::uint16_t*>(halves));
+  if (output.format == NumberFormat::float32) return write_ordered(rows);
+  kernels.convert_to_half(rows, halves, 3 * vertices);
+  write_ordered(static_cast<const std::uint16_t*>(halves));
 }
 
 }  // namespace fb::runtime

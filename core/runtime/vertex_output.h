@@ -1,30 +1,32 @@
-// How what was computed leaves: in which order, as which numbers, how far apart.
+// Writing vertex attributes (positions, normals, tangents) to the caller's buffers.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 
+// See facebaker.h: FB_ORDER_... and FB_FLOAT...
 enum class VertexOrder : std::uint32_t { source = 0, baked = 1 };
 enum class NumberFormat : std::uint32_t { float32 = 0, float16 = 1 };
 
-// Three numbers a vertex: those of vertex v begin at first + v * vertex_stride numbers. What lies between is not
-// touched. Aligned as its numbers are.
+// A buffer for three numbers a vertex. Those of vertex v begin at first + v * vertex_stride numbers; the gaps between
+// vertices are not written. Aligned to the number type.
 struct VertexOutput {
-  void* first = nullptr;  // null: not wanted
+  void* first = nullptr;  // null: no output
   std::size_t vertex_stride = 3;
   VertexOrder order = VertexOrder::source;
   NumberFormat format = NumberFormat::float32;
-  bool streamed = false;  // past the caches, where the processor can and the numbers are floats without gaps
+  bool streamed = false;  // non-temporal stores, where the processor has them and the numbers are floats without gaps
 };
 
-// Writes `vertices` vertices that lie in baked order in `rows`, which has a float more than theirs. place_of[v]: the
-// place of the source's vertex v in that order; empty if both are the same. `halves`: as many as `rows` has floats.
+// Writes vertices from `rows`, which holds 3 floats a vertex in baked order and is readable one float beyond.
+// baked_index[v]: the index of source vertex v in baked order; empty if both orders are the same. `halves`: a buffer of
+// as many numbers as `rows` has.
 void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
-                    std::span<const std::uint32_t> place_of, std::uint16_t* halves, const VertexOutput& output);
+                    std::span<const std::uint32_t> baked_index, std::uint16_t* halves, const VertexOutput& output);
 
 }  // namespace fb::runtime

@@ -1,4 +1,3 @@
-// Tangents of the posed mesh, along its texture coordinates.
 #pragma once
 
 #include <cstdint>
@@ -7,57 +6,60 @@
 #include <vector>
 
 #include "model/mesh.h"
+#include "runtime/csr_table.h"
 #include "runtime/vertex_normals.h"
 
 namespace fb::runtime {
 
-// A vertex' tangent is the direction in which u grows: the sum, over the polygons around it, of the integral of dP/du
-// over each polygon's part of the picture, made perpendicular to the normal and one long. By Green's theorem that
-// integral is the one of P dv along the polygon's edges, flat or not: a sum of its corners with weights that no pose
-// changes. Null where there is no normal, no texture or no such direction.
+// Vertex tangents of the posed mesh: the direction in which u grows. A vertex tangent is the sum, over the polygons
+// around the vertex, of the integral of dP/du over the polygon's area in texture space, orthogonalised against the
+// normal and normalised. By Green's theorem the integral equals that of P dv along the polygon's edges, planar or not:
+// a sum of its corners with weights that do not depend on the pose. Null where there is no normal, no texture or no
+// such direction.
 class VertexTangents {
  public:
-  // Working memory: tangents, and which chunks' are not those at rest.
+  // Working memory, and the tangents of the last pose.
   class State {
    public:
     State(const VertexTangents& tangents, std::pmr::memory_resource& memory);
-    // The last pose's: 3 floats a vertex in baked order, and one float more.
+    // Of the last pose: 3 floats a vertex in baked order, readable one float beyond.
     const float* tangents() const { return tangents_.data(); }
 
    private:
     friend class VertexTangents;
-    std::pmr::vector<float> polygons_, tangents_;  // 3 floats each
-    std::pmr::vector<std::uint8_t> moved_;
+    std::pmr::vector<float> integrals_, tangents_;  // 3 floats a polygon; 3 a vertex
+    std::pmr::vector<std::uint8_t> moved_;          // by row block: whether its tangents can differ from those at rest
   };
 
-  // place_of: the place of a vertex in baked order, empty if that is the mesh's own. `normals` are the mesh's. Without
-  // texture coordinates it takes no memory, and may not run.
-  VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> place_of, const VertexNormals& normals,
+  // baked_index: by vertex, its index in baked order; empty if that is the order of the mesh. `normals`: of the same
+  // mesh. Without texture coordinates it takes no memory, and run() must not be called.
+  VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> baked_index, const VertexNormals& normals,
                  std::pmr::memory_resource& memory);
 
-  // 1, or -1 where the picture lies mirrored on the polygons around a vertex, in the mesh's order: the direction in
-  // which v grows is about this times the cross product of normal and tangent. Empty without texture coordinates.
+  // By vertex, in the order of the mesh: -1 where the texture is mirrored, else 1. The direction in which v grows is
+  // about this times the cross product of normal and tangent. Empty without texture coordinates.
   std::span<const float> signs() const { return signs_; }
 
-  // rows: positions in baked order. normals: what was just run on them.
+  // rows: positions in baked order. normals_state: the result of normals.run() for these rows.
   void run(const float* rows, const VertexNormals& normals, const VertexNormals::State& normals_state,
            State& state) const;
 
  private:
-  // A corner of a polygon and what it counts; those of a polygon sum to 0.
+  // A corner of a polygon; the weights of a polygon sum to 0.
   struct Corner {
-    std::uint32_t place;
+    std::uint32_t vertex;  // in baked order
     float weight;
   };
-  void compute_polygons(const float* rows, float* polygons) const;
-  void compute_tangents(std::uint32_t begin, std::uint32_t end, const float* polygons, const float* normals,
+  void compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index, std::span<const float> normals);
+  void compute_integrals(const float* rows, float* integrals) const;
+  void compute_tangents(std::uint32_t begin, std::uint32_t end, const float* integrals, const float* normals,
                         float* tangents) const;
 
-  std::pmr::vector<Corner> corners_;                       // polygon after polygon
-  std::pmr::vector<std::uint32_t> polygon_begin_;          // in corners_
-  std::pmr::vector<std::uint32_t> around_, around_begin_;  // the polygons around each vertex, in baked order
+  std::pmr::vector<Corner> corners_;                 // by polygon
+  std::pmr::vector<std::uint32_t> polygon_offsets_;  // in corners_
+  CsrTable<std::uint32_t> incident_;                 // by vertex in baked order: the polygons around it
   std::pmr::vector<float> signs_, at_rest_;
-  std::size_t chunks_;
+  std::size_t block_count_;
 };
 
 }  // namespace fb::runtime

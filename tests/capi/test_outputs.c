@@ -213,7 +213,7 @@ static void every_instruction_set_gives_the_same_bits(void** state) {
   fb_release(scalar);
   load.instruction_set = "abacus";
   assert_int_equal(fb_load(FB_FIXTURE, &load, &scalar), FB_ERROR_INVALID_ARGUMENT);
-  assert_non_null(strstr(fb_last_error(), "\"abacus\" is none of scalar"));
+  assert_non_null(strstr(fb_last_error(), "\"abacus\" is not one of scalar"));
 }
 
 int main(void) {

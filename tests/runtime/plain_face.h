@@ -1,5 +1,5 @@
-// FORMAT.md, "What a reader computes", written down again as plainly as it goes: whole numbers of 64 bits, no panels,
-// no lists, nothing left out. It shares no code with the evaluator but the declarations of models.
+// A reference implementation of FORMAT.md, "What a reader computes": 64-bit integers, dense, no panels. It shares no
+// code with the evaluator but the declarations of models.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace fb::plain {
 
 using Floats = std::vector<float>;
-using Digits = std::vector<std::vector<std::int64_t>>;  // row after row
+using Digits = std::vector<std::vector<std::int64_t>>;  // by row
 
 inline float positive(float a) {
   return a > 0 ? a : 0;
@@ -56,7 +56,7 @@ inline Floats features(const PackedModel& model, const Floats& controls) {
   return values;
 }
 
-inline std::int64_t heaviest(const Digits& digits) {
+inline std::int64_t largest_row_sum(const Digits& digits) {
   std::int64_t most = 0;
   for (const auto& row : digits) {
     std::int64_t sum = 0;
@@ -66,8 +66,8 @@ inline std::int64_t heaviest(const Digits& digits) {
   return most;
 }
 
-inline std::int64_t limit_of(std::int64_t heaviest_row) {
-  const std::int64_t limit = heaviest_row ? 2147483647 / heaviest_row : 32512;
+inline std::int64_t limit_of(std::int64_t row_sum) {
+  const std::int64_t limit = row_sum ? 2147483647 / row_sum : 32512;
   return limit < 32512 ? limit : 32512;
 }
 
@@ -124,7 +124,7 @@ inline Floats layer_of(const PackedLayer& layer, const Floats& x) {
       low[o][i] = layer.weights[o * layer.inputs + i];
       if (layer.wide) split(low[o][i], high[o][i], low[o][i]);
     }
-  const std::int64_t low_limit = limit_of(heaviest(low)), high_limit = limit_of(heaviest(high));
+  const std::int64_t low_limit = limit_of(largest_row_sum(low)), high_limit = limit_of(largest_row_sum(high));
   const Quantised in = quantise(x, low_limit < high_limit ? low_limit : high_limit);
   const auto low_sums = multiply(low, in.q), high_sums = multiply(high, in.q);
   Floats y;
@@ -154,14 +154,14 @@ inline Floats region_of(const PackedRegion& region, const Floats& all) {
     posed = layer_of(layer, posed);
     rest = layer_of(layer, rest);
   }
-  float sum = 0, most = 0, opening = 1;
+  float sum = 0, most = 0, gate_value = 1;
   for (const std::uint32_t f : region.gate.features) {
     sum = sum + std::fabs(all[f]);
     if (std::fabs(all[f]) > most) most = std::fabs(all[f]);
   }
-  if (!region.gate.features.empty()) opening = smaller(positive(region.gate.slope * (sum - most)), 1);
+  if (!region.gate.features.empty()) gate_value = smaller(positive(region.gate.slope * (sum - most)), 1);
   for (std::size_t i = 0; i < posed.size(); ++i)
-    posed[i] = resting || opening == 0 ? 0 : (posed[i] - rest[i]) * opening;
+    posed[i] = resting || gate_value == 0 ? 0 : (posed[i] - rest[i]) * gate_value;
   return posed;
 }
 
@@ -193,7 +193,7 @@ inline Floats positions(const PackedModel& model, const Floats& controls) {
         digits[r].push_back(low);
       }
     }
-    const Quantised in = quantise(x, limit_of(heaviest(digits)));
+    const Quantised in = quantise(x, limit_of(largest_row_sum(digits)));
     const auto sums = multiply(digits, in.q);
     for (std::size_t r = 0; r < block.row_count; ++r) {
       const std::size_t row = block.first_row + r;

@@ -19,7 +19,7 @@ using namespace fb::runtime;
 
 namespace {
 
-// A face of ordinary size: deep skip layers, global and local columns, odd widths, features of features, gates.
+// A face of realistic size: deep skip layers, global and local columns, odd widths, combined features, gates.
 PackedModel wide_model(std::uint64_t seed = 7) {
   PackedModel model = tiny_packed_model();
   Random random(seed);
@@ -107,8 +107,8 @@ TEST_CASE("poses agree with the definition bit for bit") {
   }
 }
 
-TEST_CASE("whole numbers never overflow, whatever the weights") {
-  // Rows of extreme digits, as long as it takes for 32 bits to be too few for the largest inputs, and longer.
+TEST_CASE("integer sums never overflow, whatever the weights") {
+  // Rows of extreme digits, long enough that the largest inputs would overflow 32 bits.
   for (const std::uint32_t inputs : {515u, 521u, 700u, 3000u})
     for (const bool wide : {false, true}) {
       PackedModel model = tiny_packed_model();
@@ -116,7 +116,7 @@ TEST_CASE("whole numbers never overflow, whatever the weights") {
       model.regions.resize(1);
       PackedRegion& region = model.regions[0];
       region.features.assign(inputs, 0);
-      const int most = wide ? 127 * 256 - 128 : largest_narrow;  // both digits far out
+      const int most = wide ? 127 * 256 - 128 : largest_narrow;  // both digits extreme
       PackedLayer first{inputs, 4, Activation::linear, false, wide, {}, {1e-6f, 1e-6f, 1e-6f, 1e-6f}, {0, 1, 2, 3}};
       for (std::uint32_t o = 0; o < 4; ++o)
         for (std::uint32_t i = 0; i < inputs; ++i)
@@ -143,7 +143,7 @@ TEST_CASE("whole numbers never overflow, whatever the weights") {
     }
 }
 
-TEST_CASE("numbers beyond all bounds have a defined result too") {
+TEST_CASE("infinities and NaN within the model have a defined result") {
   for (const float huge : {1e30f, 1e38f}) {
     PackedModel model = wide_model();
     for (std::size_t f = 0; f < model.features.size(); f += 5) model.features[f].scale = huge;
@@ -159,7 +159,7 @@ TEST_CASE("numbers beyond all bounds have a defined result too") {
   }
 }
 
-TEST_CASE("a gate is shut while one control alone is moved") {
+TEST_CASE("a gate is closed while only one control is moved") {
   const PackedModel model = tiny_packed_model();
   const Evaluator evaluator(model);
   Workspace workspace(evaluator);
@@ -198,7 +198,7 @@ TEST_CASE("coefficients are the weights of the basis' columns") {
       for (std::uint32_t r = 0; r < block.row_count; ++r)
         sum[model.coordinate(block.first_row + r)] += double(weights[block.columns[c].column]) * moved[r];
     }
-  for (std::size_t i = 0; i < sum.size(); ++i)  // but for the rounding of coefficients
+  for (std::size_t i = 0; i < sum.size(); ++i)  // up to the rounding of coefficients
     CHECK(std::fabs(positions[i] - sum[i]) < 1e-4 * model.rest.diagonal());
 }
 
@@ -220,21 +220,21 @@ TEST_CASE("values outside their range are clamped and counted; NaN is refused by
   CHECK(same_bits(positions, before));
 }
 
-TEST_CASE("a batch gives the bits of single poses, whatever the strides, the layout and the threads") {
+TEST_CASE("a batch gives the bits of single poses for all strides, layouts and thread counts") {
   const PackedModel model = wide_model();
   const Evaluator evaluator(model);
-  // Blocks of poses alike, of poses that move little in common, and poses left over; some of them at rest.
-  const std::size_t poses = 3 * block_poses + 5;
+  // Blocks of similar poses, of poses with few common features, and remaining poses; some of them at rest.
+  const std::size_t poses = 3 * poses_per_block + 5;
   const std::size_t controls = evaluator.control_count(), vertices = evaluator.vertex_count();
   Random random(5);
   const std::size_t control_stride = controls + 3;
-  std::vector<float> input(poses * control_stride, NAN);  // what lies between poses is not read
+  std::vector<float> input(poses * control_stride, NAN);  // gaps between poses are not read
   std::vector<std::vector<float>> single;
   for (std::size_t p = 0; p < poses; ++p) {
     std::vector<float> pose = random_pose(model.schema, random);
-    const std::size_t block = p / block_poses;
+    const std::size_t block = p / poses_per_block;
     for (std::size_t c = 0; c < controls; ++c)
-      if (p % 5 == 4 || (block == 1 && c % 4 != 0) || (block == 2 && c % block_poses != p % block_poses))
+      if (p % 5 == 4 || (block == 1 && c % 4 != 0) || (block == 2 && c % poses_per_block != p % poses_per_block))
         pose[c] = model.schema.controls[c].rest;
     std::copy(pose.begin(), pose.end(), input.begin() + p * control_stride);
     single.push_back(evaluate(evaluator, pose));
@@ -285,7 +285,7 @@ TEST_CASE("a batch that does not fit is refused before anything is written") {
   refuses({2, input, 0, whole});
 }
 
-TEST_CASE("a host's scheduler that breaks its promise is found out") {
+TEST_CASE("a host's scheduler that breaks its contract is detected") {
   const PackedModel model = tiny_packed_model();
   const Evaluator evaluator(model);
   std::vector<Workspace> workspaces;
@@ -322,7 +322,7 @@ TEST_CASE("a model beyond the memory limit, or one that overflows at rest, is re
 }
 
 #if defined(__SSE2__)
-TEST_CASE("the host's floating-point mode changes no bit and is given back") {
+TEST_CASE("the host's floating-point mode changes no bit and is restored") {
   const PackedModel model = wide_model();
   const Evaluator evaluator(model);
   Random random(6);

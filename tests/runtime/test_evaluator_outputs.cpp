@@ -1,4 +1,4 @@
-// What an evaluator gives besides positions in the source's order: normals, halves, parts, large batches.
+// Outputs of an evaluator other than positions in source order: normals, tangents, large batches, host threads.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-// The sums of the polygons' area vectors, by the closed loops of their corners, made one long.
+// Normalised sums of the polygons' area vectors, from the closed loops of their corners.
 std::vector<double> polygon_normals(const Mesh& mesh, const std::vector<float>& points) {
   std::vector<double> sums(points.size());
   const std::uint32_t* corners = mesh.polygon_corners.data();
@@ -66,7 +66,7 @@ std::vector<double> polygon_normals(const Mesh& mesh, const std::vector<float>& 
   return sums;
 }
 
-// A control at rest leaves most of this face where it is: every control moves a band of rows of its own.
+// Every control moves its own band of rows, so that one control leaves most of the face at rest.
 PackedModel banded_model() {
   PackedModel model = tiny_packed_model();
   Random random(5);
@@ -107,7 +107,7 @@ std::vector<float> sparse_pose(const PackedModel& model, Random& random, float s
   return pose;
 }
 
-// Triangle after triangle of the polygons' fans, what (e1 dv2 - e2 dv1) gives, without its part along the normals.
+// The sums of (e1 dv2 - e2 dv1) over the triangles of the polygons' fans, orthogonalised against the normals.
 std::vector<double> fan_tangents(const Mesh& mesh, const Posed& posed) {
   std::vector<double> sums(posed.positions.size());
   std::size_t first = 0;
@@ -135,8 +135,8 @@ std::vector<double> fan_tangents(const Mesh& mesh, const Posed& posed) {
   return sums;
 }
 
-// Poses one after the other in one workspace. `of` a pose are the same bits as in a fresh one, and nowhere further from
-// what `expected` gives for it than `tolerance`.
+// Poses evaluated in one workspace: member `of` has the same bits as with a new workspace, and differs from `expected`
+// by less than `tolerance`.
 template <class Expected>
 void check_poses(const PackedModel& model, std::vector<float> Posed::*of, double tolerance, const Expected& expected) {
   const Evaluator evaluator(model);
@@ -157,14 +157,14 @@ void check_poses(const PackedModel& model, std::vector<float> Posed::*of, double
 
 }  // namespace
 
-TEST_CASE("tangents follow the texture on the posed mesh, whatever was posed before") {
+TEST_CASE("tangents follow the texture on the posed mesh, independent of earlier poses") {
   for (PackedModel model : {tiny_packed_model(), banded_model(), triangulated(banded_model())}) {
     give_uvs(model.rest);
     check_poses(model, &Posed::tangents, 1e-4, [&](const Posed& posed) { return fan_tangents(model.rest, posed); });
   }
 }
 
-TEST_CASE("a mirrored picture keeps its direction and turns the sign; without area there is no tangent") {
+TEST_CASE("a mirrored texture changes the sign and not the tangent; without area there is no tangent") {
   PackedModel model = banded_model();
   give_uvs_by_vertex(model.rest);
   const std::vector<float> rest = model.schema.rest_pose();
@@ -191,10 +191,10 @@ TEST_CASE("tangents of a face without texture coordinates are refused") {
   const std::vector<float> rest = model.schema.rest_pose();
   Batch batch{.poses = 1, .controls = rest, .positions = {}};
   batch.tangents = {tangents.data(), tangents.size()};
-  CHECK_THROWS_WITH(evaluator.evaluate_batch(batch, work), "tangents are asked of a face without texture coordinates");
+  CHECK_THROWS_WITH(evaluator.evaluate_batch(batch, work), "a face without texture coordinates has no tangents");
 }
 
-TEST_CASE("normals are those of the posed mesh, whatever was posed before") {
+TEST_CASE("normals are those of the posed mesh, independent of earlier poses") {
   for (const PackedModel& model : {tiny_packed_model(), banded_model(), triangulated(banded_model())})
     check_poses(model, &Posed::normals, 1e-5,
                 [&](const Posed& posed) { return polygon_normals(model.rest, posed.positions); });
@@ -211,7 +211,7 @@ TEST_CASE("a mesh without polygons has null normals") {
   CHECK(std::all_of(posed.normals.begin(), posed.normals.end(), [](float n) { return n == 0; }));
 }
 
-TEST_CASE("what moved in one pose is back at rest in the next") {
+TEST_CASE("row blocks return to rest in the next pose") {
   const PackedModel model = banded_model();
   const Evaluator evaluator(model);
   Workspace workspace(evaluator);
@@ -227,7 +227,7 @@ TEST_CASE("what moved in one pose is back at rest in the next") {
   }
 }
 
-TEST_CASE("batches so large that they are written past the caches hold the same bits, at any address") {
+TEST_CASE("large batches, written with non-temporal stores, have the same bits at any address") {
   for (const PackedModel& model : {banded_model(), tiny_packed_model()}) {
     const Evaluator evaluator(model);
     const std::size_t poses = (std::size_t(5) << 20) / (3 * sizeof(float) * evaluator.vertex_count());
@@ -257,7 +257,7 @@ TEST_CASE("batches so large that they are written past the caches hold the same 
   }
 }
 
-TEST_CASE("threads of the host's own pose a batch to the same bits") {
+TEST_CASE("a batch on the host's threads has the same bits") {
   const PackedModel model = banded_model();
   const Evaluator evaluator(model);
   Random random(12);

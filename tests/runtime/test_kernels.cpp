@@ -1,4 +1,4 @@
-// Every instruction set's kernels give the sums the definition gives.
+// The kernels of every instruction set against the definition and the scalar kernels.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,45 +22,47 @@ namespace {
 
 struct Inputs {
   std::size_t poses;
-  std::vector<std::uint32_t> places = {};
-  std::vector<std::int16_t> numbers = {};
-  std::vector<std::uint32_t> starts = {};
-  PanelInputs panel_inputs() const { return {places.data(), numbers.data(), places.size(), poses, starts.data()}; }
+  std::vector<std::uint32_t> indices = {};
+  std::vector<std::int16_t> values = {};
+  std::vector<std::uint32_t> initial_sums = {};
+  PanelInputs panel_inputs() const {
+    return {indices.data(), values.data(), indices.size(), poses, initial_sums.data()};
+  }
   std::int16_t at(std::size_t column, std::size_t pose) const {
-    return numbers[(column / 4 * poses + pose) * 4 + column % 4];
+    return values[(column / 4 * poses + pose) * 4 + column % 4];
   }
 };
 
-// `count` of the columns, or of quads all, filled up to fours; kind 0: the largest inputs, 1: the smallest, 2: about 0,
-// else any.
+// Inputs of `count` random columns, or of all columns for quads, padded to a multiple of 4. kind 0: the largest values,
+// 1: the smallest, 2: values near 0, else any.
 Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, PanelMatrix::Form form,
                    int kind) {
   const bool quads = form == PanelMatrix::Form::quads;
   if (quads) count = columns;
   Inputs inputs{poses};
-  inputs.numbers.reserve(4 * poses);
+  inputs.values.reserve(4 * poses);
   for (std::uint32_t i = 0; i < (count + 3) / 4 * 4; ++i)
-    inputs.places.push_back(i >= count ? 0 : quads ? i : random.below(columns));
-  inputs.numbers.resize(inputs.places.size() * poses);
+    inputs.indices.push_back(i >= count ? 0 : quads ? i : random.below(columns));
+  inputs.values.resize(inputs.indices.size() * poses);
   for (std::size_t pose = 0; pose < poses; ++pose) {
     std::uint32_t sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const int any = int(random.below(2 * largest_wide + 1)) - largest_wide;
-      const int number = kind == 0   ? largest_wide
-                         : kind == 1 ? -largest_wide
-                         : kind == 2 ? int(random.below(513)) - 256
-                                     : any;
-      inputs.numbers[(i / 4 * poses + pose) * 4 + i % 4] = static_cast<std::int16_t>(number);
-      sum += static_cast<std::uint32_t>(number);
+      const int value = kind == 0   ? largest_wide
+                        : kind == 1 ? -largest_wide
+                        : kind == 2 ? int(random.below(513)) - 256
+                                    : any;
+      inputs.values[(i / 4 * poses + pose) * 4 + i % 4] = static_cast<std::int16_t>(value);
+      sum += static_cast<std::uint32_t>(value);
     }
-    inputs.starts.push_back(0 - 128 * sum);
+    inputs.initial_sums.push_back(0 - 128 * sum);
   }
   return inputs;
 }
 
 }  // namespace
 
-TEST_CASE("kernels give exact sums, for matrices of both forms and all sizes and inputs of all kinds") {
+TEST_CASE("panel sums are exact, for matrices of both forms, all sizes and all kinds of inputs") {
   using enum PanelMatrix::Form;
   Random random(4);
   for (const PanelMatrix::Form form : {columns, quads})
@@ -82,26 +84,26 @@ TEST_CASE("kernels give exact sums, for matrices of both forms and all sizes and
         CHECK(kept);
         for (int kind = 0; kind < 4; ++kind)
           for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u})
-            for (const std::size_t poses : {std::size_t{1}, block_poses}) {
+            for (const std::size_t poses : {std::size_t{1}, poses_per_block}) {
               if (form == quads && count > 0) continue;
               const Inputs inputs = some_inputs(random, poses, count, width, form, kind);
               for (std::uint32_t first = 0; first < rows; first += matrix.panel_rows()) {
-                const std::uint32_t there = matrix.rows_at(first);
-                std::vector<std::int32_t> expected(poses * most_rows);
+                const std::uint32_t panel_rows = matrix.rows_at(first);
+                std::vector<std::int32_t> expected(poses * max_panel_rows);
                 for (std::size_t pose = 0; pose < poses; ++pose)
-                  for (std::uint32_t r = 0; r < there; ++r) {
+                  for (std::uint32_t r = 0; r < panel_rows; ++r) {
                     std::int64_t sum = 0;
-                    for (std::size_t k = 0; k < inputs.places.size(); ++k)
-                      sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * width + inputs.places[k]];
-                    expected[most_rows * pose + r] = static_cast<std::int32_t>(sum);
+                    for (std::size_t k = 0; k < inputs.indices.size(); ++k)
+                      sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * width + inputs.indices[k]];
+                    expected[max_panel_rows * pose + r] = static_cast<std::int32_t>(sum);
                   }
                 for (const PoseKernels* kernels : runnable_kernels()) {
-                  std::int32_t sums[block_poses * most_rows];
+                  std::int32_t sums[poses_per_block * max_panel_rows];
                   matrix.sum(*kernels, first, inputs.panel_inputs(), sums);
                   bool same = true;
                   for (std::size_t pose = 0; pose < poses; ++pose)
-                    same = same && std::memcmp(sums + most_rows * pose, expected.data() + most_rows * pose,
-                                               there * sizeof(int)) == 0;
+                    same = same && std::memcmp(sums + max_panel_rows * pose, expected.data() + max_panel_rows * pose,
+                                               panel_rows * sizeof(int)) == 0;
                   CHECK_MESSAGE(same, kernels->name << (form == quads ? ", quads: " : ", columns: ") << rows << " x "
                                                     << width << ", kind " << kind << ", " << poses << " poses");
                 }
@@ -110,7 +112,7 @@ TEST_CASE("kernels give exact sums, for matrices of both forms and all sizes and
       }
 }
 
-TEST_CASE("kernels clamp controls, compute their features and list those that are not 0 as the scalar ones do") {
+TEST_CASE("kernels clamp controls, compute features and compact non-zeros as the scalar ones do") {
   Random random(6);
   for (const std::size_t controls : {std::size_t(1), std::size_t(15), std::size_t(70)}) {
     std::vector<float> minimum, maximum, rest;
@@ -131,39 +133,39 @@ TEST_CASE("kernels clamp controls, compute their features and list those that ar
     }
     const ControlFeatures features = {of.data(),         kinds.data(), scales.data(),
                                       thresholds.data(), falls.data(), of.size()};
-    for (const std::size_t poses : {std::size_t{1}, block_poses}) {
+    for (const std::size_t poses : {std::size_t{1}, poses_per_block}) {
       std::vector<float> values(controls * poses);
       for (float& value : values) value = random.below(4) ? random.uniform(-3, 3) : 0;
       values[0] = INFINITY;
       const auto run = [&](const PoseKernels& kernels) {
         std::vector<float> results(controls * poses + of.size() * poses);
-        float* const moves = results.data();
+        float* const offsets = results.data();
         std::uint32_t clamped = 0;
         for (std::size_t p = 0; p < poses; ++p)
           clamped += kernels.clamp_controls(values.data() + p * controls, minimum.data(), maximum.data(), rest.data(),
-                                            controls, moves + p, poses);
-        float* const found = moves + controls * poses;
-        kernels.control_features(features, moves, poses, found);
-        std::vector<std::uint32_t> places(of.size() * poses + 16);
-        const std::size_t moved = kernels.compact_nonzeros(found, of.size() * poses, places.data());
-        places.resize(moved);
-        places.push_back(clamped);
-        return std::pair(results, places);
+                                            controls, offsets + p, poses);
+        float* const found = offsets + controls * poses;
+        kernels.control_features(features, offsets, poses, found);
+        std::vector<std::uint32_t> indices(of.size() * poses + 16);
+        const std::size_t active = kernels.compact_nonzeros(found, of.size() * poses, indices.data());
+        indices.resize(active);
+        indices.push_back(clamped);
+        return std::pair(results, indices);
       };
       const auto [expected, listed] = run(scalar_kernels);
       CHECK(listed.back() > 0);
       for (std::size_t i = 0, next = 0; i < of.size() * poses; ++i)
         if (expected[controls * poses + i] != 0) CHECK(listed[next++] == i);
       for (const PoseKernels* kernels : runnable_kernels()) {
-        const auto [results, places] = run(*kernels);
+        const auto [results, indices] = run(*kernels);
         const bool same = std::memcmp(results.data(), expected.data(), expected.size() * sizeof(float)) == 0;
-        CHECK_MESSAGE((same && places == listed), kernels->name << ": " << controls << " controls, " << poses);
+        CHECK_MESSAGE((same && indices == listed), kernels->name << ": " << controls << " controls, " << poses);
       }
     }
   }
 }
 
-TEST_CASE("kernels see what is not a number") {
+TEST_CASE("kernels detect NaN") {
   for (const PoseKernels* kernels : runnable_kernels())
     for (const std::size_t count : {std::size_t(1), std::size_t(16), std::size_t(37)}) {
       std::vector<float> numbers(count, INFINITY);
@@ -176,7 +178,7 @@ TEST_CASE("kernels see what is not a number") {
     }
 }
 
-TEST_CASE("kernels round numbers as the scalar ones do, whatever lies beyond them") {
+TEST_CASE("kernels quantise numbers as the scalar ones do, whatever the padding holds") {
   Random random(7);
   for (const std::size_t count : {0u, 1u, 15u, 16u, 17u, 50u, 64u})
     for (const float limit : {1.0f, 77.0f, 32512.0f})
@@ -185,41 +187,41 @@ TEST_CASE("kernels round numbers as the scalar ones do, whatever lies beyond the
         for (std::size_t i = 0; i < count; ++i) numbers[i] = random.uniform(-3, 3);
         if (wild && count > 15) numbers[3] = INFINITY, numbers[4] = -NAN, numbers[5] = -1e-38f, numbers[6] = -INFINITY;
         std::vector<std::int16_t> expected(count + padding, -1), found(count + padding, -1);
-        const Rounded one = scalar_kernels.quantise_all(numbers.data(), count, limit, expected.data());
+        const Quantisation one = scalar_kernels.quantise(numbers.data(), count, limit, expected.data());
         for (const PoseKernels* kernels : runnable_kernels()) {
           std::fill(found.begin(), found.end(), std::int16_t(-1));
-          const Rounded other = kernels->quantise_all(numbers.data(), count, limit, found.data());
+          const Quantisation other = kernels->quantise(numbers.data(), count, limit, found.data());
           CHECK_MESSAGE((other.step == one.step && other.sum == one.sum && found == expected),
                         kernels->name << ": " << count << " numbers, limit " << limit);
         }
       }
 }
 
-TEST_CASE("kernels round a block of poses as they do one") {
+TEST_CASE("kernels quantise a block of poses as single poses") {
   Random random(5);
   for (const PoseKernels* kernels : runnable_kernels())
     for (const std::size_t count : {0u, 1u, 4u, 21u, 64u}) {
-      std::vector<float> side_by_side(block_poses * (count + padding));
+      std::vector<float> side_by_side(poses_per_block * (count + padding));
       for (float& number : side_by_side) number = random.uniform(-3, 3);
-      for (std::size_t i = 0; i < count; ++i) side_by_side[i * block_poses + 1] = 0;
+      for (std::size_t i = 0; i < count; ++i) side_by_side[i * poses_per_block + 1] = 0;
       if (count > 1) side_by_side[2] = INFINITY, side_by_side[3] = NAN, side_by_side[12] = 1e-38f;
-      std::vector<std::int16_t> quantised((count + 3) / 4 * 4 * block_poses), ones(count + padding);
-      Rounded block[block_poses];
-      kernels->round_block(side_by_side.data(), count, 32512, quantised.data(), block);
-      for (std::size_t pose = 0; pose < block_poses; ++pose) {
+      std::vector<std::int16_t> quantised((count + 3) / 4 * 4 * poses_per_block), ones(count + padding);
+      Quantisation block[poses_per_block];
+      kernels->quantise_block(side_by_side.data(), count, 32512, quantised.data(), block);
+      for (std::size_t pose = 0; pose < poses_per_block; ++pose) {
         std::vector<float> numbers(count + padding);
-        for (std::size_t i = 0; i < count; ++i) numbers[i] = side_by_side[i * block_poses + pose];
+        for (std::size_t i = 0; i < count; ++i) numbers[i] = side_by_side[i * poses_per_block + pose];
         std::fill(ones.begin(), ones.end(), std::int16_t(0));
-        const Rounded one = scalar_kernels.quantise_all(numbers.data(), count, 32512, ones.data());
+        const Quantisation one = scalar_kernels.quantise(numbers.data(), count, 32512, ones.data());
         bool same = block[pose].step == one.step && block[pose].sum == one.sum;
-        for (std::size_t i = 0; i < quantised.size() / block_poses; ++i)
-          same = same && quantised[(i / 4 * block_poses + pose) * 4 + i % 4] == ones[i];
+        for (std::size_t i = 0; i < quantised.size() / poses_per_block; ++i)
+          same = same && quantised[(i / 4 * poses_per_block + pose) * 4 + i % 4] == ones[i];
         CHECK_MESSAGE(same, kernels->name << ": " << count << " numbers, pose " << pose);
       }
     }
 }
 
-TEST_CASE("an instruction set is chosen by name or by what the processor has") {
+TEST_CASE("an instruction set is chosen by name or by the processor's features") {
   const auto runnable = runnable_kernels();
   REQUIRE(!runnable.empty());
   CHECK(runnable.front() == &scalar_kernels);
@@ -231,5 +233,6 @@ TEST_CASE("an instruction set is chosen by name or by what the processor has") {
   }
   if (!std::getenv(instruction_set_variable)) CHECK(&choose_kernels() == runnable.back());
   CHECK(&choose_kernels("") == &choose_kernels());
-  CHECK_THROWS_WITH_AS(choose_kernels("mmx"), doctest::Contains("instruction set: \"mmx\" is none of scalar"), Error);
+  CHECK_THROWS_WITH_AS(choose_kernels("mmx"), doctest::Contains("instruction set: \"mmx\" is not one of scalar"),
+                       Error);
 }

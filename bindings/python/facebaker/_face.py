@@ -8,10 +8,10 @@ import weakref
 
 import numpy
 
-from ._library import BasisGroupStruct, BatchDesc, ControlStruct, check, library
+from ._library import RowBlockStruct, BatchDesc, ControlStruct, check, library
 
 Control = collections.namedtuple("Control", "name group minimum maximum rest")
-Control.__doc__ = "One number an animator moves: its name, its region (may be empty), its range and its value at rest."
+Control.__doc__ = "A control of the rig: its name, its control group (may be empty), its range and its value at rest."
 
 
 def load(source):
@@ -26,11 +26,11 @@ def load(source):
 
 
 class Face:
-    """A loaded face. Its arrays are read-only views of the model. Threads may share it; evaluations of one face take turns,
+    """A loaded face. Its arrays are read-only views of the model. Threads may share a face; its evaluations are serialised,
     so use evaluate_batch for speed."""
 
     def __init__(self, handle):
-        """For load(); takes over the reference in handle."""
+        """Called by load(). Takes ownership of the reference in handle."""
         self._handle = handle
         self._closer = weakref.finalize(self, library.fb_release, handle)
         self._scratches = {}
@@ -57,7 +57,7 @@ class Face:
         return Control(struct.name.decode(), struct.group.decode(), struct.minimum, struct.maximum, struct.rest)
 
     def _view(self, pointer, count, shape=None):
-        """An array over memory of the model, which it keeps alive."""
+        """A read-only array over memory of the model, which it keeps alive."""
         if count == 0:
             return numpy.empty(0, numpy.uint32)
         memory = ctypes.cast(pointer, ctypes.POINTER(pointer._type_ * count)).contents
@@ -68,7 +68,7 @@ class Face:
 
     @property
     def provenance(self):
-        """How the archive was made, as it says itself: a dictionary, empty if it says nothing."""
+        """How the archive was made, as a dictionary; empty if it is not recorded."""
         return json.loads(library.fb_provenance(self._handle) or b"{}")
 
     @property
@@ -107,19 +107,19 @@ class Face:
 
     @property
     def uv_corners(self):
-        """Which of them each polygon corner has."""
+        """The index into uvs of every polygon corner."""
         count = library.fb_polygon_corner_count(self._handle) if library.fb_uv_count(self._handle) else 0
         return self._view(library.fb_uv_corners(self._handle), count)
 
     @property
     def tangent_signs(self):
-        """(vertices,): -1 where the picture is mirrored, else 1; empty without texture coordinates."""
+        """(vertices,): -1 where the texture is mirrored, else 1; empty without texture coordinates."""
         count = self.vertex_count if library.fb_uv_count(self._handle) else 0
         return self._view(library.fb_tangent_signs(self._handle), count)
 
     @property
     def clamped_count(self):
-        """How many control values the last evaluation clamped to their ranges."""
+        """The number of control values that the last evaluation clamped to their ranges."""
         return self._clamped
 
     def find(self, name):
@@ -129,7 +129,7 @@ class Face:
         return index.value
 
     def pose(self, values):
-        """(controls,), float32: all controls at rest but those in `values`, a dictionary from names to values."""
+        """(controls,), float32: the rest pose with the controls in `values`, a dictionary from names to values."""
         controls = self.rest_controls.copy()
         for name, value in values.items():
             controls[self.find(name)] = value
@@ -159,10 +159,12 @@ class Face:
         regions=None,
         dtype=numpy.float32,
     ):
-        """(poses, controls) -> (poses, vertices, 3), the same bits as evaluate. threads 0: all cores. dtype is float32 or
-        float16. `out`, `normals` and `tangents`, if given, are contiguous arrays of that shape and dtype; unit normals are
-        written to the second, unit tangents to the third, if the face has texture coordinates. With baked_order, vertices come in the order that vertex_order tells. `regions`: the names of those
-        whose networks run; the others give what they give at rest."""
+        """(poses, controls) -> (poses, vertices, 3), with the same bits as evaluate.
+
+        threads: 0 is all cores. dtype: float32 or float16. out, normals, tangents: contiguous arrays of the result's shape
+        and dtype; unit normals and unit tangents are written to the latter two; tangents need texture coordinates.
+        baked_order: vertices in the order of vertex_order. regions: the names of the regions whose networks run; the
+        others keep their values at rest."""
         controls = self._floats(controls, 2)
         if threads < 0:
             raise ValueError(f"{threads} threads")
@@ -211,24 +213,24 @@ class Face:
 
     @property
     def vertex_order(self):
-        """Baked order: which of the source's vertices is the i-th."""
+        """Baked order: the source index of every vertex."""
         order = library.fb_vertex_order(self._handle)
         if not order:
             return numpy.arange(self.vertex_count, dtype=numpy.uint32)
         return self._view(order, self.vertex_count)
 
     def basis(self):
-        """Yields the basis group by group: (rows, columns, values), a slice of the 3 x vertices coordinates in baked order,
-        the coefficients that move them, and how far one unit of each does, (columns, rows)."""
+        """Yields the row blocks of the basis: (rows, columns, values). rows: a slice of the 3 x vertices coordinates in baked
+        order; columns: the coefficients that displace them; values: (columns, rows), the displacements for one unit."""
         for index in range(library.fb_row_block_count(self._handle)):
-            group = BasisGroupStruct()
-            library.fb_row_block_fill(group, ctypes.sizeof(group))
-            check(library.fb_row_block_at(self._handle, index, group))
-            columns = numpy.empty(group.column_count, numpy.uint32)
-            values = numpy.empty((group.column_count, group.row_count), numpy.float32)
+            block = RowBlockStruct()
+            library.fb_row_block_fill(block, ctypes.sizeof(block))
+            check(library.fb_row_block_at(self._handle, index, block))
+            columns = numpy.empty(block.column_count, numpy.uint32)
+            values = numpy.empty((block.column_count, block.row_count), numpy.float32)
             pointer = columns.ctypes.data_as(ctypes.POINTER(ctypes.c_uint32))
             check(library.fb_row_block_values(self._handle, index, pointer, _pointer(values)))
-            yield slice(group.first_row, group.first_row + group.row_count), columns, values
+            yield slice(block.first_row, block.first_row + block.row_count), columns, values
 
     def _floats(self, controls, dimensions):
         controls = numpy.ascontiguousarray(controls, numpy.float32)

@@ -1,4 +1,4 @@
-"""libfacebaker as ctypes sees it: finding it, its structs, its functions, its errors."""
+"""The ctypes interface of libfacebaker: loading the library, its structs, functions and errors."""
 
 import ctypes
 import ctypes.util
@@ -58,7 +58,7 @@ class BatchDesc(Structure):
     ]
 
 
-class BasisGroupStruct(Structure):
+class RowBlockStruct(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
         ("first_row", c_uint32),
@@ -108,9 +108,9 @@ _FUNCTIONS = {
     "fb_region_count": (c_uint32, [c_void_p]),
     "fb_region_name": (c_char_p, [c_void_p, c_uint32]),
     "fb_vertex_order": (POINTER(c_uint32), [c_void_p]),
-    "fb_row_block_fill": (None, [POINTER(BasisGroupStruct), c_uint32]),
+    "fb_row_block_fill": (None, [POINTER(RowBlockStruct), c_uint32]),
     "fb_row_block_count": (c_uint32, [c_void_p]),
-    "fb_row_block_at": (c_int32, [c_void_p, c_uint32, POINTER(BasisGroupStruct)]),
+    "fb_row_block_at": (c_int32, [c_void_p, c_uint32, POINTER(RowBlockStruct)]),
     "fb_row_block_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
 }
 

@@ -1,14 +1,13 @@
 #include <immintrin.h>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 namespace {
 
-#include "runtime/kernels/vector_passes.h"
+#include "runtime/kernels/float_kernels.h"
 
-// The assembler is one instruction the compiler could choose itself, were it not to put off sums until registers run
-// out.
+// Inline assembly, because the compiler would delay the additions until it runs out of registers.
 __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
   const __m256i products = _mm256_madd_epi16(weights, input);
   asm("vpaddd %1, %0, %0" : "+x"(sum) : "x"(products));
@@ -19,6 +18,6 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 }  // namespace
 
-const PoseKernels avx2_kernels = with_passes("avx2", column_sums, quad_sums);
+const PoseKernels avx2_kernels = make_kernels("avx2", column_sums, quad_sums);
 
 }  // namespace fb::runtime

@@ -1,13 +1,13 @@
 #include <immintrin.h>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 namespace {
 
-#include "runtime/kernels/vector_passes.h"
+#include "runtime/kernels/float_kernels.h"
 
-// The assembler is one instruction the compiler could choose itself, were it not to move sums about.
+// Inline assembly, because the compiler would copy accumulators between registers.
 __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 #if defined(FB_EMULATED)
   return _mm256_dpwssd_avx_epi32(sum, weights, input);
@@ -21,6 +21,6 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 }  // namespace
 
-const PoseKernels avx_vnni_kernels = with_passes("avx-vnni", column_sums, quad_sums);
+const PoseKernels avx_vnni_kernels = make_kernels("avx-vnni", column_sums, quad_sums);
 
 }  // namespace fb::runtime

@@ -1,22 +1,22 @@
 #include <arm_neon.h>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 namespace {
 
-#include "runtime/kernels/vector_passes.h"
+#include "runtime/kernels/float_kernels.h"
 
-// 16 rows of some poses, a column after the other: digits + 128 fit 16 signed bits.
+// Sums of 16 rows, one column at a time: digits + 128 fit signed 16-bit numbers.
 template <int poses>
-void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   int32x4_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
-    for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(panel.start[first_pose + p]));
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+    for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(panel.initial_sums[first_pose + p]));
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int i = 0; i < 4; ++i) {
-      const uint8x16_t column = vld1q_u8(digits + panel.places[k + i] * column_rows);
+      const uint8x16_t column = vld1q_u8(digits + panel.indices[k + i] * column_panel_rows);
       const int16x8_t first = vreinterpretq_s16_u16(vmovl_u8(vget_low_u8(column)));
       const int16x8_t last = vreinterpretq_s16_u16(vmovl_u8(vget_high_u8(column)));
       for (int p = 0; p < poses; ++p) {
@@ -28,18 +28,17 @@ void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t fi
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) vst1q_s32(sums + most_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4; ++i) vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
 }
 
-// 16 rows of a quad are four vectors. Products of a row's first two columns, and of its last two, are added to each
-// other at the end.
+// Sums of 16 rows: four vectors of a quad. The sums of a row's columns are added pairwise at the end.
 template <int poses>
-void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-                  std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t* sums) {
   int32x4_t sum[poses][8];
   for (int p = 0; p < poses; ++p)
     for (int32x4_t& s : sum[p]) s = vdupq_n_s32(0);
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
     for (int v = 0; v < 4; ++v) {
       const uint16x8_t weights = vreinterpretq_u16_u8(vld1q_u8(quads + 16 * v));
@@ -55,9 +54,9 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
       }
     }
   for (int p = 0; p < poses; ++p) {
-    const int32x4_t start = vreinterpretq_s32_u32(vdupq_n_u32(panel.start[first_pose + p]));
+    const int32x4_t start = vreinterpretq_s32_u32(vdupq_n_u32(panel.initial_sums[first_pose + p]));
     for (int v = 0; v < 4; ++v)
-      vst1q_s32(sums + most_rows * (first_pose + p) + 4 * v,
+      vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * v,
                 vaddq_s32(start, vpaddq_s32(sum[p][2 * v], sum[p][2 * v + 1])));
   }
 }
@@ -66,6 +65,6 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
 
 }  // namespace
 
-const PoseKernels neon_kernels = with_passes("neon", column_sums<4>, quad_sums<2>);
+const PoseKernels neon_kernels = make_kernels("neon", column_sums<4>, quad_sums<2>);
 
 }  // namespace fb::runtime

@@ -1,29 +1,28 @@
 #include <emmintrin.h>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 namespace {
 
-#include "runtime/kernels/vector_passes.h"
+#include "runtime/kernels/float_kernels.h"
 
 __m128i load(const std::uint8_t* bytes) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
 }
 
-// 16 rows a block, of some poses: two columns become pairs of 16-bit numbers, which one instruction multiplies and
-// adds.
+// Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the multiply-add instruction.
 template <int blocks, int poses>
-void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   const __m128i zero = _mm_setzero_si128();
   __m128i sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
-    for (__m128i& s : sum[p]) s = _mm_set1_epi32(static_cast<int>(panel.start[first_pose + p]));
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+    for (__m128i& s : sum[p]) s = _mm_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const std::uint8_t* a = digits + panel.places[k + pair] * column_rows;
-      const std::uint8_t* b = digits + panel.places[k + pair + 1] * column_rows;
+      const std::uint8_t* a = digits + panel.indices[k + pair] * column_panel_rows;
+      const std::uint8_t* b = digits + panel.indices[k + pair + 1] * column_panel_rows;
       for (int block = 0; block < blocks; ++block) {
         const __m128i first = _mm_unpacklo_epi8(load(a + 16 * block), load(b + 16 * block));
         const __m128i last = _mm_unpackhi_epi8(load(a + 16 * block), load(b + 16 * block));
@@ -40,18 +39,18 @@ void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t fi
     }
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4 * blocks; ++i)
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + most_rows * (first_pose + p) + 4 * i), sum[p][i]);
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + max_panel_rows * (first_pose + p) + 4 * i), sum[p][i]);
 }
 
 // Four rows of a quad are a vector.
 template <int vectors, int poses>
-void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-                  std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t* sums) {
   const __m128i even = _mm_set1_epi16(255);
   __m128i sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
-    for (__m128i& s : sum[p]) s = _mm_set1_epi32(static_cast<int>(panel.start[first_pose + p]));
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+    for (__m128i& s : sum[p]) s = _mm_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
     for (int v = 0; v < vectors; ++v) {
       const __m128i weights = load(quads + 16 * v);
@@ -65,34 +64,35 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
     }
   for (int p = 0; p < poses; ++p)
     for (int v = 0; v < vectors; ++v)
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + most_rows * (first_pose + p) + 4 * v), sum[p][v]);
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + max_panel_rows * (first_pose + p) + 4 * v), sum[p][v]);
 }
 
 void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
   std::size_t r = 0;
   if (panel.poses == 1)
-    for (; r + 32 <= rows; r += 32) add_up<2, 1>(digits + r, panel, 0, sums + r);
+    for (; r + 32 <= rows; r += 32) sum_columns<2, 1>(digits + r, panel, 0, sums + r);
   for (; r < rows; r += 16)
     if (panel.poses == 1)
-      add_up<1, 1>(digits + r, panel, 0, sums + r);
+      sum_columns<1, 1>(digits + r, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2) add_up<1, 2>(digits + r, panel, pose, sums + r);
+      for (std::size_t pose = 0; pose < poses_per_block; pose += 2)
+        sum_columns<1, 2>(digits + r, panel, pose, sums + r);
 }
 
 void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
   std::size_t r = 0;
   if (panel.poses == 1)
-    for (; r + 32 <= rows; r += 32) add_up_quads<8, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+    for (; r + 32 <= rows; r += 32) sum_quads<8, 1>(quads + 4 * r, rows, panel, 0, sums + r);
   for (; r < rows; r += 16)
     if (panel.poses == 1)
-      add_up_quads<4, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+      sum_quads<4, 1>(quads + 4 * r, rows, panel, 0, sums + r);
     else
-      for (std::size_t pose = 0; pose < block_poses; pose += 2)
-        add_up_quads<4, 2>(quads + 4 * r, rows, panel, pose, sums + r);
+      for (std::size_t pose = 0; pose < poses_per_block; pose += 2)
+        sum_quads<4, 2>(quads + 4 * r, rows, panel, pose, sums + r);
 }
 
 }  // namespace
 
-const PoseKernels sse2_kernels = with_passes("sse2", column_sums, quad_sums);
+const PoseKernels sse2_kernels = make_kernels("sse2", column_sums, quad_sums);
 
 }  // namespace fb::runtime

@@ -1,23 +1,23 @@
 #include <wasm_simd128.h>
 
-#include "runtime/kernels/panel_kernels.h"
+#include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {
 namespace {
 
-#include "runtime/kernels/vector_passes.h"
+#include "runtime/kernels/float_kernels.h"
 
-// 16 rows of some poses: two columns become pairs of 16-bit numbers, which one instruction multiplies and adds.
+// Sums of 16 rows: two columns are interleaved to pairs of 16-bit numbers for the dot product instruction.
 template <int poses>
-void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
   v128_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
-    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.start[first_pose + p]));
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.initial_sums[first_pose + p]));
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const v128_t a = wasm_v128_load(digits + panel.places[k + pair] * column_rows);
-      const v128_t b = wasm_v128_load(digits + panel.places[k + pair + 1] * column_rows);
+      const v128_t a = wasm_v128_load(digits + panel.indices[k + pair] * column_panel_rows);
+      const v128_t b = wasm_v128_load(digits + panel.indices[k + pair + 1] * column_panel_rows);
       const v128_t first = wasm_i8x16_shuffle(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
       const v128_t last = wasm_i8x16_shuffle(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
       const v128_t weights[4] = {wasm_u16x8_extend_low_u8x16(first), wasm_u16x8_extend_high_u8x16(first),
@@ -28,18 +28,18 @@ void add_up(const std::uint8_t* digits, const PanelInputs& panel, std::size_t fi
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) wasm_v128_store(sums + most_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4; ++i) wasm_v128_store(sums + max_panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
 }
 
-// Four rows of a quad are a vector.
+// Sums of 16 rows: a vector holds four rows of a quad.
 template <int poses>
-void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-                  std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t* sums) {
   const v128_t even = wasm_i16x8_const_splat(255);
   v128_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
-    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.start[first_pose + p]));
-  const std::int16_t* inputs = panel.inputs + 4 * first_pose;
+    for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.initial_sums[first_pose + p]));
+  const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
     for (int v = 0; v < 4; ++v) {
       const v128_t weights = wasm_v128_load(quads + 16 * v);
@@ -51,13 +51,13 @@ void add_up_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int v = 0; v < 4; ++v) wasm_v128_store(sums + most_rows * (first_pose + p) + 4 * v, sum[p][v]);
+    for (int v = 0; v < 4; ++v) wasm_v128_store(sums + max_panel_rows * (first_pose + p) + 4 * v, sum[p][v]);
 }
 
 #include "runtime/kernels/sixteen_rows.h"
 
 }  // namespace
 
-const PoseKernels wasm_simd_kernels = with_passes("wasm-simd", column_sums<2>, quad_sums<2>);
+const PoseKernels wasm_simd_kernels = make_kernels("wasm-simd", column_sums<2>, quad_sums<2>);
 
 }  // namespace fb::runtime

@@ -1,4 +1,4 @@
-#include "runtime/region_net.h"
+#include "runtime/region_network.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Form form, PanelMat
 
 }  // namespace
 
-RegionNet::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory)
+RegionNetwork::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory)
     : inputs(layer.inputs),
       outputs(layer.outputs),
       activation(layer.activation),
@@ -34,65 +34,64 @@ RegionNet::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::p
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 
-void RegionNet::Layer::run(const PoseKernels& kernels, const Quantized& x, std::size_t poses, std::size_t stride,
-                           const float* input, float* output) const {
+void RegionNetwork::Layer::run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride,
+                               const float* input, float* output) const {
   for (std::uint32_t first = 0; first < outputs; first += low.panel_rows()) {
-    std::int32_t low_sums[block_poses * most_rows], high_sums[block_poses * most_rows];
+    std::int32_t low_sums[poses_per_block * max_panel_rows], high_sums[poses_per_block * max_panel_rows];
     low.sum(kernels, first, x.panel_inputs(), low_sums);
     if (high) high->sum(kernels, first, x.panel_inputs(), high_sums);
-    for (std::size_t pose = 0; pose < poses; ++pose)
-      kernels.finish_layer(low_sums + most_rows * pose, high ? high_sums + most_rows * pose : nullptr,
+    for (std::size_t pose = 0; pose < x.poses; ++pose)
+      kernels.finish_layer(low_sums + max_panel_rows * pose, high ? high_sums + max_panel_rows * pose : nullptr,
                            scales.data() + first, x.steps[pose], bias.data() + first, activation,
                            output + pose * stride + first, low.rows_at(first));
   }
   if (!skip) return;
-  for (std::size_t pose = 0; pose < poses; ++pose)
+  for (std::size_t pose = 0; pose < x.poses; ++pose)
     for (std::uint32_t o = 0; o < outputs; ++o) output[pose * stride + o] += input[pose * stride + o];
 }
 
-RegionNet::RegionNet(const PackedRegion& region, std::pmr::memory_resource& memory)
-    : layers_(&memory), at_rest_(region.layers.back().outputs, &memory) {
+RegionNetwork::RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory)
+    : layers_(&memory), rest_outputs_(region.layers.back().outputs, &memory) {
   layers_.reserve(region.layers.size());
   for (const PackedLayer& layer : region.layers)
     layers_.emplace_back(layer, layers_.empty() ? PanelMatrix::Form::columns : PanelMatrix::Form::quads, memory);
 }
 
-std::size_t RegionNet::widest() const {
-  std::size_t widest = 0;
-  for (const Layer& layer : layers_) widest = std::max<std::size_t>({widest, layer.inputs, layer.outputs});
-  return widest;
+std::size_t RegionNetwork::max_width() const {
+  std::size_t width = 0;
+  for (const Layer& layer : layers_) width = std::max<std::size_t>({width, layer.inputs, layer.outputs});
+  return width;
 }
 
-[[gnu::noinline]] void RegionNet::run(const PoseKernels& kernels, const PoseNumbers& input, std::size_t poses,
-                                      float* work, LayerInputs& layer_inputs, float* outputs) const {
+void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, float* work,
+                        QuantiseBuffers& buffers, float* outputs) const {
   const std::size_t stride = work_size();
   float *before = work, *after = work + stride / 2;
-  Quantized list;
-  quantize(kernels, input, layers_.front().limit, poses, layer_inputs.quantised(), list);
   if (layers_.front().skip)
     for (std::size_t pose = 0; pose < poses; ++pose) {
       std::fill_n(before + pose * stride, input_count(), 0.0f);
       for (std::size_t i = 0; i < input.count; ++i)
-        before[pose * stride + input.places[i]] = input.values[i * poses + pose];
+        before[pose * stride + input.indices[i]] = input.values[i * poses + pose];
     }
+  QuantisedInputs x;
   for (const Layer& layer : layers_) {
-    const Quantized& x = &layer == &layers_.front()
-                             ? list
-                             : layer_inputs.quantize(kernels, {before, stride, layer.inputs}, layer.limit, poses);
-    layer.run(kernels, x, poses, stride, before, after);
+    const MatrixInputs dense = {before, layer.inputs, stride};
+    quantise(kernels, &layer == &layers_.front() ? input : dense, layer.limit, poses, buffers.values(), buffers.row(),
+             x);
+    layer.run(kernels, x, stride, before, after);
     std::swap(before, after);
   }
   for (std::size_t pose = 0; pose < poses; ++pose)
     for (std::size_t o = 0; o < output_count(); ++o)
-      outputs[o * poses + pose] = before[pose * stride + o] - at_rest_[o];
+      outputs[o * poses + pose] = before[pose * stride + o] - rest_outputs_[o];
 }
 
-void RegionNet::find_rest(const PoseKernels& kernels, const char* name) {
+void RegionNetwork::find_rest(const PoseKernels& kernels, const char* name) {
   std::vector<float> work(work_size()), outputs(output_count());
-  LayerInputs layer_inputs(widest(), 1, *std::pmr::get_default_resource());
-  std::fill(at_rest_.begin(), at_rest_.end(), 0.0f);
-  run(kernels, {nullptr, 0, nullptr}, 1, work.data(), layer_inputs, outputs.data());
-  std::copy(outputs.begin(), outputs.end(), at_rest_.begin());
+  QuantiseBuffers buffers(max_width(), 1, *std::pmr::get_default_resource());
+  std::fill(rest_outputs_.begin(), rest_outputs_.end(), 0.0f);
+  run(kernels, {nullptr, 0}, 1, work.data(), buffers, outputs.data());
+  std::copy(outputs.begin(), outputs.end(), rest_outputs_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);
 }

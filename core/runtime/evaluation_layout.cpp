@@ -1,0 +1,136 @@
+#include "runtime/evaluation_layout.h"
+
+#include <algorithm>
+
+#include "base/checked.h"
+#include "runtime/float_mode.h"
+
+namespace fb::runtime {
+namespace {
+
+std::vector<std::uint32_t> inverse(const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> indices(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) indices[order[i]] = i;
+  return indices;
+}
+
+// The first row of every row block, then the number of rows.
+std::vector<std::uint32_t> block_rows(const PackedModel& model) {
+  std::vector<std::uint32_t> rows;
+  for (const PackedRowBlock& block : model.row_blocks) rows.push_back(block.first_row);
+  rows.push_back(checked_u32(model.rest.points.size(), "the rows of the basis"));
+  return rows;
+}
+
+// Large pages if the digits of layers and basis, about one byte a value, fill one.
+std::pmr::memory_resource& memory_for(const PackedModel& model, LargePages& pages) {
+  std::size_t bytes = 0;
+  for (const PackedRegion& region : model.regions)
+    for (const PackedLayer& layer : region.layers) bytes += layer.weights.size();
+  for (const PackedRowBlock& block : model.row_blocks) bytes += block.values.size();
+  return bytes < LargePages::page ? *std::pmr::get_default_resource() : pages;
+}
+
+}  // namespace
+
+EvaluationLayout::EvaluationLayout(const PackedModel& model, std::pmr::memory_resource* upstream,
+                                   std::uint64_t max_bytes, const PoseKernels& pose_kernels)
+    : schema(model.schema),
+      kernels(pose_kernels),
+      memory(upstream ? *upstream : memory_for(model, pages), max_bytes),
+      features(model, memory),
+      networks(&memory),
+      gate_slopes(&memory),
+      row_blocks(&memory),
+      direct(&memory),
+      coefficient_offsets(&memory),
+      list_offsets(&memory),
+      scatter(memory),
+      row_block_regions(memory),
+      rest_positions(model.rest.points.begin(), model.rest.points.end(), &memory),
+      rest_rows(model.rest.points.size(), &memory),
+      order(model.order.begin(), model.order.end(), &memory),
+      baked_index(&memory),
+      normals(model.rest, inverse(model.order), block_rows(model), memory),
+      tangents(model.rest, inverse(model.order), normals, memory),
+      coefficient_count(model.columns) {
+  const std::vector<std::uint32_t> indices = inverse(model.order);
+  baked_index.assign(indices.begin(), indices.end());
+  for (std::uint32_t row = 0; row < rest_rows.size(); ++row) rest_rows[row] = rest_positions[model.coordinate(row)];
+  direct.reserve(model.direct.size());
+  for (const std::uint32_t feature : model.direct) direct.push_back(features.graph_index(feature));
+  with_float_mode([&] {
+    add_networks(model);
+    add_row_blocks(model);
+  });
+  find_list_offsets(model);
+  find_scatter_table(model);
+  find_row_block_regions();
+}
+
+void EvaluationLayout::add_networks(const PackedModel& model) {
+  networks.reserve(model.regions.size());
+  std::size_t coefficient = direct.size();
+  for (const PackedRegion& region : model.regions) {
+    RegionNetwork& network = networks.emplace_back(region, memory);
+    network.find_rest(kernels, region.name.c_str());
+    region_names.push_back(region.name);
+    gate_slopes.push_back(region.gate.features.empty() ? 0 : region.gate.slope);
+    coefficient_offsets.push_back(static_cast<std::uint32_t>(coefficient));
+    coefficient += network.output_count();
+    max_width = std::max(max_width, network.max_width());
+    max_work_size = std::max(max_work_size, network.work_size());
+  }
+  coefficient_offsets.push_back(static_cast<std::uint32_t>(coefficient));
+}
+
+void EvaluationLayout::add_row_blocks(const PackedModel& model) {
+  row_blocks.reserve(model.row_blocks.size());
+  for (const PackedRowBlock& block : model.row_blocks) row_blocks.emplace_back(block, memory);
+}
+
+void EvaluationLayout::find_list_offsets(const PackedModel& model) {
+  std::size_t entries = 0;
+  const auto add = [&](std::size_t longest) {
+    list_offsets.push_back(checked_u32(entries, "the inputs of all matrices"));
+    entries += longest + padding;
+  };
+  for (const RegionNetwork& network : networks) add(network.input_count());
+  for (const PackedRegion& region : model.regions) add(region.gate.features.size());
+  for (const RowBlockMatrix& block : row_blocks) add(block.input_count());
+  list_offsets.push_back(checked_u32(entries, "the inputs of all matrices"));
+  for (std::size_t first = 0; first < row_blocks.size(); first += row_blocks_per_pass)
+    max_pass_entries =
+        std::max(max_pass_entries, row_block_entries(first, std::min(first + row_blocks_per_pass, row_blocks.size())));
+}
+
+void EvaluationLayout::find_scatter_table(const PackedModel& model) {
+  CsrBuilder<ScatterEntry> entries(model.features.size());
+  for (std::uint32_t r = 0; r < model.regions.size(); ++r) {
+    const PackedRegion& region = model.regions[r];
+    for (std::uint32_t i = 0; i < region.features.size(); ++i)
+      entries.add(features.graph_index(region.features[i]), {r, i, 1});
+    for (const std::uint32_t feature : region.gate.features)
+      entries.add(features.graph_index(feature), {static_cast<std::uint32_t>(gate_list(r)), 0, 1});
+  }
+  for (std::uint32_t b = 0; b < row_blocks.size(); ++b) {
+    const RowBlockMatrix& block = row_blocks[b];
+    for (std::uint32_t i = 0; i < block.input_count(); ++i)
+      if (block.column(i) < direct.size())
+        entries.add(direct[block.column(i)], {static_cast<std::uint32_t>(row_block_list(b)), i, block.scale(i)});
+  }
+  entries.build(scatter);
+}
+
+void EvaluationLayout::find_row_block_regions() {
+  CsrBuilder<RegionInputs> regions(row_blocks.size());
+  for (std::uint32_t b = 0; b < row_blocks.size(); ++b)
+    for (std::uint32_t r = 0; r < networks.size(); ++r) {
+      const auto [low, high] = row_blocks[b].inputs_of(coefficient_offsets[r], coefficient_offsets[r + 1]);
+      for (const RowBlockMatrix::InputRange range : {low, high})
+        if (range.begin < range.end) regions.add(b, {r, range.begin, range.end});
+    }
+  regions.build(row_block_regions);
+}
+
+}  // namespace fb::runtime

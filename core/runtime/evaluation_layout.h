@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <string>
+#include <vector>
+
+#include "base/large_pages.h"
+#include "model/packed_model.h"
+#include "runtime/csr_table.h"
+#include "runtime/feature_graph.h"
+#include "runtime/metered_memory.h"
+#include "runtime/region_network.h"
+#include "runtime/row_block_matrix.h"
+#include "runtime/vertex_normals.h"
+#include "runtime/vertex_tangents.h"
+
+namespace fb::runtime {
+
+// A model laid out for evaluation: built once when it is loaded, immutable afterwards and shared by threads.
+// PoseExecution evaluates poses with it.
+//
+// The matrices take sparse inputs: pairs of an index and a value. Every matrix has an input list in the workspace, and
+// so has every gate. Their numbers are, with R regions:
+//   0 .. R - 1       the inputs of each region's network
+//   R .. 2 R - 1     the features of each region's gate
+//   2 R ..           the inputs of each row block's matrix
+// The scatter table says for every feature to which lists, at which index and with which factor its value goes.
+struct EvaluationLayout {
+  // Lays out a model that check() accepts. Memory comes from `upstream`, which must outlive the layout; null: the
+  // default resource, or large pages if the model fills at least one. `model` is not needed afterwards. Fails with
+  // limit if more than max_bytes are needed, with not_finite if a network overflows at rest.
+  EvaluationLayout(const PackedModel& model, std::pmr::memory_resource* upstream, std::uint64_t max_bytes,
+                   const PoseKernels& kernels);
+  EvaluationLayout(const EvaluationLayout&) = delete;
+  EvaluationLayout& operator=(const EvaluationLayout&) = delete;
+
+  // Row blocks whose inputs are quantised before any of them is multiplied: enough for the prefetches of their columns
+  // to complete, few enough for these columns to stay in the caches.
+  static constexpr std::size_t row_blocks_per_pass = 16;
+
+  struct ScatterEntry {
+    std::uint32_t list, index;
+    float scale;
+  };
+  // The inputs begin..end - 1 of a row block that are coefficients of a region.
+  struct RegionInputs {
+    std::uint32_t region, begin, end;
+  };
+
+  std::size_t vertex_count() const { return rest_positions.size() / 3; }
+  // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
+  std::size_t row_stride() const { return rest_rows.size() + 1; }
+  std::size_t gate_list(std::size_t region) const { return networks.size() + region; }
+  std::size_t row_block_list(std::size_t block) const { return 2 * networks.size() + block; }
+  // Entries, with padding, of the lists of row blocks first..last - 1.
+  std::size_t row_block_entries(std::size_t first, std::size_t last) const {
+    return list_offsets[row_block_list(last)] - list_offsets[row_block_list(first)];
+  }
+
+  RigSchema schema;
+  const PoseKernels& kernels;
+  LargePages pages;
+  MeteredMemory memory;
+  FeatureGraph features;
+  std::vector<std::string> region_names;
+  std::pmr::vector<RegionNetwork> networks;  // by region
+  std::pmr::vector<float> gate_slopes;       // by region; 0: no gate
+  std::pmr::vector<RowBlockMatrix> row_blocks;
+  std::pmr::vector<std::uint32_t> direct;               // graph indices of the features that are coefficients
+  std::pmr::vector<std::uint32_t> coefficient_offsets;  // of each region's coefficients; one more than regions
+  std::pmr::vector<std::uint32_t> list_offsets;         // of the input lists in a workspace; one more than lists
+  CsrTable<ScatterEntry> scatter;                       // by feature
+  CsrTable<RegionInputs> row_block_regions;             // by row block
+  std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows
+  std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
+  VertexNormals normals;
+  VertexTangents tangents;
+  std::size_t coefficient_count;
+  std::size_t max_width = 0, max_work_size = 0;  // of networks, see RegionNetwork
+  std::size_t max_pass_entries = 0;              // row_block_entries() of a pass
+
+ private:
+  void add_networks(const PackedModel& model);
+  void add_row_blocks(const PackedModel& model);
+  void find_list_offsets(const PackedModel& model);
+  void find_scatter_table(const PackedModel& model);
+  void find_row_block_regions();
+};
+
+}  // namespace fb::runtime

@@ -1,0 +1,100 @@
+// The inner loops of the runtime, once for each instruction set. All sets give the same bits. Kernel files include only
+// this header: other inline functions compiled for their instruction set could be linked into code for lesser
+// processors.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "model/activation.h"
+#include "model/control_feature.h"
+
+namespace fb::runtime {
+
+// Poses of a batch that are evaluated together, so that matrix digits are read and unpacked once for all of them.
+inline constexpr std::size_t poses_per_block = 8;
+
+// The most rows of a panel of columns (columns are always stored with so many) and of a panel of quads.
+inline constexpr std::size_t column_panel_rows = 192, quad_panel_rows = 128;
+inline constexpr std::size_t max_panel_rows = column_panel_rows;
+
+// A quad is four columns interleaved row by row, in the order 0, 2, 1, 3: the even bytes of a row belong to the first
+// two columns and the odd bytes to the last two.
+inline constexpr std::size_t quad_columns = 4;
+[[gnu::always_inline]] inline std::size_t quad_position(std::size_t column) {
+  return column % 2 * 2 + column / 2 % 2;
+}
+
+// The quantised inputs of a panel in 1 or poses_per_block poses.
+struct PanelInputs {
+  const std::uint32_t* indices;  // the column of each input; unused for quads, whose inputs are all columns in order
+  // -32512..32512: by four inputs, then by pose. Not null.
+  const std::int16_t* values;
+  std::size_t count;                  // a multiple of 4: padded with zeros, for existing columns
+  std::size_t poses;                  // 1 or poses_per_block
+  const std::uint32_t* initial_sums;  // by pose: -128 x the sum of its inputs, modulo 2^32; corrects the digits' offset
+};
+
+// sums[max_panel_rows * p + r] = sum over the columns of (input of pose p) x (digit of row r), for r < rows, a multiple
+// of
+// 16. A byte of `digits` is a digit + 128; accumulators start at initial_sums. Columns are column_panel_rows bytes
+// each; quads are 4 x rows bytes each. The caller guarantees that final sums fit 32 bits; partial sums may wrap modulo
+// 2^32.
+using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const PanelInputs& inputs, std::int32_t* sums);
+
+// Arrays of floats have room up to the next multiple of this.
+inline constexpr std::size_t padding = 16;
+
+// The result of quantising an array: its step and the sum of its integers modulo 2^32.
+struct Quantisation {
+  float step = 0;  // 0: all numbers are 0, and no integer was written
+  std::uint32_t sum = 0;
+};
+
+// Features of controls, as arrays of `count` numbers.
+struct ControlFeatures {
+  const std::uint32_t* controls;
+  const FeatureKind* kinds;
+  const float *scales, *thresholds, *falls;
+  std::size_t count;
+};
+
+struct PoseKernels {
+  const char* name;
+  PanelSums column_sums, quad_sums;
+  // The loops of float_kernels.h.
+  bool (*any_nan)(const float* x, std::size_t count);
+  // offsets[i * stride] = control i, clamped to its range, minus its rest value. Returns how many were out of range.
+  std::uint32_t (*clamp_controls)(const float* controls, const float* minimum, const float* maximum, const float* rest,
+                                  std::size_t count, float* offsets, std::size_t stride);
+  // values[i * poses + p]: feature i of pose p, from offsets laid out alike. poses: 1 or poses_per_block.
+  void (*control_features)(const ControlFeatures& features, const float* offsets, std::size_t poses, float* values);
+  // Writes the indices of the values of one pose that are not 0, and returns how many. `indices` has room for count
+  // + 16.
+  std::size_t (*compact_nonzeros)(const float* values, std::size_t count, std::uint32_t* indices);
+  // FORMAT.md, "Quantise": one pose. Both arrays are padded; padding of x is ignored.
+  Quantisation (*quantise)(const float* x, std::size_t count, float limit, std::int16_t* quantised);
+  // The same for poses_per_block poses, input i of pose p at x[i * poses_per_block + p]. `quantised` is in the order of
+  // PanelInputs::values, and poses of zeros are written too. Pads x with zeros to a multiple of 4 inputs.
+  void (*quantise_block)(float* x, std::size_t count, float limit, std::int16_t* quantised, Quantisation* results);
+  // rows = rest + step * sums
+  void (*displace_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
+  // y = activation((scales * step) * sums + bias), where sums = 256 * high + low, or low if high is null
+  void (*finish_layer)(const std::int32_t* low, const std::int32_t* high, const float* scales, float step,
+                       const float* bias, Activation activation, float* y, std::size_t count);
+  // IEEE 754 binary16, rounded to nearest even.
+  void (*convert_to_half)(const float* numbers, std::uint16_t* halves, std::size_t count);
+  // Normalises vectors; those without a finite, positive length become null.
+  void (*normalise)(float* x, float* y, float* z, std::size_t count);
+};
+
+extern const PoseKernels scalar_kernels;
+#if defined(__x86_64__)
+extern const PoseKernels sse2_kernels, avx2_kernels, avx_vnni_kernels, avx512_vnni_kernels;
+#elif defined(__aarch64__)
+extern const PoseKernels neon_kernels, neon_dot_kernels;
+#elif defined(__wasm_simd128__)
+extern const PoseKernels wasm_simd_kernels;
+#endif
+
+}  // namespace fb::runtime

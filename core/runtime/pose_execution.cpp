@@ -1,0 +1,177 @@
+#include "runtime/pose_execution.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/feature_values.h"
+
+namespace fb::runtime {
+
+// Writes the values of active features to the input lists.
+template <std::size_t poses>
+void PoseExecution::scatter_features() {
+  using Entry = EvaluationLayout::ScatterEntry;
+  constexpr std::size_t prefetch_distance = 8;  // in active features
+  std::uint32_t* const ends = workspace_.list_ends_.data();
+  std::copy_n(layout_.list_offsets.begin(), workspace_.list_ends_.size(), ends);
+  float* const values = workspace_.list_values_.data();
+  std::uint32_t* const indices = workspace_.list_indices_.data();
+  const std::uint32_t* const offsets = layout_.scatter.row_offsets.data();
+  const Entry* const entries = layout_.scatter.entries.data();
+  const std::span<const std::uint32_t> active = workspace_.features_.active();
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    if (i + prefetch_distance < active.size()) __builtin_prefetch(entries + offsets[active[i + prefetch_distance]]);
+    float value[poses];
+    std::copy_n(workspace_.features_[active[i]], poses, value);
+    const Entry* const end = entries + offsets[active[i] + 1];
+    for (const Entry* entry = entries + offsets[active[i]]; entry < end; ++entry) {
+      const std::uint32_t at = ends[entry->list]++;
+      indices[at] = entry->index;
+      for (std::size_t p = 0; p < poses; ++p) values[at * poses + p] = value[p] * entry->scale;
+    }
+  }
+}
+
+template <std::size_t poses>
+void PoseExecution::find_gate_values(std::size_t region, float (&gates)[poses]) {
+  std::fill_n(gates, poses, 1.0f);
+  const float slope = layout_.gate_slopes[region];
+  if (slope == 0) return;
+  const MatrixInputs features = workspace_.list(layout_, layout_.gate_list(region), poses);
+  float sum[poses] = {}, largest[poses] = {};
+  for (std::size_t i = 0; i < features.count; ++i)
+    for (std::size_t p = 0; p < poses; ++p) {
+      const float size = std::fabs(features.values[i * poses + p]);
+      sum[p] += size;
+      largest[p] = size > largest[p] ? size : largest[p];
+    }
+  for (std::size_t p = 0; p < poses; ++p) {
+    const float gate = slope * (sum[p] - largest[p]);
+    gates[p] = gate > 0 ? (gate < 1 ? gate : 1) : 0;
+  }
+}
+
+template <std::size_t poses>
+void PoseExecution::run_regions() {
+  for (std::size_t r = 0; r < layout_.networks.size(); ++r) {
+    const MatrixInputs inputs = workspace_.list(layout_, r, poses);
+    workspace_.active_regions_[r] = 0;
+    if (inputs.count == 0 || !(regions_.empty() || regions_[r] != 0)) continue;
+    float gates[poses];
+    find_gate_values<poses>(r, gates);
+    if (std::all_of(gates, gates + poses, [](float gate) { return gate == 0; })) continue;
+    workspace_.active_regions_[r] = 1;
+    const RegionNetwork& network = layout_.networks[r];
+    float* coefficients = workspace_.coefficients_.data() + layout_.coefficient_offsets[r] * poses;
+    network.run(layout_.kernels, inputs, poses, workspace_.layers_.data(), workspace_.layer_inputs_, coefficients);
+    for (std::size_t i = 0; i < network.output_count(); ++i)
+      for (std::size_t p = 0; p < poses; ++p, ++coefficients)
+        *coefficients = zero_unless(gates[p] != 0, *coefficients * gates[p]);
+  }
+}
+
+// Appends the coefficients of active regions to the features in the row block's list, and quantises the list.
+template <std::size_t poses>
+void PoseExecution::quantise_inputs(std::size_t b, std::int16_t* to, QuantisedInputs& inputs) {
+  const RowBlockMatrix& block = layout_.row_blocks[b];
+  MatrixInputs list = workspace_.list(layout_, layout_.row_block_list(b), poses);
+  for (const auto& [region, begin, end] : layout_.row_block_regions.row(b)) {
+    if (!workspace_.active_regions_[region]) continue;
+    block.scale_coefficients<poses>({begin, end}, workspace_.coefficients_.data(), list.values + list.count * poses);
+    for (std::uint32_t i = begin; i < end; ++i) list.indices[list.count++] = i;
+  }
+  inputs.count = 0;
+  block.prefetch(list.indices, list.count);
+  if (list.count > 0) quantise(layout_.kernels, list, block.limit(), poses, to, nullptr, inputs);
+}
+
+template <std::size_t poses>
+void PoseExecution::run_row_block(std::size_t b, const QuantisedInputs& inputs, float* const* rows, bool in_workspace) {
+  const RowBlockMatrix& block = layout_.row_blocks[b];
+  const float* const rest = layout_.rest_rows.data() + block.first_row();
+  float* to[poses];
+  for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + block.first_row();
+  if (inputs.count > 0) block.run(layout_.kernels, inputs, rest, to);
+  for (std::size_t p = 0; p < poses; ++p) {
+    std::uint8_t& was_moved = workspace_.moved_[p * layout_.row_blocks.size() + b];
+    const bool moved = inputs.count > 0 && inputs.steps[p] != 0;
+    if (!moved && !(in_workspace && !was_moved)) std::copy_n(rest, block.row_count(), to[p]);
+    if (in_workspace) was_moved = moved;
+  }
+}
+
+template <std::size_t poses>
+void PoseExecution::run_row_blocks(float* const* rows) {
+  constexpr std::size_t per_pass = EvaluationLayout::row_blocks_per_pass;
+  const bool in_workspace = rows[0] == workspace_.rows_.data();
+  QuantisedInputs inputs[per_pass];
+  for (std::size_t first = 0; first < layout_.row_blocks.size(); first += per_pass) {
+    const std::size_t end = std::min(first + per_pass, layout_.row_blocks.size());
+    for (std::size_t b = first; b < end; ++b)
+      quantise_inputs<poses>(b, workspace_.quantised_.data() + layout_.row_block_entries(first, b) * poses,
+                             inputs[b - first]);
+    for (std::size_t b = first; b < end; ++b) run_row_block<poses>(b, inputs[b - first], rows, in_workspace);
+  }
+}
+
+void PoseExecution::write(const float* rows, const VertexOutput& output) {
+  write_vertices(layout_.kernels, rows, layout_.vertex_count(), layout_.baked_index, workspace_.halves_.data(), output);
+}
+
+void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {
+  if (output.positions.first) write(rows, output.positions);
+  if (!output.normals.first && !output.tangents.first) return;
+  const std::size_t blocks = layout_.row_blocks.size();
+  layout_.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, blocks}, workspace_.normals_);
+  if (output.normals.first) write(workspace_.normals_.normals(), output.normals);
+  if (!output.tangents.first) return;
+  layout_.tangents.run(rows, layout_.normals, workspace_.normals_, workspace_.tangents_);
+  write(workspace_.tangents_.tangents(), output.tangents);
+}
+
+template <std::size_t poses>
+void PoseExecution::run_features_on(const PoseOutput* outputs) {
+  scatter_features<poses>();
+  run_regions<poses>();
+  const VertexOutput& first = outputs[0].positions;
+  // Rows are written to the output itself if it has their order and format, and nothing else needs them.
+  const bool direct = first.first && first.vertex_stride == 3 && !first.streamed &&
+                      first.format == NumberFormat::float32 && !outputs[0].normals.first &&
+                      !outputs[0].tangents.first && (layout_.baked_index.empty() || first.order == VertexOrder::baked);
+  float* rows[poses];
+  for (std::size_t p = 0; p < poses; ++p)
+    rows[p] =
+        direct ? static_cast<float*>(outputs[p].positions.first) : workspace_.rows_.data() + p * layout_.row_stride();
+  run_row_blocks<poses>(rows);
+  for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p]);
+}
+
+void PoseExecution::run_pose(const float* controls, const PoseOutput& output) {
+  workspace_.clamped_ += layout_.features.run(layout_.kernels, controls, 0, 1, workspace_.features_);
+  run_features_on<1>(&output);
+}
+
+void PoseExecution::run_block(const float* controls, std::size_t stride, const PoseOutput (&outputs)[poses_per_block]) {
+  const std::uint64_t clamped =
+      layout_.features.run(layout_.kernels, controls, stride, poses_per_block, workspace_.features_);
+  // A block evaluates the union of its poses' active features, at about a third of the time a feature: unless poses
+  // share enough features, single poses are faster. See `facebaker bench`, "batch".
+  if (workspace_.features_.active().size() * poses_per_block > 3 * workspace_.features_.nonzero_count()) {
+    for (std::size_t p = 0; p < poses_per_block; ++p) run_pose(controls + p * stride, outputs[p]);
+    return;
+  }
+  workspace_.clamped_ += clamped;
+  run_features_on<poses_per_block>(outputs);
+}
+
+void PoseExecution::run_coefficients(const float* controls, float* coefficients) {
+  workspace_.clamped_ += layout_.features.run(layout_.kernels, controls, 0, 1, workspace_.features_);
+  scatter_features<1>();
+  run_regions<1>();
+  for (std::size_t d = 0; d < layout_.direct.size(); ++d) coefficients[d] = *workspace_.features_[layout_.direct[d]];
+  for (std::size_t r = 0; r < layout_.networks.size(); ++r)
+    for (std::uint32_t c = layout_.coefficient_offsets[r]; c < layout_.coefficient_offsets[r + 1]; ++c)
+      coefficients[c] = workspace_.active_regions_[r] ? workspace_.coefficients_[c] : 0;
+}
+
+}  // namespace fb::runtime

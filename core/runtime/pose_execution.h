@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "runtime/evaluation_layout.h"
+#include "runtime/vertex_output.h"
+#include "runtime/workspace.h"
+
+namespace fb::runtime {
+
+// By region, 0 for those whose networks do not run; their coefficients are 0, as at rest. Empty: all run.
+using RegionMask = std::span<const std::uint8_t>;
+
+// The outputs of one pose.
+struct PoseOutput {
+  VertexOutput positions, normals, tangents;
+};
+
+// Evaluates poses of a layout in a workspace: features, input lists, networks, row blocks, output. All calls run under
+// with_float_mode(), on controls without NaN. Refers to its arguments.
+class PoseExecution {
+ public:
+  PoseExecution(const EvaluationLayout& layout, RegionMask regions, Workspace& workspace)
+      : layout_(layout), regions_(regions), workspace_(workspace) {}
+
+  // One pose. Adds the number of clamped controls to the workspace, as the others do.
+  void run_pose(const float* controls, const PoseOutput& output);
+
+  // poses_per_block poses, whose controls are `stride` floats apart. Their outputs differ in addresses only.
+  void run_block(const float* controls, std::size_t stride, const PoseOutput (&outputs)[poses_per_block]);
+
+  // The coefficients of one pose.
+  void run_coefficients(const float* controls, float* coefficients);
+
+ private:
+  template <std::size_t poses>
+  void run_features_on(const PoseOutput* outputs);
+  template <std::size_t poses>
+  void scatter_features();
+  template <std::size_t poses>
+  void run_regions();
+  template <std::size_t poses>
+  void find_gate_values(std::size_t region, float (&gates)[poses]);
+  template <std::size_t poses>
+  void quantise_inputs(std::size_t block, std::int16_t* to, QuantisedInputs& inputs);
+  template <std::size_t poses>
+  void run_row_blocks(float* const* rows);
+  template <std::size_t poses>
+  void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
+  void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
+  void write(const float* rows, const VertexOutput& output);
+
+  const EvaluationLayout& layout_;
+  const RegionMask regions_;
+  Workspace& workspace_;
+};
+
+}  // namespace fb::runtime

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <optional>
+#include <vector>
+
+#include "model/packed_model.h"
+#include "runtime/panel_matrix.h"
+#include "runtime/quantise.h"
+
+namespace fb::runtime {
+
+// The network of a region, with its matrices laid out for evaluation. Immutable after find_rest().
+class RegionNetwork {
+ public:
+  RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory);
+
+  // Computes the outputs at rest, which run() subtracts. Fails with not_finite, naming the region.
+  void find_rest(const PoseKernels& kernels, const char* name);
+
+  std::size_t input_count() const { return layers_.front().inputs; }
+  std::size_t output_count() const { return layers_.back().outputs; }
+  std::size_t max_width() const;  // of any layer's input or output
+  // Floats of `work` that run() needs for each pose.
+  std::size_t work_size() const { return 2 * (max_width() + padding); }
+
+  // FORMAT.md, "Regions", without the gate. input: sparse inputs of the first layer, in 1 or poses_per_block poses; all
+  // others are 0. work: poses * work_size() floats. buffers: for max_width() inputs. outputs: output_count() * poses
+  // floats, output o of pose p at o * poses + p.
+  void run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, float* work,
+           QuantiseBuffers& buffers, float* outputs) const;
+
+ private:
+  struct Layer {
+    Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory);
+    // input: the floats that x was made from, for skip layers. Poses are `stride` floats apart in input and output.
+    void run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride, const float* input,
+             float* output) const;
+    std::uint32_t inputs, outputs;
+    Activation activation;
+    bool skip;
+    PanelMatrix low;
+    std::optional<PanelMatrix> high;  // the high digits of a wide layer
+    float limit;                      // see PanelMatrix::limit
+    std::pmr::vector<float> scales, bias;
+  };
+  std::pmr::vector<Layer> layers_;
+  std::pmr::vector<float> rest_outputs_;
+};
+
+}  // namespace fb::runtime

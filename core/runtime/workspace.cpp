@@ -1,0 +1,31 @@
+#include "runtime/workspace.h"
+
+#include <algorithm>
+
+#include "runtime/evaluator.h"
+
+namespace fb::runtime {
+
+Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memory)
+    : Workspace(evaluator.layout(), memory) {}
+
+Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& memory)
+    : features_(layout.features, memory),
+      list_values_(layout.list_offsets.back() * poses_per_block, &memory),
+      list_indices_(layout.list_offsets.back(), &memory),
+      list_ends_(layout.list_offsets.size() - 1, &memory),
+      quantised_(layout.max_pass_entries * poses_per_block, &memory),
+      active_regions_(layout.networks.size(), &memory),
+      coefficients_(layout.coefficient_count * poses_per_block, &memory),
+      layers_(layout.max_work_size * poses_per_block, &memory),
+      rows_(layout.row_stride() * poses_per_block, &memory),
+      moved_(layout.row_blocks.size() * poses_per_block, &memory),
+      halves_(layout.row_stride(), &memory),
+      layer_inputs_(layout.max_width, poses_per_block, memory),
+      normals_(layout.normals, memory),
+      tangents_(layout.tangents, memory) {
+  for (std::size_t p = 0; p < poses_per_block; ++p)
+    std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
+}
+
+}  // namespace fb::runtime
