@@ -20,7 +20,9 @@
 namespace fb::bake {
 namespace {
 
-constexpr double paper_variance = 0.999, tuned_variance = 0.9999;  // share of the variance that the components hold
+// Share of the variance that the components hold. In the prototype on Aura, 99.99 % instead of 99.9 % lowered the mse
+// of the paper's network from 1.16e-7 to 8.5e-8.
+constexpr double paper_variance = 0.999, tuned_variance = 0.9999;
 constexpr double tuned_pose_visits = 4e6;
 
 // Our reading of the paper's training: ReLU, Adam at 1e-3 along a cosine, batches of 256.

@@ -13,7 +13,7 @@ namespace {
 using Matrix = Eigen::MatrixXf;  // a column is a feature or a component, a row a pose
 
 constexpr double target_variance = 0.999;          // share that the principal components of the residual hold
-constexpr Eigen::Index scored_components = 48;     // scored_components components by which candidates are scored
+constexpr Eigen::Index scored_components = 48;     // leading components by which candidates are scored
 constexpr Eigen::Index validation_stride = 5;      // every fifth pose is a validation pose
 constexpr Eigen::Index scored_poses = 3000;        // at most
 constexpr Eigen::Index poses_per_corrective = 12;  // in which a corrective is active, at least

@@ -19,6 +19,10 @@ constexpr double validation_share = 0.05;  // of the poses
 // of 5.3e-7 where a cosine left 6.3e-7, and a rate of 5e-3 4.7e-7 where 2e-3 left 6.3e-7.
 constexpr float learning_rate = 4e-3f, hidden_rate_factor = 0.5f, output_rate_factor = 3;
 constexpr std::uint32_t batch = 128;
+constexpr float residual_init_scale = 0.3f, output_scaling = 0.75f, pose_balance = 0.25f;
+// In the prototype, quantisation-aware training cut the rise of the mse by 6-bit weights from 19 % to 9 %, by 8-bit
+// weights from 1.3 % to 0.5 %.
+constexpr float quantised_share = 0.15f;
 // Over a training, weight decay alone shrinks a weight by about exp(-total_decay). On a production rig baked from 9,000
 // recorded poses, where data is the limit, decay lowered the mse of unseen poses from 2.5e-7 to 2.0e-7.
 constexpr double total_decay = 2;
@@ -115,13 +119,13 @@ class RegionTraining {
       plan.learning_rate = learning_rate;
       plan.hidden_rate_factor = hidden_rate_factor;
       plan.output_rate_factor = output_rate_factor;
-      plan.residual_init_scale = 0.3f;
+      plan.residual_init_scale = residual_init_scale;
       plan.weight_decay = static_cast<float>(total_decay / (learning_rate * steps));
       plan.batch = batch;
-      plan.output_scaling = 0.75f;
-      plan.pose_balance = 0.25f;
+      plan.output_scaling = output_scaling;
+      plan.pose_balance = pose_balance;
       plan.epochs = epochs;
-      plan.quantised_share = 0.15f;
+      plan.quantised_share = quantised_share;
       plan.seed = options_.seed + r;
       if (!options_.work.empty()) plan.checkpoint = options_.work / format("%s-%zu.checkpoint", checkpoint.c_str(), r);
     }

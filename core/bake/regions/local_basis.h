@@ -11,7 +11,9 @@
 namespace fb::bake {
 
 struct LocalBasisOptions {
-  double max_error = 1e-3;           // truncation error: largest distance at a vertex of any pose fitted, over D
+  // Truncation error: largest distance at a vertex of any pose fitted, over D. The number of components follows from it
+  // rather than from the variance: in the prototype, 99.9 % of the variance left a largest error of .007 to .013.
+  double max_error = 1e-3;
   std::size_t max_components = 256;  // a region
   std::size_t max_fit_poses = 6000;  // evenly spaced; the basis is fitted to these
 };

@@ -16,7 +16,7 @@ std::unique_ptr<PoseRows> Residual::subsampled(std::size_t count) const {
 
 void Residual::read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const {
   if (first > size() || count > size() - first || values.size() != count * rows())
-    fail(Status::invalid_argument, "poses %zu to %zu of %zu, %zu coordinates each, do not fit in %zu numbers", first,
+    fail(Status::invalid_argument, "poses %zu to %zu of %zu, %zu coordinates each, do not fit in %zu floats", first,
          first + count, size(), rows(), values.size());
   constexpr std::size_t task_poses = 16;
   const bool concurrent = poses().source().thread_safe();

@@ -41,12 +41,16 @@ std::vector<float> flatten_layers(const NetworkShape& shape, const std::vector<D
 
 std::vector<DenseLayer> unflatten_layers(const NetworkShape& shape, const std::vector<float>& parameters) {
   std::vector<DenseLayer> layers;
-  for (const LayerShape& at : shape.layers) {
-    DenseLayer layer{
-        static_cast<std::uint32_t>(at.inputs), static_cast<std::uint32_t>(at.outputs), at.activation, at.skip, {}, {}};
-    const auto weights = parameters.begin() + at.weights, bias = parameters.begin() + at.bias;
-    layer.weights.assign(weights, weights + at.inputs * at.outputs);
-    layer.bias.assign(bias, bias + at.outputs);
+  for (const LayerShape& layout : shape.layers) {
+    DenseLayer layer{static_cast<std::uint32_t>(layout.inputs),
+                     static_cast<std::uint32_t>(layout.outputs),
+                     layout.activation,
+                     layout.skip,
+                     {},
+                     {}};
+    const auto weights = parameters.begin() + layout.weights, bias = parameters.begin() + layout.bias;
+    layer.weights.assign(weights, weights + layout.inputs * layout.outputs);
+    layer.bias.assign(bias, bias + layout.outputs);
     layers.push_back(std::move(layer));
   }
   return layers;

@@ -58,21 +58,21 @@ class PartProgress final : public Progress {
   std::uint64_t total_ = 0;
 };
 
-// Lower bound of the time of trainings, longest first, with one thread each.
-double one_thread_time(std::span<const double> costs, std::size_t workers) {
+// Lower bound of the time of trainings, longest first, that run in parallel with one thread each.
+double parallel_time(std::span<const double> costs, std::size_t workers) {
   if (costs.empty()) return 0;
   return std::max(costs.front(), std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(workers));
 }
 
-// How many of the trainings, longest first, are faster one after another with all threads each.
-std::size_t count_all_threads(std::span<const double> costs, std::size_t workers, std::size_t microbatches) {
-  std::size_t all_threads = 0;
+// How many of the trainings, longest first, finish sooner one after another with all threads each.
+std::size_t count_sequential(std::span<const double> costs, std::size_t workers, std::size_t microbatches) {
+  std::size_t sequential = 0;
   const double speedup = static_cast<double>(std::min(workers, microbatches));
-  while (all_threads < costs.size() && workers > 1 &&
-         costs[all_threads] / speedup + one_thread_time(costs.subspan(all_threads + 1), workers) <
-             one_thread_time(costs.subspan(all_threads), workers))
-    ++all_threads;
-  return all_threads;
+  while (sequential < costs.size() && workers > 1 &&
+         costs[sequential] / speedup + parallel_time(costs.subspan(sequential + 1), workers) <
+             parallel_time(costs.subspan(sequential), workers))
+    ++sequential;
+  return sequential;
 }
 
 }  // namespace
@@ -99,12 +99,12 @@ std::vector<TrainedLayers> train_in_parallel(std::span<const TrainingSet> sets, 
   };
   const std::size_t microbatches =
       sets.empty() ? 1 : (plans[order[0]].batch + plans[order[0]].microbatch - 1) / plans[order[0]].microbatch;
-  const std::size_t all_threads = count_all_threads(costs, worker_count(parallel), microbatches);
-  for (std::size_t rank = 0; rank < all_threads; ++rank) train(rank, parallel);
+  const std::size_t sequential = count_sequential(costs, worker_count(parallel), microbatches);
+  for (std::size_t rank = 0; rank < sequential; ++rank) train(rank, parallel);
   Parallel serial;
   serial.threads = 1;
-  parallel_for(parallel, sets.size() - all_threads,
-               [&](std::size_t index, std::size_t) { train(all_threads + index, serial); });
+  parallel_for(parallel, sets.size() - sequential,
+               [&](std::size_t index, std::size_t) { train(sequential + index, serial); });
   return trained;
 }
 

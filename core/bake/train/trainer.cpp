@@ -273,8 +273,8 @@ class Training {
   TrainedLayers result() {
     std::vector<float> parameters = best_.empty() ? adam_.parameters : best_;
     scale_output_layer(parameters, false);
-    return {unflatten_layers(shape_, parameters), epoch_loss_, std::isfinite(best_validation_) ? best_validation_ : 0, epochs_,
-            restarts_};
+    return {unflatten_layers(shape_, parameters), epoch_loss_, std::isfinite(best_validation_) ? best_validation_ : 0,
+            epochs_, restarts_};
   }
 
   const TrainingSet& set_;
