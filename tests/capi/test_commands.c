@@ -1,6 +1,32 @@
 /* What the commands sample, bake and compare of the tool do, through the C interface alone. */
 #include "authoring_fixture.h"
 
+static void descriptions_have_defaults(void** state) {
+  (void)state;
+  fb_sample_desc sampling;
+  fb_sample_desc_init(&sampling);
+  assert_true(sampling.poses == 20000 && sampling.seed == 1 && sampling.shots == 1 && sampling.rig_budget == 0);
+  assert_true(sampling.clip_count == 0 && sampling.clip_stride == sizeof(fb_rig_clip) && !sampling.callbacks.progress);
+  assert_string_equal(sampling.mix, "dense");
+  fb_bake_desc bake;
+  fb_bake_desc_init(&bake);
+  assert_true(bake.poses == 20000 && bake.seed == 1 && bake.use == FB_USE_BACKLOT && bake.force == 0 && !bake.work);
+  assert_string_equal(bake.recipe, "hero");
+  assert_string_equal(bake.mix, "dense");
+  fb_compare_desc comparison;
+  fb_compare_desc_init(&comparison);
+  assert_true(comparison.poses == 20000 && comparison.seed == 1 && !comparison.methods && !comparison.work);
+  fb_eval_desc measuring;
+  fb_eval_desc_init(&measuring);
+  assert_true(measuring.split == FB_SPLIT_TEST && measuring.measure == 0);
+  fb_pack_desc packing;
+  fb_pack_desc_init(&packing);
+  assert_true(packing.seed == 1 && packing.max_bytes == 0 && packing.max_error == 0 && packing.force == 0);
+  fb_compare_desc_init(NULL);
+  fb_eval_desc_init(NULL);
+  fb_pack_desc_init(NULL);
+}
+
 /* ---- Sources ---- */
 
 static void a_source_tells_what_it_is(void** state) {
@@ -259,6 +285,26 @@ static void bakes_that_cannot_be_are_refused(void** state) {
   assert_int_not_equal(access(good.archive, F_OK), 0);
 }
 
+static void a_shorter_description_has_defaults_beyond_it(void** state) {
+  (void)state;
+  fb_bake_desc desc = small_bake("shorter.fbk");
+  desc.recipe = "linear";
+  desc.struct_size = offsetof(fb_bake_desc, max_bytes);
+  desc.max_error = -1; /* beyond what an older host knows */
+  desc.licence = "beyond";
+  assert_ok(fb_bake(&desc, NULL));
+  fb_archive* archive = NULL;
+  assert_ok(fb_archive_open(desc.archive, &archive));
+  fb_archive_info info;
+  memset(&info, 0x5a, sizeof info);
+  info.struct_size = offsetof(fb_archive_info, licence);
+  assert_ok(fb_archive_describe(archive, &info));
+  assert_string_equal(info.recipe, "linear");
+  assert_int_equal(info.struct_size, offsetof(fb_archive_info, licence));
+  assert_int_equal(*(const unsigned char*)&info.licence, 0x5a);
+  fb_archive_close(archive);
+}
+
 /* ---- compare ---- */
 
 static void methods_are_compared_on_the_same_poses(void** state) {
@@ -303,6 +349,22 @@ static void methods_are_compared_on_the_same_poses(void** state) {
   assert_contains(details, "\"vertex_rms\"");
   fb_report_free(report);
 
+  /* a file where a method's folder is to be */
+  desc.work = in_folder("comparison");
+  assert_int_equal(run("mkdir", desc.work), 0);
+  assert_int_equal(run("touch", in_folder("comparison/kanyuk2018.variant")), 0);
+  assert_ok(fb_compare(&desc, &report));
+  assert_int_equal(fb_report_method_count(report), 3);
+  assert_int_equal(fb_report_failure_count(report), 1);
+  fb_failure failure;
+  fb_failure_init(&failure);
+  assert_ok(fb_report_failure_at(report, 0, &failure));
+  assert_string_equal(failure.name, "kanyuk2018");
+  assert_int_equal(failure.use, FB_USE_VARIANT);
+  assert_contains(failure.reason, "kanyuk2018.variant");
+  assert_refused(fb_report_failure_at(report, 1, &failure), FB_ERROR_INVALID_ARGUMENT, "failure 1 of 1");
+  fb_report_free(report);
+
   const char* const unknown[1] = {"soup"};
   desc.methods = unknown, desc.method_count = 1;
   assert_refused(fb_compare(&desc, &report), FB_ERROR_NOT_FOUND, "soup");
@@ -315,6 +377,7 @@ static void methods_are_compared_on_the_same_poses(void** state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(descriptions_have_defaults),
       cmocka_unit_test(a_source_tells_what_it_is),
       cmocka_unit_test(frames_of_a_clip_are_its_controls_evaluated),
       cmocka_unit_test(opening_gives_notes),
@@ -323,6 +386,7 @@ int main(void) {
       cmocka_unit_test(a_bake_is_measured_for_its_report),
       cmocka_unit_test(a_bake_may_be_stopped_and_goes_on),
       cmocka_unit_test(bakes_that_cannot_be_are_refused),
+      cmocka_unit_test(a_shorter_description_has_defaults_beyond_it),
       cmocka_unit_test(methods_are_compared_on_the_same_poses),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
