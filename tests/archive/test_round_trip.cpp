@@ -173,14 +173,14 @@ TEST_CASE("bases of every kind are restored") {
         model.row_blocks.clear();
         for (std::uint32_t v = 0; v < 90; ++v) model.order.push_back((v * 37 + 5) % 90);
         for (std::uint32_t row = 0; row < 270; row += block_rows) {
-          PackedRowBlock& group = model.row_blocks.emplace_back();
-          group.first_row = row;
-          group.row_count = std::min(block_rows, 270 - row);
+          PackedRowBlock& block = model.row_blocks.emplace_back();
+          block.first_row = row;
+          block.row_count = std::min(block_rows, 270 - row);
           for (std::uint32_t c = 0; c < 5; ++c) {
             if (random.uniform() < 0.3f) continue;
-            group.columns.push_back({c, reach > 127, random.uniform() < 0.5f ? 0.25f : random.uniform()});
-            for (std::uint32_t r = 0; r < group.row_count; ++r)
-              group.values.push_back(static_cast<std::int16_t>(
+            block.columns.push_back({c, reach > 127, random.uniform() < 0.5f ? 0.25f : random.uniform()});
+            for (std::uint32_t r = 0; r < block.row_count; ++r)
+              block.values.push_back(static_cast<std::int16_t>(
                   static_cast<int>(random.below(static_cast<std::uint32_t>(2 * reach + 1))) - reach));
           }
         }
@@ -194,15 +194,15 @@ TEST_CASE("smooth columns take far fewer bytes than noise") {
     model.rest = grid_mesh(40, 40);
     model.order.clear();
     Random random(1);
-    PackedRowBlock group{0, 4800, {}, {}};
+    PackedRowBlock block{0, 4800, {}, {}};
     for (std::uint32_t c = 0; c < 5; ++c) {
-      group.columns.push_back({c, false, 1});
+      block.columns.push_back({c, false, 1});
       for (std::uint32_t v = 0; v < 1600; ++v)
         for (std::uint32_t axis = 0; axis < 3; ++axis)
-          group.values.push_back(static_cast<std::int16_t>(smooth ? int(v % 40 + 2 * (v / 40) + axis * c) - 60
+          block.values.push_back(static_cast<std::int16_t>(smooth ? int(v % 40 + 2 * (v / 40) + axis * c) - 60
                                                                   : int(random.below(121)) - 60));
     }
-    model.row_blocks = {group};
+    model.row_blocks = {block};
     for (const SectionInfo& section : read_archive(write_archive(model, {})).sections)
       if (section.name == "basis-values") return section.stored_bytes;
     return std::uint64_t(0);
