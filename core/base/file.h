@@ -22,9 +22,9 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_
 // Creates a folder and its missing parents. Fails with its path and the system's reason.
 void make_folder(const std::filesystem::path& path);
 
-// Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes what was not
-// committed. Fails with the path and the system's reason (disk full, no such folder, no permission), and on what is
-// there already but no regular file, such as a device.
+// Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes an uncommitted
+// file. Fails with the path and the system's reason (disk full, no such folder, no permission), and if the target
+// exists and is not a regular file, such as a device.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

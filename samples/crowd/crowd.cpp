@@ -1,4 +1,4 @@
-// Poses one face many times on several threads, and shows that the number of threads changes the speed alone.
+// Poses one face many times on several threads, and checks that the number of threads changes only the speed.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -10,42 +10,42 @@
 
 namespace {
 
-// SplitMix64: random bits for a number.
-std::uint64_t scramble(std::uint64_t z) {
+// SplitMix64: a hash of a number.
+std::uint64_t hash(std::uint64_t z) {
   z += 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
 }
 
-// Pose number `pose` of the crowd: a fifth of the controls somewhere in their ranges.
+// Pose number `pose` of the crowd: a fifth of the controls at random values in their ranges.
 void make_pose(const std::vector<fb_control>& controls, std::uint64_t pose, std::vector<float>& values) {
   for (std::size_t c = 0; c < controls.size(); ++c) {
-    const std::uint64_t bits = scramble(pose * controls.size() + c);
+    const std::uint64_t bits = hash(pose * controls.size() + c);
     const float uniform = static_cast<float>(bits >> 40) * 0x1p-24f;
     values[c] =
         bits % 5 == 0 ? controls[c].minimum + (controls[c].maximum - controls[c].minimum) * uniform : controls[c].rest;
   }
 }
 
-// A number that changes if any bit of any position does.
+// A hash of all bits of all positions of a pose.
 std::uint64_t checksum(std::uint64_t pose, const std::vector<float>& positions) {
-  std::uint64_t sum = scramble(pose);
+  std::uint64_t sum = hash(pose);
   for (const float position : positions) {
     std::uint32_t bits;
     std::memcpy(&bits, &position, sizeof bits);
-    sum = scramble(sum ^ bits);
+    sum = hash(sum ^ bits);
   }
   return sum;
 }
 
-// Every thread shares the model and has a scratch of its own. Sums over poses do not depend on who added what.
+// All threads share the model, and each has its own scratch. The sum over poses does not depend on the order.
 std::uint64_t pose_crowd(const facebaker::Model& model, const std::vector<fb_control>& controls, std::uint64_t poses,
                          unsigned threads) {
   std::vector<std::uint64_t> sums(threads);
-  std::vector<std::thread> crew;
+  std::vector<std::thread> workers;
   for (unsigned t = 0; t < threads; ++t)
-    crew.emplace_back([&, t] {
+    workers.emplace_back([&, t] {
       facebaker::Scratch scratch(model);
       std::vector<float> values(controls.size()), positions(3 * std::size_t(model.vertex_count()));
       std::uint64_t sum = 0;
@@ -56,7 +56,7 @@ std::uint64_t pose_crowd(const facebaker::Model& model, const std::vector<fb_con
       }
       sums[t] = sum;
     });
-  for (std::thread& thread : crew) thread.join();
+  for (std::thread& thread : workers) thread.join();
   return std::accumulate(sums.begin(), sums.end(), std::uint64_t(0));
 }
 
@@ -70,13 +70,13 @@ int main(int argc, char** argv) {
   try {
     const facebaker::Model model(argv[1]);
     const std::uint64_t poses = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 10000;
-    const unsigned most =
+    const unsigned max_threads =
         argc > 3 ? unsigned(std::strtoul(argv[3], nullptr, 10)) : std::max(1u, std::thread::hardware_concurrency());
     std::vector<fb_control> controls;
     for (std::uint32_t c = 0; c < model.control_count(); ++c) controls.push_back(model.control(c));
 
     std::uint64_t expected = 0;
-    for (unsigned threads = 1; threads <= most; ++threads) {
+    for (unsigned threads = 1; threads <= max_threads; ++threads) {
       const auto start = std::chrono::steady_clock::now();
       const std::uint64_t sum = pose_crowd(model, controls, poses, threads);
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

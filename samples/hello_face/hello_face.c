@@ -1,4 +1,4 @@
-/* Loads a baked face, sets one control by its name, and says where the vertices went. */
+/* Loads a baked face, sets one control by its name, and prints where the vertices moved. */
 #include <facebaker/facebaker.h>
 #include <math.h>
 #include <stdio.h>
@@ -34,17 +34,17 @@ int main(int argc, char** argv) {
   printf("%s: %u controls, %u vertices, FaceBaker %s\n", fb_name(model), controls, vertices, fb_version_string());
   if (fb_clamped_count(scratch)) printf("%s was clamped to its range\n", argv[2]);
   double largest = 0;
-  uint32_t where = 0;
+  uint32_t furthest = 0;
   for (uint32_t v = 0; v < vertices; ++v) {
     const float *to = positions + 3 * v, *from = rest + 3 * v;
     const double moved = sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) + pow(to[2] - from[2], 2));
     if (moved > largest) {
       largest = moved;
-      where = v;
+      furthest = v;
     }
     if (v < 3) printf("vertex %u: %g %g %g\n", v, to[0], to[1], to[2]);
   }
-  printf("largest displacement: vertex %u, %g %s\n", where, largest, fb_units(model));
+  printf("largest displacement: vertex %u, %g %s\n", furthest, largest, fb_units(model));
 
   free(positions);
   free(pose);

@@ -10,7 +10,7 @@
 
 namespace {
 
-// The model's polygons as triangles, fanned from their first corners.
+// The model's polygons as triangle fans from their first corners.
 std::vector<std::uint32_t> triangles(const facebaker::Model& model) {
   std::vector<std::uint32_t> indices;
   const std::uint32_t* corner = fb_polygon_corners(model.get());
@@ -40,7 +40,7 @@ std::vector<float> normals(const std::vector<float>& points, const std::vector<s
   return sums;
 }
 
-// Appends an array to the file's one buffer and describes it; returns the accessor's index.
+// Appends an array to the file's buffer with a view and an accessor; returns the accessor's index.
 template <class T>
 int add_array(tinygltf::Model& file, const std::vector<T>& values, int width, int component, int target) {
   auto& data = file.buffers[0].data;
@@ -58,7 +58,7 @@ int add_array(tinygltf::Model& file, const std::vector<T>& values, int width, in
   accessor.componentType = component;
   accessor.type = width == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_SCALAR;
   accessor.count = values.size() / width;
-  for (int k = 0; k < width; ++k) {  // glTF asks for the bounds of positions
+  for (int k = 0; k < width; ++k) {  // glTF requires the bounds of positions
     T low = values[k], high = values[k];
     for (std::size_t i = k; i < values.size(); i += width) {
       low = std::min(low, values[i]);
@@ -90,7 +90,7 @@ bool write_glb(const char* path, const facebaker::Model& model, const std::vecto
   tinygltf::Node node;
   node.mesh = 0;
   node.name = model.name();
-  if (std::strcmp(fb_units(model.get()), "cm") == 0) node.scale = {0.01, 0.01, 0.01};  // glTF counts in metres
+  if (std::strcmp(fb_units(model.get()), "cm") == 0) node.scale = {0.01, 0.01, 0.01};  // glTF units are metres
   if (std::strcmp(fb_up_axis(model.get()), "z") == 0) node.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
   file.nodes.push_back(node);
   file.scenes.resize(1);
@@ -102,7 +102,7 @@ bool write_glb(const char* path, const facebaker::Model& model, const std::vecto
 int pose_face(int argc, char** argv) {
   const facebaker::Model model(argv[1]);
   if (fb_polygon_count(model.get()) == 0) {
-    std::fprintf(stderr, "%s: has no polygons to show\n", argv[1]);
+    std::fprintf(stderr, "%s: has no polygons\n", argv[1]);
     return 1;
   }
   std::vector<float> controls = model.rest_controls(), points(3 * std::size_t{model.vertex_count()});

@@ -24,7 +24,7 @@ Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
 
 }  // namespace
 
-TEST_CASE("what is written is read, also when empty or larger than a block") {
+TEST_CASE("a written file is read back, also if empty or larger than a block") {
   test::Folder folder;
   for (const std::size_t size : {0, 1, 65536, 200001}) {
     std::vector<std::byte> bytes(size);
@@ -37,7 +37,7 @@ TEST_CASE("what is written is read, also when empty or larger than a block") {
   CHECK(folder.entries() == 1);
 }
 
-TEST_CASE("reading names what is wrong with a file") {
+TEST_CASE("errors of reading name the file") {
   test::Folder folder;
   CHECK(status_of(folder.path() / "missing") == Status::not_found);
   CHECK(status_of(folder.path() / "missing" / "f") == Status::not_found);
@@ -48,7 +48,7 @@ TEST_CASE("reading names what is wrong with a file") {
   CHECK(status_of(folder.path() / "f", 5) == Status::ok);
 }
 
-TEST_CASE("a file that is not committed leaves the old one, and nothing beside it") {
+TEST_CASE("an uncommitted file leaves the old one and no temporary file") {
   test::Folder folder;
   const fs::path path = folder.path() / "f";
   write_file(path, std::string("old"));
@@ -85,7 +85,7 @@ TEST_CASE("a check before the rename sees the whole file, and keeps the old one 
   CHECK(read_file(path).size() == text.size());
 }
 
-TEST_CASE("writing where nothing can be written fails by name") {
+TEST_CASE("errors of writing name the file") {
   test::Folder folder;
   CHECK_THROWS_WITH_AS(write_file(folder.path(), std::string()), doctest::Contains("is a directory"), Error);
   CHECK_THROWS_WITH_AS(write_file(folder.path() / "no" / "f", std::string()), doctest::Contains("cannot be written"),

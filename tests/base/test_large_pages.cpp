@@ -8,7 +8,7 @@
 
 using namespace fb;
 
-TEST_CASE("large pages hold what is asked for, aligned and side by side, until all of it is given back") {
+TEST_CASE("large pages return aligned, adjacent blocks that stay valid until the arena is destroyed") {
   LargePages pages;
   const auto address = [](const void* memory) { return reinterpret_cast<std::uintptr_t>(memory); };
   struct Piece {

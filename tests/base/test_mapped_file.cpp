@@ -20,7 +20,7 @@ std::string text_of(const MappedFile& file) {
   return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
 }
 
-// How the lines of /proc/self/maps that name this file begin: "r--s" is read-only and shared.
+// The permissions of this file's mappings in /proc/self/maps: "r--s" is read-only and shared.
 std::vector<std::string> mappings(const std::string& path) {
   std::ifstream maps("/proc/self/maps");
   std::vector<std::string> kinds;
@@ -31,7 +31,7 @@ std::vector<std::string> mappings(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a file is mapped read-only and shared, and stays whole where it is replaced") {
+TEST_CASE("a file is mapped read-only and shared, and stays valid when it is replaced") {
   const test::Folder folder;
   const std::string path = folder.path() / "face.fbk";
   write_file(path, std::string(100000, 'a') + "end");
@@ -49,7 +49,7 @@ TEST_CASE("a file is mapped read-only and shared, and stays whole where it is re
   CHECK(mappings(path).empty());
 }
 
-TEST_CASE("what cannot be mapped is read, and what cannot be read is refused by name") {
+TEST_CASE("files that cannot be mapped are read; errors name the file") {
   const test::Folder folder;
   const std::string empty = folder.path() / "empty", pipe = folder.path() / "pipe", file = folder.path() / "file";
   write_file(empty, std::string());

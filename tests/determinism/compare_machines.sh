@@ -1,9 +1,9 @@
 #!/bin/sh
-# Poses archives with many builds of the runtime, and fails unless all of them give the same bits:
-# gcc -O0, -O2, -O3 and clang, each with every instruction set this processor has, 1 to 8 threads and a host that rounds
-# up; AArch64 under qemu; WebAssembly under node. What is not installed is said to be left out.
+# Evaluates archives with many builds of the runtime, and fails unless all of them give the same bits:
+# gcc -O0, -O2, -O3 and clang, each with every instruction set of this processor, 1 to 8 threads and a host that rounds
+# up; AArch64 under qemu; WebAssembly under node. Reports what is skipped because it is not installed.
 #   tests/determinism/compare_machines.sh BUILD_DIR [ARCHIVE...]
-# BUILD_DIR is a built tree of the project; without archives its fixture is posed.
+# BUILD_DIR is a built tree of the project; without archives its fixture is used.
 #   --install first (Debian): installs the compilers and emulators, about 1.5 GB
 set -eu
 if [ "${1:-}" = "--install" ]; then
@@ -51,7 +51,7 @@ has() {
   name=$1
   shift
   for command in "$@"; do
-    command -v "$command" >/dev/null || { echo "$name: left out, there is no $command"; return 1; }
+    command -v "$command" >/dev/null || { echo "$name: skipped, $command is not installed"; return 1; }
   done
 }
 

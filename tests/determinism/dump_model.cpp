@@ -1,4 +1,5 @@
-// dump_model ARCHIVE POSES DUMP: an archive's model and as many poses, from rest to all controls moved, for hash_poses.
+// dump_model ARCHIVE POSES DUMP: writes an archive's model and so many poses, from rest to all controls moved, for
+// hash_poses.
 #include <cstdio>
 #include <cstdlib>
 

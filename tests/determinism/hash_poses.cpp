@@ -1,7 +1,6 @@
-// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals, coefficients and, of a face with texture
-// coordinates, tangents, which must be the same on every machine, with every compiler and at every level of
-// optimisation. Fails if this machine's instruction sets, batches, orders, strides, threads or modes of rounding
-// disagree among themselves, or with HASH.
+// hash_poses DUMP[=HASH]...: a hash of each dump's positions, normals, coefficients and, with texture coordinates,
+// tangents, which must be the same on every machine, with every compiler and at every level of optimisation. Fails if
+// instruction sets, batches, strides, thread counts or rounding modes give different hashes, or one other than HASH.
 #include <cfenv>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +48,7 @@ std::uint64_t pose_by_pose(const Evaluator& face, const std::vector<float>& cont
   return hash.value;
 }
 
-// The same from a batch, backwards in memory or not, with gaps between vertices.
+// The same hash from a batch, with gaps between vertices for some thread counts.
 std::uint64_t in_a_batch(const Evaluator& face, const std::vector<float>& controls, int threads) {
   const std::size_t poses = controls.size() / face.control_count(), stride = 3 + std::size_t(threads % 3);
   std::vector<Workspace> some;

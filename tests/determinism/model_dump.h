@@ -1,5 +1,5 @@
-// A packed model and poses as plain bytes of this machine, so that what evaluates them needs no library of an
-// archive's.
+// A packed model and poses as raw bytes of this machine, so that programs that evaluate them need none of the archive's
+// libraries.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace fb {
 
-// Writes or reads, so that both have one list of fields.
+// Writes or reads, with one list of fields for both.
 class Dump {
  public:
   Dump(const char* path, bool reads) : file_(std::fopen(path, reads ? "rb" : "wb")), reads_(reads) {
@@ -45,7 +45,7 @@ class Dump {
  private:
   void bytes(void* at, std::size_t count) {
     const std::size_t done = reads_ ? std::fread(at, 1, count, file_) : std::fwrite(at, 1, count, file_);
-    if (done != count) fail(Status::io, "a dump broke off");
+    if (done != count) fail(Status::io, "the dump is truncated");
   }
   template <class List>
   void size(List& list) {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Poses one face on several threads under ThreadSanitizer: the sample crowd, each thread with a scratch of its own. Fails
-# on any race. Builds the runtime alone, with clang and without OpenMP, in build/races. The whole tree: tests/run.sh tsan.
+# Runs the sample crowd under ThreadSanitizer, each thread with its own scratch. Fails on any race. Builds only the
+# runtime, with clang and without OpenMP, in build/races. The whole tree: tests/run.sh tsan.
 #   tests/runtime/find_races.sh FACE.fbk
 set -eu
 face=$(realpath "$1")

@@ -56,8 +56,8 @@ typedef int32_t fb_status;
 #define FB_ERROR_LIMIT 7            /**< larger than a limit the caller set, or than sizes can be */
 #define FB_ERROR_OUT_OF_MEMORY 8    /**< an allocation failed */
 #define FB_ERROR_NOT_FINITE 9       /**< NaN or infinity where a number is needed */
-#define FB_ERROR_BAD_DATA 10        /**< data that contradicts itself */
-#define FB_ERROR_RIG 11             /**< a rig plugin failed or lied */
+#define FB_ERROR_BAD_DATA 10        /**< inconsistent data */
+#define FB_ERROR_RIG 11             /**< a rig plugin failed or broke its contract */
 #define FB_ERROR_INTERRUPTED 12     /**< the host stopped the call */
 #define FB_ERROR_INTERNAL 13        /**< an error of this library */
 
@@ -82,16 +82,16 @@ FB_API uint32_t fb_format_version(void);
 typedef struct fb_model fb_model;     /**< a loaded face; immutable, reference counted */
 typedef struct fb_scratch fb_scratch; /**< working memory of evaluations */
 
-/** A host's memory. allocate returns `bytes` bytes aligned to `alignment` (a power of two) or null; release takes back
- * what allocate gave. Both must be callable from any thread. */
+/** A host's allocator. allocate returns `bytes` bytes aligned to `alignment` (a power of two) or null; release frees
+ * memory from allocate. Both must be callable from any thread. */
 typedef struct fb_allocator {
   void* user;                                                                /**< passed to both */
   void* (*allocate)(void* user, size_t bytes, size_t alignment);             /**< null: malloc */
   void (*release)(void* user, void* memory, size_t bytes, size_t alignment); /**< null: free */
 } fb_allocator;
 
-/** Receives one sentence about something odd but harmless, such as an optional section that was skipped. Called on the
- * loading thread once the model is whole; message is valid during the call. */
+/** Receives a warning that is not an error, such as an optional section that was skipped. Called on the loading thread
+ * after the model is complete; message is valid during the call. */
 typedef void (*fb_log)(void* user, const char* message);
 
 /** How a face is loaded. */
@@ -99,16 +99,15 @@ typedef struct fb_load_desc {
   uint32_t struct_size;
   uint32_t reserved;
   uint64_t max_file_bytes;  /**< larger files are refused with FB_ERROR_LIMIT; default 4 GiB */
-  uint64_t max_model_bytes; /**< so are files whose unpacked parts and the model made of them, together, or the blocks
-                               kept to evaluate it, would take more than this; default 4 GiB */
-  fb_allocator allocator;   /**< for the lasting blocks of the model (weights, basis, mesh) and its scratches; null
-                               functions: malloc. Names, handles and temporaries of loading use malloc. */
+  uint64_t max_model_bytes; /**< limit of the memory for the unpacked archive and its model together, and for the
+                               blocks kept to evaluate it; beyond it FB_ERROR_LIMIT; default 4 GiB */
+  fb_allocator allocator;   /**< for the blocks of the model (weights, basis, mesh) and its scratches; null functions:
+                               malloc. Names, handles and temporaries of loading use malloc. */
   fb_log log;               /**< null: silent */
   void* log_user;           /**< passed to log */
-  const char*
-      instruction_set; /**< for tests: none beyond this one is used, from "scalar" on; null: what is fastest here.
-                          The environment variable FB_INSTRUCTION_SET caps it likewise. Results are the same.
-                          A name this library does not have is refused, and the message lists those it has. */
+  const char* instruction_set; /**< for tests: the fastest instruction set to use, from "scalar" on; null: no limit. The
+                                  environment variable FB_INSTRUCTION_SET limits it likewise. Results are the same.
+                                  Fails with FB_ERROR_INVALID_ARGUMENT, listing the names, on an unknown name. */
 } fb_load_desc;
 
 FB_API void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size);
@@ -117,20 +116,20 @@ static inline void fb_load_desc_init(fb_load_desc* to) {
 }
 
 /** Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
- * reference. The file may come from anyone: every size is checked before it is believed. It is mapped read-only while
- * this call lasts, so it must not be cut short meanwhile; to replace it by renaming is safe. Fails with NOT_FOUND, IO,
+ * reference. Untrusted files are safe: every size is validated before it is used. The file is mapped read-only during
+ * this call and must not be truncated meanwhile; replacing it by renaming is safe. Fails with NOT_FOUND, IO,
  * NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and with NOT_FINITE if the rest pose overflows. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
-/** The same from memory, which is not needed any more when the call returns. */
+/** The same from memory, which is not needed after the call. */
 FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
 
 /** Adds a reference. Null is allowed. Thread-safe. */
 FB_API void fb_retain(fb_model* model);
-/** Gives up a reference; the last frees the model. Null is allowed. Thread-safe. Scratches hold a reference of their
- * own. */
+/** Releases a reference; the last one frees the model. Null is allowed. Thread-safe. Scratches hold a reference of
+ * their own. */
 FB_API void fb_release(fb_model* model);
 
-/* ---- What is in it ----------------------------------------------------------------------------------------------- */
+/* ---- Contents ---------------------------------------------------------------------------------------------------- */
 /* All of these are thread-safe; strings and arrays are owned by the model and live as long as it does.
  * A null model gives 0 or null. */
 
@@ -141,7 +140,7 @@ FB_API uint32_t fb_coefficient_count(const fb_model* model); /**< columns of the
 FB_API const char* fb_name(const fb_model* model);       /**< of the character */
 FB_API const char* fb_units(const fb_model* model);      /**< of positions: "cm", "m", ... */
 FB_API const char* fb_up_axis(const fb_model* model);    /**< "y" or "z" */
-FB_API const char* fb_provenance(const fb_model* model); /**< a JSON object, as the archive has it; "" if it has none */
+FB_API const char* fb_provenance(const fb_model* model); /**< a JSON object, as stored in the archive; "" if none */
 
 /** A control of a face. */
 typedef struct fb_control {
@@ -159,15 +158,15 @@ FB_API void fb_control_fill(fb_control* to, uint32_t struct_size);
 static inline void fb_control_init(fb_control* to) {
   fb_control_fill(to, (uint32_t)sizeof *to);
 }
-/** Fills *control, as far as its struct_size goes, for the control at index < fb_control_count; its strings are the
- * model's. The order of controls is the order of names. */
+/** Fills *control, up to its struct_size, for the control at index < fb_control_count; the model owns its strings.
+ * Poses list controls in this order. */
 FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control);
-/** Finds a control by its exact name; FB_ERROR_NOT_FOUND names the closest one there is. */
+/** Finds a control by its exact name; on FB_ERROR_NOT_FOUND the message names the closest one. */
 FB_API fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index);
 /** The controls of the rest pose: fb_control_count floats. */
 FB_API const float* fb_rest_controls(const fb_model* model);
 
-/** The rest mesh in the source's own vertex order: 3 x fb_vertex_count floats, xyz interleaved, in fb_units. */
+/** The rest mesh in the source's vertex order: 3 x fb_vertex_count floats, xyz interleaved, in fb_units. */
 FB_API const float* fb_rest_positions(const fb_model* model);
 /** Length of the diagonal of the rest mesh's bounding box, in fb_units. */
 FB_API double fb_diagonal(const fb_model* model);
@@ -181,16 +180,16 @@ FB_API uint32_t fb_polygon_corner_count(const fb_model* model);
 FB_API const uint32_t* fb_polygon_corners(const fb_model* model);
 /** Pairs of texture coordinates; 0 if the source had none. */
 FB_API uint32_t fb_uv_count(const fb_model* model);
-/** Texture coordinates: 2 x fb_uv_count floats, u and v interleaved, v growing upwards from the lower edge of the
- * picture. May be null without any. */
+/** Texture coordinates: 2 x fb_uv_count floats, u and v interleaved, v pointing up from the lower edge of the
+ * image. May be null without any. */
 FB_API const float* fb_uvs(const fb_model* model);
 /** For each polygon corner the index of its pair; a vertex on a seam has several. May be null without any. */
 FB_API const uint32_t* fb_uv_corners(const fb_model* model);
-/** For shading with the tangents of fb_evaluate_batch: one a vertex, in the source's order, -1 where the picture lies
- * mirrored on the mesh and 1 elsewhere. Times the cross product of normal and tangent it points to where v grows. Null
- * without texture coordinates. */
+/** For shading with the tangents of fb_evaluate_batch: one a vertex, in the source's order, -1 where the texture is
+ * mirrored and 1 elsewhere. The bitangent, along growing v, is the sign times the cross product of normal and tangent.
+ * Null without texture coordinates. */
 FB_API const float* fb_tangent_signs(const fb_model* model);
-/** Bytes the model keeps in memory to evaluate poses, without scratches. */
+/** Bytes of memory that the model takes to evaluate poses, without scratches. */
 FB_API uint64_t fb_runtime_bytes(const fb_model* model);
 /** The instruction set that poses are evaluated with, such as "avx2". Static storage. */
 FB_API const char* fb_instruction_set(const fb_model* model);
@@ -204,11 +203,11 @@ FB_API const char* fb_region_name(const fb_model* model, uint32_t index);
 /* ---- The basis ----------------------------------------------------------------------------------------------------
  */
 /** For hosts whose GPU moves the vertices: displacements are the basis times the coefficients of a pose
- * (fb_evaluate_coefficients). Row 3 i + axis of the basis is coordinate `axis` of vertex i in baked order, an order in
- * which vertices that use the same coefficients lie together. Rows are stored in row blocks, each of which uses some of
- * the coefficients. Displacements computed so differ from fb_evaluate's by rounding, and are 0 at rest. */
+ * (fb_evaluate_coefficients). Row 3 i + axis of the basis is coordinate `axis` of vertex i in baked order, in which
+ * vertices that use the same coefficients are contiguous. The basis is stored in row blocks, each of which uses some of
+ * the coefficients. Such displacements differ from fb_evaluate's by rounding, and are 0 at rest. */
 
-/** Baked order: which vertex of the source is the i-th, for i < fb_vertex_count; null if that is the source's order. */
+/** Baked order: the source index of each vertex, fb_vertex_count numbers; null if it is the source's order. */
 FB_API const uint32_t* fb_vertex_order(const fb_model* model);
 
 /** Consecutive rows of the basis that use the same coefficients. */
@@ -225,35 +224,36 @@ static inline void fb_row_block_init(fb_row_block* to) {
 }
 /** Row blocks of the basis. */
 FB_API uint32_t fb_row_block_count(const fb_model* model);
-/** Fills *block, as far as its struct_size goes, for index < fb_row_block_count. */
+/** Fills *block, up to its struct_size, for index < fb_row_block_count. */
 FB_API fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* block);
 /** Writes the contents of the row block at `index`: columns, column_count indices below fb_coefficient_count,
- * ascending; and values, column after column, row_count floats each: what one unit of that coefficient moves. */
+ * ascending; and values, column-major, row_count floats a column: the displacements for one unit of the coefficient. */
 FB_API fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values);
 
 /* ---- Posing ------------------------------------------------------------------------------------------------------ */
 
 /** Working memory for `workers` (>= 1) concurrent poses of this model: 1 for fb_evaluate, one per thread that
- * fb_evaluate_batch may use. From the model's allocator. Calls with another model refuse it. */
+ * fb_evaluate_batch may use. From the model's allocator. Calls with another model fail with
+ * FB_ERROR_INVALID_ARGUMENT. */
 FB_API fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch);
-/** Null is allowed. */
+/** Frees a scratch. Null is allowed. */
 FB_API void fb_scratch_destroy(fb_scratch* scratch);
 
 /** One pose, on the calling thread. controls: fb_control_count floats in control order. positions: 3 x fb_vertex_count
  * floats, xyz interleaved, in the archive's units and vertex order; may not overlap controls.
- * Values outside a control's range, infinities too, are clamped to it; fb_clamped_count then tells how many were. NaN
- * is refused with FB_ERROR_NOT_FINITE, naming the control, and positions are left alone. All controls at rest give
- * exactly the rest mesh. */
+ * Values outside a control's range, including infinities, are clamped to it and counted by fb_clamped_count. NaN fails
+ * with FB_ERROR_NOT_FINITE, naming the control; positions are not written then. Controls at rest give exactly the rest
+ * mesh. */
 FB_API fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* controls, float* positions);
 
 /** The coefficients alone, fb_coefficient_count floats, all 0 at rest; controls as for fb_evaluate. */
 FB_API fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, const float* controls,
                                           float* coefficients);
 
-/** How many control values the scratch's last successful evaluation clamped, of all poses of a batch. */
+/** Control values that the scratch's last successful evaluation clamped, over all poses of a batch. */
 FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
 
-/** A piece of work that a host's scheduler, fb_parallel_for, calls: task(context, index, worker) once for every
+/** A task that a host's scheduler, fb_parallel_for, calls: task(context, index, worker) once for every
  * index < count with worker < workers, never two at once with the same worker, from any threads. The scheduler returns
  * when all calls have. */
 typedef void (*fb_task)(void* context, uint32_t index, uint32_t worker);
@@ -276,28 +276,29 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;  /**< size of that buffer, in floats */
   uint64_t control_stride;  /**< in floats; 0: fb_control_count */
   void* positions;          /**< vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                               null if normals or tangents are wanted */
+                               null if normals or tangents are given */
   uint64_t position_floats; /**< size of that buffer, in numbers */
   uint64_t pose_stride;     /**< in numbers; 0: vertex_stride * fb_vertex_count */
-  uint64_t vertex_stride;   /**< in numbers, >= 3; 0: 3. What lies between vertices is not touched. */
-  fb_parallel_for parallel_for; /**< null: OpenMP if the library has it, else the calling thread. Left out where one
-                                   thread is enough. */
-  void* parallel_user;          /**< passed to parallel_for */
-  uint32_t vertex_order;        /**< FB_ORDER_...; default FB_ORDER_SOURCE */
-  uint32_t format;              /**< FB_FLOAT...: of positions and normals; default FB_FLOAT32 */
-  void* normals;               /**< unit normals of the posed mesh, laid out like positions; null: not wanted. A vertex'
-                                  normal is the sum of the area vectors of the polygons around it, which are true
-                                  polygons: of a quad half the cross product of its diagonals, flat or not. Null where
-                                  there is no area. The same bits on every machine, like positions. */
-  uint64_t normal_numbers;     /**< size of that buffer, in numbers */
-  uint64_t normal_pose_stride; /**< as for positions */
+  uint64_t vertex_stride;   /**< in numbers, >= 3; 0: 3. Gaps between vertices are not written. */
+  fb_parallel_for parallel_for;  /**< null: OpenMP if the library has it, else the calling thread. Not called where one
+                                    thread is enough. */
+  void* parallel_user;           /**< passed to parallel_for */
+  uint32_t vertex_order;         /**< FB_ORDER_...; default FB_ORDER_SOURCE */
+  uint32_t format;               /**< FB_FLOAT...: of positions and normals; default FB_FLOAT32 */
+  void* normals;                 /**< unit normals of the posed mesh, laid out like positions; null: no output. A vertex
+                                    normal is the normalised sum of the area vectors of the polygons around it; for a
+                                    quad, planar or not, half the cross product of its diagonals. Null vectors where
+                                    there is no area. The same bits on every machine, like positions. */
+  uint64_t normal_numbers;       /**< size of that buffer, in numbers */
+  uint64_t normal_pose_stride;   /**< as for positions */
   uint64_t normal_vertex_stride; /**< as for positions */
-  const uint32_t* regions;       /**< indices of the regions whose networks run; the others give what they give at rest.
-                                    Null: all of them. */
+  const uint32_t* regions;       /**< indices of the regions whose networks run; the others keep their coefficients at
+                                    rest, 0. Null: all run. */
   uint64_t region_count;         /**< of that list; with a list, 0 is none */
   void* tangents; /**< unit tangents of the posed mesh, 3 numbers a vertex like positions: the direction in which u
-                     grows, perpendicular to the normal; see fb_tangent_signs. Null where there is none. Refused
-                     for a model without texture coordinates. The same bits on every machine. Null: not wanted. */
+                     grows, perpendicular to the normal; see fb_tangent_signs. Null vectors where there is none.
+                     Refused for a model without texture coordinates. The same bits on every machine. Null: no
+                     output. */
   uint64_t tangent_numbers;       /**< size of that buffer, in numbers */
   uint64_t tangent_pose_stride;   /**< as for positions */
   uint64_t tangent_vertex_stride; /**< as for positions */
@@ -308,12 +309,12 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
   fb_batch_desc_fill(to, (uint32_t)sizeof *to);
 }
 
-/** Many poses, or one with more to choose; each gives the same bits as fb_evaluate, whatever the batch, its order, the
- * strides or the threads. One pose runs on the calling thread. Outputs of some megabytes without gaps are written past
- * the caches. Buffers that are too small for poses and strides, poses that would overlap, NaN controls (by pose and
- * control), and regions, orders and formats there are not, are refused before anything is written. Buffers may not
- * overlap each other. 0 poses need no buffers. A parallel_for that calls too few or too many tasks, or one it was not
- * given, is refused with FB_ERROR_INVALID_ARGUMENT afterwards. */
+/** Many poses, or one with more options. Each pose has the same bits as with fb_evaluate, for any batch, order, strides
+ * and threads. A single pose runs on the calling thread. Outputs of some megabytes without gaps are written with
+ * non-temporal stores. Before anything is written, fails with FB_ERROR_INVALID_ARGUMENT on buffers too small for their
+ * poses and strides, overlapping poses, and unknown regions, orders and formats, and with FB_ERROR_NOT_FINITE, naming
+ * pose and control, on NaN. Buffers may not overlap each other. 0 poses need no buffers. A parallel_for that calls too
+ * few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
 
 #ifdef __cplusplus

@@ -1,8 +1,7 @@
-// Instructions that this processor may not have, computed by SIMDe's plain code, under the names kernels call them by;
-// and one that SIMDe lacks.
+// Intrinsics that this processor may not have, emulated by SIMDe under their own names, and one that SIMDe lacks.
 #pragma once
 
-#define FB_EMULATED  // so that kernels keep to intrinsics, and to those there are here
+#define FB_EMULATED  // kernels use only intrinsics that exist here, and no inline assembly
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #define SIMDE_NO_NATIVE
 #include <simde/x86/avx512.h>
