@@ -8,7 +8,7 @@
 
 #include "bake/dataset/open_source.h"
 #include "bake/sampling/active_sampling.h"
-#include "bake/sampling/plan_steps.h"
+#include "bake/sampling/pose_plan.h"
 #include "quick_method.h"
 
 using namespace fb;

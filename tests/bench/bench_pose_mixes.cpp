@@ -41,7 +41,7 @@ int main(int argc, char** argv) try {
       options.poses = std::strtoull(argv[2], nullptr, 10);
       options.mix = argv[m];
       options.seed = seed;
-      options.shots = options.held_out = false;
+      options.shots = options.test_poses = false;
       std::vector<float> controls;
       for (const Clip& clip : make_plan(rig, options, silent_progress()))
         controls.insert(controls.end(), clip.controls.begin(), clip.controls.end());

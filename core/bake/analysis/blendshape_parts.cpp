@@ -17,7 +17,7 @@ bool composed(const Feature& feature) {
   return feature.kind == Feature::Kind::product || feature.kind == Feature::Kind::minimum;
 }
 
-// Adds features, finding those that exist by `find`.
+// Calls add(feature), which returns its index, for the features a feature is composed of, then for itself.
 template <class Add>
 std::uint32_t import_with(std::span<const Feature> from, std::uint32_t index, const Add& add) {
   Feature feature = from[index];
@@ -59,9 +59,9 @@ std::vector<std::vector<std::uint32_t>> append(SparseBlendshapes& base,
   for (std::size_t f = 0; f < base.features.size(); ++f)
     known.emplace(key_of(base.features[f]), static_cast<std::uint32_t>(f));
   const auto add = [&](const Feature& feature) {
-    const auto [place, fresh] = known.emplace(key_of(feature), static_cast<std::uint32_t>(base.features.size()));
+    const auto [entry, fresh] = known.emplace(key_of(feature), static_cast<std::uint32_t>(base.features.size()));
     if (fresh) base.features.push_back(feature);
-    return place->second;
+    return entry->second;
   };
   std::vector<std::vector<std::uint32_t>> carried(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p)

@@ -1,4 +1,4 @@
-// Finds few products and minima of features that hold what a tuple of controls does together.
+// Fits a corrective, few products and minima of features with a shape each, to what some controls move together.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,23 @@
 namespace fb::bake {
 
 struct CorrectiveLimits {
-  double tolerance = 0;  // largest distance at a vertex where more terms stop being worth it, rig units
-  double drop = 0;       // offsets not kept, rig units
-  std::uint32_t max_terms = 6;
+  double tolerance = 0;  // distance at a vertex, rig units
+  double drop = 0;       // shorter offsets are dropped, rig units
+  std::uint32_t max_features = 6;
 };
 
-// Products and minima of one feature of `tuple` and one of `single`, both local to `features`, added to them. Minima
-// only where neither goes below 0, so that all vanish while any control of theirs is at rest.
-std::vector<std::uint32_t> compose(std::vector<Feature>& features, std::span<const std::uint32_t> tuple,
-                                   std::span<const std::uint32_t> single);
+// Adds the products, then the minima, of one feature of `first` and one of `second`, all indices into `features`, and
+// returns their indices. Minima only where neither goes below 0, so that each is 0 while any of its controls is at
+// rest.
+std::vector<std::uint32_t> compose(std::vector<Feature>& features, std::span<const std::uint32_t> first,
+                                   std::span<const std::uint32_t> second);
 
-// Terms among the candidate features that, times shapes, come to `residuals` (points x 3 x vertices) at the points of
-// `poses` (points x controls): picks the feature that takes most of what is left, fits the shapes of all picked by
-// least squares, and goes on until the tolerance is met or a pick takes too little; then takes out those that the
-// others make needless. Features that the points hardly see, and picks whose shapes cancel each other at the points,
-// are left out: far from the points they could be anything. Orthogonal matching pursuit (Pati, Rezaiifar,
-// Krishnaprasad, Asilomar 1993), all vertices at once. The result's features are those of its shapes and what they are
-// made of.
+// Approximates `residuals` (poses x 3 x vertices) in `poses` (poses x controls) by candidate features times shapes,
+// with orthogonal matching pursuit (Pati, Rezaiifar, Krishnaprasad, Asilomar 1993) on all vertices at once: the feature
+// that explains most of the residual is selected and the shapes of all selected are fitted by least squares, until the
+// tolerance is met or a feature explains too little; then features that the others make redundant are removed. Features
+// that are small in all poses, and selections whose large shapes cancel in the poses, are left out: elsewhere they
+// would be arbitrary. The result has the features of its shapes and those that these are composed of.
 SparseBlendshapes fit_corrective(std::span<const Feature> features, std::span<const std::uint32_t> candidates,
                                  std::span<const float> poses, std::span<const float> rest,
                                  std::span<const std::vector<float>> residuals, const CorrectiveLimits& limits);

@@ -17,14 +17,14 @@ std::vector<std::uint32_t> moved_by(const SparseBlendshapes& part) {
 
 }  // namespace
 
-HoldoutSet::HoldoutSet(std::vector<float> controls, std::vector<float> left, std::vector<float> rest,
+HoldoutSet::HoldoutSet(std::vector<float> controls, std::vector<float> residuals, std::vector<float> rest,
                        const Parallel& parallel)
     : controls_(std::move(controls)),
-      left_(std::move(left)),
+      residuals_(std::move(residuals)),
       rest_(std::move(rest)),
       parallel_(parallel),
       poses_(controls_.size() / rest_.size()),
-      size_(poses_ ? left_.size() / poses_ : 0),
+      size_(poses_ ? residuals_.size() / poses_ : 0),
       scratch_(worker_count(parallel), std::vector<float>(size_)) {}
 
 template <class Use>
@@ -34,43 +34,43 @@ void HoldoutSet::for_moved(const SparseBlendshapes& part, const Use& use) {
     const std::span<const float> pose = std::span(controls_).subspan(p * rest_.size(), rest_.size());
     std::vector<float> values(part.features.size());
     evaluate_features(part.features, pose, rest_, values);
-    float* move = scratch_[worker].data();
+    float* displacement = scratch_[worker].data();
     bool any = false;
     for (const SparseShape& shape : part.shapes) {
       if (values[shape.feature] == 0) continue;
       if (!any)
-        for (const std::uint32_t v : moved) std::fill_n(move + 3 * v, 3, 0.0f);
+        for (const std::uint32_t v : moved) std::fill_n(displacement + 3 * v, 3, 0.0f);
       add_scaled(shape, values[shape.feature], scratch_[worker]);
       any = true;
     }
-    float* left = left_.data() + p * size_;
+    float* residual = residuals_.data() + p * size_;
     if (any)
-      for (const std::uint32_t v : moved) use(p, left + 3 * v, move + 3 * v);
+      for (const std::uint32_t v : moved) use(p, residual + 3 * v, displacement + 3 * v);
   });
 }
 
 void HoldoutSet::add(const SparseBlendshapes& part, float sign) {
-  for_moved(part, [&](std::size_t, float* left, const float* move) {
-    for (int axis = 0; axis < 3; ++axis) left[axis] -= sign * move[axis];
+  for_moved(part, [&](std::size_t, float* residual, const float* displacement) {
+    for (int axis = 0; axis < 3; ++axis) residual[axis] -= sign * displacement[axis];
   });
 }
 
-double HoldoutSet::change_without(const SparseBlendshapes& part) {
-  std::vector<double> change(poses_);
-  for_moved(part, [&](std::size_t p, const float* left, const float* move) {
+double HoldoutSet::increase_without(const SparseBlendshapes& part) {
+  std::vector<double> increase(poses_);
+  for_moved(part, [&](std::size_t p, const float* residual, const float* displacement) {
     for (int axis = 0; axis < 3; ++axis)
-      change[p] += double(move[axis]) * (double(move[axis]) + 2 * double(left[axis]));
+      increase[p] += double(displacement[axis]) * (double(displacement[axis]) + 2 * double(residual[axis]));
   });
-  return std::accumulate(change.begin(), change.end(), 0.0);
+  return std::accumulate(increase.begin(), increase.end(), 0.0);
 }
 
-std::vector<bool> HoldoutSet::judge(std::span<const SparseBlendshapes* const> parts) {
+std::vector<bool> HoldoutSet::prune(std::span<const SparseBlendshapes* const> parts) {
   std::vector<bool> kept(parts.size(), true);
-  // What was worth its place beside a part that has gone since may no longer be.
+  // A part that helped beside another may not help once that has been removed.
   for (bool changed = true; changed;) {
     changed = false;
     for (std::size_t p = 0; p < parts.size(); ++p)
-      if (kept[p] && change_without(*parts[p]) < 0) {
+      if (kept[p] && increase_without(*parts[p]) < 0) {
         add(*parts[p], -1);
         kept[p] = false;
         changed = true;
@@ -81,13 +81,13 @@ std::vector<bool> HoldoutSet::judge(std::span<const SparseBlendshapes* const> pa
 
 HoldoutSet::Error HoldoutSet::error() const {
   double sum = 0, largest = 0;
-  for (std::size_t i = 0; i < left_.size(); i += 3) {
-    const double squares =
-        double(left_[i]) * left_[i] + double(left_[i + 1]) * left_[i + 1] + double(left_[i + 2]) * left_[i + 2];
+  for (std::size_t i = 0; i < residuals_.size(); i += 3) {
+    const double squares = double(residuals_[i]) * residuals_[i] + double(residuals_[i + 1]) * residuals_[i + 1] +
+                           double(residuals_[i + 2]) * residuals_[i + 2];
     sum += squares;
     largest = std::max(largest, squares);
   }
-  return {left_.empty() ? 0 : std::sqrt(3 * sum / double(left_.size())), std::sqrt(largest)};
+  return {residuals_.empty() ? 0 : std::sqrt(3 * sum / double(residuals_.size())), std::sqrt(largest)};
 }
 
 }  // namespace fb::bake

@@ -8,19 +8,21 @@
 
 namespace fb::bake {
 
-// Poses kept to judge parts of a base by, with what the base leaves over of them.
+// Poses that parts of a base are not fitted to but judged by, with their residuals: rig minus base. Uses several
+// threads; one call at a time.
 class HoldoutSet {
  public:
-  // controls: poses x controls; left: poses x 3 x vertices, rig less base.
-  HoldoutSet(std::vector<float> controls, std::vector<float> left, std::vector<float> rest, const Parallel& parallel);
+  // controls: poses x controls; residuals: poses x 3 x vertices, rig units.
+  HoldoutSet(std::vector<float> controls, std::vector<float> residuals, std::vector<float> rest,
+             const Parallel& parallel);
 
-  // The base gains (sign 1) or loses (-1) a part.
+  // Adds a part to the base (sign 1) or removes it (-1).
   void add(const SparseBlendshapes& part, float sign);
-  // How the sum of squared distances changes if the base loses this part of it.
-  double change_without(const SparseBlendshapes& part);
-  // Takes parts out of the base that make it worse, in their order, until none does. Returns for each whether it is
-  // kept.
-  std::vector<bool> judge(std::span<const SparseBlendshapes* const> parts);
+  // By how much the sum of squared distances would grow without this part of the base.
+  double increase_without(const SparseBlendshapes& part);
+  // Removes parts from the base whose removal lowers the error, in their order, until none does. Returns for each
+  // whether it stays.
+  std::vector<bool> prune(std::span<const SparseBlendshapes* const> parts);
 
   struct Error {
     double rms = 0, max = 0;
@@ -28,14 +30,14 @@ class HoldoutSet {
   Error error() const;  // rig units
 
  private:
-  // Calls use(pose, left, what the part moves) for poses where it moves anything; several at once.
+  // Calls use(pose, residual, displacement) for the vertices that the part moves, several poses at once.
   template <class Use>
   void for_moved(const SparseBlendshapes& part, const Use& use);
 
-  std::vector<float> controls_, left_, rest_;
+  std::vector<float> controls_, residuals_, rest_;
   Parallel parallel_;
   std::size_t poses_, size_;
-  std::vector<std::vector<float>> scratch_;  // of each worker
+  std::vector<std::vector<float>> scratch_;  // one a worker
 };
 
 }  // namespace fb::bake

@@ -1,7 +1,8 @@
-// Finds out what each control does: alone, in company, and in pairs and triples.
+// What each control of a rig moves: alone, among others, and together with one to three others.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,42 +11,44 @@
 #include "bake/rig/rig_evaluator.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "model/rig_schema.h"
 
 namespace fb::bake {
 
 struct AnalysisOptions {
-  // What a curve of a single control, and then the terms of pairs and triples, may be off, over the diagonal.
+  // Largest error of activation curves, and of correctives, over the diagonal.
   double curve_tolerance = 1e-4;
   double corrective_tolerance = 1e-4;
   std::uint32_t max_knots = 8;      // on either side of rest
-  std::uint32_t max_pairs = 1600;   // interacting pairs given terms, the strongest first
-  std::uint32_t max_triples = 400;  // and a quarter as many fours
-  std::uint64_t rig_budget = 0;     // rig calls at most; 0: as many as it takes
+  std::uint32_t max_pairs = 1600;   // pair correctives, the strongest first
+  std::uint32_t max_triples = 400;  // and a quarter as many quads
+  std::uint64_t rig_budget = 0;     // poses requested of the rig at most; 0: no limit
   std::uint64_t seed = 1;
 };
 
-// Controls that do together what they do not do one by one.
+// What two to four controls move together beyond what they move in smaller groups.
 struct Corrective {
-  std::vector<std::uint32_t> controls;  // two to four, ascending
+  std::vector<std::uint32_t> controls;  // ascending
   double energy = 0;                    // sum over vertices of squared distance to the base without it, over D^2
-  std::vector<std::uint32_t> features;  // the product and minimum features found for it, in SparseBlendshapes::features
+  std::vector<std::uint32_t> features;  // its products and minima, in SparseBlendshapes::features
 };
 
 struct RigAnalysis {
-  SparseBlendshapes base;
+  SparseBlendshapes base;               // activation curves of all controls, and correctives
   std::vector<Corrective> correctives;  // strongest first
-  // controls x vertices: the largest distance over D that moving this control between its rest value and elsewhere
-  // moves the vertex, alone or among many others: the rig's own locality.
+  // controls x vertices: the largest distance over D by which a control moves a vertex between its rest value and
+  // elsewhere, alone or among many others: the locality of the rig.
   std::vector<float> motion;
-  // The same of what the base leaves over (root mean square over the dense poses tried): 0 where a control only adds
-  // what the base already holds.
+  // controls x vertices: the root mean square of the same over dense poses, of rig minus base; 0 where the base holds
+  // all that the control moves.
   std::vector<float> residual_motion;
   std::uint64_t rig_calls = 0;        // poses requested of the rig, cached ones included
-  std::uint32_t linear_controls = 0;  // controls one shape holds
-  double curve_error = 0;             // largest distance from the rig between knots, over D, on poses not used
+  std::uint32_t linear_controls = 0;  // controls of a single shape
+  double curve_error = 0;             // largest distance of curves from the rig over D, at positions not fitted
 };
 
-// Whether so many rig calls (0: any number) say more than the same poses recorded would: at least 20 a control.
+// Whether an analysis with so many rig calls (0: no limit) is worth more than as many recorded poses: at least 20 for
+// each control.
 inline bool pays_to_analyse(const RigSchema& schema, std::uint64_t rig_budget) {
   return rig_budget == 0 || rig_budget >= 20 * std::uint64_t(schema.control_count());
 }
@@ -53,9 +56,16 @@ inline bool pays_to_analyse(const RigSchema& schema, std::uint64_t rig_budget) {
 // Evaluates a live rig. Same rig, same options, same result for any number of threads.
 RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progress& progress);
 
-// The same fitted to recorded poses by regularised least squares, when there is no rig to ask: exact where a control
-// was recorded alone, an estimate elsewhere. rig_calls is 0.
+// The same fitted to recorded poses by regularised least squares: exact where a control was recorded alone, an estimate
+// elsewhere. Finds no correctives of more than two controls. rig_calls is 0.
 RigAnalysis analyse_poses(const PoseSet& poses, const AnalysisOptions& options, const Parallel& parallel,
                           Progress& progress);
+
+// Keeps those correctives that lower the error most for the bytes a pose reads of them, until an average pose reads
+// `bytes` (3 a vertex of every active shape). The energy of the others is added to residual_motion, so that networks
+// learn it; their features stay. `controls`: typical poses, poses x controls; diagonal: of the rest mesh. Returns the
+// number of correctives dropped.
+std::size_t prune_correctives(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls,
+                              double diagonal, double bytes);
 
 }  // namespace fb::bake

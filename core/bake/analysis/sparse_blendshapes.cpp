@@ -8,12 +8,12 @@
 namespace fb::bake {
 namespace {
 
-// Poses that share one reading of the shapes: their displacements of 6,000 vertices fit the second-level cache.
+// Poses that each shape is added to in turn: their displacements, of 6,000 vertices, fit the second-level cache.
 constexpr std::size_t tile_poses = 8;
 
 }  // namespace
 
-// Vertices that follow each other, as they mostly do, are one contiguous loop.
+// Runs of consecutive vertices, as most are, are one contiguous loop.
 void add_scaled(const SparseShape& shape, float value, std::span<float> displacement) {
   const std::size_t count = shape.vertices.size();
   for (std::size_t first = 0; first < count;) {
@@ -51,6 +51,22 @@ void SparseBlendshapes::add(std::span<const float> controls, std::span<const flo
         if (value != 0) add_scaled(shape, sign * value, displacements.subspan((first + i) * size, size));
       }
   }
+}
+
+std::vector<FeatureUsage> feature_usage(const std::vector<Feature>& features, const RigSchema& schema,
+                                        std::span<const float> controls) {
+  const std::vector<float> rest = schema.rest_pose();
+  const std::size_t poses = controls.size() / rest.size();
+  std::vector<FeatureUsage> uses(features.size());
+  std::vector<float> values(features.size());
+  for (std::size_t pose = 0; pose < poses; ++pose) {
+    evaluate_features(features, controls.subspan(pose * rest.size(), rest.size()), rest, values);
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      uses[f].square += double(values[f]) * values[f] / static_cast<double>(poses);
+      uses[f].active += (values[f] != 0) / static_cast<double>(poses);
+    }
+  }
+  return uses;
 }
 
 }  // namespace fb::bake

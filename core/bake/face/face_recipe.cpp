@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/analysis/prune_correctives.h"
 #include "bake/compress/fit_target.h"
 #include "bake/face/assemble_basis.h"
 #include "bake/face/finish_face.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "archive/writer.h"
-#include "bake/analysis/feature_usage.h"
+#include "bake/analysis/sparse_blendshapes.h"
 #include "bake/compress/fit_target.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/touched_bytes.h"

@@ -15,7 +15,7 @@ std::unique_ptr<Source> record(RigEvaluator& rig, const BakeOptions& options, Re
   sampling.poses = options.poses;
   sampling.seed = options.seed;
   sampling.mix = options.mix;
-  sampling.held_out = what == Recording::with_test;
+  sampling.test_poses = what == Recording::with_test;
   const std::uint64_t third = options.rig_budget / 3;
   sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_analyse(rig.schema(), third) ? third : 0);
   // A variant learns from no shot; where poses are dear none is asked for.

@@ -6,13 +6,13 @@
 namespace fb::bake {
 namespace {
 
-// A spread of vertices is enough to tell whether motions oppose each other, and fits in memory for every control.
+// Evenly spaced vertices that directions are compared at: so few fit in memory for every control.
 constexpr std::size_t most_vertices = 1000;
 
-// Pairs below this cosine work against each other.
+// Directions with a cosine below this are opposed.
 constexpr double opposition = -0.5;
 
-// Displacement of spread vertices, scaled to length 1; empty if they do not move.
+// Displacement of evenly spaced vertices, scaled to length 1; empty if they do not move.
 std::vector<float> direction(const std::vector<float>& rest, const float* points) {
   const std::size_t vertices = rest.size() / 3, stride = (vertices + most_vertices - 1) / most_vertices;
   std::vector<float> direction;
@@ -25,6 +25,20 @@ std::vector<float> direction(const std::vector<float>& rest, const float* points
   if (squares == 0) return {};
   for (float& d : direction) d = static_cast<float>(d / std::sqrt(squares));
   return direction;
+}
+
+// Each of `count` controls from `first` on at evenly spaced values of its range.
+std::vector<float> poses_of(const RigSchema& schema, std::size_t first, std::size_t count) {
+  constexpr std::size_t values = ControlResponses::values;
+  std::vector<float> controls;
+  for (std::size_t i = 0; i < count * values; ++i) {
+    std::vector<float> pose = schema.rest_pose();
+    const Control& control = schema.controls[first + i / values];
+    const float t = static_cast<float>(i % values) / (values - 1);
+    pose[first + i / values] = control.minimum * (1 - t) + control.maximum * t;
+    controls.insert(controls.end(), pose.begin(), pose.end());
+  }
+  return controls;
 }
 
 }  // namespace
@@ -41,28 +55,20 @@ std::vector<ControlGroup> control_groups(const RigSchema& schema) {
   return groups;
 }
 
-ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diagonal_(rig.rest().diagonal()) {
+ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diagonal_(rig.diagonal()) {
   const RigSchema& schema = rig.schema();
-  const std::size_t width = schema.control_count(), size = rig.rest().points.size();
+  const std::size_t width = schema.control_count(), size = rig.coordinate_count();
   motion_.resize(width);
   bend_.resize(width);
   directions_.resize(2 * width);
-  progress.begin("probing controls", width);
-  const std::size_t batch = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
-  std::vector<float> controls, points;
-  for (std::size_t first = 0; first < width; first += batch) {
-    const std::size_t count = std::min(batch, width - first);
-    controls.clear();
-    for (std::size_t pose = 0; pose < count * values; ++pose) {
-      std::vector<float> values_of = schema.rest_pose();
-      const Control& control = schema.controls[first + pose / values];
-      const float t = static_cast<float>(pose % values) / (values - 1);
-      values_of[first + pose / values] = control.minimum * (1 - t) + control.maximum * t;
-      controls.insert(controls.end(), values_of.begin(), values_of.end());
-    }
+  progress.begin("evaluating single controls", width);
+  const std::size_t most = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
+  std::vector<float> points;
+  for (std::size_t first = 0; first < width; first += most) {
+    const std::size_t count = std::min(most, width - first);
     points.resize(count * values * size);
     try {
-      rig.evaluate_cached(controls, count * values, points);
+      rig.evaluate_cached(poses_of(schema, first, count), count * values, points);
     } catch (const PoseError& error) {
       fail(error.status(), "control \"%s\" moved alone, value %zu of %zu: %s",
            schema.controls[first + error.pose() / values].name.c_str(), error.pose() % values + 1, values,
@@ -75,7 +81,7 @@ ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diag
     }
     progress.step(first + count);
   }
-  find_regions(schema);
+  find_groups(schema);
   find_opposed();
 }
 
@@ -102,23 +108,23 @@ void ControlResponses::measure(const Source& rig, std::size_t control, const flo
       directions_[2 * control + up] = direction(rest, responses + (up ? values - 1 : 0) * size);
 }
 
-void ControlResponses::find_regions(const RigSchema& schema) {
-  regions_ = control_groups(schema);
+void ControlResponses::find_groups(const RigSchema& schema) {
+  groups_ = control_groups(schema);
   double total = 0;
   for (const double motion : motion_) total += motion * motion;
   if (total == 0) return;
-  for (ControlGroup& region : regions_) {
-    region.energy = 0;
-    for (const std::size_t c : region.controls) region.energy += motion_[c] * motion_[c] / total;
+  for (ControlGroup& group : groups_) {
+    group.energy = 0;
+    for (const std::size_t c : group.controls) group.energy += motion_[c] * motion_[c] / total;
   }
 }
 
 void ControlResponses::find_opposed() {
   const std::size_t ends = directions_.size();
   opposed_.assign(ends * ends, 0);
-  for (const ControlGroup& region : regions_)
-    for (const std::size_t a : region.controls)
-      for (const std::size_t b : region.controls) {
+  for (const ControlGroup& group : groups_)
+    for (const std::size_t a : group.controls)
+      for (const std::size_t b : group.controls) {
         if (b <= a) continue;
         for (std::size_t i = 2 * a; i < 2 * a + 2; ++i)
           for (std::size_t j = 2 * b; j < 2 * b + 2; ++j) {

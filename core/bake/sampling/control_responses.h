@@ -10,7 +10,7 @@
 
 namespace fb::bake {
 
-// Controls of one group; all controls without a group are one region together.
+// Controls of one group of the schema; all controls without a group are one more.
 struct ControlGroup {
   std::string name;
   std::vector<std::size_t> controls;
@@ -20,8 +20,8 @@ struct ControlGroup {
 // The groups of a rig's controls in the order they first occur, with equal shares of energy.
 std::vector<ControlGroup> control_groups(const RigSchema& schema);
 
-// What a rig shows when each control is moved alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances
-// are root mean squares over (at most a thousand) vertices, over the diagonal.
+// How a rig responds to each control alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances are root
+// mean squares over (at most a thousand) vertices, over the diagonal.
 class ControlResponses {
  public:
   static constexpr std::size_t values = 5;
@@ -29,23 +29,23 @@ class ControlResponses {
   // Evaluates 5 poses of each control; notes controls that move nothing.
   ControlResponses(RigEvaluator& rig, Progress& progress);
 
-  const std::vector<ControlGroup>& regions() const { return regions_; }
-  // How far the control moves the mesh at most.
+  const std::vector<ControlGroup>& groups() const { return groups_; }
+  // The largest distance of the mesh from rest.
   double motion(std::size_t control) const { return motion_[control]; }
   // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range.
   const std::array<double, 3>& bend(std::size_t control) const { return bend_[control]; }
   // True if the two controls, moved from rest to these ends of their ranges, push the same vertices in opposite
-  // directions. Only asked within one region.
+  // directions. Known for controls of one group only; false otherwise.
   bool opposed(std::size_t a, bool a_up, std::size_t b, bool b_up) const {
     return opposed_[(2 * a + a_up) * 2 * motion_.size() + 2 * b + b_up] != 0;
   }
 
  private:
   void measure(const Source& rig, std::size_t control, const float* responses);
-  void find_regions(const RigSchema& schema);
+  void find_groups(const RigSchema& schema);
   void find_opposed();
 
-  std::vector<ControlGroup> regions_;
+  std::vector<ControlGroup> groups_;
   std::vector<double> motion_;
   std::vector<std::array<double, 3>> bend_;
   std::vector<std::vector<float>> directions_;  // displacement at both ends (2 c: minimum, 2 c + 1: maximum), length 1

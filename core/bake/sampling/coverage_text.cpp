@@ -9,35 +9,36 @@ namespace {
 
 constexpr std::size_t lines = 10;  // of each list
 
-// Poses with `from` to `to` controls far along, as a part of all.
-double share_of(const std::vector<std::size_t>& together, std::size_t from, std::size_t to) {
+// Share of the poses with `from` to `to` controls strongly active.
+double share_of(const std::vector<std::size_t>& counts, std::size_t from, std::size_t to) {
   std::size_t count = 0, all = 0;
-  for (std::size_t n = 0; n < together.size(); ++n) {
-    all += together[n];
-    if (n >= from && n <= to) count += together[n];
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    all += counts[n];
+    if (n >= from && n <= to) count += counts[n];
   }
   return static_cast<double>(count) / static_cast<double>(all);
 }
 
-std::string together_text(const Coverage& coverage) {
-  std::string text = "\ncontrols far along at once   trained on  asked for\n";
-  const std::size_t most = std::max(coverage.far_together[0].size(), coverage.far_together[1].size()) - 1;
+std::string counts_text(const Coverage& coverage) {
+  std::string text = "\n  controls strongly active     training     target\n";
+  const std::size_t most = std::max(coverage.strong_counts[0].size(), coverage.strong_counts[1].size()) - 1;
   for (std::size_t from = 0, to = 0; from <= most;
        from = to + 1, to = std::max<std::size_t>(1, 2 * from) - (from > 0)) {
     const std::string range = from == to ? format("%zu", from) : format("%zu to %zu", from, to);
-    text += format("%26s  %10.2f%% %9.2f%%\n", range.c_str(), 100 * share_of(coverage.far_together[0], from, to),
-                   100 * share_of(coverage.far_together[1], from, to));
+    text += format("%26s  %10.2f%% %9.2f%%\n", range.c_str(), 100 * share_of(coverage.strong_counts[0], from, to),
+                   100 * share_of(coverage.strong_counts[1], from, to));
   }
   return text;
 }
 
-std::string regions_text(const Coverage& coverage) {
+std::string groups_text(const Coverage& coverage) {
   std::string text =
-      "\ndistance to the nearest trained pose; uncovered: further than 95 % of trained ones are (5 % if alike)\n";
-  for (const GroupCoverage& region : coverage.regions)
-    text += format("%20s  trained %.3f  asked %.3f  uncovered %5.1f %%\n",
-                   region.name.empty() ? "(no group)" : region.name.c_str(), region.typical, region.asked,
-                   100 * region.uncovered);
+      "\nmedian distance to the nearest training pose, by control group; uncovered: target poses beyond the 95th "
+      "percentile of training poses (5 % if alike)\n";
+  for (const GroupCoverage& group : coverage.groups)
+    text += format("%20s  training %.3f  target %.3f  uncovered %5.1f %%\n",
+                   group.name.empty() ? "(no group)" : group.name.c_str(), group.median, group.target_median,
+                   100 * group.uncovered);
   return text;
 }
 
@@ -49,23 +50,24 @@ std::string controls_text(const Coverage& coverage, const RigSchema& schema) {
   std::string text;
   for (std::size_t i = 0; i < std::min(lines, order.size()) && beyond(order[i]) > 0; ++i) {
     const ControlCoverage& c = coverage.controls[order[i]];
-    text += format("%28s  trained %.2f to %.2f  asked %.2f to %.2f  beyond in %.1f %% of the poses\n",
+    text += format("%28s  training %.2f to %.2f  target %.2f to %.2f  beyond in %.1f %% of the target poses\n",
                    schema.controls[order[i]].name.c_str(), -c.lowest[0], c.highest[0], -c.lowest[1], c.highest[1],
                    100 * c.beyond);
   }
-  return text.empty() ? "\nno control is asked for beyond what was trained\n"
-                      : "\ncontrols asked for beyond what was trained, in parts of the way from rest\n" + text;
+  return text.empty() ? "\nno control exceeds its training range in the target poses\n"
+                      : "\ncontrols that exceed their training range, as fractions of the way from rest\n" + text;
 }
 
 std::string pairs_text(const Coverage& coverage, const RigSchema& schema) {
   if (coverage.pairs.empty()) return "";
-  std::string text = "\npairs far along at once, those least trained for how much they are asked first\n";
+  std::string text = "\npairs strongly active at once, the most under-represented in training first\n";
   for (std::size_t i = 0; i < std::min(lines, coverage.pairs.size()); ++i) {
     const PairCoverage& pair = coverage.pairs[i];
     std::string names;
     for (const std::size_t k : {0, 1})
       names += (k ? ", " : "") + schema.controls[pair.controls[k]].name + (pair.up[k] ? "" : " down");
-    text += format("%44s  trained %6.2f %%  asked %6.2f %%\n", names.c_str(), 100 * pair.share[0], 100 * pair.share[1]);
+    text +=
+        format("%44s  training %6.2f %%  target %6.2f %%\n", names.c_str(), 100 * pair.share[0], 100 * pair.share[1]);
   }
   return text;
 }
@@ -73,10 +75,9 @@ std::string pairs_text(const Coverage& coverage, const RigSchema& schema) {
 }  // namespace
 
 std::string coverage_text(const Coverage& coverage, const RigSchema& schema) {
-  return format("%zu poses trained on, %zu asked for; far along: at least %g of the way from rest to an end\n",
-                coverage.poses[0], coverage.poses[1], double(far_along)) +
-         together_text(coverage) + regions_text(coverage) + controls_text(coverage, schema) +
-         pairs_text(coverage, schema);
+  return format("%zu training poses, %zu target poses; strongly active: at least %g of the way from rest to an end\n",
+                coverage.poses[0], coverage.poses[1], double(strong_activation)) +
+         counts_text(coverage) + groups_text(coverage) + controls_text(coverage, schema) + pairs_text(coverage, schema);
 }
 
 }  // namespace fb::bake

@@ -7,13 +7,13 @@
 namespace fb::bake {
 namespace {
 
-// Positions are shares of a control's range, 0 at the minimum and 1 at the maximum.
+// Positions here are fractions of a control's range, 0 at the minimum and 1 at the maximum.
 struct Interval {
   double score;
   std::size_t control;
   double low, high;
   bool operator<(const Interval& other) const {
-    // The queue's top is the largest score; ties go to the first control, then the lowest position.
+    // The queue's top has the largest score; among equals, the first control, then the lowest position.
     return std::tuple(score, other.control, other.low) < std::tuple(other.score, control, low);
   }
 };
@@ -21,14 +21,14 @@ struct Interval {
 class Excitations {
  public:
   Excitations(const RigSchema& schema, const ControlResponses& responses, std::size_t poses)
-      : schema_(schema), probe_(responses), left_(poses), positions_(schema.control_count()) {}
+      : schema_(schema), responses_(responses), remaining_(poses), positions_(schema.control_count()) {}
 
   std::vector<float> make() {
-    const std::size_t half = left_ / 2;
+    const std::size_t half = remaining_ / 2;
     add_ends();
-    const std::size_t spent_on_ends = count() - schema_.control_count();
-    if (half > spent_on_ends) split(half - spent_on_ends, [](const Interval& i) { return i.high - i.low; });
-    split(left_, [this](const Interval& i) { return missed_by_a_line(i); });
+    const std::size_t end_poses = count() - schema_.control_count();
+    if (half > end_poses) bisect(half - end_poses, [](const Interval& i) { return i.high - i.low; });
+    bisect(remaining_, [this](const Interval& i) { return chord_error(i); });
     return poses();
   }
 
@@ -44,33 +44,33 @@ class Excitations {
     return count;
   }
 
-  // Every control starts with its rest position, which costs no pose, and the ends of its range.
+  // Every control starts with its rest position, which needs no pose, and the ends of its range.
   void add_ends() {
     std::vector<std::size_t> order(positions_.size());
     for (std::size_t c = 0; c < order.size(); ++c) order[c] = c;
     std::stable_sort(order.begin(), order.end(),
-                     [this](std::size_t a, std::size_t b) { return probe_.motion(a) > probe_.motion(b); });
+                     [this](std::size_t a, std::size_t b) { return responses_.motion(a) > responses_.motion(b); });
     for (const std::size_t c : order) positions_[c].push_back(rest_position(c));
     for (const double end : {1.0, 0.0})
       for (const std::size_t c : order) {
-        if (rest_position(c) == end || left_ == 0) continue;
+        if (rest_position(c) == end || remaining_ == 0) continue;
         positions_[c].push_back(end);
-        --left_;
+        --remaining_;
       }
     for (auto& positions : positions_) std::sort(positions.begin(), positions.end());
   }
 
   // |f''| h^2 / 8 bounds the error of a chord; f'' is known from second differences a quarter of the range apart. The
   // small term keeps straight controls evenly spread.
-  double missed_by_a_line(const Interval& i) const {
+  double chord_error(const Interval& i) const {
     const double width = i.high - i.low, middle = 2 * (i.low + i.high);
     const std::size_t nearest = middle < 1.5 ? 0 : middle < 2.5 ? 1 : 2;
-    return width * width * (2 * probe_.bend(i.control)[nearest] + 1e-5);
+    return width * width * (2 * responses_.bend(i.control)[nearest] + 1e-5);
   }
 
-  // Halves the interval of the highest score, `poses` times.
+  // Bisects the interval of the highest score, `poses` times.
   template <class Score>
-  void split(std::size_t poses, Score score) {
+  void bisect(std::size_t poses, Score score) {
     std::priority_queue<Interval> queue;
     const auto push = [&](std::size_t control, double low, double high) {
       Interval interval{0, control, low, high};
@@ -79,13 +79,13 @@ class Excitations {
     };
     for (std::size_t c = 0; c < positions_.size(); ++c)
       for (std::size_t k = 0; k + 1 < positions_[c].size(); ++k) push(c, positions_[c][k], positions_[c][k + 1]);
-    for (; poses > 0 && !queue.empty(); --poses, --left_) {
-      const Interval widest = queue.top();
+    for (; poses > 0 && !queue.empty(); --poses, --remaining_) {
+      const Interval top = queue.top();
       queue.pop();
-      const double middle = (widest.low + widest.high) / 2;
-      positions_[widest.control].push_back(middle);
-      push(widest.control, widest.low, middle);
-      push(widest.control, middle, widest.high);
+      const double middle = (top.low + top.high) / 2;
+      positions_[top.control].push_back(middle);
+      push(top.control, top.low, middle);
+      push(top.control, middle, top.high);
     }
     for (auto& positions : positions_) std::sort(positions.begin(), positions.end());
   }
@@ -106,8 +106,8 @@ class Excitations {
   }
 
   const RigSchema& schema_;
-  const ControlResponses& probe_;
-  std::size_t left_;
+  const ControlResponses& responses_;
+  std::size_t remaining_;
   std::vector<std::vector<double>> positions_;  // sorted, of each control
 };
 

@@ -5,9 +5,9 @@
 
 namespace fb::bake {
 
-float toward_end(const Control& control, bool up, float share) {
+float value_toward(const Control& control, bool up, float fraction) {
   const float end = up ? control.maximum : control.minimum;
-  return std::clamp(control.rest * (1 - share) + end * share, control.minimum, control.maximum);
+  return std::clamp(control.rest * (1 - fraction) + end * fraction, control.minimum, control.maximum);
 }
 
 bool draw_end(const Control& control, Random& random) {
@@ -16,8 +16,8 @@ bool draw_end(const Control& control, Random& random) {
 
 namespace {
 
-// How far controls go in one pose: `full` of them to the very end, the others uniform^power of the way. A power above
-// one makes small values frequent, below one large ones.
+// Distribution of the values of one pose, as fractions of the way from rest: 1 with probability `full`, else
+// uniform^power. A power above one makes small values frequent, below one large ones.
 struct Strength {
   float full, power;
 
@@ -37,71 +37,71 @@ Strength draw_strength(Random& random) {
 class PoseMaker {
  public:
   PoseMaker(const RigSchema& schema, const ControlResponses& responses)
-      : schema_(schema), probe_(responses), pose_(schema.rest_pose()) {}
+      : schema_(schema), responses_(responses), pose_(schema.rest_pose()) {}
 
   const std::vector<float>& pose() const { return pose_; }
 
-  // Moves `count` controls of a region, drawn without preference. A control that works against one already moved is
-  // usually passed over: faces do not pull and push at once, but rigs are asked to now and then.
-  void express(const ControlGroup& region, std::size_t count, Strength strength, Random& random) {
-    std::vector<std::size_t> order = region.controls;
-    std::vector<std::pair<std::size_t, bool>> moved;
-    for (std::size_t i = 0; i < order.size() && moved.size() < count; ++i) {
+  // Activates `count` controls of a group, drawn with equal probability. A control opposed to one that is active is
+  // skipped three times in four: faces rarely pull and push at once.
+  void activate(const ControlGroup& group, std::size_t count, Strength strength, Random& random) {
+    std::vector<std::size_t> order = group.controls;
+    std::vector<std::pair<std::size_t, bool>> active;  // control, up
+    for (std::size_t i = 0; i < order.size() && active.size() < count; ++i) {
       std::swap(order[i], order[i + random.below(static_cast<std::uint32_t>(order.size() - i))]);
       const std::size_t c = order[i];
       const bool up = draw_end(schema_.controls[c], random);
-      const float share = strength.draw(random);
-      const bool against = std::any_of(moved.begin(), moved.end(), [&](const auto& other) {
-        return probe_.opposed(c, up, other.first, other.second);
+      const float fraction = strength.draw(random);
+      const bool opposed = std::any_of(active.begin(), active.end(), [&](const auto& other) {
+        return responses_.opposed(c, up, other.first, other.second);
       });
-      if (against && random.uniform() < 0.75f) continue;
-      pose_[c] = toward_end(schema_.controls[c], up, share);
-      moved.emplace_back(c, up);
+      if (opposed && random.uniform() < 0.75f) continue;
+      pose_[c] = value_toward(schema_.controls[c], up, fraction);
+      active.emplace_back(c, up);
     }
   }
 
  private:
   const RigSchema& schema_;
-  const ControlResponses& probe_;
+  const ControlResponses& responses_;
   std::vector<float> pose_;
 };
 
-// `count` different regions, in random order.
-std::vector<const ControlGroup*> draw_regions(const std::vector<ControlGroup>& regions, std::size_t count,
-                                              Random& random) {
+// `count` different groups, in random order.
+std::vector<const ControlGroup*> draw_groups(const std::vector<ControlGroup>& groups, std::size_t count,
+                                             Random& random) {
   std::vector<const ControlGroup*> drawn;
-  for (const ControlGroup& region : regions) drawn.push_back(&region);
+  for (const ControlGroup& group : groups) drawn.push_back(&group);
   for (std::size_t i = 0; i < count; ++i)
     std::swap(drawn[i], drawn[i + random.below(static_cast<std::uint32_t>(drawn.size() - i))]);
   drawn.resize(count);
   return drawn;
 }
 
-// How many of `total` controls each region gets: by the root of its size, at least one, at most 80 %.
-std::vector<std::size_t> share_out(const std::vector<const ControlGroup*>& regions, double total) {
+// Distributes `total` controls over groups by the root of their size: at least one each, at most 80 % of a group.
+std::vector<std::size_t> distribute(const std::vector<const ControlGroup*>& groups, double total) {
   double sum = 0;
-  for (const ControlGroup* region : regions) sum += std::sqrt(static_cast<double>(region->controls.size()));
+  for (const ControlGroup* group : groups) sum += std::sqrt(static_cast<double>(group->controls.size()));
   std::vector<std::size_t> counts;
-  for (const ControlGroup* region : regions) {
-    const double size = static_cast<double>(region->controls.size());
+  for (const ControlGroup* group : groups) {
+    const double size = static_cast<double>(group->controls.size());
     const double most = std::ceil(0.8 * size), wanted = std::round(total * std::sqrt(size) / sum);
     counts.push_back(static_cast<std::size_t>(std::clamp(wanted, 1.0, most)));
   }
   return counts;
 }
 
-// `probability` of each control, as a count.
-std::size_t draw_count(const ControlGroup& region, float probability, Random& random) {
-  return static_cast<std::size_t>(probability * static_cast<float>(region.controls.size()) + random.uniform());
+// Number of active controls of a group, `probability` times its size on average.
+std::size_t draw_count(const ControlGroup& group, float probability, Random& random) {
+  return static_cast<std::size_t>(probability * static_cast<float>(group.controls.size()) + random.uniform());
 }
 
-const ControlGroup& draw_by_energy(const std::vector<ControlGroup>& regions, Random& random) {
+const ControlGroup& draw_by_energy(const std::vector<ControlGroup>& groups, Random& random) {
   double u = random.uniform();
-  for (const ControlGroup& region : regions) {
-    if (u < region.energy) return region;
-    u -= region.energy;
+  for (const ControlGroup& group : groups) {
+    if (u < group.energy) return group;
+    u -= group.energy;
   }
-  return regions.back();
+  return groups.back();
 }
 
 void append(std::vector<float>& all, const std::vector<float>& pose) {
@@ -113,16 +113,16 @@ void append(std::vector<float>& all, const std::vector<float>& pose) {
 std::vector<float> make_regional(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                  std::size_t poses) {
   std::vector<float> all;
-  const std::size_t most_regions = std::min<std::size_t>(4, responses.regions().size());
+  const std::size_t most_groups = std::min<std::size_t>(4, responses.groups().size());
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, Stream::regional, i);
     PoseMaker maker(schema, responses);
-    const auto regions =
-        draw_regions(responses.regions(), 1 + random.below(static_cast<std::uint32_t>(most_regions)), random);
+    const auto groups =
+        draw_groups(responses.groups(), 1 + random.below(static_cast<std::uint32_t>(most_groups)), random);
     const float u = random.uniform();
-    const auto counts = share_out(regions, 2 + 36 * u * u);
+    const auto counts = distribute(groups, 2 + 36 * u * u);
     const Strength strength = draw_strength(random);
-    for (std::size_t r = 0; r < regions.size(); ++r) maker.express(*regions[r], counts[r], strength, random);
+    for (std::size_t g = 0; g < groups.size(); ++g) maker.activate(*groups[g], counts[g], strength, random);
     append(all, maker.pose());
   }
   return all;
@@ -134,21 +134,21 @@ std::vector<float> make_dense(const RigSchema& schema, const ControlResponses& r
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, heavy ? Stream::heavy : Stream::dense, i);
     PoseMaker maker(schema, responses);
-    const ControlGroup* heaviest = heavy ? &draw_by_energy(responses.regions(), random) : nullptr;
+    const ControlGroup* heaviest = heavy ? &draw_by_energy(responses.groups(), random) : nullptr;
     const float u = random.uniform();
     const float density = heavy ? 0.05f + 0.5f * u * u : 0.05f + 0.85f * u * std::sqrt(u);
     const Strength strength = draw_strength(random);
-    for (const ControlGroup& region : responses.regions()) {
-      const float here = &region == heaviest ? random.uniform(0.3f, 0.9f) : density * random.uniform(0.0f, 2.0f);
-      maker.express(region, draw_count(region, std::min(here, 0.95f), random), strength, random);
+    for (const ControlGroup& group : responses.groups()) {
+      const float probability = &group == heaviest ? random.uniform(0.3f, 0.9f) : density * random.uniform(0.0f, 2.0f);
+      maker.activate(group, draw_count(group, std::min(probability, 0.95f), random), strength, random);
     }
     append(all, maker.pose());
   }
   return all;
 }
 
-std::vector<float> walk_through(const std::vector<float>& keys, std::size_t width, std::size_t step,
-                                std::size_t frames) {
+std::vector<float> interpolate_keys(const std::vector<float>& keys, std::size_t width, std::size_t step,
+                                    std::size_t frames) {
   std::vector<float> all;
   for (std::size_t frame = 0; frame < frames; ++frame) {
     const std::size_t key = (frame + 1) / step;
@@ -167,25 +167,25 @@ std::vector<float> walk_through(const std::vector<float>& keys, std::size_t widt
 
 std::vector<float> make_calisthenics(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                      std::size_t poses) {
-  constexpr std::size_t step = 12, walk = 96;
+  constexpr std::size_t step = 12, length = 96;  // frames from key to key, of a sequence
   const std::size_t width = schema.control_count();
   std::vector<float> all;
-  for (std::size_t sequence = 0; sequence * walk < poses; ++sequence) {
+  for (std::size_t sequence = 0; sequence * length < poses; ++sequence) {
     Random random = open_stream(seed, Stream::calisthenics, sequence);
-    const std::size_t count = std::min<std::size_t>(1 + random.below(2), responses.regions().size());
-    std::vector<const ControlGroup*> regions = draw_regions(responses.regions(), count, random);
-    regions[0] = &responses.regions()[sequence % responses.regions().size()];
-    if (count == 2 && regions[1] == regions[0]) regions.pop_back();
+    const std::size_t count = std::min<std::size_t>(1 + random.below(2), responses.groups().size());
+    std::vector<const ControlGroup*> groups = draw_groups(responses.groups(), count, random);
+    groups[0] = &responses.groups()[sequence % responses.groups().size()];
+    if (count == 2 && groups[1] == groups[0]) groups.pop_back();
     std::vector<float> keys = schema.rest_pose();
-    for (std::size_t key = 0; key < walk / step; ++key) {
+    for (std::size_t key = 0; key < length / step; ++key) {
       PoseMaker maker(schema, responses);
       const float u = random.uniform();
-      const auto counts = share_out(regions, 2 + 18 * u);
-      for (std::size_t r = 0; r < regions.size(); ++r)
-        maker.express(*regions[r], counts[r], Strength{0.5f, 0.5f}, random);
+      const auto counts = distribute(groups, 2 + 18 * u);
+      for (std::size_t g = 0; g < groups.size(); ++g)
+        maker.activate(*groups[g], counts[g], Strength{0.5f, 0.5f}, random);
       append(keys, maker.pose());
     }
-    append(all, walk_through(keys, width, step, std::min(walk, poses - sequence * walk)));
+    append(all, interpolate_keys(keys, width, step, std::min(length, poses - sequence * length)));
   }
   return all;
 }

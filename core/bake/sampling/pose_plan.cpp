@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "bake/dataset/npy.h"
-#include "bake/sampling/plan_steps.h"
 #include "bake/sampling/pose_generators.h"
+#include "bake/sampling/pose_plan.h"
 
 namespace fb::bake {
 namespace {
@@ -40,8 +40,8 @@ Clip clamped(Clip clip, const RigSchema& schema, Progress& progress) {
   return clip;
 }
 
-// A kind of pose and its share of a plan.
-struct Part {
+// A kind of pose and its share of a mix.
+struct MixPart {
   const char* name;
   ClipKind kind;
   double share;
@@ -61,28 +61,28 @@ std::vector<float> heavy(const RigSchema& schema, const ControlResponses& respon
   return make_dense(schema, responses, seed, poses, true);
 }
 
-constexpr Part paper_mix[] = {{"excitations", ClipKind::excitation, 0.25, excitations},
-                              {"calisthenics", ClipKind::calisthenics, 0.20, make_calisthenics},
-                              {"regional", ClipKind::regional, 0.55, make_regional}};
-constexpr Part dense_mix[] = {{"excitations", ClipKind::excitation, 0.05, excitations},
-                              {"calisthenics", ClipKind::calisthenics, 0.05, make_calisthenics},
-                              {"dense", ClipKind::dense, 0.25, dense},
-                              {"performances", ClipKind::dense, 0.45, make_performances},
-                              {"heavy", ClipKind::dense, 0.20, heavy}};
+constexpr MixPart paper_mix[] = {{"excitations", ClipKind::excitation, 0.25, excitations},
+                                 {"calisthenics", ClipKind::calisthenics, 0.20, make_calisthenics},
+                                 {"regional", ClipKind::regional, 0.55, make_regional}};
+constexpr MixPart dense_mix[] = {{"excitations", ClipKind::excitation, 0.05, excitations},
+                                 {"calisthenics", ClipKind::calisthenics, 0.05, make_calisthenics},
+                                 {"dense", ClipKind::dense, 0.25, dense},
+                                 {"performances", ClipKind::dense, 0.45, make_performances},
+                                 {"heavy", ClipKind::dense, 0.20, heavy}};
 
-std::span<const Part> mix_named(const std::string& name) {
+std::span<const MixPart> mix_named(const std::string& name) {
   if (name == "paper") return paper_mix;
   if (name == "dense") return dense_mix;
   fail(Status::invalid_argument, "\"%s\" is no mix of poses; there are paper, dense", name.c_str());
 }
 
-// Spreads poses over parts by their shares; the last part takes what rounding leaves.
-void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& schema, const ControlResponses& responses,
-               std::uint64_t seed, std::size_t poses) {
+// Spreads poses over parts by their shares; the last part takes the rest.
+void add_parts(PosePlan& plan, std::span<const MixPart> parts, const RigSchema& schema,
+               const ControlResponses& responses, std::uint64_t seed, std::size_t poses) {
   double shares = 0;
-  for (const Part& part : parts) shares += part.share;
+  for (const MixPart& part : parts) shares += part.share;
   std::size_t left = poses;
-  for (const Part& part : parts) {
+  for (const MixPart& part : parts) {
     const bool last = &part == &parts.back();
     const double wanted = static_cast<double>(poses) * part.share / shares;
     const std::size_t count = last ? left : std::min(left, static_cast<std::size_t>(std::llround(wanted)));
@@ -91,42 +91,43 @@ void add_parts(PosePlan& plan, std::span<const Part> parts, const RigSchema& sch
   }
 }
 
-bool held_out_wanted(const Source& rig, const SamplingOptions& options) {
+bool needs_test_poses(const Source& rig, const SamplingOptions& options) {
   const auto is_test = [](const Clip& clip) { return clip.split == Split::test; };
-  return options.held_out && !(options.shots && std::any_of(rig.clips().begin(), rig.clips().end(), is_test)) &&
+  return options.test_poses && !(options.shots && std::any_of(rig.clips().begin(), rig.clips().end(), is_test)) &&
          std::none_of(options.extra.begin(), options.extra.end(), is_test);
 }
 
-bool wanted(const Clip& clip, const SamplingOptions& options) {
-  return options.shots && (options.held_out || clip.split != Split::test);
+bool is_included(const Clip& clip, const SamplingOptions& options) {
+  return options.shots && (options.test_poses || clip.split != Split::test);
 }
 
 }  // namespace
 
 std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
-  if (options.poses == 0) fail(Status::invalid_argument, "no poses are asked for");
+  if (options.poses == 0) fail(Status::invalid_argument, "the number of poses is zero");
   if (options.rig_budget == 0) return options.poses;
-  const std::uint64_t probing = ControlResponses::values * rig.schema().control_count() + timed_poses;
+  const std::uint64_t responses = ControlResponses::values * rig.schema().control_count() + timed_poses;
   std::uint64_t frames = 0;
   for (const Clip& clip : rig.clips())
-    if (wanted(clip, options)) frames += clip.frames;
+    if (is_included(clip, options)) frames += clip.frames;
   for (const Clip& clip : options.extra) frames += clip.frames;
-  if (held_out_wanted(rig, options))
+  if (needs_test_poses(rig, options))
     for (const Clip& clip : make_test_poses(rig.schema(), options.seed)) frames += clip.frames;
-  if (probing + frames >= options.rig_budget)
+  if (responses + frames >= options.rig_budget)
     fail(Status::invalid_argument,
-         "a rig budget of %llu leaves no new poses: probing \"%s\" takes %llu calls and its clips %llu frames",
+         "a rig budget of %llu leaves no new poses: the responses of \"%s\" to single controls take %llu rig calls and "
+         "its clips have %llu frames",
          static_cast<unsigned long long>(options.rig_budget), rig.schema().name.c_str(),
-         static_cast<unsigned long long>(probing), static_cast<unsigned long long>(frames));
-  return std::min(options.poses, options.rig_budget - probing - frames);
+         static_cast<unsigned long long>(responses), static_cast<unsigned long long>(frames));
+  return std::min(options.poses, options.rig_budget - responses - frames);
 }
 
 PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& progress) {
-  check_request(rig, options);
+  check_options(rig, options);
   return make_plan(rig, ControlResponses(rig, progress), options, progress);
 }
 
-void check_request(const Source& rig, const SamplingOptions& options) {
+void check_options(const Source& rig, const SamplingOptions& options) {
   mix_named(options.mix);
   poses_to_draw(rig, options);
   if (!rig.live())
@@ -139,17 +140,17 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
   PosePlan plan;
   add_parts(plan, mix_named(options.mix), schema, responses, options.seed, poses_to_draw(rig, options));
   for (const Clip& clip : rig.clips())
-    if (wanted(clip, options)) add(plan, clamped(clip, schema, progress));
+    if (is_included(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
-  if (held_out_wanted(rig, options))
+  if (needs_test_poses(rig, options))
     for (Clip& clip : make_test_poses(schema, options.seed)) add(plan, std::move(clip));
   return plan;
 }
 
 std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses, const std::string& mix,
                                    std::uint64_t seed, std::size_t poses) {
-  std::vector<Part> parts;
-  for (const Part& part : mix_named(mix))
+  std::vector<MixPart> parts;
+  for (const MixPart& part : mix_named(mix))
     if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
   PosePlan plan;
   add_parts(plan, parts, schema, responses, open_stream(seed, Stream::candidates, 0).next(), poses);

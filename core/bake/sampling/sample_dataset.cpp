@@ -8,7 +8,7 @@
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/content_hash.h"
 #include "bake/rig/rig_evaluator.h"
-#include "bake/sampling/plan_steps.h"
+#include "bake/sampling/pose_plan.h"
 #include "base/file.h"
 
 namespace fs = std::filesystem;
@@ -17,13 +17,14 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t shard_bytes = std::size_t{64} << 20;
-constexpr double shard_seconds = 20, breath_seconds = 0.5;  // a shard's work; the time between two looks at Ctrl-C
+constexpr double shard_seconds = 20;      // of evaluation: what an interruption may lose
+constexpr double progress_seconds = 0.5;  // between two reports of progress, at which the user can interrupt
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of the first `clips` of a plan.
+// Of the first `clips` clips of a plan.
 std::uint64_t hash_of_plan(const Source& rig, const PosePlan& plan, std::size_t clips) {
   ContentHash digest;
   digest.add(rig);
@@ -38,14 +39,14 @@ std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options)
       .add(options.seed)
       .add(options.mix)
       .add(options.shots)
-      .add(options.held_out)
+      .add(options.test_poses)
       .add(options.rig_budget);
   for (const std::vector<Clip>& clips : {rig.clips(), options.extra})
     for (const Clip& clip : clips) digest.add(clip);
   return digest.value;
 }
 
-// A file name made from a clip's name, different for every clip.
+// A file name made from a clip's name, none of `taken`.
 std::string file_stem(const std::string& name, std::vector<std::string>& taken) {
   std::string stem;
   for (const char c : name) {
@@ -78,8 +79,8 @@ DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIn
   return index;
 }
 
-// True if the file is an array of this shape; one that is damaged is sampled again.
-bool holds(const fs::path& path, const std::vector<std::size_t>& shape) {
+// True if the file is an array of this shape; a damaged one is not and is sampled again.
+bool is_array(const fs::path& path, const std::vector<std::size_t>& shape) {
   try {
     return NpyFile(path).shape() == shape;
   } catch (const Error&) {
@@ -87,9 +88,10 @@ bool holds(const fs::path& path, const std::vector<std::size_t>& shape) {
   }
 }
 
-class Sampler {
+// Writes the points of a plan into a dataset folder, or those that are missing there.
+class DatasetWriter {
  public:
-  Sampler(RigEvaluator& rig, const PosePlan& plan, const fs::path& folder, Progress& progress)
+  DatasetWriter(RigEvaluator& rig, const PosePlan& plan, const fs::path& folder, Progress& progress)
       : rig_(rig),
         plan_(plan),
         folder_(folder),
@@ -102,19 +104,19 @@ class Sampler {
   SampleReport run(std::uint64_t request) {
     const std::uint64_t hash = hash_of_plan(rig_, plan_, plan_.size());
     const bool resuming = fs::exists(folder_ / dataset_file);
-    std::size_t first_compared = 0;
+    std::size_t first_checked = 0;
     if (resuming) {
-      const DatasetIndex there = read_dataset_index(folder_);
-      // The plan that is there, or one that goes on where it ends.
-      const std::size_t clips = there.clips.size();
-      if (!there.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != there.sampling->plan)
+      const DatasetIndex existing = read_dataset_index(folder_);
+      // The plan must begin with the clips that are there.
+      const std::size_t clips = existing.clips.size();
+      if (!existing.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != existing.sampling->plan)
         fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
              folder_.c_str());
-      index_ = make_index(rig_, plan_, {there.sampling->request, hash, there.sampling->shard_frames});
-      if (clips < plan_.size()) {  // controls first, so that the plan can be read wherever this stops
+      index_ = make_index(rig_, plan_, {existing.sampling->request, hash, existing.sampling->shard_frames});
+      if (clips < plan_.size()) {  // controls first, so that the plan is readable wherever this is interrupted
         write_plan();
         write_dataset_index(folder_, index_);
-        first_compared = clips - 1;
+        first_checked = clips - 1;
       }
     } else {
       make_folder(folder_);
@@ -122,17 +124,17 @@ class Sampler {
       write_dataset_index(folder_, index_);
     }
     write_plan();
-    write_shards(resuming, first_compared);
+    write_shards(resuming, first_checked);
     return report_;
   }
 
  private:
-  // By size and by the rig's speed, measured on the plan's first poses. A power of two, so that little noise in the
-  // measurement changes nothing.
+  // By size and by the rig's speed, measured on the plan's first poses. A power of two, so that noise in the
+  // measurement seldom matters.
   std::size_t frames_per_shard() {
     const Clip& clip = plan_.at(0);
     double seconds = 0;
-    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {  // timed_poses together
+    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {  // timed_poses in all
       const std::size_t frames = std::min(count, clip.frames);
       std::vector<float> points(frames * size_);
       const double start = seconds_now();
@@ -148,29 +150,29 @@ class Sampler {
 
   void write_plan() {
     const MeshArrays& rest = index_.rest_arrays;
-    if (!holds(folder_ / rest.points, {size_ / 3, 3}) || !fs::exists(folder_ / rest.faces) ||
+    if (!is_array(folder_ / rest.points, {size_ / 3, 3}) || !fs::exists(folder_ / rest.faces) ||
         !fs::exists(folder_ / rest.uv_faces))
       write_npy_mesh(rig_.rest(), folder_, rest);
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       const fs::path path = folder_ / index_.clips[i].controls[0];
       const std::vector<std::size_t> shape = {plan_[i].frames, width_};
-      if (!holds(path, shape)) write_npy(path, shape, plan_[i].controls);
+      if (!is_array(path, shape)) write_npy(path, shape, plan_[i].controls);
     }
   }
 
-  void write_shards(bool resuming, std::size_t first_compared) {
+  void write_shards(bool resuming, std::size_t first_checked) {
     progress_.begin("sampling poses", report_.poses);
     const std::size_t shard_frames = index_.sampling->shard_frames;
     std::size_t done = 0;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
-      bool compared = i < first_compared;
+      bool checked = i < first_checked;
       std::size_t first = 0;
       for (const std::string& name : index_.clips[i].points) {
         const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
         const fs::path path = folder_ / name;
-        if (resuming && holds(path, {frames, size_ / 3, 3})) {
-          if (!compared) compare(path, i, done, first, frames / 2);
-          compared = true;
+        if (resuming && is_array(path, {frames, size_ / 3, 3})) {
+          if (!checked) check_rig_unchanged(path, i, done, first, frames / 2);
+          checked = true;
         } else {
           write_shard(path, i, done, first, frames);
         }
@@ -181,8 +183,9 @@ class Sampler {
     }
   }
 
-  // The plan cannot tell whether the rig behind it has changed: one pose of each clip can.
-  void compare(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frame) {
+  // Evaluates one recorded pose again: hashes of the plan do not show whether the rig's deformation has changed.
+  void check_rig_unchanged(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first,
+                           std::size_t frame) {
     std::vector<float> before(size_), now(size_);
     NpyFile(path).read(frame, 1, before);
     evaluate(plan_[clip], done + frame, first + frame, 1, now);
@@ -197,13 +200,13 @@ class Sampler {
   void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
     NpyWriter writer(path, {frames, size_ / 3, 3});
     for (std::size_t frame = 0; frame < frames;) {
-      const std::size_t count = std::min(at_once_, frames - frame);
+      const std::size_t count = std::min(batch_, frames - frame);
       points_.resize(count * size_);
       const double start = seconds_now();
       evaluate(plan_[clip], done + frame, first + frame, count, points_);
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
       const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
-      at_once_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * breath_seconds), 1, most);
+      batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
       writer.append(points_);
       frame += count;
       report_.evaluated += count;
@@ -230,7 +233,7 @@ class Sampler {
   DatasetIndex index_;
   SampleReport report_;
   std::vector<float> points_;
-  std::size_t at_once_ = 1;  // poses between two looks at Ctrl-C
+  std::size_t batch_ = 1;  // poses evaluated between two reports of progress
 };
 
 // The plan that lies in a folder.
@@ -252,12 +255,12 @@ SampleReport write_samples(RigEvaluator& rig, const PosePlan& plan, std::uint64_
     fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
   if (plan.empty()) fail(Status::invalid_argument, "the plan has no clips");
   const EvaluationBudget counter(rig);
-  SampleReport report = Sampler(rig, plan, folder, progress).run(request);
+  SampleReport report = DatasetWriter(rig, plan, folder, progress).run(request);
   report.rig_calls = counter.evaluated();
   return report;
 }
 
-// The plan of a folder begun by this request; empty where there is none yet, or not all of it.
+// The plan of a folder begun by this request; empty where there is none yet, or an incomplete one.
 PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& folder) {
   if (!fs::exists(folder / dataset_file)) return {};
   const DatasetIndex index = read_dataset_index(folder);
@@ -268,7 +271,7 @@ PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& fo
     PosePlan plan = read_plan(folder, index);
     if (index.sampling->request == request && hash_of_plan(rig, plan, plan.size()) == index.sampling->plan) return plan;
   } catch (const Error&) {
-    // Stopped before all controls were written: planning again gives the same.
+    // Interrupted before all controls were written: a new plan is the same.
   }
   return {};
 }
@@ -295,13 +298,13 @@ SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, c
   return write_samples(rig, plan, 0, directory, progress);
 }
 
-SampleReport sample_probed(RigEvaluator& rig, const SamplingOptions& options,
-                           const std::function<const ControlResponses&()>& responses, const fs::path& directory,
-                           Progress& progress) {
+SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& options,
+                                   const std::function<const ControlResponses&()>& responses, const fs::path& directory,
+                                   Progress& progress) {
   const std::uint64_t request = hash_of_request(rig, options);
   PosePlan plan = plan_begun(rig, request, directory);
   if (plan.empty()) {
-    check_request(rig, options);
+    check_options(rig, options);
     plan = make_plan(rig, responses(), options, progress);
   }
   return write_samples(rig, plan, request, directory, progress);
@@ -310,7 +313,7 @@ SampleReport sample_probed(RigEvaluator& rig, const SamplingOptions& options,
 SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const fs::path& directory, Progress& progress) {
   const EvaluationBudget counter(rig);
   std::optional<ControlResponses> responses;
-  SampleReport report = sample_probed(
+  SampleReport report = sample_with_responses(
       rig, options, [&]() -> const ControlResponses& { return responses.emplace(rig, progress); }, directory, progress);
   report.rig_calls = counter.evaluated();
   return report;

@@ -20,7 +20,8 @@ std::vector<float> random_poses(const RigSchema& schema, std::uint64_t seed, Str
   return all;
 }
 
-// In each shot two controls of five are alive: each swings between keys of its own size toward one end of its range.
+// In each shot two controls of five are active: each moves between random keys, toward one end of its range and up to a
+// largest value of its own.
 std::vector<float> synthetic_shots(const RigSchema& schema, std::uint64_t seed, std::size_t shots, std::size_t frames) {
   constexpr std::size_t step = 10;
   std::vector<float> all;
@@ -30,13 +31,13 @@ std::vector<float> synthetic_shots(const RigSchema& schema, std::uint64_t seed, 
     std::vector<float> poses(keys * width);
     for (std::size_t c = 0; c < width; ++c) {
       const Control& control = schema.controls[c];
-      const bool alive = random.uniform() < 0.4f, up = draw_end(control, random);
+      const bool active = random.uniform() < 0.4f, up = draw_end(control, random);
       const float size = random.uniform(0.2f, 1.0f);
       for (std::size_t key = 0; key < keys; ++key)
-        poses[key * width + c] = alive ? toward_end(control, up, size * random.uniform()) : control.rest;
+        poses[key * width + c] = active ? value_toward(control, up, size * random.uniform()) : control.rest;
     }
-    const std::vector<float> walk = walk_through(poses, width, step, frames);
-    all.insert(all.end(), walk.begin(), walk.end());
+    const std::vector<float> shot_poses = interpolate_keys(poses, width, step, frames);
+    all.insert(all.end(), shot_poses.begin(), shot_poses.end());
   }
   return all;
 }

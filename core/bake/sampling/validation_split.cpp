@@ -8,21 +8,22 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t longest_piece = 96;
-// Frames nearer than this part of what unrelated ones are apart follow each other in time.
+constexpr std::size_t longest_piece = 96;  // frames
+// Consecutive frames belong to one sequence if their distance is below this part of that of unrelated frames.
 constexpr double related = 0.5;
 
+// Consecutive poses of the set that go to one side of the split together.
 struct Piece {
-  std::size_t first, count;  // poses of the set
+  std::size_t first, count;
 };
 
 class Cutter {
  public:
   explicit Cutter(const PoseSet& poses) : schema_(poses.source().schema()), clips_(poses.source().clips()) {}
 
-  // Appends the sequences of a row of frames, cut evenly into pieces of at most `longest`.
+  // Appends the sequences of consecutive frames, cut evenly into pieces of at most `longest`.
   void cut(const PoseSet::Range& range, std::size_t longest, std::vector<Piece>& pieces) const {
-    const bool shot = clips_[range.clip].kind == ClipKind::shot;  // one sequence, cuts or not
+    const bool shot = clips_[range.clip].kind == ClipKind::shot;  // one sequence, even across cuts
     const double gap = shot ? HUGE_VAL : related * typical_distance(range);
     for (std::size_t first = 0, end; first < range.count; first = end) {
       for (end = first + 1; end < range.count && distance(range, end - 1, end) < gap; ++end) {
@@ -68,9 +69,9 @@ class Cutter {
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed) {
   if (!(share >= 0 && share < 1)) fail(Status::invalid_argument, "a validation share of %g is not in [0, 1)", share);
   const std::vector<Clip>& clips = poses.source().clips();
-  std::vector<bool> validation_share_of_poses(poses.size());
-  const auto keep_back = [&](std::size_t first, std::size_t count) {
-    std::fill_n(validation_share_of_poses.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+  std::vector<bool> validates(poses.size());
+  const auto add_to_validation = [&](std::size_t first, std::size_t count) {
+    std::fill_n(validates.begin() + static_cast<std::ptrdiff_t>(first), count, true);
   };
   const Cutter cutter(poses);
   for (const ClipKind kind : {ClipKind::shot, ClipKind::regional, ClipKind::calisthenics, ClipKind::dense}) {
@@ -89,19 +90,19 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
     for (std::size_t i = 0, taken = 0; i < pieces.size() && taken < wanted; ++i) {
       std::swap(pieces[i], pieces[i + random.below(static_cast<std::uint32_t>(pieces.size() - i))]);
       if (2 * (taken + pieces[i].count) > frames) continue;
-      keep_back(pieces[i].first, pieces[i].count);
+      add_to_validation(pieces[i].first, pieces[i].count);
       taken += pieces[i].count;
     }
   }
   for (const PoseSet::Range& range : poses.ranges()) {
     const Clip& clip = clips[range.clip];
     if (clip.split == Split::test)
-      fail(Status::invalid_argument, "clip \"%s\" is a test clip: nothing may be chosen by it", clip.name.c_str());
-    if (clip.split == Split::validation) keep_back(range.first_pose, range.count);
+      fail(Status::invalid_argument, "clip \"%s\" is a test clip, which nothing may be chosen by", clip.name.c_str());
+    if (clip.split == Split::validation) add_to_validation(range.first_pose, range.count);
   }
   ValidationSplit split;
   for (std::size_t pose = 0; pose < poses.size(); ++pose)
-    (validation_share_of_poses[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
+    (validates[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
   return split;
 }
 

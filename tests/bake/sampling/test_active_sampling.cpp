@@ -131,7 +131,7 @@ TEST_CASE("choices that cannot be made are refused") {
 TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on where they were stopped") {
   MemorySource rig = live_face();
   rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
-  SamplingOptions options{.held_out = false, .rig_budget = 1000};
+  SamplingOptions options{.test_poses = false, .rig_budget = 1000};
   const ActiveSamplingOptions choice{.rounds = 3, .first_share = 0.4};
   std::vector<std::size_t> seen;
   const auto ensemble = [&](Source& recorded, std::uint32_t round) {
@@ -229,9 +229,10 @@ TEST_CASE("a rig budget holds probing, clips and new poses, or is refused") {
   CHECK(poses_to_draw(*toy, {.poses = 5000}) == 5000);
   CHECK(poses_to_draw(*toy, {.poses = 5000, .rig_budget = 1000}) ==
         1000 - probing - frames(Split::train) - frames(Split::test));
-  CHECK(poses_to_draw(*toy, {.poses = 5000, .held_out = false, .rig_budget = 1000}) ==
+  CHECK(poses_to_draw(*toy, {.poses = 5000, .test_poses = false, .rig_budget = 1000}) ==
         1000 - probing - frames(Split::train));
-  CHECK(poses_to_draw(*toy, {.poses = 5000, .shots = false, .held_out = false, .rig_budget = 1000}) == 1000 - probing);
+  CHECK(poses_to_draw(*toy, {.poses = 5000, .shots = false, .test_poses = false, .rig_budget = 1000}) ==
+        1000 - probing);
   CHECK(poses_to_draw(*toy, {.poses = 300, .rig_budget = 1000}) == 300);
   CHECK(contains(failure(Status::invalid_argument, [&] { poses_to_draw(*toy, {.shots = false, .rig_budget = 1000}); }),
                  "2000 frames"));
@@ -241,6 +242,6 @@ TEST_CASE("a rig budget holds probing, clips and new poses, or is refused") {
   CHECK(report.rig_calls <= 400);
   CHECK(report.rig_calls >= 400 - 72);
   const Folder tested;
-  sample(*toy, {.poses = 40, .held_out = false}, tested.path(), {}, silent_progress());
+  sample(*toy, {.poses = 40, .test_poses = false}, tested.path(), {}, silent_progress());
   for (const Clip& clip : open_source(tested.path())->clips()) CHECK(clip.split != Split::test);
 }

@@ -208,7 +208,7 @@ TEST_CASE("controls that work against each other seldom move together, and no re
       true);
   std::size_t against = 0, together = 0, most = 0;
   for (const char* mix : {"paper", "dense"})
-    for (const Clip& clip : make_plan(rig, {.poses = 1000, .mix = mix, .held_out = false}, {}, silent_progress())) {
+    for (const Clip& clip : make_plan(rig, {.poses = 1000, .mix = mix, .test_poses = false}, {}, silent_progress())) {
       if (clip.kind == ClipKind::excitation || clip.kind == ClipKind::calisthenics) continue;
       for (std::size_t frame = 0; frame < clip.frames; ++frame) {
         const float* pose = clip.controls.data() + frame * 20;

@@ -22,17 +22,18 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
   }
   append(analysis.base, parts);
   const DenseDifferences dense = evaluate_differences(rig, options.seed, progress);
-  const std::vector<float> among_many = difference_motion(dense, {}, Over::largest, rig);
-  for (std::size_t i = 0; i < among_many.size(); ++i) analysis.motion[i] = std::max(analysis.motion[i], among_many[i]);
-  analysis.curve_error = test_curves(rig, curves, options.seed, progress);
+  const std::vector<float> dense_motion = difference_motion(dense, {}, Statistic::largest, rig);
+  for (std::size_t i = 0; i < dense_motion.size(); ++i)
+    analysis.motion[i] = std::max(analysis.motion[i], dense_motion[i]);
+  analysis.curve_error = validate_curves(rig, curves, options.seed, progress);
   CorrectiveSearch correctives(rig, options, curves, dense, analysis.base, progress);
   if (options.max_pairs > 0) correctives.find(2, options.max_pairs);
   if (options.max_triples > 0) {
     correctives.find(3, options.max_triples);
     correctives.find(4, options.max_triples / 4);
   }
-  analysis.correctives = correctives.finish();
-  analysis.residual_motion = difference_motion(dense, analysis.base, Over::root_mean_square, rig);
+  analysis.correctives = correctives.prune();
+  analysis.residual_motion = difference_motion(dense, analysis.base, Statistic::root_mean_square, rig);
   analysis.rig_calls = budget.requested();
   return analysis;
 }

@@ -11,25 +11,26 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_poses = 512;  // whose displacements are held at once: 37 MB of 6,000 vertices
-constexpr std::size_t few_pairs = 10000;  // candidates up to which a place inside the ranges is tried too
-constexpr std::size_t tries_a_term =
-    10;                                // candidates tried for every tuple wanted, beyond pairs; a fifth of them twice
-constexpr std::size_t most_tents = 3;  // of a side of a control, in terms
-constexpr double still = 0.25;         // of the tolerance: residual motion that is none
+constexpr std::size_t poses_in_memory = 512;     // whose residuals are held at once: 37 MB of 6,000 vertices
+constexpr std::size_t most_inner_pairs = 10000;  // candidates up to which a position inside the ranges is tried too
+// Beyond pairs: candidates evaluated for every corrective wanted; a fifth of them in detail.
+constexpr std::size_t candidates_per_corrective = 10;
+constexpr std::size_t most_tents = 3;  // of a side of a control, as factors
+// Residual motion below this part of the tolerance counts as none.
+constexpr double negligible = 0.25;
 
 double square_of(const float* d) {
   return double(d[0]) * d[0] + double(d[1]) * d[1] + double(d[2]) * d[2];
 }
 
-std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& tuple, std::size_t k) {
-  std::vector<std::uint32_t> fewer = tuple;
+std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& controls, std::size_t k) {
+  std::vector<std::uint32_t> fewer = controls;
   fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
   return fewer;
 }
 
-// What a control may enter terms as, the simplest first: across rest, each side, their squares, and tents at the knots
-// of its curve, or half way.
+// Features a control may enter a corrective as, the simplest first: across rest, each side, their squares, and tents at
+// the knots of its curve, or at the middle of the side.
 std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control& control, std::uint32_t index,
                                    const ControlCurve& curve) {
   std::vector<std::uint32_t> list;
@@ -56,6 +57,54 @@ std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control
   return list;
 }
 
+std::size_t active_count(std::span<const std::uint8_t> point) {
+  return point.size() - static_cast<std::size_t>(std::count(point.begin(), point.end(), 0));
+}
+
+// All combinations of 1..counts[k] in every place k.
+std::vector<std::vector<std::uint8_t>> combinations(const std::vector<std::size_t>& counts) {
+  std::vector<std::vector<std::uint8_t>> points = {{}};
+  for (const std::size_t count : counts) {
+    std::vector<std::vector<std::uint8_t>> longer;
+    for (const std::vector<std::uint8_t>& point : points)
+      for (std::uint8_t k = 1; k <= count; ++k) {
+        longer.push_back(point);
+        longer.back().push_back(k);
+      }
+    points = std::move(longer);
+  }
+  return points;
+}
+
+// The points and what they become with some controls at rest, of which `fewest` are active; fewer active ones first.
+std::vector<std::vector<std::uint8_t>> with_subsets(const std::vector<std::vector<std::uint8_t>>& full_points,
+                                                    std::size_t fewest) {
+  std::vector<std::vector<std::uint8_t>> points;
+  for (const std::vector<std::uint8_t>& full : full_points)
+    for (std::uint32_t rested = 0; rested < 1u << full.size(); ++rested) {
+      std::vector<std::uint8_t> point = full;
+      for (std::size_t k = 0; k < point.size(); ++k)
+        if (rested >> k & 1) point[k] = 0;
+      if (active_count(point) >= fewest) points.push_back(point);
+    }
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return std::pair(active_count(a), a) < std::pair(active_count(b), b); });
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+// Subtracts from the residual of every point those of its subsets: the differences of an anchored expansion.
+void subtract_subsets(const std::vector<std::vector<std::uint8_t>>& points, std::span<std::vector<float>> residuals) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = 0; j < i && active_count(points[j]) < active_count(points[i]); ++j) {
+      bool subset = true;
+      for (std::size_t k = 0; k < points[i].size(); ++k)
+        subset = subset && (points[j][k] == 0 || points[j][k] == points[i][k]);
+      if (!subset) continue;
+      for (std::size_t k = 0; k < residuals[i].size(); ++k) residuals[i][k] -= residuals[j][k];
+    }
+}
+
 }  // namespace
 
 CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options,
@@ -68,288 +117,289 @@ CorrectiveSearch::CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& opt
       base_(base),
       progress_(progress),
       curve_errors_(measure_curves(rig, curves, progress)),
-      single_left_(difference_motion(dense, base, Over::largest, rig)),
-      held_(dense.controls, dense.displacements, rig.rest_pose(), rig.parallel()) {
-  for (const ControlCurve& curve : curves) held_.add(curve.part, 1);
-  note_error("single controls");
+      curve_residual_motion_(difference_motion(dense, base, Statistic::largest, rig)),
+      dense_poses_(dense.controls, dense.displacements, rig.rest_pose(), rig.parallel()) {
+  for (const ControlCurve& curve : curves) dense_poses_.add(curve.part, 1);
+  note_error("activation curves");
 }
 
 void CorrectiveSearch::note_error(const std::string& what) const {
   if (dense_.poses == 0) return;
-  const HoldoutSet::Error error = held_.error();
+  const HoldoutSet::Error error = dense_poses_.error();
   progress_.note(
-      format("%s: with 10 to 50 %% of the controls on, the base is off by %.2e (rms) and %.4f (most) of "
-             "the diagonal",
+      format("%s: error of the base with 10 to 50 %% of the controls active: %.2e of the diagonal (rms), "
+             "%.4f (maximum)",
              what.c_str(), error.rms / rig_.diagonal(), error.max / rig_.diagonal()));
 }
 
-// Every pair; beyond, what interacts already with each further control. What all controls of a tuple leave over at a
-// vertex bounds what they do together there: they are ranked by that, and those that share no vertex are left out.
-std::vector<CorrectiveSearch::Tuple> CorrectiveSearch::candidates(std::size_t order) const {
+// Every pair; beyond, the correctives found so far with each further control.
+std::vector<std::vector<std::uint32_t>> CorrectiveSearch::extended_controls(std::size_t order) const {
   const auto width = static_cast<std::uint32_t>(rig_.rest_pose().size());
-  const std::size_t vertices = rig_.coordinate_count() / 3;
-  std::vector<std::vector<std::uint32_t>> tuples;
-  const auto extend = [&](const std::vector<std::uint32_t>& tuple, std::uint32_t c) {
-    if (std::find(tuple.begin(), tuple.end(), c) != tuple.end()) return;
-    std::vector<std::uint32_t>& longer = tuples.emplace_back(tuple);
+  std::vector<std::vector<std::uint32_t>> all;
+  const auto extend = [&](const std::vector<std::uint32_t>& controls, std::uint32_t c) {
+    if (std::find(controls.begin(), controls.end(), c) != controls.end()) return;
+    std::vector<std::uint32_t>& longer = all.emplace_back(controls);
     longer.insert(std::lower_bound(longer.begin(), longer.end(), c), c);
   };
   for (std::uint32_t c = 0; c < width; ++c) {
     for (std::uint32_t other = 0; order == 2 && other < c; ++other) extend({other}, c);
-    for (const Tuple& known : found_)
-      if (known.controls.size() + 1 == order) extend(known.controls, c);
+    for (const Candidate& corrective : found_)
+      if (corrective.controls.size() + 1 == order) extend(corrective.controls, c);
   }
-  std::sort(tuples.begin(), tuples.end());
-  tuples.erase(std::unique(tuples.begin(), tuples.end()), tuples.end());
-  // Motion the base of today leaves over tells most, but toggles may have missed a rare combination.
-  const std::vector<float> left = order == 2 ? single_left_ : difference_motion(dense_, base_, Over::largest, rig_);
-  const auto threshold = static_cast<float>(still * options_.corrective_tolerance);
-  std::vector<std::vector<std::uint32_t>> moved(width);  // by each control, as curves leave it over
-  for (std::uint32_t c = 0; c < width; ++c)
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// The least residual motion of the controls at a vertex bounds what they do together there: candidates are ranked by
+// its square, summed over vertices, and those whose controls share no vertex are left out.
+std::vector<CorrectiveSearch::Candidate> CorrectiveSearch::candidates(std::size_t order) const {
+  const std::size_t width = rig_.rest_pose().size(), vertices = rig_.coordinate_count() / 3;
+  std::vector<std::vector<std::uint32_t>> all = extended_controls(order);
+  // What the base leaves over now ranks best, but the differences may have missed a rare combination.
+  const std::vector<float> residual_motion =
+      order == 2 ? curve_residual_motion_ : difference_motion(dense_, base_, Statistic::largest, rig_);
+  const auto threshold = static_cast<float>(negligible * options_.corrective_tolerance);
+  std::vector<std::vector<std::uint32_t>> moved(width);  // vertices with residual motion of each control's curve
+  for (std::size_t c = 0; c < width; ++c)
     for (std::uint32_t v = 0; v < vertices; ++v)
-      if (single_left_[c * vertices + v] > threshold) moved[c].push_back(v);
-  const auto shared = [&](const std::vector<float>& motion, const std::vector<std::uint32_t>& tuple) {
+      if (curve_residual_motion_[c * vertices + v] > threshold) moved[c].push_back(v);
+  const auto shared = [&](const std::vector<float>& motion, const std::vector<std::uint32_t>& controls) {
     double score = 0;
-    for (const std::uint32_t v : moved[tuple[0]]) {
-      float least = motion[tuple[0] * vertices + v];
-      for (const std::uint32_t c : tuple) least = std::min(least, motion[c * vertices + v]);
+    for (const std::uint32_t v : moved[controls[0]]) {
+      float least = motion[controls[0] * vertices + v];
+      for (const std::uint32_t c : controls) least = std::min(least, motion[c * vertices + v]);
       if (least > threshold) score += double(least) * least;
     }
     return score;
   };
-  std::vector<Tuple> scored(tuples.size());
-  parallel_for(rig_.parallel(), tuples.size(), [&](std::size_t t, std::size_t) {
-    scored[t].score = shared(left, tuples[t]) + 1e-4 * shared(single_left_, tuples[t]);
-    scored[t].controls = std::move(tuples[t]);
+  std::vector<Candidate> scored(all.size());
+  parallel_for(rig_.parallel(), all.size(), [&](std::size_t i, std::size_t) {
+    scored[i].score = shared(residual_motion, all[i]) + 1e-4 * shared(curve_residual_motion_, all[i]);
+    scored[i].controls = std::move(all[i]);
   });
-  std::erase_if(scored, [](const Tuple& tuple) { return tuple.score == 0; });
-  std::stable_sort(scored.begin(), scored.end(), [](const Tuple& a, const Tuple& b) { return a.score > b.score; });
+  std::erase_if(scored, [](const Candidate& candidate) { return candidate.score == 0; });
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   return scored;
 }
 
-// All combinations of the ends; of controls whose curve runs smoothly through rest, one end tells enough to rank by.
-std::vector<CorrectiveSearch::Point> CorrectiveSearch::ends(const Tuple& tuple, bool inner) const {
-  std::vector<Point> points = {{}};
-  Point inside;
-  for (const std::uint32_t c : tuple.controls) {
-    const std::vector<double>& places = curve_errors_[c].places;
-    const std::size_t sides = std::count_if(places.begin(), places.end(), [](double p) { return std::abs(p) == 1; });
-    std::vector<Point> longer;
-    for (const Point& point : points)
-      for (std::uint8_t end = 1; end <= (curves_[c].smooth ? 1 : sides); ++end) {
-        longer.push_back(point);
-        longer.back().push_back(end);
-      }
-    points = std::move(longer);
-    inside.push_back(static_cast<std::uint8_t>(std::min(sides + 1, places.size())));
+// All combinations of the ends of ranges; one end of controls whose curve is smooth through rest, which is enough to
+// rank by. `inner`: and one point inside the ranges.
+CorrectiveSearch::GridPoints CorrectiveSearch::range_ends(const Candidate& candidate, bool inner) const {
+  std::vector<std::size_t> counts;
+  GridPoint inside;
+  for (const std::uint32_t c : candidate.controls) {
+    const std::vector<double>& positions = curve_errors_[c].positions;
+    const auto sides = static_cast<std::size_t>(
+        std::count_if(positions.begin(), positions.end(), [](double p) { return std::abs(p) == 1; }));
+    counts.push_back(curves_[c].smooth ? 1 : sides);
+    inside.push_back(static_cast<std::uint8_t>(std::min(sides + 1, positions.size())));
   }
+  GridPoints points = combinations(counts);
   if (inner) points.push_back(inside);
   return points;
 }
 
-std::vector<CorrectiveSearch::Point> CorrectiveSearch::grid(const Tuple& tuple) const {
-  const std::size_t order = tuple.controls.size(), most = order == 2 ? 4 : order == 3 ? 3 : 2;
-  std::vector<Point> points = {{}};
-  for (const std::uint32_t c : tuple.controls) {
-    std::vector<Point> longer;
-    for (const Point& point : points)
-      for (std::uint8_t place = 1; place <= std::min(most, curve_errors_[c].places.size()); ++place) {
-        longer.push_back(point);
-        longer.back().push_back(place);
-      }
-    points = std::move(longer);
-  }
-  return points;
+CorrectiveSearch::GridPoints CorrectiveSearch::full_grid(const Candidate& candidate) const {
+  const std::size_t order = candidate.controls.size(), most = order == 2 ? 4 : order == 3 ? 3 : 2;
+  std::vector<std::size_t> counts;
+  for (const std::uint32_t c : candidate.controls) counts.push_back(std::min(most, curve_errors_[c].positions.size()));
+  return combinations(counts);
 }
 
-void CorrectiveSearch::fill(const Tuple& tuple, const Point& point, std::span<float> pose) const {
+void CorrectiveSearch::set_pose(const Candidate& candidate, const GridPoint& point, std::span<float> pose) const {
   for (std::size_t k = 0; k < point.size(); ++k) {
-    const std::uint32_t c = tuple.controls[k];
-    if (point[k] > 0) pose[c] = value_at(rig_.schema().controls[c], curve_errors_[c].places[point[k] - 1]);
+    const std::uint32_t c = candidate.controls[k];
+    if (point[k] > 0) pose[c] = value_at(rig_.schema().controls[c], curve_errors_[c].positions[point[k] - 1]);
   }
 }
 
-template <class Points, class Visit>
-void CorrectiveSearch::evaluate_tuples(const char* stage, std::span<Tuple> tuples, std::size_t fewest,
-                                       const Points& points_of, const Visit& visit) {
-  const auto away = [](const Point& point) { return point.size() - std::count(point.begin(), point.end(), 0); };
-  struct Asked {
-    std::vector<Point> points;  // full ones and what they become with controls at rest, fewer controls first
-    std::size_t first = 0;
-  };
-  std::vector<Asked> asked(tuples.size());
-  std::size_t total = 0, affordable = 0;
-  for (; affordable < tuples.size(); ++affordable) {
-    std::vector<Point>& points = asked[affordable].points;
-    for (const Point& full : points_of(tuples[affordable]))
-      for (std::uint32_t rested = 0; rested < 1u << full.size(); ++rested) {
-        Point point = full;
+// Rig minus base at all points of some candidates, without the errors of the curves.
+std::vector<std::vector<float>> CorrectiveSearch::evaluate_residuals(std::span<const Candidate> candidates,
+                                                                     std::span<const GridPoints> points_of_each,
+                                                                     EvaluationStage& stage) {
+  std::vector<std::pair<std::size_t, std::size_t>> poses;  // candidate, point
+  for (std::size_t c = 0; c < points_of_each.size(); ++c)
+    for (std::size_t i = 0; i < points_of_each[c].size(); ++i) poses.emplace_back(c, i);
+  std::vector<std::vector<float>> residuals(poses.size());
+  rig_.evaluate_each(
+      poses.size(), stage,
+      [&](std::size_t i, std::span<float> pose) {
+        set_pose(candidates[poses[i].first], points_of_each[poses[i].first][poses[i].second], pose);
+      },
+      [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
+        const Candidate& candidate = candidates[poses[i].first];
+        const GridPoint& point = points_of_each[poses[i].first][poses[i].second];
+        base_.add(pose, rig_.rest_pose(), 1, -1, displacement);
         for (std::size_t k = 0; k < point.size(); ++k)
-          if (rested >> k & 1) point[k] = 0;
-        if (std::size_t(away(point)) >= fewest) points.push_back(point);
-      }
-    std::sort(points.begin(), points.end(),
-              [&](const Point& a, const Point& b) { return std::pair(away(a), a) < std::pair(away(b), b); });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (total + points.size() > rig_.remaining()) break;
-    total += points.size();
-  }
-  if (affordable < tuples.size())
-    progress_.note(format("the budget of rig calls leaves %zu of %zu combinations of controls out of \"%s\"",
-                          tuples.size() - affordable, tuples.size(), stage));
-  EvaluationStage progress(progress_, stage, total);
-  for (std::size_t begin = 0; begin < affordable;) {
-    std::size_t end = begin, poses = 0;
-    std::vector<std::pair<std::size_t, std::size_t>> asks;  // tuple, point
-    for (; end < affordable && (end == begin || poses + asked[end].points.size() <= block_poses); ++end) {
-      asked[end].first = poses;
-      poses += asked[end].points.size();
-      for (std::size_t i = 0; i < asked[end].points.size(); ++i) asks.emplace_back(end, i);
+          if (point[k] > 0) add_scaled(curve_errors_[candidate.controls[k]].errors[point[k] - 1], -1, displacement);
+        residuals[i].assign(displacement.begin(), displacement.end());
+      });
+  return residuals;
+}
+
+template <class PointsOf, class Visit>
+void CorrectiveSearch::evaluate_candidates(const char* stage_name, std::span<Candidate> candidates, std::size_t fewest,
+                                           const PointsOf& points_of, const Visit& visit) {
+  std::vector<GridPoints> samplings;
+  std::size_t total = 0;
+  for (const Candidate& candidate : candidates) {
+    samplings.push_back(with_subsets(points_of(candidate), fewest));
+    if (total + samplings.back().size() > rig_.remaining()) {
+      samplings.pop_back();
+      break;
     }
-    std::vector<std::vector<float>> left(poses);
-    rig_.evaluate_each(
-        poses, progress,
-        [&](std::size_t i, std::span<float> pose) {
-          fill(tuples[asks[i].first], asked[asks[i].first].points[asks[i].second], pose);
-        },
-        [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-          const Tuple& tuple = tuples[asks[i].first];
-          const Point& point = asked[asks[i].first].points[asks[i].second];
-          base_.add(pose, rig_.rest_pose(), 1, -1, displacement);
-          for (std::size_t k = 0; k < point.size(); ++k)
-            if (point[k] > 0) add_scaled(curve_errors_[tuple.controls[k]].errors[point[k] - 1], -1, displacement);
-          left[i].assign(displacement.begin(), displacement.end());
-        });
-    parallel_for(rig_.parallel(), end - begin, [&](std::size_t t, std::size_t) {
-      const std::vector<Point>& points = asked[begin + t].points;
-      const std::span<std::vector<float>> mine(left.data() + asked[begin + t].first, points.size());
-      // What fewer of the controls leave over is taken away: the differences of an anchored expansion.
-      for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t j = 0; j < i && away(points[j]) < away(points[i]); ++j) {
-          bool part = true;
-          for (std::size_t k = 0; k < points[i].size(); ++k)
-            part = part && (points[j][k] == 0 || points[j][k] == points[i][k]);
-          if (!part) continue;
-          for (std::size_t k = 0; k < mine[i].size(); ++k) mine[i][k] -= mine[j][k];
-        }
-      const std::size_t order = tuples[begin + t].controls.size();
-      const std::size_t full = std::count_if(points.begin(), points.end(),
-                                             [&](const Point& point) { return std::size_t(away(point)) == order; });
-      visit(tuples[begin + t], std::span(points).last(full), mine.last(full));
+    total += samplings.back().size();
+  }
+  if (samplings.size() < candidates.size())
+    progress_.note(format("the budget of rig calls leaves %zu of %zu candidates out of \"%s\"",
+                          candidates.size() - samplings.size(), candidates.size(), stage_name));
+  EvaluationStage stage(progress_, stage_name, total);
+  for (std::size_t begin = 0; begin < samplings.size();) {
+    std::vector<std::size_t> first;  // residual of each candidate of this block
+    std::size_t end = begin, poses = 0;
+    for (; end < samplings.size() && (end == begin || poses + samplings[end].size() <= poses_in_memory); ++end) {
+      first.push_back(poses);
+      poses += samplings[end].size();
+    }
+    std::vector<std::vector<float>> residuals = evaluate_residuals(
+        candidates.subspan(begin, end - begin), std::span(samplings).subspan(begin, end - begin), stage);
+    parallel_for(rig_.parallel(), end - begin, [&](std::size_t i, std::size_t) {
+      Candidate& candidate = candidates[begin + i];
+      const GridPoints& points = samplings[begin + i];
+      const std::span<std::vector<float>> own = std::span(residuals).subspan(first[i], points.size());
+      subtract_subsets(points, own);
+      const auto full = static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const auto& point) {
+        return active_count(point) == candidate.controls.size();
+      }));
+      visit(candidate, std::span(points).last(full), own.last(full));
     });
     begin = end;
   }
 }
 
-void CorrectiveSearch::fit(Tuple& tuple, std::span<const Point> points,
-                           std::span<const std::vector<float>> differences) const {
+// Products and minima of factors of all controls: for pairs those of both; beyond, correctives already found for all
+// controls but one, or their plain product, times factors of that one.
+std::vector<std::uint32_t> CorrectiveSearch::composed_features(const Candidate& candidate,
+                                                               std::vector<Feature>& features) const {
   const RigSchema& schema = rig_.schema();
-  std::vector<Feature> features;
-  std::vector<std::uint32_t> terms;
   const auto factors_of = [&](std::uint32_t c) { return factors(features, schema.controls[c], c, curves_[c]); };
-  const std::size_t order = tuple.controls.size();
+  const std::size_t order = candidate.controls.size();
+  std::vector<std::uint32_t> all;
   for (std::size_t k = 0; k < (order == 2 ? 1 : order); ++k) {
-    // Terms already found for the other controls, or their plain product, times what this one may enter as.
-    const std::vector<std::uint32_t> others = without(tuple.controls, k);
-    std::vector<std::uint32_t> together = factors_of(others[0]);
+    const std::vector<std::uint32_t> others = without(candidate.controls, k);
+    std::vector<std::uint32_t> of_others = factors_of(others[0]);
     if (others.size() > 1) {
       const auto known = std::find_if(found_.begin(), found_.end(),
-                                      [&](const Tuple& corrective) { return corrective.controls == others; });
-      std::uint32_t plain = together[0];
+                                      [&](const Candidate& corrective) { return corrective.controls == others; });
+      std::uint32_t plain = of_others[0];
       for (std::size_t i = 1; i < others.size(); ++i)
         plain = compose(features, std::vector{plain}, std::vector{factors_of(others[i])[0]})[0];
-      together = {plain};
+      of_others = {plain};
       if (known != found_.end())
         for (const SparseShape& shape : known->part.shapes)
-          together.push_back(import_feature(features, known->part.features, shape.feature));
+          of_others.push_back(import_feature(features, known->part.features, shape.feature));
     }
-    const std::vector<std::uint32_t> composed = compose(features, together, factors_of(tuple.controls[k]));
-    terms.insert(terms.end(), composed.begin(), composed.end());
+    const std::vector<std::uint32_t> composed = compose(features, of_others, factors_of(candidate.controls[k]));
+    all.insert(all.end(), composed.begin(), composed.end());
   }
   std::vector<std::uint32_t> unique;
-  for (const std::uint32_t term : terms)
-    if (std::find(unique.begin(), unique.end(), term) == unique.end()) unique.push_back(term);
-  std::vector<float> poses;
-  for (const Point& point : points) {
-    poses.insert(poses.end(), rig_.rest_pose().begin(), rig_.rest_pose().end());
-    fill(tuple, point, std::span(poses).last(rig_.rest_pose().size()));
-  }
-  const double tolerance = options_.corrective_tolerance * rig_.diagonal();
-  tuple.part = fit_corrective(features, unique, poses, rig_.rest_pose(), differences, {tolerance, tolerance / 20});
+  for (const std::uint32_t feature : all)
+    if (std::find(unique.begin(), unique.end(), feature) == unique.end()) unique.push_back(feature);
+  return unique;
 }
 
-void CorrectiveSearch::rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest) {
-  const bool inner = tuples.size() <= few_pairs && fewest == 2;
-  evaluate_tuples(
-      stage, tuples, fewest, [&](const Tuple& tuple) { return ends(tuple, inner && tuple.controls.size() == 2); },
-      [&](Tuple& tuple, std::span<const Point>, std::span<const std::vector<float>> differences) {
-        tuple.energy = tuple.distance = 0;
+void CorrectiveSearch::fit(Candidate& candidate, std::span<const GridPoint> points,
+                           std::span<const std::vector<float>> differences) const {
+  std::vector<Feature> features;
+  const std::vector<std::uint32_t> composed = composed_features(candidate, features);
+  std::vector<float> poses;
+  for (const GridPoint& point : points) {
+    poses.insert(poses.end(), rig_.rest_pose().begin(), rig_.rest_pose().end());
+    set_pose(candidate, point, std::span(poses).last(rig_.rest_pose().size()));
+  }
+  const double tolerance = options_.corrective_tolerance * rig_.diagonal();
+  candidate.part =
+      fit_corrective(features, composed, poses, rig_.rest_pose(), differences, {tolerance, tolerance / 20});
+}
+
+void CorrectiveSearch::rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest) {
+  const bool inner = candidates.size() <= most_inner_pairs && fewest == 2;
+  evaluate_candidates(
+      stage, candidates, fewest,
+      [&](const Candidate& candidate) { return range_ends(candidate, inner && candidate.controls.size() == 2); },
+      [&](Candidate& candidate, std::span<const GridPoint>, std::span<const std::vector<float>> differences) {
+        candidate.energy = candidate.distance = 0;
         for (const std::vector<float>& d : differences) {
           double sum = 0;
           for (std::size_t i = 0; i < d.size(); i += 3) {
             const double squares = square_of(d.data() + i);
             sum += squares;
-            tuple.distance = std::max(tuple.distance, squares);
+            candidate.distance = std::max(candidate.distance, squares);
           }
-          tuple.energy = std::max(tuple.energy, sum / (rig_.diagonal() * rig_.diagonal()));
+          candidate.energy = std::max(candidate.energy, sum / (rig_.diagonal() * rig_.diagonal()));
         }
-        tuple.distance = std::sqrt(tuple.distance) / rig_.diagonal();
+        candidate.distance = std::sqrt(candidate.distance) / rig_.diagonal();
       });
-  std::erase_if(tuples, [&](const Tuple& tuple) { return tuple.distance <= options_.corrective_tolerance; });
-  std::stable_sort(tuples.begin(), tuples.end(), [](const Tuple& a, const Tuple& b) { return a.energy > b.energy; });
+  std::erase_if(candidates,
+                [&](const Candidate& candidate) { return candidate.distance <= options_.corrective_tolerance; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.energy > b.energy; });
 }
 
 void CorrectiveSearch::find(std::size_t order, std::size_t most) {
-  std::vector<Tuple> tuples = candidates(order);
-  if (order > 2 && tuples.size() > tries_a_term * most) tuples.resize(tries_a_term * most);
-  const std::size_t tried = tuples.size();
-  // Beyond pairs, first what the base leaves over of all controls at once, then what fewer of them have no part in.
-  rank("trying controls together", tuples, order);
+  std::vector<Candidate> all = candidates(order);
+  if (order > 2 && all.size() > candidates_per_corrective * most) all.resize(candidates_per_corrective * most);
+  const std::size_t evaluated = all.size();
+  // Beyond pairs, first by what all controls at once leave over, then by the part that no subset of them accounts for.
+  rank("ranking correctives", all, order);
   if (order > 2) {
-    if (tuples.size() > tries_a_term * most / 5) tuples.resize(tries_a_term * most / 5);
-    rank("trying fewer of them", tuples, 2);
+    if (all.size() > candidates_per_corrective * most / 5) all.resize(candidates_per_corrective * most / 5);
+    rank("ranking correctives by subsets", all, 2);
   }
-  const std::size_t interacting = tuples.size();
-  if (tuples.size() > most) tuples.resize(most);
-  evaluate_tuples(
-      "fitting controls together", tuples, 2, [&](const Tuple& tuple) { return grid(tuple); },
-      [&](Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) {
-        fit(tuple, points, differences);
+  const std::size_t interacting = all.size();
+  if (all.size() > most) all.resize(most);
+  evaluate_candidates(
+      "fitting correctives", all, 2, [&](const Candidate& candidate) { return full_grid(candidate); },
+      [&](Candidate& candidate, std::span<const GridPoint> points, std::span<const std::vector<float>> differences) {
+        fit(candidate, points, differences);
       });
-  std::erase_if(tuples, [](const Tuple& tuple) { return tuple.part.shapes.empty(); });
+  std::erase_if(all, [](const Candidate& candidate) { return candidate.part.shapes.empty(); });
   std::vector<const SparseBlendshapes*> parts;
-  for (const Tuple& tuple : tuples) {
-    parts.push_back(&tuple.part);
-    held_.add(tuple.part, 1);
+  for (const Candidate& corrective : all) {
+    parts.push_back(&corrective.part);
+    dense_poses_.add(corrective.part, 1);
   }
   append(base_, parts);
-  note_error(format("%zu controls together, %zu tried, %zu interact, terms for %zu", order, tried, interacting,
-                    tuples.size()));
-  std::move(tuples.begin(), tuples.end(), std::back_inserter(found_));
+  note_error(format("correctives of %zu controls: %zu candidates, %zu interact, %zu fitted", order, evaluated,
+                    interacting, all.size()));
+  std::move(all.begin(), all.end(), std::back_inserter(found_));
 }
 
-std::vector<Corrective> CorrectiveSearch::finish() {
-  // Weaker ones are judged first, among all that are still there; the largest tuples are the weakest.
-  std::stable_sort(found_.begin(), found_.end(), [](const Tuple& a, const Tuple& b) {
+std::vector<Corrective> CorrectiveSearch::prune() {
+  // The weakest first: those of most controls, then those of least energy.
+  std::stable_sort(found_.begin(), found_.end(), [](const Candidate& a, const Candidate& b) {
     return std::pair(a.controls.size(), b.energy) > std::pair(b.controls.size(), a.energy);
   });
   std::vector<const SparseBlendshapes*> parts;
-  for (const Tuple& tuple : found_) parts.push_back(&tuple.part);
-  const std::vector<bool> helps = held_.judge(parts);
-  std::vector<Tuple> kept;
-  for (std::size_t t = 0; t < found_.size(); ++t)
-    if (helps[t]) kept.push_back(std::move(found_[t]));
-  const std::size_t dropped = found_.size() - kept.size();
-  std::stable_sort(kept.begin(), kept.end(), [](const Tuple& a, const Tuple& b) { return a.energy > b.energy; });
+  for (const Candidate& corrective : found_) parts.push_back(&corrective.part);
+  const std::vector<bool> helpful = dense_poses_.prune(parts);
+  std::vector<Candidate> kept;
+  for (std::size_t i = 0; i < found_.size(); ++i)
+    if (helpful[i]) kept.push_back(std::move(found_[i]));
+  const std::size_t pruned = found_.size() - kept.size();
+  std::stable_sort(kept.begin(), kept.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.energy > b.energy; });
   parts.clear();
   for (const ControlCurve& curve : curves_) parts.push_back(&curve.part);
-  for (const Tuple& tuple : kept) parts.push_back(&tuple.part);
+  for (const Candidate& corrective : kept) parts.push_back(&corrective.part);
   base_ = {};
   const std::vector<std::vector<std::uint32_t>> features = append(base_, parts);
   std::vector<Corrective> correctives;
-  for (std::size_t t = 0; t < kept.size(); ++t)
-    correctives.push_back({kept[t].controls, kept[t].energy, features[curves_.size() + t]});
-  if (dropped > 0) note_error(format("without %zu combinations of controls that did not help", dropped));
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    correctives.push_back({kept[i].controls, kept[i].energy, features[curves_.size() + i]});
+  if (pruned > 0) note_error(format("%zu correctives pruned", pruned));
   found_.clear();
   return correctives;
 }

@@ -13,44 +13,52 @@
 
 namespace fb::bake {
 
-// Finds what controls do together beyond what the base holds, order by order: pairs, triples, ... one procedure. A
-// candidate is a tuple that interacts without one of its controls, and whose controls all leave residual motion at some
-// vertex. Candidates are tried at the ends of ranges, the strongest on a grid, and terms fitted to
-// what is left there once the same differences of fewer controls are taken away. In the end, terms stay if they also
-// bring the poses of many controls closer to the rig.
+// Finds correctives of a live rig: what two, three or four controls move together beyond what the base holds. A
+// candidate of order n is a corrective of order n - 1 and one more control (of order 2: any pair) whose controls all
+// leave residual motion at some vertex. Candidates are ranked by what is left at the ends of ranges, the strongest are
+// sampled on a grid, and products and minima of features are fitted to the differences there of the anchored expansion
+// (see sparse_blendshapes.h). In the end, correctives stay that also lower the error of dense poses.
 class CorrectiveSearch {
  public:
-  // All must outlive it. `base` holds the curves.
+  // All must outlive it. `base` holds the curves; correctives are added to it.
   CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options, const std::vector<ControlCurve>& curves,
                    const DenseDifferences& dense, SparseBlendshapes& base, Progress& progress);
 
-  // Looks for tuples of `order` controls, 2 first, then 3, and adds terms for `most` of them at most to the base.
+  // Adds at most `most` correctives of `order` controls, 2 first, then 3, then 4.
   void find(std::size_t order, std::size_t most);
 
-  // Takes terms that do more harm than good among many controls out of the base. Returns the others, strongest first.
-  std::vector<Corrective> finish();
+  // Removes correctives from the base that raise the error of dense poses. Returns the others, strongest first.
+  std::vector<Corrective> prune();
 
  private:
-  struct Tuple {
-    std::vector<std::uint32_t> controls;
+  struct Candidate {
+    std::vector<std::uint32_t> controls;  // ascending
     double score = 0, energy = 0, distance = 0;
     SparseBlendshapes part;
   };
-  // A point of a tuple's grid: for each control 0, rest, or the number of a telling place, from 1.
-  using Point = std::vector<std::uint8_t>;
+  // A point of a candidate's grid: for each control 0, at rest, or a knot position, numbered from 1.
+  using GridPoint = std::vector<std::uint8_t>;
+  using GridPoints = std::vector<GridPoint>;
 
-  std::vector<Tuple> candidates(std::size_t order) const;
-  std::vector<Point> ends(const Tuple& tuple, bool inner) const;
-  std::vector<Point> grid(const Tuple& tuple) const;
-  // Differences of every tuple at its points, in blocks: visit(tuple, points, differences), several at once. What
-  // `fewest` or more of its controls do alone is taken away.
-  template <class Points, class Visit>
-  void evaluate_tuples(const char* stage, std::span<Tuple> tuples, std::size_t fewest, const Points& points,
-                       const Visit& visit);
-  // Sets energy and distance at the ends of ranges; leaves those above the tolerance, strongest first.
-  void rank(const char* stage, std::vector<Tuple>& tuples, std::size_t fewest);
-  void fill(const Tuple& tuple, const Point& point, std::span<float> pose) const;
-  void fit(Tuple& tuple, std::span<const Point> points, std::span<const std::vector<float>> differences) const;
+  std::vector<std::vector<std::uint32_t>> extended_controls(std::size_t order) const;
+  std::vector<Candidate> candidates(std::size_t order) const;
+  GridPoints range_ends(const Candidate& candidate, bool inner) const;
+  GridPoints full_grid(const Candidate& candidate) const;
+  // Calls visit(candidate, points, differences) for every candidate that the budget allows for, several at once, with
+  // the points of points_of(candidate) and what the rig moves there beyond the base and beyond subsets of `fewest` or
+  // more of the candidate's controls.
+  template <class PointsOf, class Visit>
+  void evaluate_candidates(const char* stage, std::span<Candidate> candidates, std::size_t fewest,
+                           const PointsOf& points_of, const Visit& visit);
+  std::vector<std::vector<float>> evaluate_residuals(std::span<const Candidate> candidates,
+                                                     std::span<const GridPoints> points_of_each,
+                                                     EvaluationStage& stage);
+  // Sets energy and distance from the ends of ranges; leaves candidates above the tolerance, strongest first.
+  void rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest);
+  void set_pose(const Candidate& candidate, const GridPoint& point, std::span<float> pose) const;
+  std::vector<std::uint32_t> composed_features(const Candidate& candidate, std::vector<Feature>& features) const;
+  void fit(Candidate& candidate, std::span<const GridPoint> points,
+           std::span<const std::vector<float>> differences) const;
   void note_error(const std::string& what) const;
 
   RigEvaluator& rig_;
@@ -60,9 +68,10 @@ class CorrectiveSearch {
   SparseBlendshapes& base_;
   Progress& progress_;
   std::vector<CurveErrors> curve_errors_;
-  std::vector<float> single_left_;  // controls x vertices: the largest distance over D curves leave over of toggles
-  HoldoutSet held_;
-  std::vector<Tuple> found_;
+  std::vector<float>
+      curve_residual_motion_;  // controls x vertices, over D: the largest that curves leave in dense poses
+  HoldoutSet dense_poses_;
+  std::vector<Candidate> found_;
 };
 
 }  // namespace fb::bake

@@ -10,46 +10,116 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_controls = 24;  // their samples are held together: at most 24 a side and control
-constexpr int waves = 6;
-constexpr int first_places = 8;  // of a side
-constexpr std::size_t most_telling = 4;
+constexpr std::size_t controls_at_once = 24;  // whose samples are in memory together, at most 24 a side
+constexpr int refinement_rounds = 5;
+constexpr int initial_samples = 8;  // of a side
+constexpr std::size_t most_knot_positions = 4;
 
-struct Wanted {
+// One control away from rest.
+struct ControlPosition {
   std::size_t control;
-  double place;
+  double position;
 };
 
-void insert(CurveSamples& samples, double place, std::span<const float> displacement) {
-  const auto at = std::lower_bound(samples.places.begin(), samples.places.end(), place) - samples.places.begin();
-  samples.places.insert(samples.places.begin() + at, place);
+void insert(CurveSamples& samples, double position, std::span<const float> displacement) {
+  const auto at =
+      std::lower_bound(samples.positions.begin(), samples.positions.end(), position) - samples.positions.begin();
+  samples.positions.insert(samples.positions.begin() + at, position);
   samples.displacements.emplace(samples.displacements.begin() + at, displacement.begin(), displacement.end());
 }
 
-// Samples of the first places of some controls; fewer places where the budget, spread evenly, is short.
-std::vector<Wanted> first_wave(const RigSchema& schema, std::size_t begin, std::size_t end, int places) {
-  std::vector<Wanted> wanted;
+// `per_side` evenly spaced positions on both sides of controls [begin, end).
+std::vector<ControlPosition> even_positions(const RigSchema& schema, std::size_t begin, std::size_t end, int per_side) {
+  std::vector<ControlPosition> positions;
   for (std::size_t c = begin; c < end; ++c)
     for (const bool up : {true, false})
-      for (int k = 1; k <= places && has_side(schema.controls[c], up); ++k)
-        wanted.push_back({c, (up ? 1.0 : -1.0) * k / places});
-  return wanted;
+      for (int k = 1; k <= per_side && has_side(schema.controls[c], up); ++k)
+        positions.push_back({c, (up ? 1.0 : -1.0) * k / per_side});
+  return positions;
 }
 
-// Asks the rig for single controls and hands `take` what the curves are off there.
-template <class Take>
-void evaluate_misses(RigEvaluator& rig, const std::vector<ControlCurve>& curves, const std::vector<Wanted>& wanted,
-                     EvaluationStage& stage, const Take& take) {
+// Evaluates the rig at these positions and calls use(i, rig minus curve) for each.
+template <class Use>
+void evaluate_curve_errors(RigEvaluator& rig, const std::vector<ControlCurve>& curves,
+                           const std::vector<ControlPosition>& positions, EvaluationStage& stage, const Use& use) {
   rig.evaluate_each(
-      wanted.size(), stage,
+      positions.size(), stage,
       [&](std::size_t i, std::span<float> pose) {
-        pose[wanted[i].control] = value_at(rig.schema().controls[wanted[i].control], wanted[i].place);
+        pose[positions[i].control] = value_at(rig.schema().controls[positions[i].control], positions[i].position);
       },
       [&](std::size_t i, std::span<const float> pose, std::span<float> displacement) {
-        curves[wanted[i].control].part.add(pose, rig.rest_pose(), 1, -1, displacement);
-        take(i, std::span<const float>(displacement));
+        curves[positions[i].control].part.add(pose, rig.rest_pose(), 1, -1, displacement);
+        use(i, std::span<const float>(displacement));
       });
 }
+
+// Raises the motion of one control, a number a vertex, to the distances of its samples over D.
+void raise_motion(std::span<float> motion, const CurveSamples& samples, double diagonal) {
+  for (const std::vector<float>& d : samples.displacements)
+    for (std::size_t v = 0; v < motion.size(); ++v) {
+      const double squares =
+          double(d[3 * v]) * d[3 * v] + double(d[3 * v + 1]) * d[3 * v + 1] + double(d[3 * v + 2]) * d[3 * v + 2];
+      motion[v] = std::max(motion[v], static_cast<float>(std::sqrt(squares) / diagonal));
+    }
+}
+
+// Samples some consecutive controls, [begin, end).
+class ControlSampler {
+ public:
+  ControlSampler(RigEvaluator& rig, const CurveLimits& limits, std::size_t begin, std::size_t end, Progress& progress)
+      : rig_(rig), limits_(limits), begin_(begin), end_(end), progress_(progress), samples_(end - begin) {
+    for (std::size_t c = begin; c < end; ++c) samples_[c - begin].control = static_cast<std::uint32_t>(c);
+  }
+
+  // `reserved`: poses of the budget that are left to later controls.
+  std::vector<CurveSamples> sample(int per_side, std::uint64_t reserved) {
+    evaluate(even_positions(rig_.schema(), begin_, end_, per_side), reserved);
+    for (int round = 0; round < refinement_rounds; ++round)
+      if (!evaluate(refined_positions(), reserved)) break;
+    return std::move(samples_);
+  }
+
+ private:
+  std::vector<ControlPosition> refined_positions() const {
+    std::vector<std::vector<double>> bent(samples_.size());
+    parallel_for(rig_.parallel(), bent.size(), [&](std::size_t i, std::size_t) {
+      if (!samples_[i].positions.empty()) bent[i] = positions_to_refine(samples_[i], limits_);
+    });
+    std::vector<ControlPosition> positions;
+    for (std::size_t i = 0; i < bent.size(); ++i)
+      for (const double position : bent[i]) positions.push_back({begin_ + i, position});
+    return positions;
+  }
+
+  // Adds as many samples as the budget allows; false if that is none.
+  bool evaluate(std::vector<ControlPosition> positions, std::uint64_t reserved) {
+    const RigSchema& schema = rig_.schema();
+    const std::uint64_t available = rig_.remaining() > reserved ? rig_.remaining() - reserved : 0;
+    if (positions.size() > available) positions.resize(available);
+    if (positions.empty()) return false;
+    std::vector<std::vector<float>> displacements(positions.size());
+    EvaluationStage stage(progress_,
+                          format("evaluating controls %zu to %zu of %zu", begin_ + 1, end_, schema.control_count()),
+                          positions.size());
+    rig_.evaluate_each(
+        positions.size(), stage,
+        [&](std::size_t i, std::span<float> pose) {
+          pose[positions[i].control] = value_at(schema.controls[positions[i].control], positions[i].position);
+        },
+        [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
+          displacements[i].assign(displacement.begin(), displacement.end());
+        });
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      insert(samples_[positions[i].control - begin_], positions[i].position, displacements[i]);
+    return true;
+  }
+
+  RigEvaluator& rig_;
+  const CurveLimits& limits_;
+  std::size_t begin_, end_;
+  Progress& progress_;
+  std::vector<CurveSamples> samples_;
+};
 
 }  // namespace
 
@@ -60,117 +130,82 @@ std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptio
   const CurveLimits limits{options.curve_tolerance * rig.diagonal(), 1e-6 * rig.diagonal(), options.max_knots};
   motion.assign(width * vertices, 0);
   std::vector<ControlCurve> curves(width);
-  int places = first_places;
-  while (places > 1 && first_wave(schema, 0, width, places).size() > rig.remaining() / 2) places /= 2;
-  if (places < first_places)
-    progress.note(format("the budget of rig calls allows %d of %d places on each side of a control at first", places,
-                         first_places));
-  for (std::size_t begin = 0; begin < width; begin += block_controls) {
-    const std::size_t end = std::min(width, begin + block_controls);
-    std::vector<CurveSamples> samples(end - begin);
-    for (std::size_t c = begin; c < end; ++c) samples[c - begin].control = static_cast<std::uint32_t>(c);
-    // What later controls need at the least is kept back.
-    const std::size_t reserved = first_wave(schema, end, width, places).size();
-    for (int wave = 0; wave < waves; ++wave) {
-      std::vector<Wanted> wanted;
-      if (wave == 0) {
-        wanted = first_wave(schema, begin, end, places);
-      } else {
-        std::vector<std::vector<double>> bent(end - begin);
-        parallel_for(rig.parallel(), bent.size(), [&](std::size_t i, std::size_t) {
-          if (!samples[i].places.empty()) bent[i] = bent_places(samples[i], limits);
-        });
-        for (std::size_t i = 0; i < bent.size(); ++i)
-          for (const double place : bent[i]) wanted.push_back({begin + i, place});
-      }
-      const std::uint64_t left = rig.remaining() > reserved ? rig.remaining() - reserved : 0;
-      if (wanted.size() > left) wanted.resize(left);
-      if (wanted.empty()) break;
-      std::vector<std::vector<float>> answers(wanted.size());
-      EvaluationStage stage(progress, format("evaluating controls %zu to %zu of %zu", begin + 1, end, width),
-                            wanted.size());
-      rig.evaluate_each(
-          wanted.size(), stage,
-          [&](std::size_t i, std::span<float> pose) {
-            pose[wanted[i].control] = value_at(schema.controls[wanted[i].control], wanted[i].place);
-          },
-          [&](std::size_t i, std::span<const float>, std::span<float> displacement) {
-            answers[i].assign(displacement.begin(), displacement.end());
-          });
-      for (std::size_t i = 0; i < wanted.size(); ++i)
-        insert(samples[wanted[i].control - begin], wanted[i].place, answers[i]);
-    }
+  int per_side = initial_samples;
+  while (per_side > 1 && even_positions(schema, 0, width, per_side).size() > rig.remaining() / 2) per_side /= 2;
+  if (per_side < initial_samples)
+    progress.note(format("the budget of rig calls allows for %d of %d initial samples on each side of a control",
+                         per_side, initial_samples));
+  for (std::size_t begin = 0; begin < width; begin += controls_at_once) {
+    const std::size_t end = std::min(width, begin + controls_at_once);
+    const std::size_t reserved = even_positions(schema, end, width, per_side).size();
+    const std::vector<CurveSamples> samples =
+        ControlSampler(rig, limits, begin, end, progress).sample(per_side, reserved);
     parallel_for(rig.parallel(), end - begin, [&](std::size_t i, std::size_t) {
-      if (samples[i].places.empty()) return;
+      if (samples[i].positions.empty()) return;
       curves[begin + i] = fit_curve(schema.controls[begin + i], samples[i], limits);
-      float* row = motion.data() + (begin + i) * vertices;
-      for (const std::vector<float>& d : samples[i].displacements)
-        for (std::size_t v = 0; v < vertices; ++v) {
-          const double squares =
-              double(d[3 * v]) * d[3 * v] + double(d[3 * v + 1]) * d[3 * v + 1] + double(d[3 * v + 2]) * d[3 * v + 2];
-          row[v] = std::max(row[v], static_cast<float>(std::sqrt(squares) / rig.diagonal()));
-        }
+      raise_motion(std::span(motion).subspan((begin + i) * vertices, vertices), samples[i], rig.diagonal());
     });
   }
   return curves;
 }
 
-std::vector<double> telling_places(const Control& control, const ControlCurve& curve) {
-  std::vector<double> places;
+std::vector<double> knot_positions(const Control& control, const ControlCurve& curve) {
+  std::vector<double> positions;
   for (const bool up : {true, false})
-    if (has_side(control, up)) places.push_back(up ? 1 : -1);
-  const auto add = [&](double place) {
-    if (places.size() < most_telling && has_side(control, place > 0) &&
-        std::find(places.begin(), places.end(), place) == places.end())
-      places.push_back(place);
+    if (has_side(control, up)) positions.push_back(up ? 1 : -1);
+  const auto add = [&](double position) {
+    if (positions.size() < most_knot_positions && has_side(control, position > 0) &&
+        std::find(positions.begin(), positions.end(), position) == positions.end())
+      positions.push_back(position);
   };
   for (const double knot : curve.knots) add(knot);
-  for (const double place : {0.5, -0.5, 0.25, 0.75, -0.75}) add(place);
-  return places;
+  for (const double position : {0.5, -0.5, 0.25, 0.75, -0.75}) add(position);
+  return positions;
 }
 
 std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves,
                                         Progress& progress) {
   const RigSchema& schema = rig.schema();
   std::vector<CurveErrors> errors(curves.size());
-  std::vector<Wanted> wanted;
+  std::vector<ControlPosition> all;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    errors[c].places = telling_places(schema.controls[c], curves[c]);
-    errors[c].errors.resize(errors[c].places.size());
-    for (const double place : errors[c].places) wanted.push_back({c, place});
+    errors[c].positions = knot_positions(schema.controls[c], curves[c]);
+    errors[c].errors.resize(errors[c].positions.size());
+    for (const double position : errors[c].positions) all.push_back({c, position});
   }
-  if (wanted.size() > rig.remaining()) wanted.resize(rig.remaining());
+  if (all.size() > rig.remaining()) all.resize(rig.remaining());
   const double drop = 2e-6 * rig.diagonal();
-  std::vector<SparseShape> answers(wanted.size());
-  EvaluationStage stage(progress, "checking single controls", wanted.size());
-  evaluate_misses(rig, curves, wanted, stage,
-                  [&](std::size_t i, std::span<const float> miss) { answers[i] = make_sparse(0, miss, drop); });
-  for (std::size_t i = 0, place = 0; i < wanted.size(); ++i, ++place) {
-    if (i > 0 && wanted[i].control != wanted[i - 1].control) place = 0;
-    errors[wanted[i].control].errors[place] = std::move(answers[i]);
+  std::vector<SparseShape> found(all.size());
+  EvaluationStage stage(progress, "measuring activation curves", all.size());
+  evaluate_curve_errors(rig, curves, all, stage,
+                        [&](std::size_t i, std::span<const float> error) { found[i] = make_sparse(0, error, drop); });
+  for (std::size_t i = 0, k = 0; i < all.size(); ++i, ++k) {
+    if (i > 0 && all[i].control != all[i - 1].control) k = 0;
+    errors[all[i].control].errors[k] = std::move(found[i]);
   }
   return errors;
 }
 
-double test_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed, Progress& progress) {
+double validate_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed,
+                       Progress& progress) {
   const RigSchema& schema = rig.schema();
-  std::vector<Wanted> wanted;
+  std::vector<ControlPosition> drawn;
   for (std::size_t c = 0; c < curves.size(); ++c)
     for (const bool up : {true, false}) {
       if (!has_side(schema.controls[c], up)) continue;
       Random random(seed, std::uint64_t{9} << 48 | (2 * c + up));
-      const double place = 0.02 + 0.96 * random.uniform();
-      wanted.push_back({c, up ? place : -place});
+      const double position = 0.02 + 0.96 * random.uniform();
+      drawn.push_back({c, up ? position : -position});
     }
-  if (wanted.size() > rig.remaining()) wanted.resize(rig.remaining());
-  std::vector<double> errors(wanted.size());
-  EvaluationStage stage(progress, "testing single controls", wanted.size());
-  evaluate_misses(rig, curves, wanted, stage, [&](std::size_t i, std::span<const float> miss) {
-    for (std::size_t k = 0; k < miss.size(); k += 3)
-      errors[i] = std::max(errors[i], std::hypot(double(miss[k]), miss[k + 1], miss[k + 2]));
+  if (drawn.size() > rig.remaining()) drawn.resize(rig.remaining());
+  std::vector<double> distances(drawn.size());
+  EvaluationStage stage(progress, "validating activation curves", drawn.size());
+  evaluate_curve_errors(rig, curves, drawn, stage, [&](std::size_t i, std::span<const float> error) {
+    for (std::size_t k = 0; k < error.size(); k += 3)
+      distances[i] = std::max(distances[i], std::hypot(double(error[k]), error[k + 1], error[k + 2]));
   });
   double largest = 0;
-  for (const double error : errors) largest = std::max(largest, error / rig.diagonal());
+  for (const double distance : distances) largest = std::max(largest, distance / rig.diagonal());
   return largest;
 }
 

@@ -8,14 +8,14 @@
 
 namespace fb::bake {
 
-// One control moved between rest and elsewhere while many others are away from rest.
+// What one control moves while many others are away from rest: the difference of two evaluations.
 struct FiniteDifference {
-  std::uint32_t pose = 0, control = 0;
-  float value = 0;    // elsewhere
-  SparseShape moved;  // what the rig moved: elsewhere minus at rest, rig units
+  std::uint32_t pose = 0, control = 0;  // pose: of DenseDifferences
+  float value = 0;                      // of the control where it is away from rest
+  SparseShape moved;                    // displacement there minus displacement with the control at rest, rig units
 };
 
-// Poses with 10 to 50 % of the controls on, and each control toggled in some of them.
+// Poses with 10 to 50 % of the controls active, and differences of every control in some of them.
 struct DenseDifferences {
   std::vector<float> controls;       // poses x controls
   std::vector<float> displacements;  // poses x 3 x vertices
@@ -23,13 +23,13 @@ struct DenseDifferences {
   std::size_t poses = 0;
 };
 
-// As many toggles a control, 16 at most, as the budget allows; each block of controls in a pose of its own.
+// At most 16 differences of each control, fewer where the budget asks for it.
 DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress);
 
-// Distance over D by which toggles move each vertex, of the rig less what `base` (may be empty) moves:
-// controls x vertices, the root mean square or the largest over a control's toggles.
-enum class Over { largest, root_mean_square };
-std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Over over,
+// Distance over D by which the differences move each vertex, less what `base` (may be empty) moves there: controls x
+// vertices, the largest or the root mean square over a control's differences.
+enum class Statistic { largest, root_mean_square };
+std::vector<float> difference_motion(const DenseDifferences& dense, const SparseBlendshapes& base, Statistic statistic,
                                      const RigEvaluator& rig);
 
 }  // namespace fb::bake

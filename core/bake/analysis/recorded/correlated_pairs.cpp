@@ -1,4 +1,4 @@
-#include "bake/analysis/recorded/recorded_pairs.h"
+#include "bake/analysis/recorded/recorded_poses.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,10 +9,10 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t sketch_width = 48;  // numbers a pose that stand for what is left of it
+constexpr std::size_t sketch_width = 48;  // numbers a pose that its residual is projected to
 constexpr std::size_t rounds = 4;
-constexpr std::size_t block_poses = 128;
-constexpr Eigen::Index fewest_poses = 8;  // that move both controls, to tell anything of a pair
+constexpr std::size_t poses_in_memory = 128;
+constexpr Eigen::Index fewest_poses = 8;  // with both controls active, for a pair to be considered
 
 std::vector<float> draw_projection(std::size_t size, std::uint64_t seed) {
   std::vector<float> projection(size * sketch_width);
@@ -23,20 +23,20 @@ std::vector<float> draw_projection(std::size_t size, std::uint64_t seed) {
   return projection;
 }
 
-// Poses x sketch_width.
+// Projected residuals: poses x sketch_width.
 Eigen::MatrixXf sketch_poses(const RecordedPoses& recorded, std::uint64_t seed, const Parallel& parallel,
                              Progress& progress) {
   const std::size_t size = recorded.poses->source().rest().points.size(), count = recorded.picked.size();
   const std::vector<float> projection = draw_projection(size, seed);
   Eigen::MatrixXf sketch(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(sketch_width));
-  std::vector<float> left, flat;
-  progress.begin("looking for pairs in recorded poses", count);
-  for (std::size_t first = 0; first < count; first += block_poses) {
-    const std::size_t poses = std::min(block_poses, count - first);
-    left.resize(poses * size);
+  std::vector<float> residuals, flat;
+  progress.begin("finding pairs in recorded poses", count);
+  for (std::size_t first = 0; first < count; first += poses_in_memory) {
+    const std::size_t poses = std::min(poses_in_memory, count - first);
+    residuals.resize(poses * size);
     flat.resize(poses * sketch_width);
-    recorded.read(first, poses, left, parallel);
-    gemm(Op::transposed, Op::plain, poses, sketch_width, size, left.data(), size, projection.data(), size, 0,
+    recorded.read(first, poses, residuals, parallel);
+    gemm(Op::transposed, Op::plain, poses, sketch_width, size, residuals.data(), size, projection.data(), size, 0,
          flat.data(), poses);
     sketch.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(poses)) =
         Eigen::Map<const Eigen::MatrixXf>(flat.data(), static_cast<Eigen::Index>(poses), sketch.cols());
@@ -45,7 +45,7 @@ Eigen::MatrixXf sketch_poses(const RecordedPoses& recorded, std::uint64_t seed, 
   return sketch;
 }
 
-// Values of every control's feature: poses x controls.
+// Values of every control's factor: poses x controls.
 Eigen::MatrixXf values_of(const RecordedPoses& recorded, std::span<const Feature> features) {
   Eigen::MatrixXf table(static_cast<Eigen::Index>(recorded.picked.size()), static_cast<Eigen::Index>(features.size()));
   std::vector<float> values(features.size());
@@ -57,7 +57,7 @@ Eigen::MatrixXf values_of(const RecordedPoses& recorded, std::span<const Feature
   return table;
 }
 
-// Adds the pairs whose product explains most of the sketch.
+// Adds the `wanted` pairs whose product explains most of the sketch, and their normalised products as columns.
 void add_pairs(const Eigen::MatrixXf& single, const Eigen::MatrixXf& sketch, std::size_t wanted,
                std::vector<ControlPair>& chosen, Eigen::MatrixXf& columns, const Parallel& parallel) {
   const auto width = static_cast<std::uint32_t>(single.cols());
@@ -75,7 +75,7 @@ void add_pairs(const Eigen::MatrixXf& single, const Eigen::MatrixXf& sketch, std
     const Eigen::MatrixXf along = products.transpose() * sketch;
     for (Eigen::Index k = 0; k < others; ++k) {
       const float length = products.col(k).squaredNorm();
-      if ((products.col(k).array() != 0).count() < fewest_poses) continue;  // too few poses tell of it
+      if ((products.col(k).array() != 0).count() < fewest_poses) continue;
       of_control[a].push_back({along.row(k).squaredNorm() / length / energy, static_cast<std::uint32_t>(a),
                                static_cast<std::uint32_t>(first + 1 + k)});
     }
@@ -83,7 +83,7 @@ void add_pairs(const Eigen::MatrixXf& single, const Eigen::MatrixXf& sketch, std
   std::vector<Gain> gains;
   for (const std::vector<Gain>& some : of_control) gains.insert(gains.end(), some.begin(), some.end());
   std::stable_sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.share > b.share; });
-  // A product that has nothing to do with what is left explains one of as many directions as there are poses.
+  // An unrelated product explains one of as many directions as there are poses.
   const float chance = 4 / static_cast<float>(sketch.rows());
   for (const Gain& gain : gains) {
     if (wanted == 0 || gain.share < chance) break;
@@ -98,9 +98,9 @@ void add_pairs(const Eigen::MatrixXf& single, const Eigen::MatrixXf& sketch, std
 
 }  // namespace
 
-std::vector<ControlPair> telling_pairs(const RecordedPoses& recorded, std::span<const Feature> features,
-                                       std::size_t most, std::uint64_t seed, const Parallel& parallel,
-                                       Progress& progress) {
+std::vector<ControlPair> correlated_pairs(const RecordedPoses& recorded, std::span<const Feature> features,
+                                          std::size_t most, std::uint64_t seed, const Parallel& parallel,
+                                          Progress& progress) {
   const Eigen::MatrixXf sketch = sketch_poses(recorded, seed, parallel, progress);
   const Eigen::MatrixXf single = values_of(recorded, features);
   std::vector<ControlPair> chosen;
@@ -109,7 +109,7 @@ std::vector<ControlPair> telling_pairs(const RecordedPoses& recorded, std::span<
     const std::size_t before = chosen.size();
     add_pairs(single, unexplained, std::min((most + rounds - 1) / rounds, most - before), chosen, columns, parallel);
     if (chosen.size() == before) break;
-    // Columns have length 1; the small ridge keeps the fit from leaning on near copies.
+    // Columns have length 1; the small ridge keeps nearly equal columns from large opposite weights.
     const Eigen::MatrixXf gram =
         columns.transpose() * columns + 1e-3f * Eigen::MatrixXf::Identity(columns.cols(), columns.cols());
     unexplained = sketch - columns * gram.ldlt().solve(columns.transpose() * sketch);
