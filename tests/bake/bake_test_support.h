@@ -19,10 +19,10 @@ inline std::unique_ptr<bake::Source> open_toy() {
   return bake::open_source(FB_TOY_RIG);
 }
 
-// The toy rig with one lie (lying_rig.c lists them).
-inline std::unique_ptr<bake::Source> open_liar(const char* lie) {
-  setenv("FB_LIE", lie, 1);
-  return bake::open_source(FB_LYING_RIG);
+// The toy rig with one fault (faulty_rig.c lists them).
+inline std::unique_ptr<bake::Source> open_faulty_rig(const char* fault) {
+  setenv("FB_FAULT", fault, 1);
+  return bake::open_source(FB_FAULTY_RIG);
 }
 
 // The message `work` fails with; fails the test if it does not fail with this status.

@@ -1,7 +1,7 @@
-// What choosing poses by variance saves, by a quick method: bench_active_sampling RIG [POSES]
+// What selecting poses by variance saves, by a quick method: bench_active_sampling RIG [POSES]
 // Trains on POSES poses of the dense mix, on two and four times as many, and on POSES of which three quarters were
-// chosen in rounds; all networks take the same number of steps. Errors are on poses of the same mix, the rig's own
-// shots of the split train (trained on by none) and held-out poses of another seed. Test clips are not looked at.
+// selected in rounds; all networks take the same number of steps. Errors are on poses of the same mix, the rig's own
+// shots of the split train (trained on by none) and test poses of another seed. Test clips are not used.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -31,7 +31,7 @@ struct Bench {
   }
 
   void add(const std::string& name, std::vector<float> controls) {
-    std::vector<float> truth = method.ask(controls);
+    std::vector<float> truth = method.residuals_of(controls);
     sets.push_back({name, std::move(controls), std::move(truth)});
   }
 
@@ -93,7 +93,7 @@ int main(int argc, char** argv) try {
   const Bench bench(rig);
   const std::size_t width = bench.method.width();
   const std::vector<float> drawn = draw_candidates(bench.schema, bench.responses, "dense", 1, 4 * poses);
-  const std::vector<float> answers = bench.method.ask(drawn);
+  const std::vector<float> drawn_residuals = bench.method.residuals_of(drawn);
   // The parts of a drawn set lie one after the other: take evenly.
   const auto evenly = [&](std::size_t count, const std::vector<float>& values) {
     const std::size_t row = values.size() / (4 * poses);
@@ -105,10 +105,10 @@ int main(int argc, char** argv) try {
     return some;
   };
   for (const std::size_t count : {poses, 2 * poses, 4 * poses})
-    bench.print("drawn", evenly(count, drawn), evenly(count, answers));
+    bench.print("drawn", evenly(count, drawn), evenly(count, drawn_residuals));
 
   const std::size_t first = poses / 4;
-  std::vector<float> controls = evenly(first, drawn), residuals = evenly(first, answers);
+  std::vector<float> controls = evenly(first, drawn), residuals = evenly(first, drawn_residuals);
   for (std::uint64_t round = 0; round < 3; ++round) {
     const auto one = bench.train(controls, residuals, 11), other = bench.train(controls, residuals, 12);
     const auto variance = [&](std::span<const float> some, std::size_t) {
@@ -126,7 +126,7 @@ int main(int argc, char** argv) try {
       const auto at = pool.begin() + static_cast<std::ptrdiff_t>(pose * width);
       controls.insert(controls.end(), at, at + static_cast<std::ptrdiff_t>(width));
     }
-    residuals = bench.method.ask(controls);
+    residuals = bench.method.residuals_of(controls);
   }
   bench.print("chosen", controls, residuals);
   return 0;

@@ -1,5 +1,5 @@
-// bench_analysis SOURCE [PAIRS TRIPLES]: what probing a live rig, or fitting a recording, costs and finds, and how far
-// the curve base is from it on poses it has not seen: test clips, or random ones of a live rig.
+// bench_analysis SOURCE [PAIRS TRIPLES]: what an analysis of a live rig, or of a recording, costs and finds, and the
+// error of the sparse blendshapes on unseen poses: test clips, or random ones of a live rig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
   std::map<std::size_t, std::size_t> correctives;
   for (const fb::bake::Corrective& corrective : analysis.correctives) ++correctives[corrective.controls.size()];
   std::printf("%zu features", base.features.size());
-  for (const auto& [order, count] : correctives) std::printf(", %zu times %zu controls together", count, order);
+  for (const auto& [order, count] : correctives) std::printf(", %zu correctives of %zu controls", count, order);
   std::printf("\n");
   return 0;
 }

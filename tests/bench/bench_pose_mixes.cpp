@@ -1,5 +1,5 @@
 // Which mix of poses serves unseen shots best, by a quick method: bench_pose_mixes RIG POSES [MIX...]
-// The yardstick is the rig's own shots of the split train, on which nothing is trained here; a rig without shots is
+// The target is the rig's own shots of the split train, on which nothing is trained here; a rig without shots is
 // measured on random poses and synthetic shots of another seed. Test clips are not looked at.
 #include <chrono>
 #include <cstdio>
@@ -20,21 +20,21 @@ int main(int argc, char** argv) try {
   RigEvaluator rig(*source, parallel);
   const RigSchema& schema = rig.schema();
   const bench::QuickMethod method(rig, 200);
-  std::vector<Clip> yardsticks;
+  std::vector<Clip> targets;
   for (const Clip& clip : rig.clips())
-    if (clip.split == Split::train && clip.kind == ClipKind::shot) yardsticks.push_back(clip);
-  if (yardsticks.empty()) yardsticks = make_test_poses(schema, 4711);
+    if (clip.split == Split::train && clip.kind == ClipKind::shot) targets.push_back(clip);
+  if (targets.empty()) targets = make_test_poses(schema, 4711);
   std::vector<std::vector<float>> truths;
-  std::vector<float> asked;
-  for (const Clip& clip : yardsticks) {
-    truths.push_back(method.ask(clip.controls));
-    asked.insert(asked.end(), clip.controls.begin(), clip.controls.end());
+  std::vector<float> target_controls;
+  for (const Clip& clip : targets) {
+    truths.push_back(method.residuals_of(clip.controls));
+    target_controls.insert(target_controls.end(), clip.controls.begin(), clip.controls.end());
     std::printf("%-20s %5zu frames  single curves: mse %.2e  mfm %.5f\n", clip.name.c_str(), clip.frames,
                 method.errors({}, truths.back()).mse, method.errors({}, truths.back()).mfm);
   }
   const std::uint64_t seeds = std::getenv("SEEDS") ? std::strtoull(std::getenv("SEEDS"), nullptr, 10) : 1;
   for (int m = 3; m < argc; ++m) {
-    std::vector<bench::QuickErrors> sums(yardsticks.size());
+    std::vector<bench::QuickErrors> sums(targets.size());
     double seconds = 0;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       SamplingOptions options;
@@ -48,7 +48,8 @@ int main(int argc, char** argv) try {
       if (seed == 1)
         std::printf(
             "\n%s: %s", argv[m],
-            coverage_text(measure_coverage(schema, control_groups(schema), controls, asked, parallel), schema).c_str());
+            coverage_text(measure_coverage(schema, control_groups(schema), controls, target_controls, parallel), schema)
+                .c_str());
       const auto start = std::chrono::steady_clock::now();
       TrainingPlan plan;
       plan.widths = {192, 192, 192};
@@ -56,18 +57,18 @@ int main(int argc, char** argv) try {
       plan.epochs = 80;
       plan.seed = seed;
       plan.parallel = parallel;
-      const auto layers = method.train(controls, method.ask(controls), plan);
+      const auto layers = method.train(controls, method.residuals_of(controls), plan);
       seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      for (std::size_t y = 0; y < yardsticks.size(); ++y) {
-        const auto errors = method.errors(method.predict(layers, yardsticks[y].controls), truths[y]);
+      for (std::size_t y = 0; y < targets.size(); ++y) {
+        const auto errors = method.errors(method.predict(layers, targets[y].controls), truths[y]);
         sums[y].mse += errors.mse / static_cast<double>(seeds);
         sums[y].mfm += errors.mfm / static_cast<double>(seeds);
         sums[y].max += errors.max / static_cast<double>(seeds);
       }
     }
-    for (std::size_t y = 0; y < yardsticks.size(); ++y)
-      std::printf("%-12s %-20s mse %.2e  max %.4f  mfm %.5f  (%.0f s)\n", argv[m], yardsticks[y].name.c_str(),
-                  sums[y].mse, sums[y].max, sums[y].mfm, seconds);
+    for (std::size_t y = 0; y < targets.size(); ++y)
+      std::printf("%-12s %-20s mse %.2e  max %.4f  mfm %.5f  (%.0f s)\n", argv[m], targets[y].name.c_str(), sums[y].mse,
+                  sums[y].max, sums[y].mfm, seconds);
   }
   return 0;
 } catch (const std::exception& error) {

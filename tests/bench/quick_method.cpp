@@ -45,7 +45,7 @@ QuickMethod::QuickMethod(RigEvaluator& rig, std::size_t vertices) : rig_(rig), w
 std::vector<float> QuickMethod::displacements(std::span<const float> controls) const {
   const std::size_t poses = controls.size() / width_, size = rig_.rest().points.size();
   const float scale = static_cast<float>(1 / rig_.rest().diagonal());
-  std::vector<float> points, thin;
+  std::vector<float> points, sampled;
   for (std::size_t first = 0; first < poses; first += block) {
     const std::size_t count = std::min(block, poses - first);
     points.resize(count * size);
@@ -53,12 +53,12 @@ std::vector<float> QuickMethod::displacements(std::span<const float> controls) c
     for (std::size_t pose = 0; pose < count; ++pose)
       for (const std::size_t v : vertices_)
         for (std::size_t i = 3 * v; i < 3 * v + 3; ++i)
-          thin.push_back((points[pose * size + i] - rig_.rest().points[i]) * scale);
+          sampled.push_back((points[pose * size + i] - rig_.rest().points[i]) * scale);
   }
-  return thin;
+  return sampled;
 }
 
-std::vector<float> QuickMethod::ask(std::span<const float> controls) const {
+std::vector<float> QuickMethod::residuals_of(std::span<const float> controls) const {
   std::vector<float> residuals = displacements(controls);
   parallel_for(rig_.parallel(), controls.size() / width_, [&](std::size_t pose, std::size_t) {
     float* residual = residuals.data() + pose * outputs();

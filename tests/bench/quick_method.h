@@ -1,5 +1,5 @@
-// A network small enough to compare sets of training poses with: it learns, at evenly spaced vertices, what a sum of
-// single-control curves leaves over.
+// A network small enough to compare sets of training poses with: it learns, at evenly spaced vertices, the residual of
+// a sum of single-control curves.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace fb::bench {
 using namespace fb::bake;
 
 struct QuickErrors {
-  double mse = 0, max = 0, mfm = 0;  // as core/bake/measure defines them, at the vertices looked at
+  double mse = 0, max = 0, mfm = 0;  // as core/bake/measure defines them, at the sampled vertices
 };
 
 class QuickMethod {
@@ -21,8 +21,8 @@ class QuickMethod {
   // Evaluates five values of each control.
   QuickMethod(RigEvaluator& rig, std::size_t vertices);
 
-  // What the curves leave over in these poses: poses x 3 x vertices looked at, over the diagonal.
-  std::vector<float> ask(std::span<const float> controls) const;
+  // Rig minus curves in these poses: poses x 3 x sampled vertices, over the diagonal.
+  std::vector<float> residuals_of(std::span<const float> controls) const;
   std::vector<DenseLayer> train(std::span<const float> controls, std::span<const float> residuals,
                                 const TrainingPlan& plan) const;
   std::vector<float> predict(const std::vector<DenseLayer>& layers, std::span<const float> controls) const;

@@ -326,8 +326,8 @@ TEST_CASE("sources that are none, rigs that fail, and a dataset without test cli
     CHECK(is_complaint(run.err, "bake", {source}));
     CHECK(folder.names() == std::vector<std::string>{"rig.so"});
   }
-  const ToolRun failing =
-      run_tool({"sample", FB_LYING_RIG, "--out", dataset, "--poses", "200"}, {.environment = "FB_LIE=fails on a pose"});
+  const ToolRun failing = run_tool({"sample", FB_FAULTY_RIG, "--out", dataset, "--poses", "200"},
+                                   {.environment = "FB_FAULT=fails on a pose"});
   CAPTURE(failing.err);
   CHECK(failing.exit_code == 1);
   CHECK(failing.err.find("facebaker sample: ") != std::string::npos);

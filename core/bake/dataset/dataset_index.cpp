@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr const char* format_name = "facebaker-dataset";
 constexpr int format_version = 1;
 
-// A value of the file together with the path to it, which every message begins with: "dataset.json: clips[2] fps".
+// A JSON value and the path to it, with which messages begin: "dataset.json: clips[2] fps".
 class Field {
  public:
   Field(const json& root, const fs::path& file) : value_(root), where_(file.string()), inside_(": ") {}
@@ -87,7 +87,7 @@ class Field {
 
   bool is_text() const { return value_.is_string(); }
 
-  // Calls read(word), adding this field's path to what it complains about.
+  // Calls read(text), adding this field's path to messages of errors.
   template <class Read>
   auto word(Read&& read) const {
     try {

@@ -12,7 +12,7 @@
 
 namespace fb::bake {
 
-// What dataset.json says. File names are relative to its folder.
+// The contents of dataset.json. File names are relative to its folder.
 struct DatasetIndex {
   struct Entry {
     std::string name;
@@ -24,7 +24,7 @@ struct DatasetIndex {
     std::vector<std::string> points;  // empty: a plan
   };
 
-  // Left by `sample`, so that it can go on where it stopped; ignored by whoever reads the dataset.
+  // Written by `sample`, so that it can be continued where it was interrupted; readers of the dataset ignore it.
   struct Sampling {
     std::uint64_t request = 0;       // hash of rig and options
     std::uint64_t plan = 0;          // hash of rig and controls
@@ -33,7 +33,7 @@ struct DatasetIndex {
 
   RigSchema schema;
   MeshArrays rest_arrays;
-  std::string rest_mesh;  // or a mesh file, in place of them
+  std::string rest_mesh;  // a mesh file in place of rest_arrays; empty: none
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
 };
@@ -45,8 +45,8 @@ inline constexpr const char* dataset_file = "dataset.json";
 DatasetIndex read_dataset_index(const std::filesystem::path& folder);
 void write_dataset_index(const std::filesystem::path& folder, const DatasetIndex& index);
 
-// The files a clip's array lies in: `names` as they are, or the numbered shards a single missing name stands for; fails
-// when there are both or one is missing between them.
+// The files of a clip's array: `names` as they are, or the numbered shards that a single missing name stands for. Fails
+// if both are there, or if a shard between others is missing.
 std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder,
                                                const std::vector<std::string>& names);
 // "x.points.npy", 7 -> "x.007.points.npy".

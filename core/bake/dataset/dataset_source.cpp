@@ -74,7 +74,7 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
   }
 }
 
-// Recorded values beyond a range are what the rig was posed with: they stay, and are told.
+// Recorded values outside their range are what the rig was posed with: they are kept and noted.
 void DatasetSource::note_range(const Clip& clip) {
   const std::size_t width = schema_.control_count();
   std::size_t outside = 0, worst = 0;

@@ -9,11 +9,11 @@
 
 namespace fb::bake {
 
-// One array in one or several files that follow each other along the first axis.
+// One array in one or several files, consecutive along the first axis.
 class ShardedArray {
  public:
   ShardedArray() = default;
-  // Opens and checks every file: `row` is the shape of one row, described to users by `need`.
+  // Opens and checks every file. `row`: shape of one row; `need`: the shape needed, for messages.
   ShardedArray(const std::vector<std::filesystem::path>& files, const std::vector<std::size_t>& row, const char* need);
 
   std::size_t rows() const { return ends_.empty() ? 0 : ends_.back(); }
@@ -28,8 +28,8 @@ class ShardedArray {
   std::vector<std::size_t> ends_;  // rows up to and with each shard
 };
 
-// A dataset folder as a source. Opening reads controls and rest mesh and the headers of all points; points themselves
-// are read from the disk as they are asked for, so any amount of them streams.
+// A dataset folder as a source. Opening reads controls, rest mesh and the headers of all points; points are read from
+// the disk when they are needed, so a dataset may be larger than memory.
 class DatasetSource final : public Source {
  public:
   // Fails by file, field, frame, control on anything missing, truncated, mis-shaped, doubled or not finite.

@@ -44,8 +44,8 @@ void MergedSource::add_clips(Source& source, const std::string& name) {
       if (same->split != clip.split)
         fail(Status::bad_data, "%s: clip \"%s\" is of split %s, but the same clip \"%s\" is of split %s elsewhere",
              name.c_str(), clip.name.c_str(), name_of(clip.split), same->name.c_str(), name_of(same->split));
-      Place& place = places_[static_cast<std::size_t>(same - clips_.begin())];
-      if (!place.source->readable(place.clip)) place = {&source, i};
+      Origin& origin = origins_[static_cast<std::size_t>(same - clips_.begin())];
+      if (!origin.source->readable(origin.clip)) origin = {&source, i};
       notes_.push_back(format("%s: clip \"%s\" is there already and left out", name.c_str(), clip.name.c_str()));
       continue;
     }
@@ -56,16 +56,16 @@ void MergedSource::add_clips(Source& source, const std::string& name) {
       clip.name = other;
     }
     clips_.push_back(std::move(clip));
-    places_.push_back({&source, i});
+    origins_.push_back({&source, i});
   }
 }
 
 void MergedSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  places_.at(clip).source->read(places_[clip].clip, first, count, points);
+  origins_.at(clip).source->read(origins_[clip].clip, first, count, points);
 }
 
 bool MergedSource::readable(std::size_t clip) const {
-  return places_.at(clip).source->readable(places_[clip].clip);
+  return origins_.at(clip).source->readable(origins_[clip].clip);
 }
 
 bool MergedSource::thread_safe() const {

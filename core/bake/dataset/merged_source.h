@@ -27,7 +27,7 @@ class MergedSource final : public Source {
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
 
  private:
-  struct Place {
+  struct Origin {
     Source* source;
     std::size_t clip;
   };
@@ -37,7 +37,7 @@ class MergedSource final : public Source {
   std::vector<std::unique_ptr<Source>> sources_;
   Source* live_ = nullptr;
   std::vector<Clip> clips_;
-  std::vector<Place> places_;  // of each clip
+  std::vector<Origin> origins_;  // of each clip
   std::vector<std::string> notes_;
 };
 

@@ -16,7 +16,7 @@
 namespace fb::bake {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are read and written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are read and written in the byte order of memory");
 
 constexpr std::string_view magic = "\x93NUMPY";
 constexpr std::size_t max_header = 1 << 16, max_dimensions = 8;
@@ -158,7 +158,7 @@ std::string tuple_text(const std::vector<std::size_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-// Version 1, padded so that the numbers begin on a multiple of 64.
+// A header of version 1, padded so that the data begins at a multiple of 64.
 std::string header_bytes(const char* type, const std::vector<std::size_t>& shape) {
   std::string text = format("{'descr': '%s', 'fortran_order': False, 'shape': %s, }", type, tuple_text(shape).c_str());
   const std::size_t before = magic.size() + 4;

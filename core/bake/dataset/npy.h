@@ -13,8 +13,8 @@
 
 namespace fb::bake {
 
-// An array whose rows are read as they are needed. Opening reads the header only, and checks that the file is as long
-// as the header says. Reading is safe from several threads: nothing is kept open between calls.
+// An array whose rows are read when they are needed. Opening reads the header only, and checks that the file has the
+// size it declares. Reading is safe from several threads: nothing is kept open between calls.
 class NpyFile {
  public:
   // Fails naming the file: missing, no array, another version, type, byte order or layout, truncated.
@@ -39,7 +39,7 @@ class NpyFile {
   std::filesystem::path path_;
   std::vector<std::size_t> shape_;
   std::size_t row_size_ = 0;
-  std::size_t data_ = 0;   // where the numbers begin
+  std::size_t data_ = 0;   // byte offset of the numbers
   char kind_ = 'f';        // 'f' or 'i'
   std::size_t width_ = 4;  // bytes a number
 };

@@ -1,9 +1,13 @@
 #include "bake/dataset/rest_mesh.h"
 
+#include <tiny_gltf.h>
+
 #include <algorithm>
 
 #include "bake/dataset/npy.h"
+#include "bake/rig/gltf_file.h"
 #include "base/checked.h"
+#include "base/file.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -31,7 +35,7 @@ struct Faces {
   std::vector<std::uint32_t> sizes, corners;
 };
 
-// Rows of corners, filled up with -1; `what` they name.
+// Rows of corners, padded with -1; `what`: vertices or texture coordinates, for messages.
 Faces read_faces(const std::filesystem::path& path, const char* what) {
   const NpyFile file(path);
   if (file.shape().size() != 2 || file.shape()[1] < 3)
@@ -78,6 +82,17 @@ Mesh read_mesh(const std::filesystem::path& path) {
   const Mesh mesh = extension == ".obj" ? read_obj(path) : read_glb(path);
   check_as(mesh, path);
   return mesh;
+}
+
+Mesh read_glb(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
+  return with_context(path.string(), [&] {
+    const GltfFile file(bytes);
+    const auto& meshes = file.model().meshes;
+    if (meshes.size() != 1)
+      fail(Status::bad_data, "holds %zu meshes; a rest mesh is the only one in its file", meshes.size());
+    return file.triangles(meshes[0]);
+  });
 }
 
 Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files) {

@@ -19,7 +19,7 @@ constexpr tinygltf::FsCallbacks this_file_only = {
     },
     nullptr, nullptr};
 
-// Extensions about looks leave geometry as it is.
+// Refuses required extensions except those of materials and textures, which do not change geometry.
 void check_extensions(const tinygltf::Model& model) {
   for (const std::string& name : model.extensionsRequired)
     if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") && !name.starts_with("EXT_texture_"))
@@ -31,7 +31,7 @@ void check_extensions(const tinygltf::Model& model) {
 GltfFile::GltfFile(std::span<const std::byte> bytes) : model_(std::make_unique<tinygltf::Model>()) {
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks(this_file_only);
-  // Textures are of no interest.
+  // Textures are not decoded.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
                            void*) { return true; },
                         nullptr);
@@ -78,7 +78,7 @@ std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<
   const tinygltf::Accessor& from = accessor(index, what);
   static constexpr int types[] = {TINYGLTF_TYPE_SCALAR, TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3};
   static constexpr const char* each[] = {"floats", "two floats each", "three floats each"};
-  // Texture coordinates may be told as fractions of the largest integer.
+  // Texture coordinates may be normalised integers.
   const std::size_t component_bytes = from.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT            ? sizeof(float)
                                       : width != 2 || !from.normalized || from.sparse.isSparse       ? 0
                                       : from.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2

@@ -17,19 +17,19 @@ struct Primitive;
 
 namespace fb::bake {
 
-// A glTF 2.0 file in memory, binary or text. The loader hands out what the file claims; what is read through this class
-// is checked against the bytes there are. Messages do not name the file: see naming().
+// A glTF 2.0 file in memory, binary or text. The loader does not check what the file declares; everything read through
+// this class is checked against the size of its buffers. Messages do not name the file: see with_context.
 class GltfFile {
  public:
-  // Fails on what is truncated or no glTF, on data kept in other files (pictures, which nobody needs here, excepted),
-  // and on required extensions that store geometry in another way, such as Draco's.
+  // Fails on what is truncated or no glTF, on data in other files (textures excepted, which are not read), and on
+  // required extensions that store geometry in another way, such as Draco's.
   explicit GltfFile(std::span<const std::byte> bytes);
   ~GltfFile();
 
   const tinygltf::Model& model() const { return *model_; }
-  // An accessor of `width` floats (1 to 3; of 2, also integers that stand for fractions) an element. With `count`, it
-  // must have that many elements, and those that are stored nowhere are zeros; without, all must be stored. `what`
-  // names it in messages: "positions".
+  // An accessor of `width` floats an element (1 to 3; of 2, also normalised integers). With `count`, it must have that
+  // many elements, and those without a buffer are zeros; without `count`, all must be stored. `what` names it in
+  // messages: "positions".
   std::vector<float> floats(int accessor, std::size_t width, std::optional<std::size_t> count, const char* what) const;
   // The primitives of a mesh one after the other; indexed triangles only. No transform is applied. Texture coordinates
   // are the first, if every primitive has them.

@@ -1,5 +1,3 @@
-#include "bake/rig/gltf_rig.h"
-
 #include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
@@ -17,13 +15,13 @@
 namespace fb::bake {
 namespace {
 
-// What one unit of a weight adds to the vertices it moves.
+// Offsets of the vertices that one unit of a weight moves.
 struct MorphTarget {
   std::vector<std::uint32_t> vertices;
-  std::vector<float> moves;  // xyz of each
+  std::vector<float> offsets;  // xyz of each
 };
 
-// The rig as the C interface describes it, and what that points to.
+// The rig as a C struct, and what it points to.
 struct GltfRig {
   fb_rig rig{};
   std::string name;
@@ -41,8 +39,8 @@ struct GltfRig {
     for (std::size_t t = 0; t < targets.size(); ++t) {
       if (weights[t] == 0) continue;
       const MorphTarget& target = targets[t];
-      for (std::size_t i = 0; i < target.moves.size(); ++i)
-        points[std::size_t{3} * target.vertices[i / 3] + i % 3] += weights[t] * target.moves[i];
+      for (std::size_t i = 0; i < target.offsets.size(); ++i)
+        points[std::size_t{3} * target.vertices[i / 3] + i % 3] += weights[t] * target.offsets[i];
     }
   }
 };
@@ -125,7 +123,7 @@ class GltfRigReader {
     return map;
   }
 
-  // From the mesh to the scene: its node's map, then those of the nodes above.
+  // From the mesh to the scene: the transform of its node, then those of the nodes above.
   Eigen::Affine3d world_map() const {
     std::vector<int> parents(model_.nodes.size(), -1);
     for (std::size_t n = 0; n < parents.size(); ++n)
@@ -157,22 +155,22 @@ class GltfRigReader {
             model_.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
         const auto& attributes = primitive.targets[t];
         if (const auto found = attributes.find("POSITION"); found != attributes.end())
-          add_moves(rig_->targets[t],
-                    file_.floats(found->second, 3, vertices, format("moves of target %zu", t).c_str()), first,
-                    map.linear(), t);
+          add_offsets(rig_->targets[t],
+                      file_.floats(found->second, 3, vertices, format("moves of target %zu", t).c_str()), first,
+                      map.linear(), t);
         first += vertices;
       }
     }
   }
 
-  static void add_moves(MorphTarget& target, const std::vector<float>& moves, std::size_t first,
-                        const Eigen::Matrix3d& map, std::size_t t) {
-    for (std::size_t i = 0; i < moves.size(); i += 3) {
-      const Eigen::Vector3f move = (map * Eigen::Vector3f(&moves[i]).cast<double>()).cast<float>();
-      if (!move.allFinite()) fail(Status::not_finite, "target %zu: vertex %zu is not finite", t, first + i / 3);
-      if (move.isZero(0)) continue;
+  static void add_offsets(MorphTarget& target, const std::vector<float>& offsets, std::size_t first,
+                          const Eigen::Matrix3d& map, std::size_t t) {
+    for (std::size_t i = 0; i < offsets.size(); i += 3) {
+      const Eigen::Vector3f offset = (map * Eigen::Vector3f(&offsets[i]).cast<double>()).cast<float>();
+      if (!offset.allFinite()) fail(Status::not_finite, "target %zu: vertex %zu is not finite", t, first + i / 3);
+      if (offset.isZero(0)) continue;
       target.vertices.push_back(checked_u32(first + i / 3, "vertices"));
-      target.moves.insert(target.moves.end(), move.begin(), move.end());
+      target.offsets.insert(target.offsets.end(), offset.begin(), offset.end());
     }
   }
 

@@ -12,8 +12,8 @@
 
 namespace fb::bake {
 
-// Some numbers of each pose, one a coordinate of the mesh, too many to hold together: what is decomposed into
-// components. The source of the poses must outlive it.
+// A matrix with a row of 3 x vertices numbers for each pose, too large for memory, such as displacements: what is
+// decomposed into components. The source of the poses must outlive it.
 class PoseRows {
  public:
   explicit PoseRows(PoseSet poses) : poses_(std::move(poses)) {}
@@ -31,8 +31,7 @@ class PoseRows {
   PoseSet poses_;
 };
 
-// Calls visit(first pose, number of poses, their rows) for blocks of at most `block` poses, and tells how many are
-// done.
+// Calls visit(first pose, number of poses, their rows) for blocks of at most `block` poses, and steps the progress.
 void for_blocks(const PoseRows& poses, std::size_t block, const Parallel& parallel, Progress& progress,
                 const std::function<void(std::size_t, std::size_t, const float*)>& visit);
 

@@ -10,10 +10,10 @@
 
 namespace fb::bake {
 
-// Frames picked from a source's clips, seen as one row of poses: what is trained on, or measured.
+// Frames picked from the clips of a source, numbered as poses 0 to size() - 1: what is trained on, or measured.
 class PoseSet {
  public:
-  // All frames of the clips that `wanted` accepts. The source must outlive the set.
+  // All frames of the clips for which `wanted` is true. The source must outlive the set.
   PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted);
 
   // `count` of the poses, evenly spaced; all if there are no more.
@@ -30,7 +30,7 @@ class PoseSet {
   Source& source() const { return *source_; }
   std::size_t size() const { return size_; }
   std::vector<float> controls() const;  // size x controls
-  // Those of poses [first, first + count) only: count x controls floats.
+  // Controls of poses [first, first + count) only: count x controls floats.
   void read_controls(std::size_t first, std::size_t count, std::span<float> controls) const;
   // Points of poses [first, first + count): count x 3 x vertices floats; and their displacements from the rest mesh.
   void read_points(std::size_t first, std::size_t count, std::span<float> points) const;

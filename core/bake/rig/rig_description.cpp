@@ -18,24 +18,25 @@ struct Reader {
   std::string who = "rig";  // as messages name the rig; with its name once that has been read
 
   const char* text(const char* value, const char* field) const {
-    if (!value) fail(Status::rig, "%s: %s is null", who.c_str(), field);
-    if (!*value) fail(Status::rig, "%s: %s is empty", who.c_str(), field);
+    if (!value) fail(Status::rig, "%s: %s is null", label.c_str(), field);
+    if (!*value) fail(Status::rig, "%s: %s is empty", label.c_str(), field);
     return value;
   }
 
   template <class T>
   const T* array(const T* pointer, std::uint32_t count, const char* field, const char* count_field) const {
-    if (count == 0) fail(Status::rig, "%s: %s is zero", who.c_str(), count_field);
-    if (!pointer) fail(Status::rig, "%s: %s is null", who.c_str(), field);
+    if (count == 0) fail(Status::rig, "%s: %s is zero", label.c_str(), count_field);
+    if (!pointer) fail(Status::rig, "%s: %s is null", label.c_str(), field);
     return pointer;
   }
 
   template <class T>
   void check_stride(std::uint32_t stride, const char* field, const char* type) const {
     if (stride < sizeof(T))
-      fail(Status::rig, "%s: %s is %u, less than the %zu bytes of an %s", who.c_str(), field, stride, sizeof(T), type);
+      fail(Status::rig, "%s: %s is %u, less than the %zu bytes of an %s", label.c_str(), field, stride, sizeof(T),
+           type);
     if (stride % alignof(T) != 0)
-      fail(Status::rig, "%s: %s is %u, not a multiple of %zu bytes", who.c_str(), field, stride, alignof(T));
+      fail(Status::rig, "%s: %s is %u, not a multiple of %zu bytes", label.c_str(), field, stride, alignof(T));
   }
 
   RigSchema schema(const fb_rig& rig) const {
@@ -44,7 +45,7 @@ struct Reader {
     schema.units = text(rig.units, "units");
     schema.up_axis = text(rig.up_axis, "up_axis");
     if (schema.up_axis != "y" && schema.up_axis != "z")
-      fail(Status::rig, "%s: up_axis is \"%s\", not \"y\" or \"z\"", who.c_str(), rig.up_axis);
+      fail(Status::rig, "%s: up_axis is \"%s\", not \"y\" or \"z\"", label.c_str(), rig.up_axis);
     const fb_rig_control* controls = array(rig.controls, rig.control_count, "controls", "control_count");
     check_stride<fb_rig_control>(rig.control_stride, "control_stride", "fb_rig_control");
     for (std::uint32_t i = 0; i < rig.control_count; ++i) {
@@ -64,7 +65,7 @@ struct Reader {
     std::size_t corner_count = 0;
     for (std::uint32_t p = 0; p < rig.polygon_count; ++p) {
       if (sizes[p] < 3 || sizes[p] > rig.vertex_count)
-        fail(Status::rig, "%s: polygon %u has %u corners in a mesh of %u vertices", who.c_str(), p, sizes[p],
+        fail(Status::rig, "%s: polygon %u has %u corners in a mesh of %u vertices", label.c_str(), p, sizes[p],
              rig.vertex_count);
       corner_count += sizes[p];
     }
@@ -86,13 +87,13 @@ struct Reader {
     clip.name = text(from.name, format("the name of clip %u", index).c_str());
     const char* name = from.name;
     if (from.kind < FB_CLIP_SHOT || from.kind > FB_CLIP_DENSE)
-      fail(Status::rig, "%s: clip \"%s\" is of unknown kind %d", who.c_str(), name, from.kind);
+      fail(Status::rig, "%s: clip \"%s\" is of unknown kind %d", label.c_str(), name, from.kind);
     if (from.split < FB_SPLIT_TRAIN || from.split > FB_SPLIT_TEST)
-      fail(Status::rig, "%s: clip \"%s\" belongs to unknown split %d", who.c_str(), name, from.split);
+      fail(Status::rig, "%s: clip \"%s\" belongs to unknown split %d", label.c_str(), name, from.split);
     if (!std::isfinite(from.fps) || from.fps <= 0)
-      fail(Status::rig, "%s: clip \"%s\" has %g frames a second", who.c_str(), name, from.fps);
-    if (from.frames == 0) fail(Status::rig, "%s: clip \"%s\" has no frames", who.c_str(), name);
-    if (!from.controls) fail(Status::rig, "%s: the controls of clip \"%s\" are null", who.c_str(), name);
+      fail(Status::rig, "%s: clip \"%s\" has %g frames a second", label.c_str(), name, from.fps);
+    if (from.frames == 0) fail(Status::rig, "%s: clip \"%s\" has no frames", label.c_str(), name);
+    if (!from.controls) fail(Status::rig, "%s: the controls of clip \"%s\" are null", label.c_str(), name);
     clip.kind = static_cast<ClipKind>(from.kind);
     clip.split = static_cast<Split>(from.split);
     clip.fps = from.fps;
@@ -103,7 +104,7 @@ struct Reader {
       const float value = clip.controls[i];
       if (!(value >= control.minimum && value <= control.maximum))
         fail(std::isfinite(value) ? Status::rig : Status::not_finite,
-             "%s: clip \"%s\", frame %zu: control \"%s\" is %g, outside its range %g..%g", who.c_str(), name,
+             "%s: clip \"%s\", frame %zu: control \"%s\" is %g, outside its range %g..%g", label.c_str(), name,
              i / schema.control_count(), control.name.c_str(), value, control.minimum, control.maximum);
     }
     return clip;
@@ -119,18 +120,18 @@ RigDescription describe(const fb_rig& rig) {
          rig.abi, unsigned{FB_RIG_ABI});
   if (rig.struct_size < smallest_rig)
     fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, smallest_rig);
-  reader.who = format("rig \"%s\"", reader.text(rig.name, "name"));
-  if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.who.c_str());
+  reader.label = format("rig \"%s\"", reader.text(rig.name, "name"));
+  if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
   RigDescription description;
   try {
     description.schema = reader.schema(rig);
     description.rest = reader.mesh(rig);
   } catch (const Error& error) {
     if (error.status() == Status::rig) throw;
-    fail(Status::rig, "%s: %s", reader.who.c_str(), error.what());
+    fail(Status::rig, "%s: %s", reader.label.c_str(), error.what());
   }
   if (rig.clip_count > 0) {
-    if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.who.c_str());
+    if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.label.c_str());
     reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");
   }
   std::unordered_set<std::string> names;
@@ -138,7 +139,7 @@ RigDescription describe(const fb_rig& rig) {
     description.clips.push_back(reader.clip(element(rig.clips, rig.clip_stride, i), i, description.schema));
     const std::string& name = description.clips.back().name;
     if (!names.insert(name).second)
-      fail(Status::rig, "%s: clip name \"%s\" occurs twice", reader.who.c_str(), name.c_str());
+      fail(Status::rig, "%s: clip name \"%s\" occurs twice", reader.label.c_str(), name.c_str());
   }
   return description;
 }

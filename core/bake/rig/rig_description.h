@@ -10,10 +10,10 @@
 
 namespace fb::bake {
 
-// Of an fb_rig as it was before texture coordinates were added: what every plugin has.
+// Size of an fb_rig before texture coordinates were added to it: what every plugin fills.
 inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
 
-// What a rig says about itself, copied out of the C structs.
+// The declaration of a rig, copied out of the C structs.
 struct RigDescription {
   RigSchema schema;
   Mesh rest;

@@ -10,8 +10,7 @@
 namespace fb::bake {
 namespace {
 
-// A loaded library and the rig it opened. A plugin compiled against a newer header may fill a longer struct: there is
-// room for it.
+// A loaded library and the rig it opened, with room for the longer struct of a plugin compiled against a newer header.
 struct Plugin {
   void* library = nullptr;
   bool opened = false;
@@ -24,7 +23,7 @@ struct Plugin {
   Plugin(const Plugin&) = delete;
   Plugin& operator=(const Plugin&) = delete;
   ~Plugin() {
-    // An older layout has no destroy we could trust.
+    // Where `destroy` lies in another layout is unknown.
     if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= smallest_rig && rig.destroy) rig.destroy(rig.user);
     if (library) dlclose(library);
   }
@@ -35,7 +34,7 @@ struct Plugin {
 std::unique_ptr<Source> open_rig_plugin(const std::string& path) {
   const std::string file = std::filesystem::absolute(path).string();
   auto plugin = std::make_shared<Plugin>();
-  // NODELETE: threads the plugin started (OpenMP's, for one) may still stand in its code when it is closed.
+  // NODELETE: threads the plugin started, such as OpenMP's, may still run its code when it is closed.
   plugin->library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!plugin->library) fail(Status::rig, "%s: cannot be loaded as a rig plugin: %s", path.c_str(), dlerror());
   const auto open = reinterpret_cast<fb_rig_open_function>(dlsym(plugin->library, FB_RIG_OPEN_SYMBOL));

@@ -7,13 +7,12 @@
 namespace fb::bake {
 namespace {
 
-// Poses handed to the rig in one call: enough to hide the call, few enough to look for the one that failed.
-constexpr std::size_t block_poses = 32;
+// Poses of one call: enough to hide its cost, few enough to evaluate one by one where one of them fails.
+constexpr std::size_t poses_per_call = 32;
 
-// The rig's own sentence about a failure, empty on success.
 struct Outcome {
   fb_status status;
-  std::string sentence;
+  std::string message;  // of the rig; empty on success
 };
 
 Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float* points) {
@@ -33,7 +32,7 @@ RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::
 }
 
 void RigSource::check_rest_pose() {
-  // Twice, as one block: a rig that fills only the first pose of a block shows itself here.
+  // Two poses in one call: a rig that fills only the first pose of a call is found here.
   const std::vector<float> one = schema().rest_pose();
   std::vector<float> controls = one;
   controls.insert(controls.end(), one.begin(), one.end());
@@ -83,8 +82,8 @@ void RigSource::evaluate(std::span<const float> controls, std::size_t count, std
   if (controls.size() != count * width || points.size() != count * size)
     fail(Status::invalid_argument, "rig \"%s\": %zu poses need %zu control values and %zu coordinates, not %zu and %zu",
          schema().name.c_str(), count, count * width, count * size, controls.size(), points.size());
-  for (std::size_t first = 0; first < count; first += block_poses)
-    evaluate_block(controls.data() + first * width, first, std::min(block_poses, count - first),
+  for (std::size_t first = 0; first < count; first += poses_per_call)
+    evaluate_block(controls.data() + first * width, first, std::min(poses_per_call, count - first),
                    points.data() + first * size);
 }
 
@@ -99,13 +98,13 @@ void RigSource::evaluate_block(const float* controls, std::size_t first, std::si
   }
   const char* who = schema().name.c_str();
   if (const Outcome whole = call(rig_, controls, count, points); whole.status != FB_OK) {
-    // The block failed: one pose at a time tells which.
+    // Find the pose that failed, one by one.
     for (std::size_t i = 0; i < count; ++i)
       if (const Outcome single = call(rig_, controls + i * width, 1, points + i * size); single.status != FB_OK)
-        throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", who, single.sentence.c_str()));
+        throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", who, single.message.c_str()));
     throw PoseError(Status::rig, first,
                     format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", who,
-                           whole.sentence.c_str(), count));
+                           whole.message.c_str(), count));
   }
   for (std::size_t i = 0; i < count * size; ++i)
     if (!std::isfinite(points[i]))

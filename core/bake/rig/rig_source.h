@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source.h"
@@ -11,8 +13,8 @@ namespace fb::bake {
 class RigSource final : public Source {
  public:
   // Checks the rig, copies what it declares, and evaluates its rest pose, which must be its rest mesh to 1e-5 of the
-  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it. `notes` is
-  // what the rig's reader has to tell.
+  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it. `notes`:
+  // of whoever read the rig.
   explicit RigSource(const fb_rig& rig, std::shared_ptr<const void> owner = nullptr,
                      std::vector<std::string> notes = {});
 
@@ -37,5 +39,13 @@ class RigSource final : public Source {
 
 // Opens a plugin: a shared library exporting fb_rig_open. Fails naming the path.
 std::unique_ptr<Source> open_rig_plugin(const std::string& path);
+
+// Opens a .glb or .gltf as a live, thread-safe rig in metres, y up: the one mesh with morph targets in it.
+// Vertices: those of its primitives in order, transformed by its node and the nodes above it at rest.
+// Controls: its morph targets in order, named by mesh.extras.targetNames, else "target0"...; from 0 to 1, resting at
+// the default weights; widened, with a note, where a weight of the file lies beyond. Clips: every animation of its
+// weights, LINEAR or STEP, as a training shot at 30 frames a second. Fails by name on no such mesh or several, a skin,
+// and what GltfFile refuses. What is left out is in the notes.
+std::unique_ptr<Source> open_gltf_rig(const std::string& path);
 
 }  // namespace fb::bake

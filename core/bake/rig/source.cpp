@@ -37,7 +37,7 @@ Split split_from(std::string_view name) {
 }
 
 void Source::evaluate(std::span<const float>, std::size_t, std::span<float>) {
-  fail(Status::invalid_argument, "\"%s\" is a recording: it cannot be asked for new poses", schema().name.c_str());
+  fail(Status::invalid_argument, "\"%s\" is a recording: new poses cannot be evaluated", schema().name.c_str());
 }
 
 }  // namespace fb::bake

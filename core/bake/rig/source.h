@@ -1,4 +1,4 @@
-// Where poses come from. A live rig and a folder of recorded poses look the same to everything that learns or measures.
+// A source of poses: a live rig, which evaluates any pose, or recorded clips. Training and measuring treat both alike.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ const char* name_of(Split split);                // "train", ...
 ClipKind clip_kind_from(std::string_view name);  // fails with bad_data, listing the words there are
 Split split_from(std::string_view name);
 
-// Controls over a row of frames.
+// Controls over consecutive frames.
 struct Clip {
   std::string name;
   ClipKind kind = ClipKind::shot;
@@ -34,7 +34,7 @@ struct Clip {
   std::vector<float> controls;  // frames x controls
 };
 
-// Thrown by Source::evaluate for the first pose that cannot be evaluated: its number within the call, and why.
+// Thrown by evaluate for the first pose that cannot be evaluated: its number within the call, and the reason.
 class PoseError : public Error {
  public:
   PoseError(Status status, std::size_t pose, std::string reason)
@@ -57,16 +57,16 @@ class Source {
   // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's
   // units. Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on NaN or infinity.
   virtual void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) = 0;
-  // False for a clip of a dataset that has controls only: a plan, whose frames cannot be read.
+  // False for a clip of a dataset that has controls only (a plan): its points cannot be read.
   virtual bool readable(std::size_t) const { return true; }
-  // Sentences worth telling a user about what was found while opening: values outside their range, clips left out.
+  // Notes for the user on what was found while opening: values outside their range, clips left out.
   virtual std::vector<std::string> notes() const { return {}; }
 
-  // True if new poses can be asked for.
+  // True if evaluate works: new poses can be evaluated.
   virtual bool live() const { return false; }
   // True if evaluate and read may be called from several threads at once.
   virtual bool thread_safe() const { return false; }
-  // Points of new poses (count x controls -> count x 3 x vertices), serially; see evaluate_parallel. Fails with
+  // Points of new poses (count x controls -> count x 3 x vertices), on the calling thread; see RigEvaluator. Fails with
   // invalid_argument unless live or on a control outside its range, and with PoseError when a pose cannot be evaluated.
   virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
 };

@@ -72,7 +72,7 @@ double worst_error(MemorySource& source, const SparseBlendshapes& base, std::siz
 
 }  // namespace
 
-TEST_CASE("recordings of single controls are held exactly, and pairs are found among the rest") {
+TEST_CASE("recordings of single controls are fitted exactly, and pairs are found in the others") {
   MemorySource source = make_recording(controls, 400);
   const RigAnalysis analysis = analyse_poses(training(source), {}, {}, silent_progress());
   CHECK(analysis.rig_calls == 0);
@@ -86,7 +86,7 @@ TEST_CASE("recordings of single controls are held exactly, and pairs are found a
       CHECK((analysis.motion[c * vertices + v] > 1e-4f) == (v / side == c || (c == 1 && v / side == 0)));
 }
 
-TEST_CASE("controls never recorded alone are estimated, and that is told") {
+TEST_CASE("controls never recorded alone are estimated, with a note") {
   MemorySource source = make_recording(2, 500);
   Notes notes;
   const RigAnalysis analysis = analyse_poses(training(source), {}, {}, notes);
@@ -114,7 +114,7 @@ TEST_CASE("a side of a control that was not recorded alone is fitted beside the 
   CHECK(worst_error(source, analysis.base, 2) < 1e-3);
 }
 
-TEST_CASE("what a base leaves over is attributed to the controls that cause it") {
+TEST_CASE("residual motion is attributed to the controls that cause it") {
   MemorySource source = make_recording(controls, 400);
   AnalysisOptions options;
   options.max_pairs = 0;
@@ -125,7 +125,7 @@ TEST_CASE("what a base leaves over is attributed to the controls that cause it")
       CHECK((analysis.residual_motion[c * vertices + v] > 1e-3f) == (c < 2 && v / side == 0));
 }
 
-TEST_CASE("few poses do not lead astray, and threads do not matter") {
+TEST_CASE("few poses do no harm, and threads do not matter") {
   MemorySource source = make_recording(0, 12);
   source.edit_clip(1).controls[5] = 0;
   Notes notes;

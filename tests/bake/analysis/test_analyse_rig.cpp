@@ -123,7 +123,7 @@ TEST_CASE("curves have a shape for every corner, and straight controls have one"
     }
 }
 
-TEST_CASE("products, minima and triples are found, and hold poses nobody asked for") {
+TEST_CASE("products, minima and triples are found, and reproduce unseen poses") {
   const RigAnalysis analysis = analyse_formula({});
   std::set<std::vector<std::uint32_t>> found;
   for (std::size_t i = 0; i < analysis.correctives.size(); ++i) {
@@ -143,7 +143,7 @@ TEST_CASE("products, minima and triples are found, and hold poses nobody asked f
   }
 }
 
-TEST_CASE("motion says which vertices a control moves, and what the base leaves over") {
+TEST_CASE("motion shows the vertices a control moves, residual motion those where the base is not exact") {
   const RigAnalysis all = analyse_formula({}), curves = analyse_formula({.max_pairs = 0, .max_triples = 0});
   const auto moves = [](const std::vector<float>& motion, std::size_t control) {
     std::set<std::size_t> rows;
@@ -231,7 +231,7 @@ TEST_CASE("an analysis of a slow rig that was interrupted evaluates no pose twic
   CHECK(analyse_again().empty());
 }
 
-TEST_CASE("a budget is kept to, and what it cut is told") {
+TEST_CASE("a budget is kept, and what it leaves out is noted") {
   const std::uint64_t plenty = analyse_formula({}).rig_calls;
   for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {
     MemorySource rig = make_rig();
@@ -248,7 +248,7 @@ TEST_CASE("a budget is kept to, and what it cut is told") {
   }
 }
 
-TEST_CASE("what four controls do together is found by way of three") {
+TEST_CASE("a corrective of four controls is found by way of three") {
   const auto four = [](const float* c, std::span<float> p) {
     for (std::size_t v = 0; v < vertices; ++v) {
       p[3 * v] += c[0] + c[1] * c[2];

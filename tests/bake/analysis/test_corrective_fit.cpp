@@ -37,7 +37,7 @@ TEST_CASE("minima are only of what never goes below 0") {
   CHECK(features[composed[2]].first == 1);
 }
 
-TEST_CASE("terms are those that hold the residual, and no more") {
+TEST_CASE("the features that explain the residual are selected, and no more") {
   std::vector<Feature> features = {{Kind::ramp, 0}, {Kind::ramp, 1}};
   const std::vector<std::uint32_t> a = {0}, b = {1};
   const std::vector<std::uint32_t> candidates = compose(features, a, b);
@@ -61,7 +61,7 @@ TEST_CASE("terms are those that hold the residual, and no more") {
   CHECK(moved[1] == doctest::Approx(0.25 * 0.3));
 }
 
-TEST_CASE("a feature the points hardly see is not trusted with what they show") {
+TEST_CASE("a feature that is small in all poses is not selected") {
   // The tent stands between the points and is nearly 0 at all of them; anything it took up there it would make large.
   const std::vector<Feature> features = {
       {Kind::hat, 0, 4, 2.0001f, 1}, {Kind::ramp, 1}, {Kind::product, 0, 1, 0, 0, 0, 1}};

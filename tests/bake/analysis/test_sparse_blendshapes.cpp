@@ -22,7 +22,7 @@ std::vector<float> values_of(const std::vector<Feature>& features, const std::ve
 
 }  // namespace
 
-TEST_CASE("features are what the format says") {
+TEST_CASE("features have the values that the format defines") {
   const std::vector<Feature> features = {
       {Kind::identity, 0, 2},           {Kind::ramp, 0, 1, 0.25f}, {Kind::ramp, 1, -1},
       {Kind::hat, 0, 4, 1, 0.5f},       {Kind::hat, 0, 2, 1, 0},   {Kind::product, 0, 1, 0, 0, 1, 4},
@@ -35,7 +35,7 @@ TEST_CASE("features are what the format says") {
   CHECK(values_of(features, {3, 1}) == std::vector<float>{4, 1.75f, 0, 0, 1, 1.75f, 0});
 }
 
-TEST_CASE("a base adds its shapes to every pose, and takes them off again") {
+TEST_CASE("shapes are added to every pose, and subtracted again") {
   SparseBlendshapes base;
   base.features = {{Kind::identity, 0}, {Kind::identity, 1}, {Kind::product, 0, 1, 0, 0, 0, 1}};
   base.shapes = {{1, {0, 1, 3}, {1, 2, 3, 4, 5, 6, 7, 8, 9}}, {2, {2}, {1, 1, 1}}};

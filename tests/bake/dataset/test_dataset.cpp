@@ -93,7 +93,7 @@ TEST_CASE("a dataset written by hand is read") {
   failure(Status::invalid_argument, [&] { source->evaluate(source->schema().rest_pose(), 1, points); });
 }
 
-TEST_CASE("points may lie in shards, named or numbered") {
+TEST_CASE("points may be in shards, named or numbered") {
   ToyDataset toy;
   const std::vector<float> all = counting(frames * 12, 0.5f);
   std::filesystem::remove(toy.folder / "talk.points.npy");
@@ -115,7 +115,7 @@ TEST_CASE("points may lie in shards, named or numbered") {
   CHECK(contains(failure(Status::not_found, [&] { toy.open(); }), "talk.001.points.npy: no such file"));
 }
 
-TEST_CASE("shards that leave open what is meant are refused") {
+TEST_CASE("ambiguous shards are refused") {
   const ToyDataset toy;
   const std::vector<float> two = counting(2 * 12, 0.5f);
   write_npy(toy.folder / "talk.000.points.npy", {2, vertices, 3}, two);
@@ -372,7 +372,7 @@ TEST_CASE("a point that is not finite is named by file, frame and vertex when it
                  "walk.points.npy: clip \"walk\", frame 4: vertex 2 is not finite"));
 }
 
-TEST_CASE("recorded values outside their range are kept and told") {
+TEST_CASE("recorded values outside their range are kept and noted") {
   const ToyDataset toy;
   std::vector<float> values(frames * controls);
   values[5] = -0.75f;

@@ -182,7 +182,7 @@ TEST_CASE("animations of the weights become clips of 30 frames a second") {
   CHECK(points == points_at(*rig, {.5f, 1.5f}));
 }
 
-TEST_CASE("what a file says beyond the ordinary is taken and noted") {
+TEST_CASE("unusual ranges and defaults are read and noted") {
   const auto notes = [](const Source& rig) {
     std::string all;
     for (const std::string& note : rig.notes()) all += note + "\n";
@@ -268,7 +268,7 @@ TEST_CASE("what cannot be a rig is refused by name") {
   CHECK(contains(failure(Status::bad_data, [&] { still.open(); }), "no mesh with morph targets"));
 }
 
-TEST_CASE("numbers that are none, and times that stand still, are refused by place") {
+TEST_CASE("numbers that are not finite, and times that do not increase, are refused by name") {
   const struct {
     std::size_t offset;
     float value;
@@ -297,7 +297,7 @@ TEST_CASE("every prefix of a file is refused") {
     CHECK(contains(failure(Status::bad_data, [&] { toy.open_bytes(whole.substr(0, size)); }), "toy.glb: "));
 }
 
-TEST_CASE("the linear recipe gives such a rig back to the quantisation floor") {
+TEST_CASE("the linear recipe reproduces such a rig to the quantisation error") {
   const ToyGltf toy;
   const auto rig = toy.open();
   BakeOptions options;

@@ -93,7 +93,7 @@ TEST_CASE("points come in the order of the poses, whatever threads, pieces and c
   }
 }
 
-TEST_CASE("a backend is given whole blocks, and nothing else of the rig") {
+TEST_CASE("a backend evaluates whole blocks, and the source nothing") {
   struct Backend final : EvaluationBackend {
     void evaluate_block(std::span<const float> poses, std::size_t count, std::span<float> points) override {
       blocks.push_back(count);

@@ -41,11 +41,11 @@ TEST_CASE("frames of a clip are its controls evaluated") {
 }
 
 TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
-  const auto rig = open_liar("texture");
+  const auto rig = open_faulty_rig("texture");
   CHECK(rig->rest().uvs == std::vector<float>{0, 0, 0.5f, 0, 0.5f, 1});
   REQUIRE(rig->rest().uv_corners.size() == rig->rest().polygon_corners.size());
   CHECK(rig->rest().uv_corners[4] == 1);
-  CHECK(open_liar("texture beyond an older struct")->rest().uvs.empty());
+  CHECK(open_faulty_rig("texture beyond an older struct")->rest().uvs.empty());
   const Folder folder;
   sample(*rig, {.poses = 40}, folder.path(), {}, silent_progress());
   const auto recorded = open_source(folder.path());
@@ -54,7 +54,7 @@ TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
 }
 
 TEST_CASE("controls and clips of a later header are read by their stride") {
-  const auto rig = open_liar("longer structs");
+  const auto rig = open_faulty_rig("longer structs");
   const auto toy = open_toy();
   REQUIRE(rig->schema().control_count() == toy->schema().control_count());
   CHECK(rig->schema().controls[5].name == "mouthWide");
@@ -63,12 +63,12 @@ TEST_CASE("controls and clips of a later header are read by their stride") {
   CHECK(rig->clips()[1].controls == toy->clips()[1].controls);
 }
 
-TEST_CASE("a rig that lies is refused by name") {
+TEST_CASE("a faulty rig is refused by name") {
   const struct {
-    const char* lie;
+    const char* fault;
     Status status;
     const char* message;
-  } lies[] = {
+  } faults[] = {
       {"open fails", Status::rig, "the licence server is asleep"},
       {"abi", Status::unsupported, "made for rig ABI 3, this library has rig ABI 2"},
       {"older abi", Status::unsupported, "made for rig ABI 1, this library has rig ABI 2: compile it against"},
@@ -108,15 +108,15 @@ TEST_CASE("a rig that lies is refused by name") {
       {"clip nan", Status::not_finite, "clip \"frown\", frame 4: control \"jawOpen\" is nan"},
       {"first pose only", Status::not_finite, "the rest pose cannot be evaluated"},
   };
-  for (const auto& wrong : lies) {
-    CAPTURE(wrong.lie);
-    const std::string what = failure(wrong.status, [&] { open_liar(wrong.lie); });
+  for (const auto& wrong : faults) {
+    CAPTURE(wrong.fault);
+    const std::string what = failure(wrong.status, [&] { open_faulty_rig(wrong.fault); });
     CHECK_MESSAGE(contains(what, wrong.message), what);
-    CHECK_MESSAGE(contains(what, FB_LYING_RIG), what);
+    CHECK_MESSAGE(contains(what, FB_FAULTY_RIG), what);
   }
 }
 
-TEST_CASE("the pose that fails in a long block is named with the rig's own sentence") {
+TEST_CASE("the pose that fails in a long block is named with the rig's own message") {
   const std::size_t count = 12400, bad = 12345;
   std::vector<float> controls;
   const std::vector<float> rest = open_toy()->schema().rest_pose();
@@ -124,16 +124,16 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own sente
   controls[bad * 6 + 1] = -0.5f;
   std::vector<float> points(count * 150);
   const struct {
-    const char* lie;
+    const char* fault;
     Status status;
     const char* message;
-  } lies[] = {
+  } faults[] = {
       {"fails on a pose", Status::rig, "pose 12345: rig \"toy\" failed: the twist solver did not converge"},
       {"fails without words", Status::rig, "pose 12345: rig \"toy\" failed: status 11 without a message"},
       {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\" puts vertex 17 at a place that is not finite"},
       {"fails on blocks", Status::rig, "pose 0: rig \"toy\" failed: too many poses for me (on a block of 32 poses"}};
-  for (const auto& wrong : lies) {
-    const auto rig = open_liar(wrong.lie);
+  for (const auto& wrong : faults) {
+    const auto rig = open_faulty_rig(wrong.fault);
     for (const int threads : {1, 2}) {
       RigEvaluator evaluator(*rig, {.threads = threads});
       const std::string parallel = failure(wrong.status, [&] { evaluator.evaluate(controls, count, points); });
@@ -145,7 +145,7 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own sente
 }
 
 TEST_CASE("a rig that is not thread-safe is called by one thread only, with the same result") {
-  const auto one = open_liar("one thread only");
+  const auto one = open_faulty_rig("one thread only");
   const auto toy = open_toy();
   CHECK_FALSE(one->thread_safe());
   std::vector<float> controls;
@@ -188,7 +188,7 @@ TEST_CASE("the sample face is looked for in FACEBAKER_RIG_PATH first") {
   unsetenv("FACEBAKER_RIG_PATH");
 }
 
-TEST_CASE("a rig beside itself is one rig, and a clip told twice is kept once") {
+TEST_CASE("two sources of one rig are one rig, and a clip of both is kept once") {
   const auto both = open_sources({FB_TOY_RIG, FB_TOY_RIG});
   CHECK(both->live());
   CHECK(both->thread_safe());

@@ -60,7 +60,7 @@ struct StopAt final : Progress {
 
 }  // namespace
 
-TEST_CASE("the poses of most variance are chosen, and some others") {
+TEST_CASE("the poses of most variance are selected, and some others") {
   const MemorySource rig = live_face();
   const std::vector<float> pool = random_pool(2500);
   const std::vector<float> scores = unsure_of_0(pool, 2500);
@@ -117,7 +117,7 @@ TEST_CASE("near-duplicates do not crowd out other poses") {
   CHECK(std::count_if(chosen.begin(), chosen.end(), [](std::uint32_t p) { return p >= 100 && p < 500; }) == 2);
 }
 
-TEST_CASE("choices that cannot be made are refused") {
+TEST_CASE("impossible selections are refused") {
   const MemorySource rig = live_face();
   const std::vector<float> pool = random_pool(20);
   failure(Status::invalid_argument, [&] { select_poses(rig.schema(), pool, 21, 0, unsure_of_0, 1); });
@@ -128,7 +128,7 @@ TEST_CASE("choices that cannot be made are refused") {
   failure(Status::internal, [&] { select_poses(rig.schema(), pool, 10, 0, short_of, 1); });
 }
 
-TEST_CASE("rounds of choosing grow a dataset within the rig budget, and go on where they were stopped") {
+TEST_CASE("rounds of selection extend a dataset within the rig budget, and continue where they were interrupted") {
   MemorySource rig = live_face();
   rig.add_clip("line", ClipKind::shot, Split::train, 12, 0.5f, 3);
   SamplingOptions options{.test_poses = false, .rig_budget = 1000};
@@ -218,27 +218,27 @@ TEST_CASE("a dataset is extended by clips and keeps its shards") {
       "\"more\" is there with other controls"));
 }
 
-TEST_CASE("a rig budget holds probing, clips and new poses, or is refused") {
+TEST_CASE("a rig budget covers responses, clips and new poses, or is refused") {
   const auto toy = open_toy();  // 6 controls, 24 frames of clips, of which 12 are a test
   const auto frames = [&](Split split) {
     std::size_t sum = 0;
     for (const Clip& clip : toy->clips()) sum += clip.split == split ? clip.frames : 0;
     return sum;
   };
-  const std::size_t probing = 5 * 6 + 73;
+  const std::size_t responses = 5 * 6 + 73;
   CHECK(poses_to_draw(*toy, {.poses = 5000}) == 5000);
   CHECK(poses_to_draw(*toy, {.poses = 5000, .rig_budget = 1000}) ==
-        1000 - probing - frames(Split::train) - frames(Split::test));
+        1000 - responses - frames(Split::train) - frames(Split::test));
   CHECK(poses_to_draw(*toy, {.poses = 5000, .test_poses = false, .rig_budget = 1000}) ==
-        1000 - probing - frames(Split::train));
+        1000 - responses - frames(Split::train));
   CHECK(poses_to_draw(*toy, {.poses = 5000, .shots = false, .test_poses = false, .rig_budget = 1000}) ==
-        1000 - probing);
+        1000 - responses);
   CHECK(poses_to_draw(*toy, {.poses = 300, .rig_budget = 1000}) == 300);
   CHECK(contains(failure(Status::invalid_argument, [&] { poses_to_draw(*toy, {.shots = false, .rig_budget = 1000}); }),
                  "2000 frames"));
   const Folder folder;
   const SampleReport report = sample(*toy, {.rig_budget = 400}, folder.path(), {}, silent_progress());
-  CHECK(report.poses == 400 - probing);
+  CHECK(report.poses == 400 - responses);
   CHECK(report.rig_calls <= 400);
   CHECK(report.rig_calls >= 400 - 72);
   const Folder tested;

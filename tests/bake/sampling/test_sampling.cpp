@@ -149,7 +149,8 @@ TEST_CASE("with fewer poses than ends of ranges, the controls that move most com
   CHECK(moved.count(3) == 1);  // the jaw
 }
 
-TEST_CASE("regional poses use one region or several, dense ones more controls, heavy ones the region that moves most") {
+TEST_CASE(
+    "regional poses use one control group or several, dense ones more controls, heavy ones the group that moves most") {
   const PosePlan paper = plan_toy({.poses = 2000, .mix = "paper"}), dense = plan_toy({.poses = 2000, .mix = "dense"});
   const Clip& regional = clip_named(paper, "regional");
   std::size_t brow_only = 0, mouth_only = 0, both = 0;
@@ -195,8 +196,8 @@ TEST_CASE("excitations are dense where a response bends, not elsewhere") {
   CHECK(between(0.5f, 2) > 2 * between(-1, -0.5f));
 }
 
-TEST_CASE("controls that work against each other seldom move together, and no region moves whole") {
-  // Twenty controls in two regions of ten; in each, 0 and 2 (1 and 3) push the same vertices apart.
+TEST_CASE("opposed controls are seldom active together, and no group is active as a whole") {
+  // Twenty controls in two groups of ten; in each, 0 and 2 (1 and 3) push the same vertices apart.
   MemorySource rig(
       20, 5,
       [](const float* c, std::span<float> points) {
@@ -227,8 +228,8 @@ TEST_CASE("controls that work against each other seldom move together, and no re
   CHECK(most == 8);
 }
 
-TEST_CASE("heavy poses go to every region by its share of the motion, calisthenics to all in turn") {
-  // Three regions of eight controls; the second moves most, the third least.
+TEST_CASE("heavy poses go to every group by its share of the motion, calisthenics to all in turn") {
+  // Three groups of eight controls; the second moves most, the third least.
   MemorySource rig(
       24, 4,
       [](const float* c, std::span<float> points) {
@@ -239,14 +240,14 @@ TEST_CASE("heavy poses go to every region by its share of the motion, calistheni
   std::vector<Control>& controls = rig.edit_schema().controls;
   for (std::size_t c = 0; c < 24; ++c) controls[c].group = std::to_string(c / 8);
   const PosePlan plan = make_plan(rig, {.poses = 3840}, {}, silent_progress());
-  const auto moved = [](const Clip& clip, std::size_t frame, std::size_t region) {
-    const float* first = clip.controls.data() + frame * 24 + region * 8;
+  const auto moved = [](const Clip& clip, std::size_t frame, std::size_t group) {
+    const float* first = clip.controls.data() + frame * 24 + group * 8;
     return std::count_if(first, first + 8, [](float value) { return value != 0; });
   };
   const Clip& heavy = clip_named(plan, "heavy");
   long counts[3] = {};
   for (std::size_t frame = 0; frame < heavy.frames; ++frame)
-    for (std::size_t region = 0; region < 3; ++region) counts[region] += moved(heavy, frame, region);
+    for (std::size_t group = 0; group < 3; ++group) counts[group] += moved(heavy, frame, group);
   CHECK(counts[1] > 1.2 * double(counts[0]));
   CHECK(counts[0] > 1.02 * double(counts[2]));
   const Clip walks = clip_named(make_plan(rig, {.poses = 5760, .mix = "paper"}, {}, silent_progress()), "calisthenics");
@@ -280,7 +281,7 @@ TEST_CASE("the other side of a control is known by its name") {
   CHECK_FALSE(partners[4]);
 }
 
-TEST_CASE("performances move both sides of the face, many controls far along together, seldom against each other") {
+TEST_CASE("performances move both sides of the face, many controls strongly together, seldom opposed") {
   // Forty controls in pairs; numbers 0 and 4 push the same vertices apart, as do 1 and 5.
   MemorySource rig(
       40, 8,
@@ -344,11 +345,11 @@ TEST_CASE("calisthenics are smooth within a sequence and reach the ends of range
   for (std::size_t c = 0; c < width; ++c) CHECK(at_end[c] > 0);
 }
 
-TEST_CASE("a rig without test clips gets held-out poses that no training pose equals") {
+TEST_CASE("a rig without test clips gets test poses that no training pose equals") {
   const auto toy = open_toy();
   const PosePlan plan = plan_toy({.poses = 3000, .shots = false});
   std::set<std::vector<float>> training;
-  std::size_t held_out = 0;
+  std::size_t tested = 0;
   for (const Clip& clip : plan)
     if (clip.split != Split::test)
       for (std::size_t f = 0; f < clip.frames; ++f)
@@ -356,7 +357,7 @@ TEST_CASE("a rig without test clips gets held-out poses that no training pose eq
   for (const char* name : {"random_15", "random_35", "synthetic_shots"}) {
     const Clip& clip = clip_named(plan, name);
     CHECK(clip.split == Split::test);
-    held_out += clip.frames;
+    tested += clip.frames;
     std::size_t known = 0;
     for (std::size_t f = 0; f < clip.frames; ++f)
       if (active(clip, f).size() > 1)
@@ -364,7 +365,7 @@ TEST_CASE("a rig without test clips gets held-out poses that no training pose eq
             training.count({clip.controls.begin() + long(f * width), clip.controls.begin() + long((f + 1) * width)});
     CHECK(known == 0);
   }
-  CHECK(held_out == 2000);
+  CHECK(tested == 2000);
   CHECK(mean_active(clip_named(plan, "random_15")) == doctest::Approx(0.15 * width).epsilon(0.1));
   CHECK(mean_active(clip_named(plan, "random_35")) == doctest::Approx(0.35 * width).epsilon(0.1));
   const Clip &few = clip_named(plan, "random_15"), &many = clip_named(plan, "random_35");
@@ -382,7 +383,7 @@ TEST_CASE("a rig without test clips gets held-out poses that no training pose eq
   CHECK_FALSE(same(make_test_poses(toy->schema(), 2)[0], clip_named(plan, "random_15")));
 }
 
-TEST_CASE("clips of the user are added, clamped, and refused when they make no sense") {
+TEST_CASE("clips of the user are added, clamped, and refused where they are invalid") {
   const Folder folder;
   const auto toy = open_toy();
   std::vector<float> values(2 * width, 0.25f);
@@ -412,13 +413,13 @@ TEST_CASE("clips of the user are added, clamped, and refused when they make no s
 TEST_CASE("what cannot be planned is refused") {
   CHECK(contains(failure(Status::invalid_argument, [] { plan_toy({.mix = "soup"}); }), "\"soup\" is no mix of poses"));
   failure(Status::invalid_argument, [] { plan_toy({.poses = 0}); });
-  const auto liar = open_liar("fails on a pose");
+  const auto faulty = open_faulty_rig("fails on a pose");
   CHECK(contains(
-      failure(Status::rig, [&] { make_plan(*liar, {}, {}, silent_progress()); }),
+      failure(Status::rig, [&] { make_plan(*faulty, {}, {}, silent_progress()); }),
       "control \"browTwist\" moved alone, value 2 of 5: rig \"toy\" failed: the twist solver did not converge"));
 }
 
-TEST_CASE("a sampled dataset holds what the rig says") {
+TEST_CASE("a sampled dataset holds what the rig evaluates") {
   const Folder folder;
   const auto toy = open_toy();
   const SampleReport report = sample(*toy, {.poses = 500}, folder.path(), {}, silent_progress());
@@ -460,7 +461,7 @@ static void shorten_shards(const std::filesystem::path& folder, Source& rig, con
   std::ofstream(folder / "dataset.json") << json;
 }
 
-TEST_CASE("sampling that was interrupted goes on where it stopped") {
+TEST_CASE("interrupted sampling continues where it stopped") {
   const Folder folder;
   const auto toy = open_toy();
   const PosePlan plan = plan_toy({.poses = 300, .mix = "paper"});
@@ -506,19 +507,19 @@ TEST_CASE("the same request does nothing, another is refused") {
   CHECK(sample(*toy, options, folder.path(), {}, silent_progress()).evaluated == 25);
   CHECK(files_of(folder.path()) == before);
   // The same declarations, but vertex 0 elsewhere in some poses.
-  const auto changed = open_liar("other shape");
+  const auto changed = open_faulty_rig("other shape");
   CHECK(contains(
       failure(Status::invalid_argument, [&] { sample(*changed, options, folder.path(), {}, silent_progress()); }),
       "elsewhere now"));
 }
 
-TEST_CASE("a rig that fails while it is sampled is named with the pose's place in the plan") {
+TEST_CASE("a rig that fails while it is sampled is named with the number of the pose in the plan") {
   const Folder folder;
-  const auto liar = open_liar("fails on a pose");
+  const auto faulty = open_faulty_rig("fails on a pose");
   PosePlan plan = {{"good", ClipKind::dense, Split::train, 30, 12000, std::vector<float>(12000 * width)},
                    {"bad", ClipKind::dense, Split::train, 30, 500, std::vector<float>(500 * width)}};
   plan[1].controls[345 * width + 1] = -0.5f;
-  CHECK(contains(failure(Status::rig, [&] { sample_to_dataset(*liar, plan, folder.path(), {}, silent_progress()); }),
+  CHECK(contains(failure(Status::rig, [&] { sample_to_dataset(*faulty, plan, folder.path(), {}, silent_progress()); }),
                  "pose 12345 (clip \"bad\", frame 345): rig \"toy\" failed: the twist solver did not converge"));
   CHECK(files_of(folder.path()).count("good.points.npy") == 1);
   CHECK(files_of(folder.path()).count("bad.points.npy") == 0);
