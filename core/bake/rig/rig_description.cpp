@@ -13,9 +13,9 @@ const T& element(const T* array, std::uint32_t stride, std::size_t index) {
   return *reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(array) + index * stride);
 }
 
-// Copies the parts of an fb_rig; its messages begin with `who`.
+// Copies and checks the parts of an fb_rig; messages begin with `label`.
 struct Reader {
-  std::string who = "rig";  // as messages name the rig; with its name once that has been read
+  std::string label = "rig";  // in messages; with the name of the rig once that has been read
 
   const char* text(const char* value, const char* field) const {
     if (!value) fail(Status::rig, "%s: %s is null", label.c_str(), field);

@@ -106,13 +106,17 @@ void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t 
   std::vector<std::size_t> missing;
   std::vector<std::pair<std::size_t, std::size_t>> copies;  // pose, an equal one before it
   std::unordered_map<std::uint64_t, std::size_t> seen;
+  const bool slow = missing_poses_ > 0 && missing_time_ >= static_cast<std::int64_t>(missing_poses_) * slow_pose;
   for (std::size_t i = 0; i < count; ++i) {
     if (cache_->find(pose(i), points_of(i))) continue;
-    const auto [same, first] = seen.try_emplace(hash64_of(pose(i)), i);
-    if (!first && std::ranges::equal(pose(i), pose(same->second)))
-      copies.emplace_back(i, same->second);
-    else
-      missing.push_back(i);
+    if (slow) {
+      const auto [same, first] = seen.try_emplace(hash64_of(pose(i)), i);
+      if (!first && std::ranges::equal(pose(i), pose(same->second))) {
+        copies.emplace_back(i, same->second);
+        continue;
+      }
+    }
+    missing.push_back(i);
   }
   evaluate_missing(controls, missing, points);
   for (const auto& [to, from] : copies) std::ranges::copy(points_of(from), points_of(to).begin());

@@ -66,9 +66,9 @@ class RigEvaluator final : public Source {
   // not allow for the poses.
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
 
-  // The same, but poses in the cache are read from there, equal poses of the call are evaluated once, and what is
-  // evaluated is added to the cache while the rig takes more than half a millisecond a pose: reading a pose of a
-  // quicker rig takes as long as evaluating it.
+  // The same, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose, equal
+  // poses of the call are evaluated once and what is evaluated is added to the cache; evaluating a pose of a quicker rig
+  // takes no longer than reading it.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;
