@@ -11,10 +11,10 @@
 
 namespace fb::bake {
 
-// Evaluated poses of one rig in a file, found by their controls: what one stage of a bake evaluated, another need not,
+// Evaluated poses of one rig in a file, found by their controls, so that no stage of a bake evaluates what another has,
 // nor the same stage after an interruption. The file holds a header with a hash of the rig, and records of one size:
-// a hash of the record, controls, points. A file of another rig is replaced, a record that is cut off or damaged is as
-// good as absent. Private to one version of the program and one machine's byte order. Not thread-safe.
+// a hash of the record, controls, points. A file of another rig is replaced; a record that is cut off or damaged is
+// ignored. Private to one version of the program and one machine's byte order. Not thread-safe.
 class EvaluationCache {
  public:
   // Reads the controls of all records of the file, if there is one; creates nothing.
