@@ -2,6 +2,7 @@
 # Installs the Debian packages that building FaceBaker needs; does nothing when nothing is missing.
 #   samples/setup.sh          what the release build and its tests need
 #   samples/setup.sh --tsan   and what the tsan preset needs besides
+#   samples/setup.sh --docs   and what docs/build_reference.sh needs besides
 set -eu
 
 packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libtinygltf-dev libstb-dev nlohmann-json3-dev
@@ -9,7 +10,8 @@ packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libtinyglt
 case "${1:-}" in
   "") ;;
   --tsan) packages="$packages clang libclang-rt-dev libomp-dev" ;;
-  *) echo "usage: samples/setup.sh [--tsan]" >&2; exit 2 ;;
+  --docs) packages="$packages doxygen" ;;
+  *) echo "usage: samples/setup.sh [--tsan | --docs]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
