@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "bake/sampling/control_responses.h"
 #include "base/file.h"
 #include "base/status.h"
 #include "memory_source.h"
@@ -104,6 +105,17 @@ std::size_t shapes_of_control(const RigAnalysis& analysis, std::uint32_t control
       }));
 }
 
+// Takes a millisecond a pose, so that evaluations are cached.
+struct SlowRig final : MemorySource {
+  SlowRig() : MemorySource(make_rig()) {}
+  void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(count));
+    MemorySource::evaluate(poses, count, points);
+    for (std::size_t i = 0; i < count; ++i) evaluated.emplace_back(poses.begin() + 6 * i, poses.begin() + 6 * (i + 1));
+  }
+  std::vector<std::vector<float>> evaluated;
+};
+
 }  // namespace
 
 TEST_CASE("curves have a shape for every corner, and straight controls have one") {
@@ -178,16 +190,6 @@ TEST_CASE("an analysis is the same for any number of threads") {
 }
 
 TEST_CASE("an analysis of a slow rig that was interrupted evaluates no pose twice") {
-  struct SlowRig final : MemorySource {
-    SlowRig() : MemorySource(make_rig()) {}
-    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
-      std::this_thread::sleep_for(std::chrono::milliseconds(count));
-      MemorySource::evaluate(poses, count, points);
-      for (std::size_t i = 0; i < count; ++i)
-        evaluated.emplace_back(poses.begin() + 6 * i, poses.begin() + 6 * (i + 1));
-    }
-    std::vector<std::vector<float>> evaluated;
-  };
   struct Impatient final : Progress {
     void begin(std::string_view, std::uint64_t) override {}
     void update(std::uint64_t) override {}
@@ -229,6 +231,26 @@ TEST_CASE("an analysis of a slow rig that was interrupted evaluates no pose twic
   write_file(cache, bytes);
   CHECK(analyse_again().size() == 1);
   CHECK(analyse_again().empty());
+}
+
+TEST_CASE("the analysis evaluates no single control that sampling has evaluated") {
+  const test::Folder folder;
+  SlowRig alone, shared;
+  RigEvaluator by_itself(alone, {.threads = 1}, folder / "alone"), after(shared, {.threads = 1}, folder / "shared");
+  const RigAnalysis expected = analyse_rig(by_itself, {}, silent_progress());
+  const ControlResponses responses(after, silent_progress());
+  const std::size_t sampled = shared.evaluated.size();
+  CHECK(sampled == 6 * ControlResponses::values);
+  const RigAnalysis analysis = analyse_rig(after, {}, silent_progress());
+  const std::set<std::vector<float>> known(shared.evaluated.begin(),
+                                           shared.evaluated.begin() + std::ptrdiff_t(sampled));
+  const auto in_both = static_cast<std::size_t>(std::count_if(alone.evaluated.begin(), alone.evaluated.end(),
+                                                              [&](const auto& pose) { return known.count(pose) > 0; }));
+  CHECK(in_both >= 6 * (ControlResponses::values - 1));  // of every control, all values but rest
+  CHECK(shared.evaluated.size() - sampled == alone.evaluated.size() - in_both);
+  CHECK(analysis.rig_calls == expected.rig_calls);
+  CHECK(analysis.motion == expected.motion);
+  CHECK(analysis.residual_motion == expected.residual_motion);
 }
 
 TEST_CASE("a budget is kept, and what it leaves out is noted") {
