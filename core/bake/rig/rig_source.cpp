@@ -96,20 +96,20 @@ void RigSource::evaluate_block(const float* controls, std::size_t first, std::si
                       format("control \"%s\" is %g, outside its range %g..%g", control.name.c_str(), controls[i],
                              control.minimum, control.maximum));
   }
-  const char* who = schema().name.c_str();
+  const char* name = schema().name.c_str();
   if (const Outcome whole = call(rig_, controls, count, points); whole.status != FB_OK) {
     // Find the pose that failed, one by one.
     for (std::size_t i = 0; i < count; ++i)
       if (const Outcome single = call(rig_, controls + i * width, 1, points + i * size); single.status != FB_OK)
-        throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", who, single.message.c_str()));
+        throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", name, single.message.c_str()));
     throw PoseError(Status::rig, first,
-                    format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", who,
+                    format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", name,
                            whole.message.c_str(), count));
   }
   for (std::size_t i = 0; i < count * size; ++i)
     if (!std::isfinite(points[i]))
       throw PoseError(Status::not_finite, first + i / size,
-                      format("rig \"%s\" puts vertex %zu at a place that is not finite", who, i % size / 3));
+                      format("rig \"%s\" puts vertex %zu at a position that is not finite", name, i % size / 3));
 }
 
 }  // namespace fb::bake

@@ -130,7 +130,7 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own messa
   } faults[] = {
       {"fails on a pose", Status::rig, "pose 12345: rig \"toy\" failed: the twist solver did not converge"},
       {"fails without words", Status::rig, "pose 12345: rig \"toy\" failed: status 11 without a message"},
-      {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\" puts vertex 17 at a place that is not finite"},
+      {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\" puts vertex 17 at a position that is not finite"},
       {"fails on blocks", Status::rig, "pose 0: rig \"toy\" failed: too many poses for me (on a block of 32 poses"}};
   for (const auto& wrong : faults) {
     const auto rig = open_faulty_rig(wrong.fault);

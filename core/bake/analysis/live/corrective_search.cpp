@@ -61,7 +61,7 @@ std::size_t active_count(std::span<const std::uint8_t> point) {
   return point.size() - static_cast<std::size_t>(std::count(point.begin(), point.end(), 0));
 }
 
-// All combinations of 1..counts[k] in every place k.
+// All lists whose element k is in 1..counts[k].
 std::vector<std::vector<std::uint8_t>> combinations(const std::vector<std::size_t>& counts) {
   std::vector<std::vector<std::uint8_t>> points = {{}};
   for (const std::size_t count : counts) {
