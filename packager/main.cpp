@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <facebaker/facebaker.hpp>
 #include <filesystem>
 #include <new>
 #include <system_error>
@@ -16,15 +17,15 @@ namespace fb::tool {
 namespace {
 
 // Threads that spin while they wait for each other make training several times slower as soon as anything else runs on
-// the machine. OpenMP reads its policy when it is loaded, so the program starts itself anew with it, once.
-void wait_without_spinning(char** argv) {
+// the machine. OpenMP reads its wait policy when it is loaded, so the program sets it and executes itself again, once.
+void use_passive_waiting(char** argv) {
   if (std::getenv("OMP_WAIT_POLICY") || ::setenv("OMP_WAIT_POLICY", "PASSIVE", 0) != 0) return;
   std::error_code unknown;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  ::execv(program.c_str(), argv);  // if this fails, the work is done all the same
+  ::execv(program.c_str(), argv);  // if this fails, the program works, only slower
 }
 
-int complain(const CLI::App& tool, const std::string& message, int exit_code) {
+int report_failure(const CLI::App& tool, const std::string& message, int exit_code) {
   const auto commands = tool.get_subcommands();
   std::fprintf(stderr, "facebaker%s%s: %s\n", commands.empty() ? "" : " ",
                commands.empty() ? "" : commands[0]->get_name().c_str(), message.c_str());
@@ -32,7 +33,7 @@ int complain(const CLI::App& tool, const std::string& message, int exit_code) {
 }
 
 // After Ctrl-C.
-std::string farewell(const CLI::App& tool) {
+std::string interrupted_text(const CLI::App& tool) {
   const CLI::App* command = tool.get_subcommands().at(0);
   const bool compares = command->get_name() == "compare";
   if (compares && command->count("--work") == 0) return "interrupted; with --work DIR the same command could go on";
@@ -46,7 +47,7 @@ std::string farewell(const CLI::App& tool) {
 
 int main(int argc, char** argv) {
   using namespace fb::tool;
-  wait_without_spinning(argv);
+  use_passive_waiting(argv);
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
@@ -72,15 +73,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return tool.exit(help);
   } catch (const CLI::ParseError& wrong) {
-    if (!tool.get_subcommands().empty()) return complain(tool, wrong.what() + std::string(" (see --help)"), 2);
-    return complain(
+    if (!tool.get_subcommands().empty()) return report_failure(tool, wrong.what() + std::string(" (see --help)"), 2);
+    return report_failure(
         tool, argc > 1 ? fb::format("no command \"%s\" (see --help)", argv[1]) : "give a command (see --help)", 2);
   } catch (const fb::Error& error) {
-    return complain(tool, error.status() == fb::Status::interrupted ? farewell(tool) : error.what(), 1);
+    return report_failure(tool, error.status() == fb::Status::interrupted ? interrupted_text(tool) : error.what(), 1);
+  } catch (const facebaker::Error& error) {
+    return report_failure(tool, error.status() == FB_ERROR_INTERRUPTED ? interrupted_text(tool) : error.what(), 1);
   } catch (const std::bad_alloc&) {
-    return complain(tool, "out of memory", 1);
+    return report_failure(tool, "out of memory", 1);
   } catch (const std::exception& error) {
-    return complain(tool, error.what(), 1);
+    return report_failure(tool, error.what(), 1);
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// Included once for each instruction set, with Eigen under another name, so that no two are mixed when linking.
+// Included once for each instruction set, with Eigen in another namespace each, so that the linker does not mix them.
 #include <Eigen/Core>
 
 #include "bench/affine.h"

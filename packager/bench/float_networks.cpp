@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/random.h"
-#include "model/feature_values.h"
 
 namespace fb::tool {
 
@@ -45,72 +44,95 @@ std::size_t PaperNetwork::bytes() const {
   return numbers * sizeof(float);
 }
 
-FloatModel::FloatModel(const PackedModel& model)
-    : model_(model),
-      rest_controls_(model.schema.rest_pose()),
-      features_(model.features.size()),
-      coefficients_(model.columns),
-      rows_(model.rest.points.size()) {
+FloatModel::FloatModel(const facebaker::Archive& archive, const facebaker::Model& model)
+    : archive_(archive), model_(model), rows_(3 * std::size_t(model.vertex_count())) {
+  const fb_archive_info info = archive.info();
+  const std::uint32_t* direct = fb_archive_direct(archive.get());
+  direct_.assign(direct, direct + info.direct_count);
+  features_.resize(info.feature_count);
+  coefficients_.resize(info.coefficient_count);
   std::size_t widest = 0;
-  for (const PackedRegion& region : model.regions) {
-    auto& layers = layers_.emplace_back();
-    for (const PackedLayer& layer : region.layers) {
-      std::vector<float>& weights = layers.emplace_back(layer.weights.size());
-      for (std::size_t o = 0; o < layer.outputs; ++o)
-        for (std::size_t i = 0; i < layer.inputs; ++i)
-          weights[i * layer.outputs + o] = layer.scales[o] * layer.weights[o * layer.inputs + i];
-      widest = std::max<std::size_t>({widest, layer.inputs, layer.outputs});
-    }
+  for (std::uint32_t r = 0; r < info.region_count; ++r) {
+    regions_.push_back(read_region(r));
+    for (const Layer& layer : regions_.back().layers)
+      widest = std::max<std::size_t>({widest, layer.shape.inputs, layer.shape.outputs});
   }
-  for (const PackedRowBlock& group : model.row_blocks) {
-    std::vector<float>& values = groups_.emplace_back();
-    for (std::size_t c = 0; c < group.columns.size(); ++c) {
-      const std::vector<float> moved = displacements(group, c);
-      values.insert(values.end(), moved.begin(), moved.end());
-    }
-    widest = std::max(widest, group.columns.size());
+  for (std::uint32_t b = 0; b < fb_row_block_count(model.get()); ++b) {
+    row_blocks_.push_back(read_row_block(b));
+    widest = std::max(widest, row_blocks_.back().columns.size());
   }
   x_.resize(widest);
   y_.resize(widest);
 }
 
-void FloatModel::evaluate(const float* controls, float* positions) {
+FloatModel::Region FloatModel::read_region(std::uint32_t index) const {
+  const fb_region found = archive_.region(index);
+  Region region{{found.inputs, found.inputs + found.input_count}, {}};
+  for (std::uint32_t l = 0; l < found.layer_count; ++l) region.layers.push_back(read_layer(index, l));
+  return region;
+}
+
+FloatModel::Layer FloatModel::read_layer(std::uint32_t region, std::uint32_t index) const {
+  Layer layer{archive_.layer(region, index), {}, {}};
+  const std::size_t inputs = layer.shape.inputs, outputs = layer.shape.outputs;
+  std::vector<float> row_major(inputs * outputs);
+  layer.bias.resize(outputs);
+  facebaker::check(fb_archive_layer_values(archive_.get(), region, index, row_major.data(), layer.bias.data()));
+  layer.weights.resize(inputs * outputs);
+  for (std::size_t o = 0; o < outputs; ++o)
+    for (std::size_t i = 0; i < inputs; ++i) layer.weights[i * outputs + o] = row_major[o * inputs + i];
+  return layer;
+}
+
+FloatModel::RowBlock FloatModel::read_row_block(std::uint32_t index) const {
+  fb_row_block shape;
+  fb_row_block_init(&shape);
+  facebaker::check(fb_row_block_at(model_.get(), index, &shape));
+  RowBlock block{shape.first_row, shape.row_count, std::vector<std::uint32_t>(shape.column_count),
+                 std::vector<float>(std::size_t(shape.row_count) * shape.column_count)};
+  facebaker::check(fb_row_block_values(model_.get(), index, block.columns.data(), block.values.data()));
+  return block;
+}
+
+float* FloatModel::run_region(const Region& region, float* coefficients) {
   const AffineKernels& kernels = affine_kernels();
-  feature_values(model_.features, controls, rest_controls_.data(), features_.data());
+  for (std::size_t i = 0; i < region.inputs.size(); ++i) x_[i] = features_[region.inputs[i]];
+  for (const Layer& layer : region.layers) {
+    const std::size_t outputs = layer.shape.outputs;
+    kernels.multiply(outputs, layer.shape.inputs, 1, layer.weights.data(), layer.bias.data(), x_.data(), y_.data());
+    const float* skipped = layer.shape.skip ? x_.data() : nullptr;
+    if (layer.shape.activation == FB_ACTIVATION_RELU)
+      kernels.rectify(outputs, skipped, y_.data());
+    else if (layer.shape.activation != FB_ACTIVATION_LINEAR)  // tanh takes as long as silu
+      kernels.silu(outputs, skipped, y_.data());
+    x_.swap(y_);
+  }
+  return std::copy_n(x_.begin(), region.layers.back().shape.outputs, coefficients);
+}
+
+void FloatModel::evaluate(const float* controls, float* positions) {
+  facebaker::check(fb_archive_features(archive_.get(), controls, features_.data()));
   float* coefficient = coefficients_.data();
-  for (const std::uint32_t feature : model_.direct) *coefficient++ = features_[feature];
-  for (std::size_t r = 0; r < model_.regions.size(); ++r) {
-    const PackedRegion& region = model_.regions[r];
-    for (std::size_t i = 0; i < region.features.size(); ++i) x_[i] = features_[region.features[i]];
-    for (std::size_t l = 0; l < region.layers.size(); ++l) {
-      const PackedLayer& layer = region.layers[l];
-      kernels.multiply(layer.outputs, layer.inputs, 1, layers_[r][l].data(), layer.bias.data(), x_.data(), y_.data());
-      const float* skipped = layer.skip ? x_.data() : nullptr;
-      if (layer.activation == Activation::relu)
-        kernels.rectify(layer.outputs, skipped, y_.data());
-      else if (layer.activation != Activation::linear)  // tanh takes as long
-        kernels.silu(layer.outputs, skipped, y_.data());
-      x_.swap(y_);
-    }
-    coefficient = std::copy_n(x_.begin(), region.layers.back().outputs, coefficient);
+  for (const std::uint32_t feature : direct_) *coefficient++ = features_[feature];
+  for (const Region& region : regions_) coefficient = run_region(region, coefficient);
+  for (const RowBlock& block : row_blocks_) {
+    for (std::size_t c = 0; c < block.columns.size(); ++c) x_[c] = coefficients_[block.columns[c]];
+    affine_kernels().multiply(block.row_count, block.columns.size(), 1, block.values.data(), nullptr, x_.data(),
+                              rows_.data() + block.first_row);
   }
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const PackedRowBlock& group = model_.row_blocks[g];
-    for (std::size_t c = 0; c < group.columns.size(); ++c) x_[c] = coefficients_[group.columns[c].column];
-    kernels.multiply(group.row_count, group.columns.size(), 1, groups_[g].data(), nullptr, x_.data(),
-                     rows_.data() + group.first_row);
-  }
+  const float* rest = model_.rest_positions();
+  const std::uint32_t* order = fb_vertex_order(model_.get());
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const std::size_t at = model_.coordinate(static_cast<std::uint32_t>(row));
-    positions[at] = model_.rest.points[at] + rows_[row];
+    const std::size_t coordinate = order ? 3 * std::size_t(order[row / 3]) + row % 3 : row;
+    positions[coordinate] = rest[coordinate] + rows_[row];
   }
 }
 
 std::size_t FloatModel::bytes() const {
   std::size_t numbers = rows_.size();
-  for (const auto& layers : layers_)
-    for (const auto& weights : layers) numbers += weights.size();
-  for (const auto& values : groups_) numbers += values.size();
+  for (const Region& region : regions_)
+    for (const Layer& layer : region.layers) numbers += layer.weights.size();
+  for (const RowBlock& block : row_blocks_) numbers += block.values.size();
   return numbers * sizeof(float);
 }
 

@@ -4,26 +4,21 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <numeric>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
 
-#include "archive/reader.h"
-#include "bake/measure/touched_bytes.h"
 #include "base/status.h"
 #include "bench/float_networks.h"
 #include "bench/thread_time.h"
-#include "runtime/evaluator.h"
 
 namespace fb::tool {
-using namespace archive;
-using namespace bake;
-using namespace runtime;
 namespace {
 
-// What asking for the time takes by itself.
-double asking_time() {
+// Time that one call of thread_time takes, which is subtracted from what is measured.
+double clock_overhead() {
   std::vector<double> times;
   for (int n = 0; n < 2000; ++n) {
     const double start = thread_time();
@@ -33,19 +28,19 @@ double asking_time() {
   return times[1000];
 }
 
-// One thing to be timed: run(pose) for poses one by one, `share` poses a call.
-struct Timed {
+// One thing that is timed: a call of run(pose) evaluates poses_a_call poses.
+struct Timing {
   std::string name;
   std::function<void(std::size_t)> run;
   double bytes = 0;
-  std::size_t share = 1;
-  std::vector<double> times = {};
+  std::size_t poses_a_call = 1;
+  std::vector<double> times = {};  // microseconds a pose
 
-  void take(std::size_t pose) {
-    static const double asking = asking_time();
+  void measure(std::size_t pose) {
+    static const double overhead = clock_overhead();
     const double start = thread_time();
     run(pose);
-    times.push_back(std::max(0.0, thread_time() - start - asking) / double(share));
+    times.push_back(std::max(0.0, thread_time() - start - overhead) / double(poses_a_call));
   }
   SpeedLine line() {
     std::sort(times.begin(), times.end());
@@ -54,8 +49,8 @@ struct Timed {
   }
 };
 
-// More than any cache holds; reading it all pushes everything else out.
-class Flusher {
+// Evicts everything else from the caches by reading 64 MB, more than any of them holds.
+class CacheFlusher {
  public:
   void flush() {
     std::uint64_t sum = 0;
@@ -68,6 +63,7 @@ class Flusher {
   volatile std::uint64_t sum_ = 0;
 };
 
+// Non-temporal stores.
 void write_past_caches(float* to, std::size_t count) {
 #if defined(__SSE2__)
   const __m128 value = _mm_set1_ps(1);
@@ -89,14 +85,215 @@ std::string processor_name() {
   return "unknown processor";
 }
 
-double loading(std::span<const std::byte> archive) {
+// The least of some loads.
+double load_time(const fb_archive_info& archive) {
   double least = 1e30;
   for (int n = 0; n < 10; ++n) {
     const double start = thread_time();
-    const Evaluator evaluator(read_archive(archive).model);
+    const facebaker::Model model(archive.bytes, archive.byte_count);
     least = std::min(least, thread_time() - start);
   }
   return least;
+}
+
+// What the calls of one archive's bench share.
+class SpeedBench {
+ public:
+  SpeedBench(const facebaker::Archive& archive, std::span<const float> controls, const SpeedOptions& options,
+             Progress& progress);
+  Speed run();
+
+ private:
+  std::vector<Timing> warm_timings();
+  std::vector<Timing> batch_timings();
+  void measure_warm(std::vector<Timing>& timings);
+  void measure_cold(std::vector<Timing>& timings);
+  void measure_batches(std::vector<Timing>& timings);
+  SpeedLine read_line(const char* name, std::size_t bytes) const;
+
+  const float* pose_at(std::size_t pose) const { return controls_.data() + pose % poses_ * width_; }
+  void evaluate(std::size_t pose) { scratch_.evaluate(pose_at(pose), positions_.data()); }
+  // One pose by fb_evaluate_batch, for its options.
+  void evaluate_as_batch(std::size_t pose, bool normals, std::uint32_t order, std::uint32_t format);
+  void evaluate_batch();
+
+  const fb_archive_info archive_;
+  const std::span<const float> controls_;
+  const SpeedOptions options_;
+  Progress& progress_;
+  facebaker::Model model_;
+  facebaker::Scratch scratch_;
+  const std::size_t width_, floats_;  // of controls and positions
+  const std::size_t poses_;
+  PaperNetwork paper_;
+  FloatModel float_model_;
+  double pose_bytes_ = 0;  // mean, of the model
+  const std::vector<float> rest_;
+  std::vector<float> positions_, normals_, coefficients_, batch_controls_, batch_positions_;
+};
+
+std::size_t pose_count(std::span<const float> controls, const facebaker::Model& model) {
+  const std::size_t poses = controls.size() / model.control_count();
+  if (poses == 0) fail(Status::invalid_argument, "there are no poses to measure");
+  return poses;
+}
+
+SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float> controls, const SpeedOptions& options,
+                       Progress& progress)
+    : archive_(archive.info()),
+      controls_(controls),
+      options_(options),
+      progress_(progress),
+      model_(archive_.bytes, archive_.byte_count),
+      scratch_(model_),
+      width_(model_.control_count()),
+      floats_(3 * std::size_t(model_.vertex_count())),
+      poses_(pose_count(controls, model_)),
+      paper_(width_, model_.vertex_count()),
+      float_model_(archive, model_),
+      rest_(model_.rest_controls()),
+      positions_(floats_),
+      normals_(floats_),
+      coefficients_(fb_coefficient_count(model_.get())),
+      batch_controls_(options.batch * width_),
+      batch_positions_(options.batch * floats_) {
+  std::vector<std::uint64_t> bytes(poses_);
+  facebaker::check(fb_archive_pose_bytes(archive.get(), controls.data(), poses_, bytes.data()));
+  pose_bytes_ = std::accumulate(bytes.begin(), bytes.end(), 0.0) / double(poses_);
+  for (std::size_t pose = 0; pose < options.batch; ++pose)
+    std::copy_n(pose_at(pose), width_, batch_controls_.begin() + std::ptrdiff_t(pose * width_));
+}
+
+void SpeedBench::evaluate_as_batch(std::size_t pose, bool normals, std::uint32_t order, std::uint32_t format) {
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.threads = 1;
+  batch.poses = 1;
+  batch.controls = pose_at(pose);
+  batch.control_floats = width_;
+  batch.positions = positions_.data();
+  batch.position_floats = floats_;
+  if (normals) {
+    batch.normals = normals_.data();
+    batch.normal_numbers = floats_;
+  }
+  batch.vertex_order = order;
+  batch.format = format;
+  scratch_.evaluate(batch);
+}
+
+void SpeedBench::evaluate_batch() {
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.threads = 1;
+  batch.poses = options_.batch;
+  batch.controls = batch_controls_.data();
+  batch.control_floats = batch_controls_.size();
+  batch.positions = batch_positions_.data();
+  batch.position_floats = batch_positions_.size();
+  scratch_.evaluate(batch);
+}
+
+std::vector<Timing> SpeedBench::warm_timings() {
+  const auto as_batch = [this](bool normals, std::uint32_t order, std::uint32_t format) {
+    return [=, this](std::size_t p) { evaluate_as_batch(p, normals, order, format); };
+  };
+  const auto coefficients = [this](std::size_t p) {
+    facebaker::check(fb_evaluate_coefficients(model_.get(), scratch_.get(), pose_at(p), coefficients_.data()));
+  };
+  return {{"positions", [this](std::size_t p) { evaluate(p); }, pose_bytes_},
+          {"positions, baked order", as_batch(false, FB_ORDER_BAKED, FB_FLOAT32), pose_bytes_},
+          {"positions, halves", as_batch(false, FB_ORDER_SOURCE, FB_FLOAT16), pose_bytes_},
+          {"positions and normals", as_batch(true, FB_ORDER_SOURCE, FB_FLOAT32), pose_bytes_},
+          {"coefficients", coefficients},
+          {"at rest", [this](std::size_t) { scratch_.evaluate(rest_.data(), positions_.data()); }},
+          {"same model, floats, Eigen", [this](std::size_t p) { float_model_.evaluate(pose_at(p), positions_.data()); },
+           double(float_model_.bytes())},
+          {"paper's network, Eigen", [this](std::size_t p) { paper_.evaluate(1, pose_at(p), positions_.data()); },
+           double(paper_.bytes())}};
+}
+
+// Every method runs over all poses once, until all it reads is in the caches, before it is measured on them.
+void SpeedBench::measure_warm(std::vector<Timing>& timings) {
+  progress_.begin("measuring warm poses", options_.rounds);
+  for (std::size_t round = 0; round < options_.rounds; ++round) {
+    for (Timing& timing : timings) {
+      for (std::size_t pose = 0; pose < poses_; ++pose) timing.run(pose);
+      for (std::size_t pose = 0; pose < poses_; ++pose) timing.measure(pose);
+    }
+    progress_.step(round + 1);
+  }
+}
+
+void SpeedBench::measure_cold(std::vector<Timing>& timings) {
+  CacheFlusher caches;
+  progress_.begin("measuring cold poses", options_.cold);
+  for (std::size_t pose = 0; pose < options_.cold; ++pose) {
+    for (Timing& timing : timings) {
+      caches.flush();
+      timing.measure(pose);
+    }
+    progress_.step(pose + 1);
+  }
+}
+
+std::vector<Timing> SpeedBench::batch_timings() {
+  const double written = double(floats_ * sizeof(float));
+  const std::string name = format("batch of %zu: ", options_.batch);
+  std::vector<float>& to = batch_positions_;
+  return {{name + "positions", [this](std::size_t) { evaluate_batch(); }, pose_bytes_, options_.batch},
+          {name + "paper's network, Eigen",
+           [&](std::size_t) { paper_.evaluate(options_.batch, batch_controls_.data(), to.data()); },
+           double(paper_.bytes()), options_.batch},
+          {name + "writing alone", [&](std::size_t) { std::memset(to.data(), 1, to.size() * sizeof(float)); }, written,
+           options_.batch},
+          {name + "writing alone, past caches", [&](std::size_t) { write_past_caches(to.data(), to.size()); }, written,
+           options_.batch}};
+}
+
+void SpeedBench::measure_batches(std::vector<Timing>& timings) {
+  progress_.begin("measuring batches", options_.rounds + 1);
+  for (std::size_t round = 0; round <= options_.rounds; ++round) {
+    for (Timing& timing : timings)
+      if (round == 0)
+        timing.run(0);
+      else
+        timing.measure(0);
+    progress_.step(round + 1);
+  }
+}
+
+SpeedLine SpeedBench::read_line(const char* name, std::size_t bytes) const {
+  std::vector<std::uint64_t> memory(bytes / sizeof(std::uint64_t), 1);
+  volatile std::uint64_t result = 0;
+  Timing timing{name,
+                [&](std::size_t) {
+                  std::uint64_t sum[8] = {};
+                  for (std::size_t i = 0; i + 8 <= memory.size(); i += 8)
+                    for (int k = 0; k < 8; ++k) sum[k] += memory[i + k];
+                  for (const std::uint64_t s : sum) result = result + s;
+                },
+                double(bytes)};
+  for (int n = 0; n < 30; ++n) timing.measure(0);
+  return timing.line();
+}
+
+Speed SpeedBench::run() {
+  std::vector<Timing> warm = warm_timings();
+  std::vector<Timing> cold = {warm[0], warm[6], warm[7]};
+  for (Timing& timing : cold) timing.name = "cold: " + timing.name;
+  std::vector<Timing> batches = batch_timings();
+  measure_warm(warm);
+  measure_cold(cold);
+  measure_batches(batches);
+  Speed speed{
+      processor_name(),    __VERSION__, FB_COMPILE_FLAGS, fb_instruction_set(model_.get()), affine_kernels().name,
+      load_time(archive_), {}};
+  for (std::vector<Timing>* timings : {&warm, &cold, &batches})
+    for (Timing& timing : *timings) speed.lines.push_back(timing.line());
+  speed.lines.push_back(read_line("reading as many bytes as a pose reads", static_cast<std::size_t>(pose_bytes_)));
+  speed.lines.push_back(read_line("reading as many bytes as the paper's network has", paper_.bytes()));
+  return speed;
 }
 
 }  // namespace
@@ -107,124 +304,9 @@ const SpeedLine& Speed::line(const std::string& name) const {
   return *found;
 }
 
-Speed measure_speed(std::span<const std::byte> archive, std::span<const float> controls, const SpeedOptions& options,
+Speed measure_speed(const facebaker::Archive& archive, std::span<const float> controls, const SpeedOptions& options,
                     Progress& progress) {
-  const PackedModel model = read_archive(archive).model;
-  const Evaluator evaluator(model);
-  const std::size_t width = evaluator.control_count(), floats = 3 * evaluator.vertex_count();
-  const std::size_t poses = controls.size() / width;
-  if (poses == 0) fail(Status::invalid_argument, "there are no poses to measure");
-  const auto pose_at = [&](std::size_t pose) { return controls.data() + pose % poses * width; };
-  const ByteCount count(model);
-  double touched = 0;
-  for (std::size_t pose = 0; pose < poses; ++pose) touched += double(count.touched({pose_at(pose), width}));
-  touched /= double(poses);
-
-  Workspace workspace(evaluator);
-  std::vector<Workspace> one;
-  one.emplace_back(evaluator);
-  std::vector<float> positions(floats), normals(floats), coefficients(evaluator.coefficient_count());
-  const std::vector<float> rest = model.schema.rest_pose();
-  const auto batch_of = [&](std::size_t pose, bool with_normals, VertexOrder order, NumberFormat format) {
-    Batch batch;
-    batch.poses = 1;
-    batch.controls = {pose_at(pose), width};
-    batch.positions = {positions.data(), floats};
-    if (with_normals) batch.normals = {normals.data(), floats};
-    batch.order = order;
-    batch.format = format;
-    evaluator.evaluate_batch(batch, one, {1});
-  };
-  PaperNetwork paper(width, evaluator.vertex_count());
-  FloatModel in_floats(model);
-
-  using enum VertexOrder;
-  using enum NumberFormat;
-  const double paper_bytes = double(paper.bytes()), float_bytes = double(in_floats.bytes());
-  std::vector<Timed> warm = {
-      {"positions", [&](std::size_t p) { evaluator.evaluate(pose_at(p), positions.data(), workspace); }, touched},
-      {"positions, baked order", [&](std::size_t p) { batch_of(p, false, baked, float32); }, touched},
-      {"positions, halves", [&](std::size_t p) { batch_of(p, false, source, float16); }, touched},
-      {"positions and normals", [&](std::size_t p) { batch_of(p, true, source, float32); }, touched},
-      {"coefficients", [&](std::size_t p) { evaluator.coefficients(pose_at(p), coefficients.data(), workspace); }},
-      {"at rest", [&](std::size_t) { evaluator.evaluate(rest.data(), positions.data(), workspace); }},
-      {"same model, floats, Eigen", [&](std::size_t p) { in_floats.evaluate(pose_at(p), positions.data()); },
-       float_bytes},
-      {"paper's network, Eigen", [&](std::size_t p) { paper.evaluate(1, pose_at(p), positions.data()); }, paper_bytes}};
-  progress.begin("measuring warm poses", options.rounds);
-  for (std::size_t round = 0; round < options.rounds; ++round) {
-    for (Timed& timed : warm) {
-      for (std::size_t pose = 0; pose < poses; ++pose) timed.run(pose);  // until all it reads is in the caches
-      for (std::size_t pose = 0; pose < poses; ++pose) timed.take(pose);
-    }
-    progress.step(round + 1);
-  }
-
-  Flusher flusher;
-  std::vector<Timed> cold = {{"cold: positions", warm[0].run, touched},
-                             {"cold: same model, floats, Eigen", warm[6].run, float_bytes},
-                             {"cold: paper's network, Eigen", warm[7].run, paper_bytes}};
-  progress.begin("measuring cold poses", options.cold);
-  for (std::size_t pose = 0; pose < options.cold; ++pose) {
-    for (Timed& timed : cold) {
-      flusher.flush();
-      timed.take(pose);
-    }
-    progress.step(pose + 1);
-  }
-
-  std::vector<float> many(options.batch * floats), inputs(options.batch * width);
-  for (std::size_t pose = 0; pose < options.batch; ++pose)
-    std::copy_n(pose_at(pose), width, inputs.begin() + pose * width);
-  const double written = double(floats * sizeof(float));
-  const std::string batched = format("batch of %zu: ", options.batch);
-  std::vector<Timed> batches = {
-      {batched + "positions",
-       [&](std::size_t) {
-         Batch batch;
-         batch.poses = options.batch;
-         batch.controls = inputs;
-         batch.positions = {many.data(), many.size()};
-         evaluator.evaluate_batch(batch, one, {1});
-       },
-       touched, options.batch},
-      {batched + "paper's network, Eigen",
-       [&](std::size_t) { paper.evaluate(options.batch, inputs.data(), many.data()); }, paper_bytes, options.batch},
-      {batched + "writing alone", [&](std::size_t) { std::memset(many.data(), 1, many.size() * sizeof(float)); },
-       written, options.batch},
-      {batched + "writing alone, past caches", [&](std::size_t) { write_past_caches(many.data(), many.size()); },
-       written, options.batch}};
-  progress.begin("measuring batches", options.rounds + 1);
-  for (std::size_t round = 0; round <= options.rounds; ++round) {
-    for (Timed& timed : batches)
-      if (round == 0)
-        timed.run(0);
-      else
-        timed.take(0);
-    progress.step(round + 1);
-  }
-
-  Speed speed{processor_name(), __VERSION__, FB_COMPILE_FLAGS, evaluator.kernels().name, affine_kernels().name,
-              loading(archive), {}};
-  for (std::vector<Timed>* group : {&warm, &cold, &batches})
-    for (Timed& timed : *group) speed.lines.push_back(timed.line());
-  const auto probe = [&](const char* name, std::size_t bytes) {
-    std::vector<std::uint64_t> memory(bytes / sizeof(std::uint64_t), 1);
-    volatile std::uint64_t kept = 0;
-    Timed timed{name,
-                [&](std::size_t) {
-                  std::uint64_t sum[8] = {};
-                  for (std::size_t i = 0; i + 8 <= memory.size(); i += 8)
-                    for (int k = 0; k < 8; ++k) sum[k] += memory[i + k];
-                  for (const std::uint64_t s : sum) kept = kept + s;
-                },
-                double(bytes)};
-    for (int n = 0; n < 30; ++n) timed.take(0);
-    speed.lines.push_back(timed.line());
-  };
-  probe("reading as many bytes as a pose reads", static_cast<std::size_t>(touched));
-  probe("reading as many bytes as the paper's network has", paper.bytes());
-  return speed;
+  return SpeedBench(archive, controls, options, progress).run();
 }
 
 }  // namespace fb::tool

@@ -1,13 +1,13 @@
-// How long poses take, beside what else could compute them and what memory allows.
+// How long poses take, beside the same work in Eigen and what memory bandwidth allows.
 #pragma once
 
 #include <cstddef>
+#include <facebaker/facebaker_bake.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/progress.h"
-#include "model/packed_model.h"
 
 namespace fb::tool {
 
@@ -15,7 +15,7 @@ namespace fb::tool {
 struct SpeedLine {
   std::string name;
   double least, median, p99;
-  double bytes;  // read of a model a pose, or moved; 0: not told
+  double bytes;  // of the model read a pose, or moved; 0: not known
 };
 
 struct Speed {
@@ -27,13 +27,13 @@ struct Speed {
 };
 
 struct SpeedOptions {
-  std::size_t rounds = 9;  // through all poses, methods taking turns
-  std::size_t cold = 40;   // poses measured cold
+  std::size_t rounds = 9;  // over all poses; within a round, methods take turns
+  std::size_t cold = 40;   // poses evaluated with cold caches
   std::size_t batch = 256;
 };
 
-// On the calling thread. controls: poses one after the other, in the order they are to be posed. Fails on none.
-Speed measure_speed(std::span<const std::byte> archive, std::span<const float> controls, const SpeedOptions& options,
+// On the calling thread. controls: poses x controls, in the order they are evaluated. Fails if there is no pose.
+Speed measure_speed(const facebaker::Archive& archive, std::span<const float> controls, const SpeedOptions& options,
                     Progress& progress);
 
 }  // namespace fb::tool

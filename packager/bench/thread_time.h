@@ -5,8 +5,8 @@
 
 namespace fb::tool {
 
-// Microseconds this thread has run, where the system tells: what other programs take of a shared machine is not
-// counted.
+// Processor time of this thread in microseconds, where the system has such a clock, so that other programs on a shared
+// machine do not count; else wall time.
 inline double thread_time() {
 #if defined(CLOCK_THREAD_CPUTIME_ID)
   timespec time;

@@ -3,20 +3,16 @@
 #include <cstdio>
 #include <memory>
 
-#include "archive/reader.h"
-#include "bake/dataset/open_source.h"
-#include "bake/rig/pose_set.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "bench/speed.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
 #include "commands/speed_text.h"
 
 namespace fb::tool {
-using namespace archive;
-using namespace bake;
 namespace {
 
 struct BenchCommand {
@@ -28,44 +24,52 @@ struct BenchCommand {
   void run() const;
 
  private:
-  std::vector<float> recorded(const RigSchema& schema) const;
+  std::vector<float> recorded_clip(const facebaker::Model& model) const;
 };
 
-// A shot nobody acted: one control in five swings to and fro, each at its own pace.
-std::vector<float> made_up(const RigSchema& schema, std::size_t poses) {
+// A synthetic shot: one control in five follows a sine wave over its range, each with a frequency of its own.
+std::vector<float> synthetic_clip(const facebaker::Model& model, std::size_t poses) {
+  const std::vector<fb_control> controls = controls_of(model);
   Random random(1);
-  std::vector<float> controls;
+  std::vector<float> values;
   for (std::size_t pose = 0; pose < poses; ++pose)
-    for (const Control& control : schema.controls) controls.push_back(control.rest);
-  for (std::size_t c = 0; c < schema.control_count(); ++c) {
-    const Control& control = schema.controls[c];
-    const float pace = random.uniform(0.02f, 0.2f), phase = random.uniform(0, 6.28f);
+    for (const fb_control& control : controls) values.push_back(control.rest);
+  for (std::size_t c = 0; c < controls.size(); ++c) {
+    const fb_control& control = controls[c];
+    const float frequency = random.uniform(0.02f, 0.2f), phase = random.uniform(0, 6.28f);
     if (random.uniform() >= 0.2f) continue;
     for (std::size_t pose = 0; pose < poses; ++pose) {
-      const float share = 0.5f + 0.5f * std::sin(pace * float(pose) + phase);
-      controls[pose * schema.control_count() + c] = control.minimum + share * (control.maximum - control.minimum);
+      const float share = 0.5f + 0.5f * std::sin(frequency * float(pose) + phase);
+      values[pose * controls.size() + c] = control.minimum + share * (control.maximum - control.minimum);
     }
   }
-  return controls;
+  return values;
 }
 
-std::vector<float> BenchCommand::recorded(const RigSchema& schema) const {
-  const auto source = open_sources(sources);
-  check_same_controls(schema, "the archive", source->schema(), "the source");
-  const PoseSet shots(*source, [](const Clip& clip) { return clip.split == Split::test; });
-  std::vector<float> controls = shots.controls();
-  controls.resize(std::min(shots.size(), poses) * schema.control_count());
-  return controls;
+// The first frames of the source's test clips.
+std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) const {
+  const facebaker::Source opened(sources);
+  const facebaker::SourceView source(opened);
+  source.check_model(model);
+  std::vector<float> values;
+  for (std::uint32_t c = 0; c < source.info().clip_count; ++c) {
+    const fb_clip clip = source.clip(c);
+    if (clip.split == FB_SPLIT_TEST)
+      values.insert(values.end(), clip.controls, clip.controls + clip.frames * model.control_count());
+  }
+  values.resize(std::min(values.size(), poses * model.control_count()));
+  return values;
 }
 
 void BenchCommand::run() const {
-  const std::vector<std::byte> bytes = read_file(archive);
-  const RigSchema schema = with_context(archive, [&] { return read_archive(bytes).model.schema; });
-  const std::vector<float> controls = sources.empty() ? made_up(schema, poses) : recorded(schema);
+  const facebaker::Archive face(archive);
+  const fb_archive_info info = face.info();
+  const facebaker::Model model(info.bytes, info.byte_count);
+  const std::vector<float> controls = sources.empty() ? synthetic_clip(model, poses) : recorded_clip(model);
   Speed speed;
   {
     ProgressBar progress;
-    speed = measure_speed(bytes, controls, options, progress);
+    speed = measure_speed(face, controls, options, progress);
   }
   if (!csv.empty()) write_file(csv, speed_csv(speed));
   std::fputs(speed_text(speed).c_str(), stdout);
@@ -77,14 +81,15 @@ void add_bench(CLI::App& tool) {
   auto command = std::make_shared<BenchCommand>();
   CLI::App* app = tool.add_subcommand("bench", "Measure how long an archive's poses take, beside float networks");
   add_archive(*app, command->archive);
-  app->add_option("--source", command->sources, "Whose test clips are posed, frame by frame; without, a made-up shot")
+  app->add_option("--source", command->sources,
+                  "Source whose test clips are posed, frame by frame; without it, a synthetic shot")
       ->type_name("SOURCE");
   const CLI::Range count(std::size_t{1}, std::size_t{1} << 20);
   const auto add_count = [&](const char* name, std::size_t& number, const char* what) {
     app->add_option(name, number, what)->check(count)->type_name("N")->capture_default_str();
   };
-  add_count("--poses", command->poses, "Frames that are posed, at most");
-  add_count("--rounds", command->options.rounds, "How often each of them is");
+  add_count("--poses", command->poses, "Frames to pose, at most");
+  add_count("--rounds", command->options.rounds, "How often each of them is measured");
   add_count("--batch", command->options.batch, "Poses of a batch");
   app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
   app->callback([command] { command->run(); });

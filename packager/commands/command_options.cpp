@@ -1,8 +1,12 @@
 #include "commands/command_options.h"
 
+#include <facebaker/facebaker_bake.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
 #include "base/file.h"
+#include "report/face_report.h"
 
 namespace fb::tool {
 
@@ -13,7 +17,7 @@ std::string whole_number(const std::string& word) {
 }
 
 void add_threads(CLI::App& command, Parallel& parallel) {
-  command.add_option("--threads", parallel.threads, "Threads to use; 0: all there are. Results do not depend on it.")
+  command.add_option("--threads", parallel.threads, "Threads to use; 0: all. Results do not depend on it.")
       ->check(CLI::Range(0, 1024))
       ->type_name("N")
       ->capture_default_str();
@@ -28,14 +32,15 @@ void add_seed(CLI::App& command, std::uint64_t& seed) {
 
 void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget) {
   const CLI::Range count(std::uint64_t{1}, std::uint64_t{1} << 32);
-  const CLI::Option* given = command.add_option("--poses", poses, "Poses to ask the rig for")
+  const CLI::Option* given = command.add_option("--poses", poses, "Training poses to sample from the rig")
                                  ->check(count)
                                  ->type_name("N")
                                  ->capture_default_str();
   command
-      .add_option("--rig-budget", rig_budget,
-                  "Poses to ask the rig for at most, for whatever reason: probing, its own clips, tests; new poses are "
-                  "cut to what that leaves, and are as many as that without --poses")
+      .add_option(
+          "--rig-budget", rig_budget,
+          "Poses of the rig to evaluate at most, for whatever reason: analysis, its own clips, tests; --poses is "
+          "reduced to what remains, and is all of it if not given")
       ->check(count)
       ->type_name("N");
   command.parse_complete_callback([given, &poses, &rig_budget] {
@@ -47,9 +52,16 @@ void add_mix(CLI::App& command, std::string& mix) {
   command
       .add_option(
           "--mix", mix,
-          "How poses are spread over the kinds: paper (excitations, regions, calisthenics) or dense (mostly many "
-          "controls of many regions at once)")
+          "Kinds of the sampled poses: paper (excitations, regional expressions, calisthenics) or dense (mostly "
+          "many controls of many control groups at once)")
       ->check(CLI::IsMember({"paper", "dense"}))
+      ->capture_default_str();
+}
+
+void add_epochs(CLI::App& command, std::uint32_t& epochs) {
+  command.add_option("--epochs", epochs, "Passes over the training poses; 0: as many as the recipe takes")
+      ->check(whole_number)
+      ->type_name("N")
       ->capture_default_str();
 }
 
@@ -64,6 +76,12 @@ void add_sources(CLI::App& command, std::vector<std::string>& sources) {
 
 void add_archive(CLI::App& command, std::string& archive) {
   command.add_option("FACE", archive, "The archive (.fbk)")->required();
+}
+
+void add_out_archive(CLI::App& command, std::string& out) {
+  command.add_option("--out", out, "The archive to write (.fbk); it appears complete or not at all")
+      ->type_name("FACE.fbk")
+      ->required();
 }
 
 void add_force(CLI::App& command, bool& force) {
@@ -84,18 +102,47 @@ std::string licence_text(const std::string& file) {
 
 void add_learning_curve(CLI::App& command, bool& learning_curve) {
   command.add_flag("--learning-curve", learning_curve,
-                   "Bake also on 1/8, 1/4 and 1/2 of the poses, for the report, and measure on clips not trained on");
+                   "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report");
 }
 
 void add_json_flag(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print the figures as JSON instead of text");
 }
 
-void add_report(CLI::App& command, std::string& folder, const char* also) {
+void add_report(CLI::App& command, std::string& folder, const char* more) {
   command
       .add_option("--report", folder,
-                  std::string("Folder to write the figures into, as JSON and as a readable table") + also)
+                  std::string("Folder to write the figures into, as JSON and as a Markdown table") + more)
       ->type_name("DIR");
+}
+
+std::vector<std::string> recipe_names() {
+  std::vector<std::string> names;
+  for (std::uint32_t r = 0; r < fb_recipe_count(); ++r) names.emplace_back(fb_recipe_name(r));
+  return names;
+}
+
+void FigureOutputs::add_to(CLI::App& command) {
+  command.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
+      ->type_name("FILE");
+  add_report(command, report, ", and a page of pictures, curves and tables (index.html)");
+}
+
+void FigureOutputs::check() const {
+  if (!json.empty() && json != "-") const AtomicFile trial(json);
+  if (!report.empty()) claim_report_folder(report);
+}
+
+void FigureOutputs::write(const std::string& name, const std::string& figures, const std::string& table) const {
+  if (!json.empty() && json != "-") write_file(json, figures);
+  if (!report.empty()) write_report(report, name, figures, table);
+  std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
+}
+
+void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,
+                  const std::string& table) {
+  write_file(folder / (name + ".json"), figures);
+  write_file(folder / (name + ".md"), table);
 }
 
 }  // namespace fb::tool

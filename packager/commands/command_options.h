@@ -1,7 +1,8 @@
-// Options that several commands share, declared the same way in each.
+// Options that several commands share, declared in the same way in each.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,25 +14,44 @@ class App;
 
 namespace fb::tool {
 
-// For options that count: the text of what is wrong with a word, empty if it is a whole number that is not negative
-// and fits 64 bits.
+// CLI11 check for counts: "" if the word is a non-negative whole number that fits 64 bits, else what is wrong with it.
 std::string whole_number(const std::string& word);
 
 void add_threads(CLI::App& command, Parallel& parallel);
 void add_seed(CLI::App& command, std::uint64_t& seed);
-// --poses and --rig-budget; a budget alone asks for as many poses as it allows.
+// --poses and --rig-budget; without --poses, a budget sets poses too.
 void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget);
 void add_mix(CLI::App& command, std::string& mix);
+void add_epochs(CLI::App& command, std::uint32_t& epochs);
 void add_sources(CLI::App& command, std::vector<std::string>& sources);
 void add_archive(CLI::App& command, std::string& archive);
+void add_out_archive(CLI::App& command, std::string& out);
 // --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
 void add_force(CLI::App& command, bool& force);
-// --licence: a text file that goes into the archive.
+// --licence: a text file whose text goes into the archive.
 void add_licence(CLI::App& command, std::string& file);
-std::string licence_text(const std::string& file);  // "" of no file
+std::string licence_text(const std::string& file);  // "" without a file
 void add_learning_curve(CLI::App& command, bool& learning_curve);
 void add_json_flag(CLI::App& command, bool& json);
-// `also` continues the sentence of the help: what is written besides.
-void add_report(CLI::App& command, std::string& folder, const char* also = "");
+// `more` ends the description: what is written besides.
+void add_report(CLI::App& command, std::string& folder, const char* more = "");
+
+// Names of all recipes.
+std::vector<std::string> recipe_names();
+
+// Where the figures of a measuring command go: --json FILE, --report DIR, standard output.
+struct FigureOutputs {
+  std::string json, report;
+
+  void add_to(CLI::App& command);
+  // Fails if either could not be written, before the work begins.
+  void check() const;
+  // Writes the JSON and the report's NAME.json and NAME.md; prints the table, or with --json - the JSON.
+  void write(const std::string& name, const std::string& figures, const std::string& table) const;
+};
+
+// Writes name.json and name.md into a folder of claim_report_folder.
+void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,
+                  const std::string& table);
 
 }  // namespace fb::tool

@@ -1,5 +1,6 @@
 // The commands of the tool, a file each. Each function declares a command's options; the command runs while the command
-// line is parsed, prints results on standard output and progress on standard error, and throws fb::Error when it fails.
+// line is parsed, prints results on standard output and progress on standard error, and throws fb::Error or
+// facebaker::Error when it fails.
 #pragma once
 
 namespace CLI {

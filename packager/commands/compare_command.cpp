@@ -1,140 +1,151 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
+#include <facebaker/facebaker_bake.hpp>
 #include <memory>
-#include <optional>
-#include <system_error>
 
-#include "bake/dataset/open_source.h"
-#include "bake/pipeline/compare.h"
-#include "bake/pipeline/recipe_table.h"
-#include "base/file.h"
+#include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/figure_outputs.h"
 #include "commands/progress_bar.h"
-#include "commands/report_json.h"
-#include "commands/table.h"
 #include "report/face_report.h"
+#include "report/table.h"
 
 namespace fb::tool {
-using namespace bake;
 namespace {
 
 struct CompareCommand {
+  CompareCommand() { fb_compare_desc_init(&desc); }
+
   std::vector<std::string> sources, methods = {"linear", "paper-tuned", "hero"};
-  std::string work;
+  std::string work, mix = "dense";
   FigureOutputs outputs;
-  BakeOptions options;
+  fb_compare_desc desc;
+  Parallel parallel;
+  bool learning_curve = false;
 
   void run();
+
+ private:
+  facebaker::Report compare(const facebaker::Source& source, const fb_callbacks& callbacks);
 };
 
-// A table with a column for every method and use; each row is named and filled from the method's report.
+// A table with a column for every method and use; each row is computed from the methods' figures.
 class MethodTable {
  public:
-  MethodTable(const CompareReport& report, const char* head) : report_(report), table_(heads(report, head)) {}
+  MethodTable(const FaceFigures& figures, const char* head) : figures_(figures), table_(heads(figures, head)) {}
 
   template <class Cell>
   void row(std::string name, const Cell& cell) {
     std::vector<std::string> row = {std::move(name)};
-    for (const MethodReport& method : report_.methods) row.push_back(cell(method));
+    for (const MethodFigures& method : figures_.methods) row.push_back(cell(method));
     table_.add(std::move(row));
   }
   std::string text() const { return table_.text() + "\n"; }
 
  private:
-  static std::vector<std::string> heads(const CompareReport& report, const char* head) {
+  static std::vector<std::string> heads(const FaceFigures& figures, const char* head) {
     std::vector<std::string> heads = {head};
-    for (const MethodReport& method : report.methods) heads.push_back(method.name + " " + name_of(method.use));
+    for (const MethodFigures& method : figures.methods) heads.push_back(method.name + " " + method.use);
     return heads;
   }
-  const CompareReport& report_;
+  const FaceFigures& figures_;
   Table table_;
 };
 
-// The paper's Table 1 with more figures, then the unseen clips one by one, then what each method costs.
-std::string compare_text(const CompareReport& report) {
-  const auto figure = [](double value) { return format("%.2e", value); };
-  MethodTable errors(report, "Table 1");
-  const auto add_test = [&](const std::string& test, const Errors& (*of)(const MethodReport&)) {
-    errors.row(test + " MSE", [&](const MethodReport& m) { return figure(of(m).mse); });
-    errors.row(test + " max err", [&](const MethodReport& m) { return figure(of(m).max); });
-    errors.row(test + " p99", [&](const MethodReport& m) { return figure(of(m).p99); });
-    errors.row(test + " mfm", [&](const MethodReport& m) { return figure(of(m).mfm); });
+std::string scientific(double value) {
+  return format("%.2e", value);
+}
+
+// The paper's Table 1 with more figures.
+std::string errors_text(const FaceFigures& figures) {
+  MethodTable table(figures, "Table 1");
+  const auto add_test = [&](const std::string& test, Errors MethodFigures::*errors) {
+    table.row(test + " MSE", [&](const MethodFigures& m) { return scientific((m.*errors).mse); });
+    table.row(test + " max err", [&](const MethodFigures& m) { return scientific((m.*errors).max); });
+    table.row(test + " p99", [&](const MethodFigures& m) { return scientific((m.*errors).p99); });
+    table.row(test + " mfm", [&](const MethodFigures& m) { return scientific((m.*errors).mfm); });
   };
-  add_test("independent", [](const MethodReport& m) -> const Errors& { return m.independent.total; });
-  add_test("dependency", [](const MethodReport& m) -> const Errors& { return m.dependency; });
-  MethodTable clips(report, "independent MSE by clip");
-  for (std::size_t c = 0; c < report.methods.at(0).independent.clips.size(); ++c)
-    clips.row(report.methods[0].independent.clips[c].name,
-              [&](const MethodReport& m) { return figure(m.independent.clips[c].errors.mse); });
-  MethodTable costs(report, "cost");
-  costs.row("archive, bytes", [](const MethodReport& m) { return std::to_string(m.bytes); });
-  costs.row("touched a shot pose, bytes: mean",
-            [](const MethodReport& m) { return format("%.0f", m.independent.touched.mean); });
-  costs.row("touched a shot pose, bytes: p95",
-            [](const MethodReport& m) { return std::to_string(m.independent.touched.p95); });
-  costs.row("poses trained on", [](const MethodReport& m) { return std::to_string(m.poses); });
-  costs.row("bones",
-            [](const MethodReport& m) { return m.stats.bones ? std::to_string(m.stats.bones) : std::string("-"); });
-  costs.row("coefficients", [](const MethodReport& m) { return std::to_string(m.coefficients); });
-  costs.row("trained numbers", [](const MethodReport& m) { return std::to_string(m.parameters); });
-  costs.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
+  add_test("independent", &MethodFigures::total);
+  add_test("dependency", &MethodFigures::dependency);
+  return table.text();
+}
+
+std::string clips_text(const FaceFigures& figures) {
+  MethodTable table(figures, "independent MSE by clip");
+  const std::vector<ClipErrors>& clips = figures.methods.at(0).clips;
+  for (std::size_t c = 0; c < clips.size(); ++c)
+    table.row(clips[c].name, [&](const MethodFigures& m) { return scientific(m.clips.at(c).errors.mse); });
+  return table.text();
+}
+
+std::string costs_text(const FaceFigures& figures) {
+  MethodTable table(figures, "cost");
+  const auto add_count = [&](const char* name, std::uint64_t MethodFigures::*count) {
+    table.row(name, [&](const MethodFigures& m) { return std::to_string(m.*count); });
+  };
+  add_count("archive, bytes", &MethodFigures::bytes);
+  table.row("touched a shot pose, bytes: mean", [](const MethodFigures& m) { return format("%.0f", m.touched.mean); });
+  table.row("touched a shot pose, bytes: p95", [](const MethodFigures& m) { return std::to_string(m.touched.p95); });
+  add_count("poses trained on", &MethodFigures::poses);
+  table.row("bones", [](const MethodFigures& m) { return m.bones ? std::to_string(m.bones) : std::string("-"); });
+  add_count("coefficients", &MethodFigures::coefficients);
+  add_count("trained numbers", &MethodFigures::parameters);
+  table.row("training, seconds", [](const MethodFigures& m) { return format("%.1f", m.train_seconds); });
+  return table.text();
+}
+
+std::string compare_text(const FaceFigures& figures) {
   std::string failures;
-  for (const MethodFailure& failure : report.failures)
-    failures += format("The %s of %s failed: %s\n", name_of(failure.use), failure.name.c_str(), failure.reason.c_str());
+  for (const MethodFailure& failure : figures.failures)
+    failures += format("The %s of %s failed: %s\n", failure.use.c_str(), failure.name.c_str(), failure.reason.c_str());
   return format(
              "%s: errors over the diagonal of the rest mesh, %g %s; mfm: mean over frames of the worst vertex.\n"
              "Independent: clips nothing was trained on. Dependency: data trained on.\n\n",
-             report.name.c_str(), report.diagonal, report.units.c_str()) +
-         errors.text() + clips.text() + costs.text() + failures;
+             figures.name.c_str(), figures.diagonal, figures.units.c_str()) +
+         errors_text(figures) + clips_text(figures) + costs_text(figures) + failures;
 }
 
-// A folder of this process for intermediate files, removed with everything in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "facebaker-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) fail(Status::io, "%s: cannot be made", pattern.c_str());
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+facebaker::Report CompareCommand::compare(const facebaker::Source& source, const fb_callbacks& callbacks) {
+  if (std::find(methods.begin(), methods.end(), "all") != methods.end()) methods = recipe_names();
+  std::vector<const char*> names;
+  for (const std::string& method : methods) names.push_back(method.c_str());
+  desc.source = source.get();
+  desc.methods = names.data();
+  desc.method_count = static_cast<std::uint32_t>(names.size());
+  desc.mix = mix.c_str();
+  desc.learning_curve = learning_curve ? 1 : 0;
+  desc.threads = static_cast<std::uint32_t>(parallel.threads);
+  desc.work = work.empty() ? nullptr : work.c_str();
+  desc.callbacks = callbacks;
+  return facebaker::compare(desc);
+}
 
 void CompareCommand::run() {
-  if (std::find(methods.begin(), methods.end(), "all") != methods.end()) methods = recipe_names();
-  const auto source = open_sources(sources);
+  std::vector<std::string> notes;
+  const facebaker::Source source(sources, collect_notes(notes));
   outputs.check();
-  std::optional<TemporaryFolder> temporary;
-  options.work = work.empty() ? temporary.emplace().path() : std::filesystem::path(work);
-  CompareReport result;
+  std::string document;
+  FaceFigures figures;
   {
     ProgressBar progress;
-    for (const std::string& note : source->notes()) progress.note(note);
-    result = compare(*source, methods, options, progress);
-    if (!outputs.report.empty())
-      write_face_report(outputs.report,
-                        {result.name + ": methods compared", "Measured on the clips of the split test.", result,
-                         result.recorded ? *result.recorded : *source},
-                        options.parallel, progress);
+    for (const std::string& note : notes) progress.note(note);
+    const facebaker::Report report = compare(source, progress.callbacks());
+    document = report.json();
+    figures = read_figures(report);
+    if (!outputs.report.empty()) {
+      fb_source* const recording = report.recording();
+      const facebaker::SourceView measured(recording ? recording : source.get());
+      write_face_report(outputs.report, {figures.name + ": methods compared", measured_on(figures), figures, measured},
+                        parallel, progress);
+    }
   }
-  outputs.write("compare", compare_json(result), compare_text(result));
-  if (!result.failures.empty())
-    fail(Status::internal, "%zu of %zu bakes failed; the first, the %s of \"%s\": %s", result.failures.size(),
-         result.failures.size() + result.methods.size(), name_of(result.failures[0].use),
-         result.failures[0].name.c_str(), result.failures[0].reason.c_str());
+  outputs.write("compare", document, compare_text(figures));
+  if (!figures.failures.empty()) {
+    const MethodFailure& first = figures.failures[0];
+    fail(Status::internal, "%zu of %zu bakes failed; the first, the %s of \"%s\": %s", figures.failures.size(),
+         figures.failures.size() + figures.methods.size(), first.use.c_str(), first.name.c_str(), first.reason.c_str());
+  }
 }
 
 }  // namespace
@@ -150,20 +161,17 @@ void add_compare(CLI::App& tool) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  add_poses(*app, command->options.poses, command->options.rig_budget);
-  add_mix(*app, command->options.mix);
-  app->add_option("--epochs", command->options.epochs, "Passes over the training poses; 0: each recipe's own number")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
+  add_poses(*app, command->desc.poses, command->desc.rig_budget);
+  add_mix(*app, command->mix);
+  add_epochs(*app, command->desc.epochs);
   app->add_option("--work", command->work,
-                  "Folder for intermediate files, kept so that the same command can go on; by default "
+                  "Folder for intermediate files, kept so that the same command can continue; by default "
                   "a temporary one")
       ->type_name("DIR");
-  command->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
-  add_learning_curve(*app, command->options.learning_curve);
-  add_seed(*app, command->options.seed);
-  add_threads(*app, command->options.parallel);
+  command->outputs.add_to(*app);
+  add_learning_curve(*app, command->learning_curve);
+  add_seed(*app, command->desc.seed);
+  add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });
 }
 

@@ -1,25 +1,16 @@
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cstdio>
-#include <filesystem>
+#include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
-#include "archive/reader.h"
-#include "bake/dataset/open_source.h"
-#include "bake/measure/evaluate.h"
-#include "bake/rig/rig_evaluator.h"
-#include "base/file.h"
+#include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/figure_outputs.h"
 #include "commands/progress_bar.h"
-#include "commands/report_json.h"
-#include "commands/table.h"
 #include "report/face_report.h"
+#include "report/table.h"
 
 namespace fb::tool {
-using namespace archive;
-using namespace bake;
 namespace {
 
 struct EvalCommand {
@@ -29,62 +20,57 @@ struct EvalCommand {
   Parallel parallel;
 
   void run();
-
- private:
-  void write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const;
 };
 
-std::string eval_text(const EvalReport& report) {
+std::string eval_text(const FaceFigures& figures) {
   Table table({"clip", "kind", "split", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
-  const auto add = [&](const std::string& name, const char* kind, const char* split, const Errors& e) {
+  const auto add = [&](const std::string& name, const std::string& kind, const std::string& split, const Errors& e) {
     std::vector<std::string> row = {name, kind, split, std::to_string(e.frames)};
     for (const double figure : {e.mse, e.rms, e.mean, e.p99, e.max, e.mfm}) row.push_back(format("%.2e", figure));
     table.add(std::move(row));
   };
-  for (const ClipErrors& clip : report.clips) add(clip.name, name_of(clip.kind), name_of(clip.split), clip.errors);
-  add("total", "", "", report.total);
-  const TouchedBytes& touched = report.touched;
+  const MethodFigures& face = figures.methods.at(0);
+  for (const ClipErrors& clip : face.clips) add(clip.name, clip.kind, clip.split, clip.errors);
+  add("total", "", "", face.total);
   return table.text() +
-         format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", report.diagonal,
-                report.units.c_str()) +
-         format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n", touched.mean,
-                static_cast<unsigned long long>(touched.p95));
+         format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", figures.diagonal,
+                figures.units.c_str()) +
+         format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n", face.touched.mean,
+                static_cast<unsigned long long>(face.touched.p95));
 }
 
-void EvalCommand::write_page(MethodReport face, std::vector<std::byte> bytes, Source& source) const {
-  face.name = std::filesystem::path(archive).stem().string();
-  face.bytes = bytes.size();
-  face.archive = std::move(bytes);
-  const CompareReport faces = alone(std::move(face), source);
-  const std::string measured =
-      split == "all" ? "Measured on all clips." : "Measured on the clips of the split " + split + ".";
-  ProgressBar progress;
-  write_face_report(outputs.report, {faces.methods[0].name, measured, faces, source}, parallel, progress);
+std::int32_t split_from(const std::string& name) {
+  return name == "all"          ? FB_SPLIT_ALL
+         : name == "train"      ? FB_SPLIT_TRAIN
+         : name == "validation" ? FB_SPLIT_VALIDATION
+                                : FB_SPLIT_TEST;
 }
 
 void EvalCommand::run() {
-  const std::vector<std::byte> bytes = read_file(archive);
-  with_context(archive, [&] { return read_archive(bytes).format_version; });
-  const auto source = open_sources(sources);
+  const facebaker::Archive face(archive);
+  std::vector<std::string> notes;
+  const facebaker::Source source(sources, collect_notes(notes));
   outputs.check();
-  std::optional<Split> only;
-  if (split != "all") only = split_from(split);
-  const bool detailed = !outputs.report.empty() || !outputs.json.empty();
-  MethodReport face;
-  {
+  fb_eval_desc desc;
+  fb_eval_desc_init(&desc);
+  desc.archive = face.get();
+  desc.source = source.get();
+  desc.split = split_from(split);
+  desc.threads = static_cast<std::uint32_t>(parallel.threads);
+  if (!outputs.report.empty() || !outputs.json.empty()) desc.measure = FB_MEASURE_QUALITY | FB_MEASURE_LOCALITY;
+  const facebaker::Report report = [&] {
     ProgressBar progress;
-    for (const std::string& note : source->notes()) progress.note(note);
-    face.independent =
-        evaluate_archive(bytes, *source, only, parallel, progress, detailed ? Detail::quality : Detail::errors);
-    if (detailed && source->live()) {
-      const std::array<std::span<const std::byte>, 1> archives = {bytes};
-      RigEvaluator evaluator(*source, parallel);
-      face.locality = measure_locality(archives, evaluator, {}, progress).at(0);
-    }
+    for (const std::string& note : notes) progress.note(note);
+    desc.callbacks = progress.callbacks();
+    return facebaker::eval(desc);
+  }();
+  const FaceFigures figures = read_figures(report);
+  if (!outputs.report.empty()) {
+    const std::string measured = split == "all" ? "Measured on all clips." : measured_on(figures);
+    ProgressBar progress;
+    write_face_report(outputs.report, {figures.methods.at(0).name, measured, figures, source}, parallel, progress);
   }
-  const std::string json = eval_json(archive, face.independent, face.locality), text = eval_text(face.independent);
-  if (!outputs.report.empty()) write_page(std::move(face), bytes, *source);
-  outputs.write("eval", json, text);
+  outputs.write("eval", report.json(), eval_text(figures));
 }
 
 }  // namespace
@@ -97,7 +83,7 @@ void add_eval(CLI::App& tool) {
   app->add_option("--split", command->split, "Which clips to measure on")
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
-  command->outputs.add_to(*app, ", and a page of pictures, curves and tables (index.html)");
+  command->outputs.add_to(*app);
   add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });
 }

@@ -1,19 +1,18 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <facebaker/facebaker_bake.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
-#include "archive/reader.h"
-#include "base/file.h"
+#include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/inspect_json.h"
-#include "commands/table.h"
-#include "runtime/evaluator.h"
+#include "report/table.h"
 
 namespace fb::tool {
-using namespace archive;
-using namespace runtime;
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct InspectCommand {
   std::string archive;
@@ -22,68 +21,130 @@ struct InspectCommand {
   void run() const;
 };
 
-std::string widths(const PackedRegion& region) {
-  std::string text = std::to_string(region.features.size());
-  for (const PackedLayer& layer : region.layers)
-    text += format(" > %u%s%s%s", layer.outputs,
-                   layer.activation == Activation::linear ? "" : (" " + name_of(layer.activation)).c_str(),
-                   layer.skip ? " skip" : "", layer.wide ? " wide" : "");
+// The features and layers of a network: "12 > 32 relu > 32 relu skip > 8 wide".
+std::string layers_text(const Json& region) {
+  std::string text = std::to_string(region.at("inputs").get<std::uint64_t>());
+  for (const Json& layer : region.at("layers")) {
+    const std::string activation = layer.at("activation");
+    text += " > " + std::to_string(layer.at("outputs").get<std::uint64_t>());
+    if (activation != "linear") text += " " + activation;
+    if (layer.at("skip").get<bool>()) text += " skip";
+    if (layer.at("bits") == 16) text += " wide";
+  }
   return text;
 }
 
-std::string control_table(const RigSchema& schema) {
+std::string control_table(const Json& document) {
   Table table({"control", "min", "max", "default", "group"});
-  for (const Control& control : schema.controls)
-    table.add({control.name, format("%g", control.minimum), format("%g", control.maximum), format("%g", control.rest),
-               control.group});
+  for (const Json& control : document.at("control_list"))
+    table.add({control.at("name"), format("%g", control.at("min").get<double>()),
+               format("%g", control.at("max").get<double>()), format("%g", control.at("default").get<double>()),
+               control.at("group")});
   return table.text();
 }
 
-std::string inspect_text(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
-                         std::uint64_t runtime_bytes) {
-  const PackedModel& model = archive.model;
-  const std::string recipe = recipe_of(archive);
+// A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.
+void add_errors(Table& table, const std::string& what, const Json& json) {
+  if (!json.is_object()) return;
+  std::vector<std::string> row = {what};
+  const auto frames = json.find("frames");
+  row.push_back(frames != json.end() && frames->is_number_unsigned() ? std::to_string(frames->get<std::uint64_t>())
+                                                                     : "");
+  for (const char* key : {"mse", "rms", "mean", "p99", "max", "mfm"}) {
+    const auto figure = json.find(key);
+    row.push_back(figure != json.end() && figure->is_number() ? format("%.3g", figure->get<double>()) : "");
+  }
+  table.add(std::move(row));
+}
+
+// Rows of a list of such objects, named by `key`.
+void add_error_list(Table& table, const char* what, const Json& json, const char* list, const char* key) {
+  const auto found = json.find(list);
+  if (found == json.end() || !found->is_array()) return;
+  for (const Json& item : *found)
+    if (item.is_object() && item.contains(key) && item[key].is_string())
+      add_errors(table, what + item[key].get<std::string>(), item);
+}
+
+std::string certificate_text(const Json& certificate) {
+  if (!certificate.is_object()) return "";
+  Table table({"errors over the diagonal", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
+  add_errors(table, "trained on", certificate.value("dependency", Json()));
+  const Json unseen = certificate.value("independent", Json());
+  add_errors(table, "unseen", unseen);
+  if (unseen.is_object()) {
+    add_error_list(table, "  kind ", unseen, "kinds", "kind");
+    add_error_list(table, "  clip ", unseen, "clips", "name");
+    add_error_list(table, "  region ", unseen, "regions", "name");
+  }
+  for (const char* key : {"quantisation", "repacked", "bound"}) add_errors(table, key, certificate.value(key, Json()));
+  std::string text = table.text();
+  const Json normals = unseen.is_object() ? unseen.value("normals", Json()) : Json();
+  if (normals.is_object() && normals.contains("rms_degrees") && normals["rms_degrees"].is_number())
+    text += format("normals, unseen: %.3g degrees (root mean square)\n", normals["rms_degrees"].get<double>());
+  return text;
+}
+
+std::string provenance_text(const Json& provenance) {
+  std::string text;
+  for (const auto& [key, value] : provenance.items())
+    text +=
+        key + ": " +
+        (value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+        "\n";
+  return text;
+}
+
+std::string summary_table(const facebaker::Archive& archive, const Json& document) {
+  const fb_archive_info info = archive.info();
+  const std::string units = document.at("units");
   Table table({"what", "value"});
-  const auto add = [&](const char* what, std::string value) { table.add({what, std::move(value)}); };
-  add("name", model.schema.name);
-  add("vertices", std::to_string(model.rest.vertex_count()));
-  add("polygons", std::to_string(model.rest.polygon_sizes.size()));
-  add("controls", std::to_string(model.schema.control_count()));
-  add("diagonal", format("%g %s", model.rest.diagonal(), model.schema.units.c_str()));
-  add("up axis", model.schema.up_axis);
-  add("recipe", recipe.empty() ? "-" : recipe);
-  add("coefficients", std::to_string(model.columns));
-  add("network parameters", std::to_string(model.parameter_count()));
-  add("basis numbers", std::to_string(model.value_count()));
-  add("format version", format("%u.%u", archive.format_version / 1000, archive.format_version % 1000));
-  add("bytes", std::to_string(total_bytes));
-  for (const SectionInfo& section : archive.sections)
-    table.add({"  " + section.name, section.raw_bytes == section.stored_bytes
-                                        ? std::to_string(section.stored_bytes)
-                                        : format("%llu of %llu", static_cast<unsigned long long>(section.stored_bytes),
-                                                 static_cast<unsigned long long>(section.raw_bytes))});
-  add("bytes in memory", std::to_string(runtime_bytes));
-  std::string text = path + "\n" + table.text();
-  for (const PackedRegion& region : model.regions)
-    text += format("network \"%s\": %s\n", region.name.c_str(), widths(region).c_str());
-  text += certificate_text(archive) + provenance_text(archive);
-  if (!archive.proof.hashes.empty())
-    text += format("proof: %zu poses (facebaker verify)\n", archive.proof.hashes.size());
-  if (!archive.text.licence.empty()) text += "licence:\n" + archive.text.licence + "\n";
-  for (const std::string& note : archive.notes) text += "note: " + note + "\n";
+  const auto count = [](const Json& number) { return std::to_string(number.get<std::uint64_t>()); };
+  table.add({"name", info.name});
+  table.add({"vertices", std::to_string(info.vertex_count)});
+  table.add({"polygons", count(document.at("polygons"))});
+  table.add({"controls", std::to_string(info.control_count)});
+  table.add({"diagonal", format("%g %s", document.at("diagonal").get<double>(), units.c_str())});
+  table.add({"up axis", document.at("up_axis")});
+  table.add({"recipe", *info.recipe ? info.recipe : "-"});
+  table.add({"coefficients", std::to_string(info.coefficient_count)});
+  table.add({"network parameters", std::to_string(info.parameter_count)});
+  table.add({"basis numbers", std::to_string(info.value_count)});
+  table.add({"format version", format("%u.%u", info.format_version / 1000, info.format_version % 1000)});
+  table.add({"bytes", std::to_string(info.byte_count)});
+  for (std::uint32_t s = 0; s < info.section_count; ++s) {
+    const fb_section section = archive.section(s);
+    std::string bytes = std::to_string(section.stored_bytes);
+    if (section.unpacked_bytes != section.stored_bytes) bytes += " of " + std::to_string(section.unpacked_bytes);
+    table.add({std::string("  ") + section.name, bytes});
+  }
+  table.add({"bytes in memory", count(document.at("runtime_bytes"))});
+  return table.text();
+}
+
+std::string inspect_text(const std::string& path, const facebaker::Archive& archive, const Json& document) {
+  const fb_archive_info info = archive.info();
+  std::string text = path + "\n" + summary_table(archive, document);
+  for (const Json& region : document.at("network").at("regions"))
+    text += "network \"" + region.at("name").get<std::string>() + "\": " + layers_text(region) + "\n";
+  text += certificate_text(document.at("certificate")) + provenance_text(document.at("provenance"));
+  if (info.proof_poses > 0) text += format("proof: %u poses (facebaker verify)\n", info.proof_poses);
+  if (*info.licence) text += std::string("licence:\n") + info.licence + "\n";
+  for (std::uint32_t n = 0; n < info.note_count; ++n)
+    text += std::string("note: ") + fb_archive_note_at(archive.get(), n) + "\n";
   return text;
 }
 
 void InspectCommand::run() const {
-  const auto bytes = read_file(archive);
-  const Archive contents = with_context(archive, [&] { return read_archive(bytes); });
-  const std::uint64_t runtime_bytes = Evaluator(contents.model).bytes();
+  const facebaker::Archive face(archive);
+  const std::string document = facebaker::inspect(face).json();
   if (json) {
-    std::fputs(inspect_json(archive, contents, bytes.size(), runtime_bytes).c_str(), stdout);
+    std::fputs(document.c_str(), stdout);
     return;
   }
-  std::fputs(inspect_text(archive, contents, bytes.size(), runtime_bytes).c_str(), stdout);
-  if (controls) std::fputs(control_table(contents.model.schema).c_str(), stdout);
+  const Json parsed = Json::parse(document);
+  std::fputs(inspect_text(archive, face, parsed).c_str(), stdout);
+  if (controls) std::fputs(control_table(parsed).c_str(), stdout);
 }
 
 }  // namespace

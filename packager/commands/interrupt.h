@@ -2,11 +2,11 @@
 
 namespace fb::tool {
 
-// From now on the first Ctrl-C (SIGINT), SIGTERM or SIGHUP only raises a flag and says so; a second one ends the
-// program at once. Writing beyond the limit on a file's size fails like writing to a full disk.
+// Installs signal handlers: the first Ctrl-C (SIGINT), SIGTERM or SIGHUP sets a flag and prints a line; a second one
+// ends the program at once. SIGXFSZ is ignored, so that writing beyond the limit on file sizes fails like a full disk.
 void watch_interrupts();
 
-// True once one of them came. Callable from any thread.
+// Whether one of them came. Thread-safe.
 bool interrupt_requested();
 
 }  // namespace fb::tool

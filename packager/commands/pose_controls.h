@@ -1,11 +1,10 @@
-// The control values a command line asks for.
+// Poses as a command line gives them.
 #pragma once
 
 #include <cstddef>
+#include <facebaker/facebaker.hpp>
 #include <string>
 #include <vector>
-
-#include "model/rig_schema.h"
 
 namespace fb::tool {
 
@@ -15,14 +14,17 @@ struct PoseRequest {
 };
 
 struct Poses {
-  std::vector<float> controls;  // frames x controls, all within their ranges
+  std::vector<float> controls;  // frames x controls, within their ranges
   std::size_t frames = 0;
-  std::size_t clamped = 0;         // values that were not
-  std::vector<std::string> notes;  // sentences that say which
+  std::size_t clamped = 0;         // values that were outside
+  std::vector<std::string> notes;  // sentences: which controls were
 };
 
+// The controls of a model, in order; their strings are the model's.
+std::vector<fb_control> controls_of(const facebaker::Model& model);
+
 // The clip, or the rest pose, with the values that are set put into every frame. Fails by name on an unknown control,
-// naming the closest there is, and on what is no number.
-Poses read_poses(const PoseRequest& request, const RigSchema& schema);
+// with the closest one there is, and on what is no number.
+Poses read_poses(const PoseRequest& request, const facebaker::Model& model);
 
 }  // namespace fb::tool

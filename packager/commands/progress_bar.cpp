@@ -23,6 +23,15 @@ double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::
 
 }  // namespace
 
+fb_callbacks collect_notes(std::vector<std::string>& notes) {
+  fb_callbacks callbacks = {};
+  callbacks.user = &notes;
+  callbacks.note = [](void* user, const char* sentence) {
+    static_cast<std::vector<std::string>*>(user)->emplace_back(sentence);
+  };
+  return callbacks;
+}
+
 std::string duration_text(double seconds) {
   const auto whole = static_cast<unsigned long long>(std::max(seconds, 0.0) + 0.5);
   if (whole < 60) return format("%llu s", whole);
@@ -71,6 +80,27 @@ void ProgressBar::note(std::string_view sentence) {
   if (done_ == total_) finish_stage();
   std::fprintf(stderr, "%snote: %.*s\n", terminal_ ? clear_line : "", static_cast<int>(sentence.size()),
                sentence.data());
+}
+
+fb_callbacks ProgressBar::callbacks() {
+  fb_callbacks callbacks = {};
+  callbacks.user = this;
+  callbacks.progress = [](void* user, const char* stage, std::uint64_t done, std::uint64_t total) -> std::int32_t {
+    ProgressBar& bar = *static_cast<ProgressBar*>(user);
+    if (bar.begins(stage, done))
+      bar.begin(stage, total);
+    else
+      bar.update(done);
+    return bar.cancelled();
+  };
+  callbacks.note = [](void* user, const char* sentence) { static_cast<ProgressBar*>(user)->note(sentence); };
+  return callbacks;
+}
+
+// Whether a call of the C callback begins a stage: it does so with done = 0, also for a second stage of the same name.
+bool ProgressBar::begins(std::string_view stage, std::uint64_t done) {
+  const std::lock_guard lock(mutex_);
+  return stage != stage_ || (done == 0 && counting_);
 }
 
 void ProgressBar::draw(Clock::time_point now) {

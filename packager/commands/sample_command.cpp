@@ -1,65 +1,82 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <facebaker/facebaker_bake.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "bake/dataset/open_source.h"
-#include "bake/sampling/sampling.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/json_text.h"
 #include "commands/progress_bar.h"
 
 namespace fb::tool {
-using namespace bake;
 namespace {
 
 struct SampleCommand {
-  std::string source, out;
-  SamplingOptions options;
-  std::vector<std::string> clips;
+  SampleCommand() { fb_sample_desc_init(&desc); }
+
+  std::string source, out, mix = "dense";
+  fb_sample_desc desc;
+  std::vector<std::string> clips;  // "NAME=FILE.npy"
   Parallel parallel;
   bool json = false, no_shots = false;
 
   void run();
 };
 
+struct ClipFile {
+  std::string name;
+  std::vector<float> controls;
+};
+
+ClipFile read_clip(const std::string& option, std::uint32_t control_count) {
+  const std::size_t equals = option.find('=');
+  if (equals == 0 || equals == std::string::npos)
+    fail(Status::invalid_argument, "--clip %s: give NAME=controls.npy", option.c_str());
+  return {option.substr(0, equals), facebaker::read_clip_file(option.substr(equals + 1), control_count)};
+}
+
 void SampleCommand::run() {
-  const auto rig = open_source(source);
-  if (!rig->live())
-    fail(Status::invalid_argument,
-         "%s: a recording cannot be asked for new poses; give a rig plugin, a glTF file or \"sample\"", source.c_str());
-  for (const std::string& clip : clips) {
-    const std::size_t equals = clip.find('=');
-    if (equals == 0 || equals == std::string::npos)
-      fail(Status::invalid_argument, "--clip %s: give NAME=controls.npy", clip.c_str());
-    options.extra.push_back(read_clip(clip.substr(0, equals), clip.substr(equals + 1), rig->schema()));
-  }
-  options.shots = !no_shots;
-  SampleReport report;
-  {
+  const facebaker::Source opened({source});
+  const facebaker::SourceView rig(opened);
+  if (!rig.live())
+    fail(Status::invalid_argument, "%s: a recording has no new poses; give a rig plugin, a glTF file or \"sample\"",
+         source.c_str());
+  const std::uint32_t control_count = rig.info().control_count;
+  std::vector<ClipFile> files;
+  for (const std::string& clip : clips) files.push_back(read_clip(clip, control_count));
+  std::vector<fb_rig_clip> rig_clips;
+  for (const ClipFile& file : files)
+    rig_clips.push_back({file.name.c_str(), FB_CLIP_SHOT, FB_SPLIT_TRAIN, 30,
+                         static_cast<std::uint32_t>(file.controls.size() / control_count), 0, file.controls.data()});
+  desc.source = opened.get();
+  desc.directory = out.c_str();
+  desc.mix = mix.c_str();
+  desc.shots = no_shots ? 0 : 1;
+  desc.threads = static_cast<std::uint32_t>(parallel.threads);
+  desc.clips = rig_clips.data();
+  desc.clip_count = static_cast<std::uint32_t>(rig_clips.size());
+  const facebaker::Report report = [&] {
     ProgressBar progress;
-    RigEvaluator evaluator(*rig, parallel);
-    report = sample(evaluator, options, out, progress);
+    desc.callbacks = progress.callbacks();
+    return facebaker::sample(desc);
+  }();
+  if (json) {
+    std::fputs(report.json().c_str(), stdout);
+    return;
   }
-  if (json)
-    std::fputs(json_text({{"dataset", out},
-                          {"poses", report.poses},
-                          {"evaluated", report.evaluated},
-                          {"rig_calls", report.rig_calls}})
-                   .c_str(),
-               stdout);
-  else
-    std::printf("%s: %zu poses, %zu of them evaluated now, in %llu rig calls\n", out.c_str(), report.poses,
-                report.evaluated, static_cast<unsigned long long>(report.rig_calls));
+  fb_sample_result result;
+  fb_sample_result_init(&result);
+  facebaker::check(fb_report_sample(report.get(), &result));
+  std::printf("%s: %llu poses, %llu of them evaluated now, in %llu rig calls\n", out.c_str(),
+              static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.evaluated),
+              static_cast<unsigned long long>(result.rig_calls));
 }
 
 }  // namespace
 
 void add_sample(CLI::App& tool) {
   auto command = std::make_shared<SampleCommand>();
-  CLI::App* app = tool.add_subcommand("sample", "Ask a rig for training poses and write them as a dataset folder");
+  CLI::App* app = tool.add_subcommand("sample", "Evaluate a rig in training poses and write them as a dataset folder");
   app->add_option(
          "SOURCE", command->source,
          "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or \"sample\" for the built-in face")
@@ -67,15 +84,14 @@ void add_sample(CLI::App& tool) {
   app->add_option("--out", command->out, "The dataset folder to write; one begun with the same options is continued")
       ->type_name("DIR")
       ->required();
-  add_poses(*app, command->options.poses, command->options.rig_budget);
-  add_mix(*app, command->options.mix);
+  add_poses(*app, command->desc.poses, command->desc.rig_budget);
+  add_mix(*app, command->mix);
   app->add_option("--clip", command->clips,
-                  "A clip of your own to evaluate as well: controls in a NumPy file of frames x "
-                  "controls (repeatable)")
+                  "A clip of your own to evaluate as well: a NumPy file of controls, frames x controls (repeatable)")
       ->type_name("NAME=FILE.npy")
       ->allow_extra_args(false);
-  app->add_flag("--no-shots", command->no_shots, "Leave the rig's own clips out");
-  add_seed(*app, command->options.seed);
+  app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
+  add_seed(*app, command->desc.seed);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);
   app->callback([command] { command->run(); });

@@ -1,7 +1,7 @@
 #include "commands/speed_text.h"
 
 #include "base/status.h"
-#include "commands/table.h"
+#include "report/table.h"
 
 namespace fb::tool {
 namespace {

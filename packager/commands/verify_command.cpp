@@ -1,16 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
-#include "bake/measure/certificate.h"
-#include "bake/measure/verify.h"
-#include "base/file.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/inspect_json.h"
 
 namespace fb::tool {
-using namespace bake;
 namespace {
 
 struct VerifyCommand {
@@ -18,18 +14,21 @@ struct VerifyCommand {
   bool json = false;
 
   void run() const {
-    const auto bytes = read_file(archive);
-    const VerifyReport report = with_context(archive, [&] { return verify_archive(bytes); });
+    const facebaker::Archive face(archive);
+    const facebaker::Report report = facebaker::verify(face);
+    fb_verify_result result;
+    fb_verify_result_init(&result);
+    facebaker::check(fb_report_verify(report.get(), &result));
     if (json) {
-      std::fputs(verify_json(archive, report).c_str(), stdout);
+      std::fputs(report.json().c_str(), stdout);
       return;
     }
-    if (report.poses == 0)
+    if (result.poses == 0)
       std::printf("%s: whole; it carries no poses to check\n", archive.c_str());
     else
-      std::printf("%s: whole; %zu poses of %zu vertices evaluate as archived, bit for bit\n", archive.c_str(),
-                  report.poses, report.vertices);
-    std::fputs(certificate_summary(report.certificate).c_str(), stdout);
+      std::printf("%s: whole; %llu poses of %llu vertices evaluate as archived, bit for bit\n", archive.c_str(),
+                  static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.vertices));
+    std::fputs(face.info().certificate_summary, stdout);
   }
 };
 
@@ -37,7 +36,8 @@ struct VerifyCommand {
 
 void add_verify(CLI::App& tool) {
   auto command = std::make_shared<VerifyCommand>();
-  CLI::App* app = tool.add_subcommand("verify", "Check that an archive is whole and still computes what was archived");
+  CLI::App* app =
+      tool.add_subcommand("verify", "Check that an archive is complete and evaluates to the bits it was archived with");
   add_archive(*app, command->archive);
   add_json_flag(*app, command->json);
   app->callback([command] { command->run(); });

@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "report/html.h"
-#include "report/report_pictures.h"
 #include "report/report_view.h"
 
 namespace fb::tool {
@@ -22,26 +21,24 @@ bool is_report(const std::filesystem::path& folder) {
 void claim_report_folder(const std::filesystem::path& folder) {
   make_folder(folder);
   if (is_report(folder)) return;
-  if (!std::filesystem::is_empty(folder))
-    fail(Status::io, "%s: there is something in it that is no report", folder.c_str());
-  Html page("A report to be");
+  if (!std::filesystem::is_empty(folder)) fail(Status::io, "%s: holds something that is no report", folder.c_str());
+  Html page("Unfinished report");
   page.paragraph("Work is going on, or was stopped before there was anything to report.");
   write_file(folder / "index.html", page.page());
 }
 
-CompareReport alone(MethodReport face, const Source& source) {
-  CompareReport faces{source.schema().name, source.schema().units, source.rest().diagonal(), 0, {}, {}, {}};
-  faces.methods.push_back(std::move(face));
-  return faces;
+std::string measured_on(const FaceFigures& figures) {
+  return figures.measured_split ? "Measured on the clips of the split " + *figures.measured_split + "."
+                                : "Not measured: there is no clip of the splits test and validation.";
 }
 
 void write_face_report(const std::filesystem::path& folder, const FaceReport& report, const Parallel& parallel,
                        Progress& progress) {
-  const ReportView view(report.faces);
+  const ReportView view(report.figures);
   Html page(report.title);
   add_summary(page, view, report);
   add_table_1(page, view);
-  add_pictures(page, view, report.frames, folder, parallel, progress);
+  add_pictures(page, view, report.source, folder, parallel, progress);
   add_parts(page, view);
   add_errors_over_time(page, view);
   add_methods(page, view);

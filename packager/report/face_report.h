@@ -1,30 +1,32 @@
-// The page that people look at to judge a face: figures, curves and pictures of the rig and of what was made of it.
+// The page by which people judge a face: figures, curves and pictures of the rig and of the baked faces.
 #pragma once
 
+#include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <string>
 
-#include "bake/pipeline/compare.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "report/figures.h"
 
 namespace fb::tool {
-using namespace bake;
 
-// Fails with io unless the folder is missing, empty or a report; then makes it one, so that whoever finds
-// it unfinished knows what it is.
+// Makes a folder for a report, with a page that says that work is going on. Fails with io unless the folder is missing,
+// empty or a report already.
 void claim_report_folder(const std::filesystem::path& folder);
-
-// A report of one face.
-CompareReport alone(MethodReport face, const Source& source);
 
 struct FaceReport {
   std::string title;
-  std::string measured_on;  // a sentence that says which clips the errors are of
-  const CompareReport& faces;
-  Source& frames;  // has the clips that were measured on
+  std::string measured_on;  // a sentence: the clips that the errors are of
+  const FaceFigures& figures;
+  facebaker::SourceView source;  // has the clips that were measured on
 };
 
-// Writes folder/index.html and the pictures it shows, each file whole or not at all, the page last. The folder is one
-// that claim_report_folder made.
+// "Measured on the clips of the split test.", or why nothing was measured.
+std::string measured_on(const FaceFigures& figures);
+
+// Writes folder/index.html and its pictures, each file complete or not at all, the page last, into a folder of
+// claim_report_folder.
 void write_face_report(const std::filesystem::path& folder, const FaceReport& report, const Parallel& parallel,
                        Progress& progress);
 

@@ -3,13 +3,11 @@
 #include <array>
 #include <cmath>
 
-#include "archive/reader.h"
 #include "base/status.h"
 #include "report/plot.h"
 #include "report/report_view.h"
 
 namespace fb::tool {
-using namespace archive;
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -39,30 +37,29 @@ constexpr std::array<PaperColumn, 4> paper_columns = {{{"Bob variant", "1.54e-3"
 }  // namespace
 
 void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
-  const MethodReport& ours = view.ours();
+  const MethodFigures& ours = view.ours();
   page.paragraph(
-      format("Errors are distances between a vertex and its place in the true rig, as fractions of the "
+      format("Errors are distances between a vertex and its position in the true rig, as fractions of the "
              "diagonal D of the rest mesh's bounding box: %.4g %s.",
-             view.faces().diagonal, view.faces().units.c_str()));
+             view.figures().diagonal, view.figures().units.c_str()));
   page.paragraph(report.measured_on);
   Rows rows = {{view.label(ours), ""}};
   if (view.measured()) {
-    const Errors& e = ours.independent.total;
+    const Errors& e = ours.total;
     rows.push_back({"frames measured", std::to_string(e.frames)});
     rows.push_back({"mean squared error / D^2", figure_text(e.mse)});
     rows.push_back({"root mean square / D", figure_text(e.rms)});
     rows.push_back({"99 % of vertices are nearer than / D", figure_text(e.p99)});
     rows.push_back({"worst vertex of all frames / D", figure_text(e.max)});
     rows.push_back({"worst vertex of a frame, on average / D", figure_text(e.mfm)});
-    if (ours.independent.quality)
-      rows.push_back({"normals, degrees rms", format("%.3f", ours.independent.quality->normal_rms)});
-    if (const MethodReport* linear = view.linear())
-      rows.push_back({"mse of linear blendshapes over ours", format("%.3g", linear->independent.total.mse / e.mse)});
+    if (ours.quality) rows.push_back({"normals, degrees rms", format("%.3f", ours.quality->normal_rms)});
+    if (const MethodFigures* linear = view.linear())
+      rows.push_back({"mse of linear blendshapes over ours", format("%.3g", linear->total.mse / e.mse)});
   }
   rows.push_back({"archive", bytes_text(static_cast<double>(ours.bytes))});
   if (ours.poses > 0) rows.push_back({"poses trained on", std::to_string(ours.poses)});
   if (ours.train_seconds > 0) rows.push_back({"training, seconds", format("%.1f", ours.train_seconds)});
-  if (ours.stats.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.stats.rig_calls)});
+  if (ours.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.rig_calls)});
   page.table(rows);
   for (const std::string& note : ours.stats.notes) page.paragraph(note);
 }
@@ -75,10 +72,10 @@ void add_table_1(Html& page, const ReportView& view) {
       "are the paper's own characters, with about 6,000 vertices and 500 controls, on the paper's own shots: "
       "other faces in other motion, so only orders of magnitude compare. Independent: poses nothing was "
       "trained on. Dependency: poses trained on.");
-  std::vector<const MethodReport*> shown;  // ours first
-  for (const MethodReport& method : view.methods())
+  std::vector<const MethodFigures*> shown;  // ours first
+  for (const MethodFigures& method : view.methods())
     if (method.name == view.ours().name) shown.push_back(&method);
-  for (const MethodReport& method : view.methods())
+  for (const MethodFigures& method : view.methods())
     if (method.name != view.ours().name && (method.name == "linear" || method.name.starts_with("paper")))
       shown.push_back(&method);
   Rows rows = {{"Independent test"}, {"MSE"}, {"Max err"}, {"Dependency test"}, {"MSE"}, {"Max err"}};
@@ -90,10 +87,10 @@ void add_table_1(Html& page, const ReportView& view) {
     rows[4].push_back(column.dependency_mse);
     rows[5].push_back(column.dependency_max);
   }
-  for (const MethodReport* method : shown) {
-    rows[0].push_back(view.faces().name + ": " + method->name + " " + name_of(method->use));
-    rows[1].push_back(of(method->independent.total, &Errors::mse));
-    rows[2].push_back(of(method->independent.total, &Errors::max));
+  for (const MethodFigures* method : shown) {
+    rows[0].push_back(view.figures().name + ": " + method->name + " " + method->use);
+    rows[1].push_back(of(method->total, &Errors::mse));
+    rows[2].push_back(of(method->total, &Errors::max));
     rows[3].push_back("");
     rows[4].push_back(of(method->dependency, &Errors::mse));
     rows[5].push_back(of(method->dependency, &Errors::max));
@@ -107,29 +104,28 @@ void add_methods(Html& page, const ReportView& view) {
   if (view.methods().size() > 1) {
     Rows rows = {{"method", "mse", "rms", "p99", "max", "mfm", "mse / ours", "dependency mse", "dependency max",
                   "archive", "trained numbers", "poses", "seconds"}};
-    for (const MethodReport& m : view.methods()) {
-      const Errors& e = m.independent.total;
+    for (const MethodFigures& m : view.methods()) {
+      const Errors& e = m.total;
       rows.push_back({view.label(m), of(e, &Errors::mse), of(e, &Errors::rms), of(e, &Errors::p99), of(e, &Errors::max),
-                      of(e, &Errors::mfm), format("%.3g", e.mse / view.ours().independent.total.mse),
+                      of(e, &Errors::mfm), format("%.3g", e.mse / view.ours().total.mse),
                       of(m.dependency, &Errors::mse), of(m.dependency, &Errors::max),
                       bytes_text(static_cast<double>(m.bytes)), std::to_string(m.parameters), std::to_string(m.poses),
                       format("%.1f", m.train_seconds)});
     }
     page.table(rows);
-    for (const MethodFailure& failure : view.faces().failures)
+    for (const MethodFailure& failure : view.figures().failures)
       page.paragraph(
-          format("The %s of \"%s\" failed: %s", name_of(failure.use), failure.name.c_str(), failure.reason.c_str()));
+          format("The %s of \"%s\" failed: %s", failure.use.c_str(), failure.name.c_str(), failure.reason.c_str()));
     page.subheading("Mean squared error by clip");
   }
   Rows rows = {{"clip", "kind", "split", "frames"}};
-  for (const MethodReport& m : view.methods()) rows[0].push_back(view.label(m));
+  for (const MethodFigures& m : view.methods()) rows[0].push_back(view.label(m));
   if (view.methods().size() == 1) rows[0].insert(rows[0].end(), {"rms", "p99", "max", "mfm"});
-  const auto& clips = view.ours().independent.clips;
+  const auto& clips = view.ours().clips;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const Errors& e = clips[c].errors;
-    rows.push_back({clips[c].name, name_of(clips[c].kind), name_of(clips[c].split), std::to_string(e.frames)});
-    for (const MethodReport& m : view.methods())
-      rows.back().push_back(of(m.independent.clips.at(c).errors, &Errors::mse));
+    rows.push_back({clips[c].name, clips[c].kind, clips[c].split, std::to_string(e.frames)});
+    for (const MethodFigures& m : view.methods()) rows.back().push_back(of(m.clips.at(c).errors, &Errors::mse));
     if (view.methods().size() == 1)
       for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
         rows.back().push_back(of(e, figure));
@@ -139,7 +135,7 @@ void add_methods(Html& page, const ReportView& view) {
 }
 
 void add_smoothness(Html& page, const ReportView& view) {
-  if (!view.measured() || !view.ours().independent.quality) return;
+  if (!view.measured() || !view.ours().quality) return;
   page.heading("Smoothness");
   page.paragraph(
       "Normals: degrees between the area-weighted vertex normals of the rig and of the method. Jitter: root mean "
@@ -148,9 +144,9 @@ void add_smoothness(Html& page, const ReportView& view) {
       "the two that meet there; a seam shows as a ratio well above 1.");
   Rows rows = {{"method", "normals rms", "normals p99", "jitter / D", "jump at borders", "jump inside", "ratio",
                 "border edges"}};
-  for (const MethodReport& m : view.methods()) {
-    if (!m.independent.quality) continue;
-    const Quality& q = *m.independent.quality;
+  for (const MethodFigures& m : view.methods()) {
+    if (!m.quality) continue;
+    const Quality& q = *m.quality;
     const bool border = q.border_edges > 0;
     rows.push_back({view.label(m), format("%.3f deg", q.normal_rms), format("%.3f deg", q.normal_p99),
                     q.jitter_frames > 0 ? figure_text(q.jitter) : "-", border ? figure_text(q.border_jump) : "-",
@@ -161,54 +157,55 @@ void add_smoothness(Html& page, const ReportView& view) {
 }
 
 void add_locality(Html& page, const ReportView& view) {
-  const auto measured = [](const MethodReport& m) { return m.locality.has_value(); };
+  const auto measured = [](const MethodFigures& m) { return m.locality.has_value(); };
   page.heading("Locality");
   if (std::none_of(view.methods().begin(), view.methods().end(), measured)) {
     page.paragraph(
-        "Not measured: whether a control moves vertices that it does not move in the rig can only be told by "
-        "asking a live rig.");
+        "Not measured: whether a control moves vertices that it does not move in the rig can only be "
+        "measured on a live rig.");
     return;
   }
   const auto first = std::find_if(view.methods().begin(), view.methods().end(), measured);
-  const LocalityOptions& options = first->locality->options;
+  const Locality& options = *first->locality;
   page.paragraph(
       format("Every control was moved in %u poses, alone and among others. A leak is how far the archive then moves a "
-             "vertex that "
-             "the rig moves less than %.0e D in all of them; leaks up to %.0e D are tolerated.",
+             "vertex that the rig moves less than %.0e D in all of them; leaks up to %.0e D are tolerated.",
              options.poses, options.still, options.tolerance));
   Rows rows = {{"method", "largest leak / D", "controls above the tolerance"}};
-  for (const MethodReport& m : view.methods())
+  for (const MethodFigures& m : view.methods())
     if (m.locality)
-      rows.push_back({view.label(m), figure_text(m.locality->largest), format("%.1f %%", 100 * m.locality->above)});
+      rows.push_back(
+          {view.label(m), figure_text(m.locality->largest), format("%.1f %%", 100 * m.locality->share_above)});
   page.table(rows);
   if (!view.ours().locality || view.ours().locality->largest == 0) return;
   Rows worst = {{"largest leaks of " + view.label(view.ours()), "leak / D", "vertex"}};
-  for (const ControlLeak& leak : view.ours().locality->leaks)
-    if (leak.leak > 0 && worst.size() <= 10)
-      worst.push_back({leak.control, figure_text(leak.leak), std::to_string(leak.vertex)});
+  for (const Leak& leak : view.ours().locality->worst)
+    worst.push_back({leak.control, figure_text(leak.distance), std::to_string(leak.vertex)});
   page.table(worst);
 }
 
 void add_sizes(Html& page, const ReportView& view) {
   page.heading("Size");
-  const MethodReport& ours = view.ours();
-  const Archive archive = read_archive(ours.archive);
+  const MethodFigures& ours = view.ours();
+  const facebaker::Archive archive(ours.archive.data(), ours.archive.size(), ours.name);
   page.paragraph(format("The archive of %s has %s.", view.label(ours).c_str(),
                         bytes_text(static_cast<double>(ours.archive.size())).c_str()));
   Rows rows = {{"section", "stored", "unpacked", "share of the file"}};
   std::vector<Bar> bars;
-  for (const SectionInfo& section : archive.sections) {
+  for (std::uint32_t s = 0; s < archive.info().section_count; ++s) {
+    const fb_section section = archive.section(s);
     rows.push_back({section.name, bytes_text(static_cast<double>(section.stored_bytes)),
-                    bytes_text(static_cast<double>(section.raw_bytes)),
+                    bytes_text(static_cast<double>(section.unpacked_bytes)),
                     format("%.1f %%", 100.0 * static_cast<double>(section.stored_bytes) /
                                           static_cast<double>(ours.archive.size()))});
     bars.push_back({section.name, {static_cast<double>(section.stored_bytes) / 1e3}});
   }
   page.table(rows);
-  if (const TouchedBytes& touched = ours.independent.touched; touched.poses > 0)
-    page.paragraph(format("A pose reads %s of the model on average, %s at most, of %s (%zu poses looked at).",
+  if (const TouchedBytes& touched = ours.touched; touched.poses > 0)
+    page.paragraph(format("A pose reads %s of the model on average, %s at most, of %s (measured on %zu poses).",
                           bytes_text(touched.mean).c_str(), bytes_text(static_cast<double>(touched.max)).c_str(),
-                          bytes_text(static_cast<double>(touched.runtime_bytes)).c_str(), touched.poses));
+                          bytes_text(static_cast<double>(touched.all)).c_str(),
+                          static_cast<std::size_t>(touched.poses)));
   page.raw(draw_bars({"kB"}, {1}, bars, false));
 }
 

@@ -9,22 +9,24 @@
 namespace fb::tool {
 namespace {
 
-// Recipes by what a reader wants to see of a face, the last first wanted; any other recipe comes before them.
-constexpr std::array<const char*, 4> least_to_most = {"linear", "paper", "compact", "hero"};
+// Recipes in the order of preference for the pictures, the best last; any other recipe ranks as 1.
+constexpr std::array<const char*, 4> by_preference = {"linear", "paper", "compact", "hero"};
 
 std::size_t rank(const std::string& name) {
-  const auto at = std::find(least_to_most.begin(), least_to_most.end(), name);
+  const auto at = std::find(by_preference.begin(), by_preference.end(), name);
   if (name == "linear") return 0;
-  return at == least_to_most.end() ? 1 : 1 + static_cast<std::size_t>(at - least_to_most.begin());
+  return at == by_preference.end() ? 1 : 1 + static_cast<std::size_t>(at - by_preference.begin());
 }
 
 }  // namespace
 
-ReportView::ReportView(const CompareReport& faces) : faces_(&faces) {
+ReportView::ReportView(const FaceFigures& figures) : figures_(&figures) {
   const auto& all = methods();
   for (std::size_t m = 1; m < all.size(); ++m) {
-    const std::size_t mine = rank(all[m].name), best = rank(all[ours_].name);
-    if (mine > best || (mine == best && all[m].name == all[ours_].name && all[m].use < all[ours_].use)) ours_ = m;
+    const std::size_t candidate = rank(all[m].name), best = rank(all[ours_].name);
+    if (candidate > best ||
+        (candidate == best && all[m].name == all[ours_].name && all[m].use == "variant" && all[ours_].use == "backlot"))
+      ours_ = m;
   }
   for (std::size_t m = 0; m < all.size(); ++m) {
     if (m != ours_ && all[m].name == ours().name && all[m].use != ours().use) backlot_ = m;
@@ -34,13 +36,13 @@ ReportView::ReportView(const CompareReport& faces) : faces_(&faces) {
   }
 }
 
-std::string ReportView::label(const MethodReport& method) const {
-  const auto other_use = [&](const MethodReport& other) { return other.use != method.use; };
+std::string ReportView::label(const MethodFigures& method) const {
+  const auto other_use = [&](const MethodFigures& other) { return other.use != method.use; };
   const bool both = std::any_of(methods().begin(), methods().end(), other_use);
-  return both ? method.name + " " + name_of(method.use) : method.name;
+  return both ? method.name + " " + method.use : method.name;
 }
 
-int ReportView::colour(const MethodReport& method) const {
+int ReportView::colour(const MethodFigures& method) const {
   const auto at = std::find(recipes_.begin(), recipes_.end(), method.name);
   if (at == recipes_.end()) return 0;
   if (method.name == ours().name) return 1;

@@ -5,13 +5,12 @@
 
 namespace fb::tool {
 
-// Rows of words and numbers for people: the first column flush left, the others flush right.
+// A text table that is also valid Markdown: the first column flush left, the others flush right.
 class Table {
  public:
   explicit Table(std::vector<std::string> heads) : rows_{std::move(heads)} {}
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  // One line a row; also a valid Markdown table. Control characters, which names from a stranger's file may hold,
-  // become question marks.
+  // One line a row. Control characters, which names in a foreign file may have, become question marks.
   std::string text() const;
 
  private:

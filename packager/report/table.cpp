@@ -1,4 +1,4 @@
-#include "commands/table.h"
+#include "report/table.h"
 
 #include <algorithm>
 

@@ -1,0 +1,124 @@
+// The figures of baked or measured faces, read once from the JSON document of fb_report_details; docs/measuring.md
+// explains them. Figures that were not measured are NaN, or absent where they are optional.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <facebaker/facebaker_bake.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fb::tool {
+
+// Distances from the true rig over the diagonal; see fb_errors.
+struct Errors {
+  std::uint64_t frames = 0;  // 0: not measured
+  double mse = 0, rms = 0, mean = 0, p99 = 0, max = 0, mfm = 0;
+  std::uint64_t worst_frame = 0;
+};
+
+struct ClipErrors {
+  std::string name, kind, split;
+  Errors errors;
+  std::vector<double> frame_mse, frame_max;  // one a frame; empty without quality
+};
+
+// Errors of a region or of the frames in which a control is active.
+struct PartErrors {
+  std::string name;
+  double mse = 0, max = 0;
+};
+
+struct Quality {
+  double normal_rms = 0, normal_p99 = 0;  // degrees
+  double jitter = 0, border_jump = 0, inside_jump = 0;
+  std::uint64_t jitter_frames = 0, border_edges = 0;
+  std::vector<PartErrors> regions, controls;
+  std::vector<float> vertex_rms;           // one a vertex
+  std::vector<std::size_t> vertex_region;  // one a vertex: an index into region_names, or their number for none
+  std::vector<std::string> region_names;
+};
+
+// Motion that a control causes where it causes none in the rig.
+struct Leak {
+  std::string control;
+  double distance = 0;  // over the diagonal
+  std::uint64_t vertex = 0;
+};
+
+struct Locality {
+  double largest = 0, share_above = 0;
+  double tolerance = 0, still = 0;
+  std::uint32_t poses = 0;
+  std::vector<Leak> worst;  // the largest first
+};
+
+// Bytes of the model that a pose reads.
+struct TouchedBytes {
+  std::uint64_t poses = 0;  // evaluated; 0: not measured
+  double mean = 0;
+  std::uint64_t p95 = 0, max = 0, all = 0;
+};
+
+// One network of the bake.
+struct NetworkStats {
+  std::string name;
+  std::uint64_t vertices = 0, inputs = 0, coefficients = 0, parameters = 0, restarts = 0;
+  double energy = 0, validation = 0;
+  std::vector<double> training_loss, validation_loss;  // one an epoch
+};
+
+struct LearningPoint {
+  double poses = 0, mse = 0, max = 0;
+};
+
+struct StageTime {
+  std::string name;
+  double seconds = 0;
+};
+
+struct BakeStats {
+  std::vector<std::string> notes;
+  std::vector<NetworkStats> networks;
+  std::vector<LearningPoint> learning;
+  std::string coverage;
+  std::vector<StageTime> stages;
+};
+
+struct FrameAddress {
+  std::size_t clip = 0, frame = 0;
+};
+
+// One face: a method of `compare`, or the only one of `bake` and `eval`.
+struct MethodFigures {
+  std::string name, use;
+  Errors total, dependency;  // on unseen clips, and on poses trained on
+  std::vector<ClipErrors> clips;
+  std::vector<FrameAddress> worst_frames;  // by index into clips; the worst first
+  std::uint64_t bytes = 0, parameters = 0, coefficients = 0, bones = 0, poses = 0, rig_calls = 0;
+  double train_seconds = 0;
+  TouchedBytes touched;
+  std::optional<Quality> quality;
+  std::optional<Locality> locality;
+  BakeStats stats;
+  std::span<const std::byte> archive;  // the report's
+};
+
+struct MethodFailure {
+  std::string name, use, reason;
+};
+
+struct FaceFigures {
+  std::string name, units;
+  double diagonal = 0;
+  std::optional<std::string> measured_split;
+  std::vector<MethodFigures> methods;
+  std::vector<MethodFailure> failures;
+};
+
+// Of a report of bake, compare or eval, which must outlive the result.
+FaceFigures read_figures(const facebaker::Report& report);
+
+}  // namespace fb::tool
