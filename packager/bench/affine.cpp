@@ -1,8 +1,9 @@
-#include "bench/affine.h"
+#define FB_AFFINE affine_base
+#define FB_AFFINE_NAME "baseline"
+#include "bench/affine_kernel.inl"
 
 namespace fb::tool {
 
-extern const AffineKernels affine_base;
 #if defined(__x86_64__)
 extern const AffineKernels affine_avx2, affine_avx512;
 #endif

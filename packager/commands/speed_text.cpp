@@ -6,7 +6,7 @@
 namespace fb::tool {
 namespace {
 
-// How many times quicker than the paper's network under the same conditions; "" where there is none.
+// How many times faster than the paper's network under the same condition ("cold: "); "" where that makes no sense.
 std::string ratio(const Speed& speed, const SpeedLine& line) {
   const std::size_t colon = line.name.find(": ");
   const std::string condition = colon == std::string::npos ? "" : line.name.substr(0, colon + 2);

@@ -28,8 +28,8 @@ svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots {
 </style>
 )";
 
-// Bytes of the UTF-8 sequence that begins here; 0 if none does.
-std::size_t sequence(std::string_view text) {
+// Length of the UTF-8 sequence that text begins with; 0 if it is invalid.
+std::size_t sequence_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t lead = byte(0);
   if (lead < 0x80) return lead >= 32 && lead != 127 ? 1 : 0;
@@ -50,7 +50,7 @@ std::size_t sequence(std::string_view text) {
 std::string escape_html(std::string_view text) {
   std::string escaped;
   while (!text.empty()) {
-    const std::size_t length = sequence(text);
+    const std::size_t length = sequence_length(text);
     const std::string_view character = text.substr(0, length);
     if (length == 0)
       escaped += '?';

@@ -1,4 +1,4 @@
-// A page of plain HTML: no scripts, nothing loaded from elsewhere, readable on light and dark.
+// Self-contained HTML pages: no scripts, nothing loaded from elsewhere, for light and dark themes.
 #pragma once
 
 #include <string>
@@ -7,21 +7,21 @@
 
 namespace fb::tool {
 
-// Text as HTML shows it: markup characters become entities, control characters and bytes that are no UTF-8 become '?'.
+// Escapes text: markup characters become entities, control characters and invalid UTF-8 become '?'.
 std::string escape_html(std::string_view text);
 
-// Builds the body from top to bottom. Every word given to it is text, except in `raw`.
+// Builds the body from top to bottom. All arguments are plain text and escaped, except that of `raw`.
 class Html {
  public:
   explicit Html(std::string title) : title_(std::move(title)) {}
 
-  void heading(std::string_view text);  // also an entry of the list of contents
+  void heading(std::string_view text);  // also an entry of the table of contents
   void subheading(std::string_view text);
   void paragraph(std::string_view text);
   void preformatted(std::string_view text);
-  // First row: heads; first column: words, the others numbers.
+  // First row: headings; first column: text, the others numbers.
   void table(const std::vector<std::vector<std::string>>& rows);
-  // A picture of the report's folder.
+  // An image file in the report's folder.
   void picture(const std::string& file, std::string_view caption);
   void raw(std::string_view markup) { body_ += markup; }
 
@@ -32,7 +32,7 @@ class Html {
   int headings_ = 0;
 };
 
-// How every page of a report begins, by which its folder is known as one.
+// How every page of a report begins; identifies its folder as a report.
 inline constexpr std::string_view report_mark =
     "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
     "<meta name=\"generator\" content=\"FaceBaker report\">\n";

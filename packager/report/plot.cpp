@@ -20,7 +20,7 @@ std::string text_at(double x, double y, const char* anchor, const std::string& w
          "</text>\n";
 }
 
-// One axis: values to pixels, and where its ticks are.
+// Maps values to pixels.
 struct Axis {
   bool logarithmic = false;
   double low = 0, high = 1;   // of the value, or of its decimal logarithm
@@ -28,7 +28,7 @@ struct Axis {
   std::vector<double> ticks;  // values
 
   bool shows(double value) const { return std::isfinite(value) && (!logarithmic || value > 0); }
-  double at(double value) const {
+  double pixel(double value) const {
     const double v = logarithmic ? std::log10(value) : value;
     return from + (std::clamp(v, low, high) - low) / (high - low) * (to - from);
   }
@@ -85,7 +85,7 @@ std::string line_of(const Curve& curve, const Axis& x, const Axis& y) {
   };
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     if (!x.shows(curve.x[i]) || !y.shows(curve.y[i])) continue;
-    const double px = x.at(curve.x[i]), py = y.at(curve.y[i]);
+    const double px = x.pixel(curve.x[i]), py = y.pixel(curve.y[i]);
     if (std::floor(px) != column) {
       flush();
       column = std::floor(px);
@@ -102,14 +102,14 @@ std::string line_of(const Curve& curve, const Axis& x, const Axis& y) {
          "</title></polyline>\n";
 }
 
-// A curve's values without its lowest tenth, so that a few frames at rest do not flatten all else.
+// Without the lowest tenth of the values, so that a few frames at rest do not compress the rest of the scale.
 std::vector<double> without_lowest(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 10));
   return values;
 }
 
-// Of a mark and a name of so many letters.
+// Of an entry, with a name of so many letters.
 double legend_width(std::size_t letters) {
   return 34 + 7.0 * static_cast<double>(letters);
 }
@@ -144,14 +144,14 @@ std::string draw_plot(const Plot& plot) {
   svg += "<title>" + escape_html(plot.title) + "</title>\n";
   svg += text_at(left, 16, "start", plot.title, "font-weight=\"600\"");
   for (const double tick : y.ticks) {
-    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", x.from, x.to, y.at(tick),
-                  y.at(tick));
-    svg += text_at(left - 6, y.at(tick) + 4, "end", number(tick));
+    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", x.from, x.to,
+                  y.pixel(tick), y.pixel(tick));
+    svg += text_at(left - 6, y.pixel(tick) + 4, "end", number(tick));
   }
   for (const double tick : x.ticks) {
-    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", x.at(tick), x.at(tick),
-                  y.from, y.to);
-    svg += text_at(x.at(tick), y.from + 16, "middle", number(tick));
+    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", x.pixel(tick),
+                  x.pixel(tick), y.from, y.to);
+    svg += text_at(x.pixel(tick), y.from + 16, "middle", number(tick));
   }
   svg += format("<rect class=\"frame\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>\n", left, top,
                 x.to - x.from, y.from - y.to);
@@ -191,16 +191,16 @@ std::string draw_bars(const std::vector<std::string>& series, const std::vector<
     lx += legend_width(series[s].size());
   }
   for (const double tick : axis.ticks) {
-    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", axis.at(tick),
-                  axis.at(tick), top - 6, height - 20);
-    svg += text_at(axis.at(tick), height - 6, "middle", number(tick), "class=\"faint\"");
+    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", axis.pixel(tick),
+                  axis.pixel(tick), top - 6, height - 20);
+    svg += text_at(axis.pixel(tick), height - 6, "middle", number(tick), "class=\"faint\"");
   }
   double y = top;
   for (const Bar& bar : bars) {
     svg += text_at(left - 8, y + 0.5 * (group - gap) + 4, "end",
                    bar.name.size() > 28 ? bar.name.substr(0, 26) + ".." : bar.name);
     for (std::size_t s = 0; s < bar.values.size(); ++s, y += thick) {
-      const double end = axis.shows(bar.values[s]) ? axis.at(bar.values[s]) : axis.from;
+      const double end = axis.shows(bar.values[s]) ? axis.pixel(bar.values[s]) : axis.from;
       svg += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" style=\"fill:%s\"/>\n", axis.from, y,
                     std::max(end - axis.from, 0.5), thick - 1.5, colour_of(colours[s]).c_str());
       svg += text_at(end + 4, y + 9, "start", format("%.3g", bar.values[s]), "style=\"font-size:10px\"");

@@ -1,4 +1,4 @@
-// Curves and bars as SVG that a page holds within itself.
+// Plots and bar charts as inline SVG.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@ namespace fb::tool {
 
 struct Curve {
   std::string name;
-  std::vector<double> x, y;  // as many of each; with a logarithmic scale, points that are not above 0 are left out
-  int colour = 0;            // one of eight: 0 is grey; taken modulo 8
+  std::vector<double> x, y;  // equally long; on a logarithmic scale, points that are not above 0 are left out
+  int colour = 0;            // one of eight, modulo 8; 0 is grey
   bool dotted = false;
 };
 
@@ -20,8 +20,8 @@ struct Plot {
   int width = 560, height = 300;
 };
 
-// Curves of more points than the plot is wide are drawn by the largest of each column. Where y is logarithmic, a
-// curve's lowest tenth does not stretch the scale and may lie on its edge. Empty if there is no point.
+// SVG; empty if there is no point. Of several points in one column of pixels the largest is drawn. On a logarithmic
+// scale the lowest tenth of a curve's values does not extend the range and may be clamped to its edge.
 std::string draw_plot(const Plot& plot);
 
 struct Bar {
@@ -29,8 +29,8 @@ struct Bar {
   std::vector<double> values;  // one a series
 };
 
-// A list of bars, each with its numbers; series are named and coloured alike throughout. A logarithmic scale spans at
-// most twelve decades below the largest value.
+// SVG of horizontal bars labelled with their values; series: names, colours: one of each series. A logarithmic scale
+// spans at most twelve decades below the largest value.
 std::string draw_bars(const std::vector<std::string>& series, const std::vector<int>& colours,
                       const std::vector<Bar>& bars, bool logarithmic);
 

@@ -71,7 +71,7 @@ const std::map<std::string, Layers>& law() {
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline"});
-    may["packager"] = may["authoring C ABI"];
+    may["packager"] = {"base", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};
     return may;

@@ -1,4 +1,4 @@
-// A reader of .glb files that knows nothing of us but checks what the glTF specification asks.
+// An independent reader of .glb files that checks the rules of the glTF specification.
 #pragma once
 
 #include <doctest/doctest.h>

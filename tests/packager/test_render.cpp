@@ -1,4 +1,4 @@
-// Properties a picture must have, whatever its exact pixels.
+// Properties of rendered images that do not depend on exact pixels.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ Shape sphere(std::uint32_t rings = 24, std::uint32_t segments = 48) {
   return shape;
 }
 
-// Pixels that show something: the backdrop is the same along a row, and the first column is always backdrop.
+// Pixels that show something: the background is constant along a row, and the first column is always background.
 std::vector<bool> silhouette(const Image& image) {
   std::vector<bool> covered(image.pixels.size());
   for (int y = 0; y < image.height; ++y)
@@ -82,7 +82,7 @@ Image draw(const Shape& shape, const View& view = {}, const std::vector<float>& 
 
 }  // namespace
 
-TEST_CASE("the camera fits what it frames into the picture, up to the margin") {
+TEST_CASE("the camera fits all points into the image, up to the margin") {
   View view;
   view.margin = 0.1f;
   CHECK(share(silhouette(draw(square(), view))) == doctest::Approx(0.8 * 0.8).epsilon(0.03));
@@ -90,7 +90,7 @@ TEST_CASE("the camera fits what it frames into the picture, up to the margin") {
   CHECK(share(silhouette(draw(sphere(), view))) == doctest::Approx(M_PI / 4 * 0.8 * 0.8).epsilon(0.05));
 }
 
-TEST_CASE("a region is what has to be in the picture, in place of the whole") {
+TEST_CASE("with a region, only its points must be in the image") {
   const Shape shape = sphere();
   View view;
   view.region = BoundingBox{{-0.3f, -0.3f, 0.5f}, {0.3f, 0.3f, 2}};
@@ -106,7 +106,7 @@ TEST_CASE("a region is what has to be in the picture, in place of the whole") {
   CHECK(farthest == doctest::Approx(1 - 2 * view.margin));
 }
 
-TEST_CASE("a symmetric shape has a symmetric outline, and opposite views mirrored ones") {
+TEST_CASE("a symmetric shape has a symmetric silhouette, and opposite views mirrored ones") {
   const auto front = silhouette(draw(sphere()));
   CHECK(differing(front, mirrored(front, small.width)) < 10);
   Shape lopsided = sphere();
@@ -120,7 +120,7 @@ TEST_CASE("a symmetric shape has a symmetric outline, and opposite views mirrore
   CHECK(differing(from_left, from_right) > 500);
 }
 
-TEST_CASE("z-up is y-up turned") {
+TEST_CASE("a z-up mesh looks like the y-up mesh rotated") {
   Shape shape = sphere();
   for (std::size_t i = 0; i < shape.points.size(); i += 3) shape.points[i + 1] *= 1.4f;
   Shape turned = shape;
@@ -161,7 +161,7 @@ TEST_CASE("an error map shows known values in the colours of its scale") {
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
   }
-  // Lightness falls from no error to full error, so that the map also reads in grey.
+  // Lightness decreases from no error to full error, so that the map also reads in grey.
   float before = 2;
   for (int i = 0; i <= 20; ++i) {
     const Vector3 colour = map_colour(i / 20.0f, 1);
@@ -172,7 +172,7 @@ TEST_CASE("an error map shows known values in the colours of its scale") {
   CHECK(to_srgb(map_colour(9, 1)) == to_srgb(map_colour(1, 1)));
 }
 
-TEST_CASE("a face beside the truth is measured over the diagonal and shown on the scale asked for") {
+TEST_CASE("a comparison measures over the diagonal and uses the given scale") {
   const Shape shape = square();
   const std::vector<std::uint32_t> sizes = {4}, corners = {0, 1, 2, 3};
   const MeshView rest = {shape.points, sizes, corners};
@@ -206,7 +206,7 @@ TEST_CASE("scales end on 1, 2 or 5") {
   CHECK(round_scale(0) == doctest::Approx(1e-6));
 }
 
-TEST_CASE("normals of a sphere point outwards, and it is open to the whole sky, but not inside") {
+TEST_CASE("a sphere has outward normals, and ambient occlusion inside only") {
   const Shape shape = sphere();
   auto normals = vertex_normals(shape.triangles, shape.points);
   for (std::size_t v = 0; v < normals.size(); ++v) CHECK(dot(normals[v], vector_at(shape.points.data(), v)) > 0.98f);
@@ -217,7 +217,7 @@ TEST_CASE("normals of a sphere point outwards, and it is open to the whole sky, 
     CHECK(ambient_occlusion < 0.1f);
 }
 
-TEST_CASE("a wall takes half of the sky from the floor beside it") {
+TEST_CASE("a wall occludes half of the sky of the floor beside it") {
   // The floor y = 0 reaches from the wall x = 0 to x = 4; both are cut fine.
   Shape corner;
   const int steps = 40;
@@ -244,14 +244,14 @@ TEST_CASE("a wall takes half of the sky from the floor beside it") {
   CHECK(on_floor(steps / 2, 3) < on_floor(steps / 2, steps / 2));
 }
 
-TEST_CASE("pictures do not depend on threads") {
+TEST_CASE("images do not depend on the number of threads") {
   const Shape shape = sphere();
   const Scene scene = {.triangles = shape.triangles, .points = shape.points};
   const Camera camera = fit_camera(shape.points, "y", {}, 1);
   CHECK(render(scene, camera, small, {.threads = 1}).pixels == render(scene, camera, small, {.threads = 4}).pixels);
 }
 
-TEST_CASE("points that are behind the camera or not there do no harm") {
+TEST_CASE("points behind the camera and empty meshes do no harm") {
   Shape shape = sphere();
   Camera camera = fit_camera(shape.points, "y", {}, 1);
   camera.position = {0, 0, 0};
@@ -259,7 +259,7 @@ TEST_CASE("points that are behind the camera or not there do no harm") {
   CHECK(share(silhouette(render({.triangles = {}, .points = {}}, fit_camera({}, "y", {}, 1), small))) == 0);
 }
 
-TEST_CASE("panels stand side by side with their scale, and text stays inside the picture") {
+TEST_CASE("a montage has its panels side by side with a colour bar, and text is clipped to the image") {
   const Image red(100, 80, {255, 0, 0}), blue(100, 80, {0, 0, 255});
   const Image plain = make_montage({{red, "left", {}}, {blue, "right", {}}});
   const Image scaled = make_montage({{red, "left", {}}, {blue, "right", 0.5f}});

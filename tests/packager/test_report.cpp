@@ -1,4 +1,4 @@
-// Pages of reports: what they are made of, and that they are whole.
+// HTML, plots, and the completeness of the pages that the tool writes.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What the page names in an attribute: src="..." of pictures, href="..." of links.
+// The values of an attribute on a page: src="..." of pictures, href="..." of links.
 std::vector<std::string> named(const std::string& page, const std::string& attribute) {
   std::vector<std::string> names;
   const std::string begin = attribute + "=\"";
@@ -39,7 +39,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("words of others are shown and do nothing else") {
+TEST_CASE("foreign text is escaped") {
   CHECK(escape_html("<b>&\"jaw's\"") == "&lt;b&gt;&amp;&quot;jaw&#39;s&quot;");
   CHECK(escape_html("na\xc3\xafve") == "na\xc3\xafve");
   CHECK(escape_html("\xff\xc3(\x01") ==
@@ -55,7 +55,7 @@ TEST_CASE("words of others are shown and do nothing else") {
   for (const char* markup : {"<script", "<i>", "<caption>", "a\"b", "a <title>"}) CHECK_FALSE(contains(html, markup));
 }
 
-TEST_CASE("a plot shows every curve that has a point, and nothing is drawn of none") {
+TEST_CASE("a plot shows every curve with a point, and is empty without any") {
   Plot plot{"rise", "epoch", "error", {{"one <two>", {1, 2, 3}, {1e-3, 0, 1e-5}, 1}, {"none", {1}, {0}, 2}}};
   const std::string svg = draw_plot(plot);
   CHECK(contains(svg, "one &lt;two&gt;"));
@@ -68,7 +68,7 @@ TEST_CASE("a plot shows every curve that has a point, and nothing is drawn of no
   CHECK(contains(draw_bars({"s"}, {1}, {{"jaw", {0.25}}}, false), "0.25"));
 }
 
-TEST_CASE("compare writes a page that has all it shows, and figures of quality and locality") {
+TEST_CASE("compare writes a complete page, and figures of quality and locality") {
   const ScratchFolder folder;
   const std::string report = folder / "report";
   const ToolRun run = run_tool({"compare", FB_TOY_RIG, "--poses", "120", "--epochs", "2", "--learning-curve",
@@ -96,7 +96,7 @@ TEST_CASE("compare writes a page that has all it shows, and figures of quality a
     CHECK(method.at("locality").at("largest") >= 0);
     CHECK(method.at("locality").at("share_above") <= 1);
   }
-  // Again into the same folder: it is a report. Into another's: no.
+  // A folder that holds a report is accepted again; one that holds anything else is refused.
   std::filesystem::create_directory(folder / "mine");
   write_file(std::filesystem::path(folder / "mine/notes.txt"), std::string("mine"));
   const ToolRun refused = run_tool({"compare", FB_TOY_RIG, "--poses", "20", "--report", folder / "mine"});

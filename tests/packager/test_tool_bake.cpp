@@ -49,16 +49,8 @@ void write_index(const std::string& dataset, const Json& index) {
   fb::write_file(dataset + "/dataset.json", index.dump());
 }
 
-}  // namespace
-
-TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
-  const ScratchFolder folder;
-  const std::string dataset = folder / "data", archive = folder / "toy.fbk", json = folder / "eval.json";
-  sample_toy(dataset);
-  const ToolRun again = run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "200", "--json"});
-  REQUIRE(again.exit_code == 0);
-  CHECK(Json::parse(again.out).at("evaluated") == 0);  // all of it was there
-
+// Bakes a dataset with a report, in a folder that has nothing else but the dataset.
+void check_bake(const ScratchFolder& folder, const std::string& dataset, const std::string& archive) {
   const ToolRun bake = run_tool({"bake", dataset, "--out", archive, "--recipe", "paper", "--epochs", "2", "--report",
                                  folder / "report", "--json"});
   CAPTURE(bake.err);
@@ -69,32 +61,22 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
     CHECK(baked.contains(key));
   CHECK(folder.names() == std::vector<std::string>{"data", "report", "toy.fbk"});
   CHECK(text_of(folder / "report/bake.json") == bake.out);
+}
 
-  const ToolRun verify = run_tool({"verify", archive, "--json"});
-  REQUIRE(verify.exit_code == 0);
-  CHECK(Json::parse(verify.out).at("poses") > 0);
-  CHECK(Json::parse(verify.out).at("vertices") > 0);
-
-  const ToolRun eval = run_tool({"eval", archive, dataset, "--json", json, "--report", folder / "report"});
-  CAPTURE(eval.err);
-  REQUIRE(eval.exit_code == 0);
-  const Json measured = Json::parse(text_of(json));
-  CHECK(measured.at("archive") == archive);
+// The document of `eval` on the toy rig's test clip, against the errors that the library measures.
+void check_figures(const Json& measured, const fb::bake::Errors& errors) {
   CHECK(measured.at("units") == "cm");
   CHECK(measured.at("diagonal") > 0);
   REQUIRE(measured.at("clips").size() == 1);
-  CHECK(measured["clips"][0].at("name") == "frown");
-  CHECK(measured["clips"][0].at("kind") == "shot");
-  CHECK(measured["clips"][0].at("split") == "test");
-  CHECK(measured["clips"][0].at("frames") == 12);
+  const Json &clip = measured.at("clips")[0], &total = measured.at("total");
+  CHECK(clip.at("name") == "frown");
+  CHECK(clip.at("kind") == "shot");
+  CHECK(clip.at("split") == "test");
+  CHECK(clip.at("frames") == 12);
   for (const std::string& figure : figures) {
-    CHECK(measured["clips"][0].at(figure) > 0);
-    CHECK(measured.at("total").at(figure) == measured["clips"][0].at(figure));
+    CHECK(clip.at(figure) > 0);
+    CHECK(total.at(figure) == clip.at(figure));
   }
-  const fb::bake::Errors errors = fb::bake::evaluate_archive(fb::read_file(archive), *fb::bake::open_source(dataset),
-                                                             fb::bake::Split::test, {}, fb::silent_progress())
-                                      .total;
-  const Json& total = measured["total"];
   CHECK(total.at("mse") == errors.mse);
   CHECK(total.at("rms") == errors.rms);
   CHECK(total.at("mean") == errors.mean);
@@ -108,35 +90,59 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
   CHECK(touched.at("mean") <= touched.at("max"));
   CHECK(touched.at("p95") <= touched.at("max"));
   CHECK(touched.at("max") <= touched.at("all"));
-  CHECK(eval.out.find(std::to_string(touched.at("p95").get<std::uint64_t>())) != std::string::npos);
-  CHECK(text_of(folder / "report/eval.json") == text_of(json));
-  CHECK(eval.out.find("frown") != std::string::npos);
-
-  // The same clip beside the rig: the same largest error.
-  const std::vector<std::string> beside = {"pose",     archive,    "--clip", dataset + "/frown.controls.npy",
-                                           "--beside", FB_TOY_RIG, "--json"};
-  const auto picture = [&](const std::vector<std::string>& more) {
-    auto arguments = beside;
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const ToolRun run = run_tool(arguments);
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
-    return Json::parse(run.out);
-  };
-  const Json frames = picture({"--size", "16x16", "--out", folder / "frown.png"});
-  CHECK(frames.at("frames") == 12);
-  CHECK(frames.at("max").get<double>() == doctest::Approx(errors.max).epsilon(1e-5));
-  CHECK(std::filesystem::file_size(folder / "report/worst.png") > 0);
-
-  const ToolRun all = run_tool({"eval", archive, dataset, "--split", "all", "--json", "-"});
-  REQUIRE(all.exit_code == 0);
-  CHECK(Json::parse(all.out).at("clips").size() == 7);
-  const ToolRun train = run_tool({"eval", archive, dataset, "--split", "train", "--json", "-"});
-  REQUIRE(train.exit_code == 0);
-  CHECK(Json::parse(train.out).at("clips").size() == 6);
 }
 
-TEST_CASE("a bake is told how many bytes, or how large an error") {
+std::size_t clips_of_split(const std::string& archive, const std::string& dataset, const char* split) {
+  const ToolRun run = run_tool({"eval", archive, dataset, "--split", split, "--json", "-"});
+  REQUIRE(run.exit_code == 0);
+  return Json::parse(run.out).at("clips").size();
+}
+
+}  // namespace
+
+TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "data", archive = folder / "toy.fbk", json = folder / "eval.json";
+  sample_toy(dataset);
+  const ToolRun again = run_tool({"sample", FB_TOY_RIG, "--out", dataset, "--poses", "200", "--json"});
+  REQUIRE(again.exit_code == 0);
+  CHECK(Json::parse(again.out).at("evaluated") == 0);  // all of it was there
+  check_bake(folder, dataset, archive);
+
+  const ToolRun verify = run_tool({"verify", archive, "--json"});
+  REQUIRE(verify.exit_code == 0);
+  CHECK(Json::parse(verify.out).at("poses") > 0);
+  CHECK(Json::parse(verify.out).at("vertices") > 0);
+
+  const ToolRun eval = run_tool({"eval", archive, dataset, "--json", json, "--report", folder / "report"});
+  CAPTURE(eval.err);
+  REQUIRE(eval.exit_code == 0);
+  const Json measured = Json::parse(text_of(json));
+  CHECK(measured.at("archive") == archive);
+  const fb::bake::Errors errors = fb::bake::evaluate_archive(fb::read_file(archive), *fb::bake::open_source(dataset),
+                                                             fb::bake::Split::test, {}, fb::silent_progress())
+                                      .total;
+  check_figures(measured, errors);
+  CHECK(eval.out.find(std::to_string(measured.at("touched_bytes").at("p95").get<std::uint64_t>())) !=
+        std::string::npos);
+  CHECK(text_of(folder / "report/eval.json") == text_of(json));
+  CHECK(eval.out.find("frown") != std::string::npos);
+  CHECK(std::filesystem::file_size(folder / "report/worst.png") > 0);
+
+  // The same clip beside the rig: the same largest error.
+  const ToolRun beside = run_tool({"pose", archive, "--clip", dataset + "/frown.controls.npy", "--beside", FB_TOY_RIG,
+                                   "--json", "--size", "16x16", "--out", folder / "frown.png"});
+  CAPTURE(beside.err);
+  REQUIRE(beside.exit_code == 0);
+  const Json frames = Json::parse(beside.out);
+  CHECK(frames.at("frames") == 12);
+  CHECK(frames.at("max").get<double>() == doctest::Approx(errors.max).epsilon(1e-5));
+
+  CHECK(clips_of_split(archive, dataset, "all") == 7);
+  CHECK(clips_of_split(archive, dataset, "train") == 6);
+}
+
+TEST_CASE("a bake keeps to a limit of bytes or of error, or fails") {
   const ScratchFolder folder;
   const std::string archive = folder / "toy.fbk";
   std::vector<std::string> bake = {"bake", FB_TOY_RIG, "--poses", "100", "--recipe", "linear", "--out", archive};
@@ -159,14 +165,14 @@ TEST_CASE("a bake is told how many bytes, or how large an error") {
   CHECK(precise.err.find("asked for an error of 0.001 of the diagonal, the smallest reached is ") != std::string::npos);
   const ToolRun negative = with("--max-error", "-1");
   CHECK(negative.exit_code == 2);
-  CHECK(is_complaint(negative.err, "bake", {"--max-error"}));
+  CHECK(is_error_line(negative.err, "bake", {"--max-error"}));
   bake[5] = "paper";
   const ToolRun paper = with("--max-bytes", "100");
   CHECK(paper.exit_code == 1);
-  CHECK(is_complaint(paper.err, "bake", {"\"paper\""}));
+  CHECK(is_error_line(paper.err, "bake", {"\"paper\""}));
 }
 
-TEST_CASE("a rig is sampled without its shots if they are not wanted") {
+TEST_CASE("--no-shots leaves the rig's own clips out") {
   const ScratchFolder folder;
   REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--poses", "20", "--no-shots"}).exit_code == 0);
   const Json index = read_index(folder / "data");
@@ -176,7 +182,7 @@ TEST_CASE("a rig is sampled without its shots if they are not wanted") {
   }
 }
 
-TEST_CASE("a rig budget bounds all that the rig is asked for") {
+TEST_CASE("a rig budget bounds all evaluations of the rig") {
   const ScratchFolder folder;
   const ToolRun sampled = run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--rig-budget", "400", "--json"});
   REQUIRE(sampled.exit_code == 0);
@@ -191,7 +197,7 @@ TEST_CASE("a rig budget bounds all that the rig is asked for") {
   CHECK(Json::parse(baked.out).at("rig_calls") <= 300);
   CHECK(Json::parse(baked.out).at("poses") == 300 - 5 * 6 - 73);
   const ToolRun poor = run_tool({"sample", FB_TOY_RIG, "--out", folder / "poor", "--rig-budget", "100"});
-  CHECK(is_complaint(poor.err, "sample", {"rig budget of 100"}));
+  CHECK(is_error_line(poor.err, "sample", {"rig budget of 100"}));
 }
 
 TEST_CASE("clips of the user are sampled too, if they fit the rig") {
@@ -205,7 +211,7 @@ TEST_CASE("clips of the user are sampled too, if they fit the rig") {
   for (const std::string& wrong : {wide, "=" + clip, "mine=" + wide, "mine=" + (folder / "none.npy")}) {
     const ToolRun run = sample(wrong);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "sample", {}));
+    CHECK(is_error_line(run.err, "sample", {}));
     CHECK(!std::filesystem::exists(dataset));
   }
   REQUIRE(sample("mine=" + clip).exit_code == 0);
@@ -255,10 +261,10 @@ TEST_CASE("compare lists every method with its figures") {
   CHECK(run.out.find("backlot") != std::string::npos);
   const ToolRun twice = run_tool({"compare", FB_TOY_RIG, "--methods", "linear,linear"});
   CHECK(twice.exit_code == 1);
-  CHECK(is_complaint(twice.err, "compare", {"\"linear\"", "more than once"}));
+  CHECK(is_error_line(twice.err, "compare", {"\"linear\"", "more than once"}));
 }
 
-TEST_CASE("what is odd about a dataset is said by every verb that reads it") {
+TEST_CASE("every command that reads a dataset prints its notes") {
   const ScratchFolder folder;
   const std::string dataset = folder / "data", archive = folder / "face.fbk";
   sample_toy(dataset);
@@ -316,14 +322,14 @@ TEST_CASE("datasets that contradict themselves are refused by file, and nothing 
   });
 }
 
-TEST_CASE("sources that are none, rigs that fail, and a dataset without test clips are refused") {
+TEST_CASE("unknown sources, failing rigs and a dataset without test clips are refused") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", dataset = folder / "data";
   fb::write_file(folder / "rig.so", std::string("no library"));
   for (const std::string& source : {folder / "nothing", folder.path(), folder / "rig.so", std::string("/dev/null")}) {
     const ToolRun run = run_tool(quick_bake(source, archive));
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "bake", {source}));
+    CHECK(is_error_line(run.err, "bake", {source}));
     CHECK(folder.names() == std::vector<std::string>{"rig.so"});
   }
   const ToolRun failing = run_tool({"sample", FB_FAULTY_RIG, "--out", dataset, "--poses", "200"},
@@ -337,7 +343,7 @@ TEST_CASE("sources that are none, rigs that fail, and a dataset without test cli
   sample_toy(dataset);
   const ToolRun recorded = run_tool({"sample", dataset, "--out", folder / "copy"});
   CHECK(recorded.exit_code == 1);
-  CHECK(is_complaint(recorded.err, "sample", {dataset, "recording"}));
+  CHECK(is_error_line(recorded.err, "sample", {dataset, "recording"}));
 
   REQUIRE(run_tool(quick_bake(dataset, archive)).exit_code == 0);
   Json index = read_index(dataset);
@@ -354,11 +360,11 @@ TEST_CASE("sources that are none, rigs that fail, and a dataset without test cli
   CHECK(other.err.find("facebaker eval: ") != std::string::npos);
 }
 
-TEST_CASE("a bake that cannot write its archive says so before it works, and on a full disk loses nothing") {
+TEST_CASE("a bake fails early if its archive cannot be written, and on a full disk keeps its work") {
   const ScratchFolder folder;
   const ToolRun nowhere = run_tool(quick_bake(FB_TOY_RIG, folder / "no/such/folder/face.fbk"));
   CHECK(nowhere.exit_code == 1);
-  CHECK(is_complaint(nowhere.err, "bake", {"face.fbk", "cannot be written"}));
+  CHECK(is_error_line(nowhere.err, "bake", {"face.fbk", "cannot be written"}));
   CHECK(folder.names().empty());
 
   const std::string dataset = folder / "data", archive = folder / "face.fbk", file = folder / "file";
@@ -369,7 +375,7 @@ TEST_CASE("a bake that cannot write its archive says so before it works, and on 
     arguments.insert(arguments.end(), {option, file});
     const ToolRun run = run_tool(arguments);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "bake", {file + ": cannot be created"}));
+    CHECK(is_error_line(run.err, "bake", {file + ": cannot be created"}));
     CHECK(folder.names() == std::vector<std::string>{"data", "file"});
   }
   fb::write_file(archive, std::string("precious"));
@@ -384,7 +390,7 @@ TEST_CASE("a bake that cannot write its archive says so before it works, and on 
   for (const std::string& name : folder.names()) CHECK(name.find(".partial") == std::string::npos);
 }
 
-TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same command goes on") {
+TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same command continues it") {
   for (const int signal : {SIGINT, SIGTERM}) {
     const ScratchFolder folder;
     const std::string dataset = folder / "data", archive = folder / "face.fbk", work = folder / "work";
@@ -405,7 +411,7 @@ TEST_CASE("Ctrl-C and SIGTERM stop a bake without an archive, and the same comma
   }
 }
 
-TEST_CASE("Ctrl-C stops a comparison and says how the same command could go on") {
+TEST_CASE("Ctrl-C stops a comparison, with a message on how to continue one") {
   const ScratchFolder folder;
   const std::string dataset = folder / "data", report = folder / "report", work = folder / "work";
   sample_toy(dataset);

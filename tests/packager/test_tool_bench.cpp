@@ -29,7 +29,7 @@ std::string text_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("bench times what a face does beside float networks, and tells on what") {
+TEST_CASE("bench times a face beside float networks, and names processor and compiler") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", csv = folder / "speed.csv";
   write_tiny_archive(archive);

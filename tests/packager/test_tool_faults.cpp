@@ -1,4 +1,4 @@
-// Whatever ends bake or pack, and whenever: under the name asked for lies the old file or the whole new one.
+// However and whenever bake or pack ends, the output file is the old one or the complete new one.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ using Bytes = std::vector<std::byte>;
 
 constexpr int kills = 12;
 
-// Runs the tool with these arguments, which write `out`, killed at `kills` moments spread over the time it takes; out
-// holds `old` before each. Gives back how often the new file was there.
+// Runs the tool with these arguments, which write `out`, killed at `kills` moments spread over its run time; out
+// is `old` before each. Returns how often the new file was complete.
 int kill_at_all_moments(const std::vector<std::string>& arguments, const std::string& out, const Bytes& old,
                         const Bytes& fresh) {
   const auto start = std::chrono::steady_clock::now();
@@ -35,7 +35,7 @@ int kill_at_all_moments(const std::vector<std::string>& arguments, const std::st
     CHECK((now == old || now == fresh));
     whole += now == fresh;
   }
-  REQUIRE(run_tool(arguments).exit_code == 0);  // what was left lying about is in nobody's way
+  REQUIRE(run_tool(arguments).exit_code == 0);  // files left behind do not disturb
   CHECK(fb::read_file(out) == fresh);
   return whole;
 }
@@ -52,7 +52,7 @@ TEST_CASE("pack killed at any moment leaves the old file or the new one") {
   CHECK(kill_at_all_moments({"pack", in, "--out", out}, out, old, fb::read_file(in)) < kills);
 }
 
-TEST_CASE("bake killed at any moment leaves the old file, and goes on to the same bytes") {
+TEST_CASE("bake killed at any moment leaves the old file, and continues to the same bytes") {
   const ScratchFolder folder;
   const std::string out = folder / "out.fbk", first = folder / "first.fbk";
   const auto bake = [&](const std::string& to, const std::string& work) {
@@ -64,7 +64,7 @@ TEST_CASE("bake killed at any moment leaves the old file, and goes on to the sam
   CHECK(kill_at_all_moments(bake(out, folder / "work-2"), out, old, fb::read_file(first)) < kills);
 }
 
-TEST_CASE("a full disk is told, and leaves the old file and nothing else") {
+TEST_CASE("on a full disk pack fails, leaving the old file and nothing else") {
   if (!can_limit_files) return;
   const ScratchFolder folder;
   const std::string in = folder / "in.fbk", out = folder / "out.fbk";
@@ -78,13 +78,13 @@ TEST_CASE("a full disk is told, and leaves the old file and nothing else") {
     setting.largest_file = room;
     const ToolRun run = run_tool({"pack", in, "--out", out}, setting);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "pack", {out, "writing failed"}));
+    CHECK(is_error_line(run.err, "pack", {out, "writing failed"}));
     CHECK(fb::read_file(out) == old);
     CHECK(folder.names() == std::vector<std::string>{"in.fbk", "out.fbk"});
   }
 }
 
-TEST_CASE("a file cut off as by a loss of power is refused, and packing goes on beside it") {
+TEST_CASE("a truncated file is refused, and partial files do not disturb packing") {
   const ScratchFolder folder;
   const std::string in = folder / "in.fbk", out = folder / "out.fbk";
   const fb::PackedModel model = fb::tiny_packed_model();

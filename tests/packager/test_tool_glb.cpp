@@ -1,5 +1,4 @@
-// pose and the sample pose_face write glTF that a reader who knows nothing of us turns back into the evaluator's
-// positions.
+// pose and the sample pose_face write glTF from which an independent reader gets the evaluator's positions.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -89,7 +88,7 @@ TEST_CASE("a pose becomes one mesh with every vertex in order, normals and trian
   CHECK(view_values<std::uint32_t>(model, indices.bufferView, 0, indices.count) == face.rest.triangles());
 }
 
-TEST_CASE("a face in other units, with z up, stands upright in metres") {
+TEST_CASE("a face in other units, with z up, is upright and in metres") {
   const ScratchFolder folder;
   fb::PackedModel face = fb::tiny_packed_model();
   face.schema.units = "mm";
@@ -115,7 +114,7 @@ TEST_CASE("a long clip becomes the basis as morph targets") {
   check_animation(40, 5);
 }
 
-TEST_CASE("an animation that was written opens as a rig that moves alike, in metres") {
+TEST_CASE("an exported animation opens as a rig with the same motion, in metres") {
   for (const std::size_t frames : {4, 40}) {
     CAPTURE(frames);
     const ScratchFolder folder;

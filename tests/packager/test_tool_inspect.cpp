@@ -48,7 +48,7 @@ TEST_CASE("inspect --json holds the promised keys with the model's own numbers")
   CHECK(json.at("control_list").at(2).at("default") == 0.25);
 }
 
-TEST_CASE("inspect for people names the face, and lists controls when asked") {
+TEST_CASE("inspect prints the name of the face, and its controls with --controls") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   write_tiny_archive(archive);
@@ -59,7 +59,7 @@ TEST_CASE("inspect for people names the face, and lists controls when asked") {
   CHECK(full.out.find("nose_wrinkle") != std::string::npos);
 }
 
-TEST_CASE("inspect shows certificate and licence, and survives nonsense in their place") {
+TEST_CASE("inspect shows certificate and licence, and survives invalid ones") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   const char* certificate = R"({"dependency":{"frames":7,"mse":1e-8,"max":0.25},"independent":{"frames":5,"mse":2e-8,
@@ -81,7 +81,7 @@ TEST_CASE("inspect shows certificate and licence, and survives nonsense in their
   }
 }
 
-TEST_CASE("pack migrates archives of version 0.2, keeps what poses do, and rounds where asked") {
+TEST_CASE("pack migrates archives of version 0.2, keeps positions, and requantises within limits") {
   const ScratchFolder folder;
   const std::string archive = folder / "old.fbk", fresh = folder / "fresh.fbk", again = folder / "again.fbk";
   std::filesystem::copy_file(FB_GOLDEN "/0.2/tri.fbk", archive);
@@ -110,7 +110,7 @@ TEST_CASE("pack migrates archives of version 0.2, keeps what poses do, and round
   const auto before = fb::read_file(again);
   const ToolRun vain = run_tool({"pack", fresh, "--out", again, "--max-bytes", "10"});
   CHECK(vain.exit_code == 1);
-  CHECK(is_complaint(vain.err, "pack", {fresh, "10 bytes cannot be had", "the smallest there is has"}));
+  CHECK(is_error_line(vain.err, "pack", {fresh, "10 bytes cannot be had", "the smallest there is has"}));
   CHECK(fb::read_file(again) == before);
   const ToolRun forced = run_tool({"pack", fresh, "--out", again, "--max-bytes", "10", "--force"});
   CHECK(forced.exit_code == 0);
@@ -134,7 +134,7 @@ TEST_CASE("inspect and verify show what repacking did to the certified errors") 
       CHECK_MESSAGE(run_tool({command, smaller}).out.find(part) != std::string::npos, command << " " << part);
 }
 
-TEST_CASE("tables stay straight whatever letters names are written in") {
+TEST_CASE("columns of tables are aligned whatever the letters") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   fb::PackedModel model = fb::tiny_packed_model();
@@ -145,7 +145,7 @@ TEST_CASE("tables stay straight whatever letters names are written in") {
   CHECK(text.find("| nose_wrinkle    |") != std::string::npos);
 }
 
-TEST_CASE("provenance that is no JSON, or deeply nested, does no harm") {
+TEST_CASE("invalid or deeply nested provenance does no harm") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   for (const std::string& provenance : {std::string("{\"recipe\": 3, "), std::string(200000, '['),

@@ -42,7 +42,7 @@ Obj read_obj(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("an .obj has the evaluator's very points and the rig's own polygons") {
+TEST_CASE("an .obj has exactly the evaluated points and the rig's own polygons") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "pose.obj";
   const fb::PackedModel model = write_tiny_archive(archive);
@@ -84,13 +84,13 @@ TEST_CASE("without --set the face is at rest") {
   CHECK(read_obj(out).points == model.rest.points);
 }
 
-TEST_CASE("a value out of range is clamped, and that is said") {
+TEST_CASE("a value out of range is clamped, with a note") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", over = folder / "over.obj", full = folder / "full.obj";
   write_tiny_archive(archive);
   const ToolRun run = run_tool({"pose", archive, "--set", "jaw_open=1.5", "--out", over});
   CHECK(run.exit_code == 0);
-  CHECK(is_complaint(run.err, "pose", {"jaw_open", "1.5", "0 to 1", "clamped"}));
+  CHECK(is_error_line(run.err, "pose", {"jaw_open", "1.5", "0 to 1", "clamped"}));
   REQUIRE(run_tool({"pose", archive, "--set", "jaw_open=1", "--out", full}).exit_code == 0);
   CHECK(read_obj(over).points == read_obj(full).points);
   const ToolRun two = run_tool({"pose", archive, "--set", "jaw_open=2", "--set", "lid_close=-1", "--set",
@@ -99,7 +99,7 @@ TEST_CASE("a value out of range is clamped, and that is said") {
   CHECK(two.out.find("\"clamped\": 2") != std::string::npos);
 }
 
-TEST_CASE("settings that make no sense are refused by name and leave nothing") {
+TEST_CASE("invalid settings are refused by name and leave no file") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", out = folder / "x.obj";
   write_tiny_archive(archive);
@@ -110,7 +110,7 @@ TEST_CASE("settings that make no sense are refused by name and leave nothing") {
     const ToolRun run = run_tool(arguments);
     CAPTURE(run.err);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "pose", words));
+    CHECK(is_error_line(run.err, "pose", words));
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   };
   const auto refused = [&](std::vector<std::string> options, const std::vector<std::string>& words) {
@@ -139,7 +139,7 @@ TEST_CASE("clips that do not fit are refused by file, frame and control") {
     const ToolRun run = run_tool({"pose", archive, "--out", out, "--clip", clip});
     CAPTURE(run.err);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "pose", words));
+    CHECK(is_error_line(run.err, "pose", words));
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   };
   const auto write = [&](const char* name, const std::vector<std::size_t>& shape, const std::vector<float>& values) {
@@ -180,10 +180,10 @@ TEST_CASE("a clip becomes numbered files, one frame of it a single one") {
   CHECK(text_of(folder / "one.obj") == text_of(folder / "walk.0002.obj"));
   const ToolRun beyond = run_tool({"pose", archive, "--clip", clip, "--frame", "3", "--out", folder / "two.obj"});
   CHECK(beyond.exit_code == 1);
-  CHECK(is_complaint(beyond.err, "pose", {"--frame 3", "0 to 2"}));
+  CHECK(is_error_line(beyond.err, "pose", {"--frame 3", "0 to 2"}));
 }
 
-TEST_CASE("a picture has the size asked for and does not depend on threads") {
+TEST_CASE("a picture has the given size and does not depend on threads") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk", one = folder / "one.png", two = folder / "two.png";
   write_tiny_archive(archive);

@@ -1,4 +1,4 @@
-// What every verb has in common: help, wrong use, bad files, and a full disk.
+// What every command has in common: help, wrong use, bad files, and a full disk.
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
@@ -10,20 +10,20 @@
 
 namespace {
 
-const std::vector<std::string> verbs = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose", "bench"};
+const std::vector<std::string> commands = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose", "bench"};
 
 }  // namespace
 
-TEST_CASE("every verb explains itself and every option has a description") {
+TEST_CASE("every command has help and every option a description") {
   const ToolRun overview = run_tool({"--help"});
   CHECK(overview.exit_code == 0);
-  for (const std::string& verb : verbs) {
-    CAPTURE(verb);
-    CHECK(overview.out.find("\n  " + verb + " ") != std::string::npos);
-    const ToolRun help = run_tool({verb, "--help"});
+  for (const std::string& command : commands) {
+    CAPTURE(command);
+    CHECK(overview.out.find("\n  " + command + " ") != std::string::npos);
+    const ToolRun help = run_tool({command, "--help"});
     CHECK(help.exit_code == 0);
     CHECK(help.err.empty());
-    CHECK(help.out.find("Usage: facebaker " + verb) != std::string::npos);
+    CHECK(help.out.find("Usage: facebaker " + command) != std::string::npos);
     // A description begins in column 30, on the line of its option or the next.
     std::istringstream lines(help.out);
     std::vector<std::string> page;
@@ -62,7 +62,7 @@ TEST_CASE("threads wait without spinning unless the user wants them to") {
   CHECK(spins("ACTIVE") != "GOMP_SPINCOUNT = '0'");
 }
 
-TEST_CASE("wrong use exits with 2 and one line that says where help is") {
+TEST_CASE("wrong use exits with 2 and one line that mentions --help") {
   const std::vector<std::vector<std::string>> wrong = {
       {},
       {"juggle"},
@@ -91,7 +91,7 @@ TEST_CASE("wrong use exits with 2 and one line that says where help is") {
   }
 }
 
-TEST_CASE("files that are no archives are refused by name, whatever the verb") {
+TEST_CASE("files that are no archives are refused by name, whatever the command") {
   const ScratchFolder folder;
   const std::string good = folder / "good.fbk", missing = folder / "missing.fbk", foreign = folder / "foreign.fbk",
                     cut = folder / "cut.fbk", flipped = folder / "flipped.fbk", empty = folder / "empty.fbk",
@@ -117,16 +117,16 @@ TEST_CASE("files that are no archives are refused by name, whatever the verb") {
       CAPTURE(run.err);
       CHECK(run.exit_code == 1);
       CHECK(run.out.empty());
-      CHECK(is_complaint(run.err, arguments[0], {archive}));
+      CHECK(is_error_line(run.err, arguments[0], {archive}));
     }
   }
-  CHECK(is_complaint(run_tool({"inspect", missing}).err, "inspect", {missing, "no such file"}));
-  CHECK(is_complaint(run_tool({"inspect", folder.path()}).err, "inspect", {folder.path(), "directory"}));
-  CHECK(is_complaint(run_tool({"verify", newer}).err, "verify", {"version", "9"}));
+  CHECK(is_error_line(run_tool({"inspect", missing}).err, "inspect", {missing, "no such file"}));
+  CHECK(is_error_line(run_tool({"inspect", folder.path()}).err, "inspect", {folder.path(), "directory"}));
+  CHECK(is_error_line(run_tool({"verify", newer}).err, "verify", {"version", "9"}));
   CHECK(folder.names() == before);
 }
 
-TEST_CASE("no place to write to fails before anything is left behind") {
+TEST_CASE("an output folder that does not exist is refused and leaves nothing") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   write_tiny_archive(archive);
@@ -134,7 +134,7 @@ TEST_CASE("no place to write to fails before anything is left behind") {
     const std::string nowhere = folder / (std::string("no/such/folder/x") + ending);
     const ToolRun run = run_tool({"pose", archive, "--out", nowhere});
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "pose", {nowhere, "cannot be written"}));
+    CHECK(is_error_line(run.err, "pose", {nowhere, "cannot be written"}));
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   }
 }
@@ -146,7 +146,7 @@ TEST_CASE("a pipe or device is not replaced by a file") {
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   const ToolRun run = run_tool({"pose", archive, "--out", pipe});
   CHECK(run.exit_code == 1);
-  CHECK(is_complaint(run.err, "pose", {pipe, "not a regular file"}));
+  CHECK(is_error_line(run.err, "pose", {pipe, "not a regular file"}));
   CHECK(std::filesystem::is_fifo(pipe));
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
     const ToolRun run = run_tool({"pose", archive, "--out", out}, full);
     CAPTURE(run.err);
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "pose", {out, "writing failed"}));
+    CHECK(is_error_line(run.err, "pose", {out, "writing failed"}));
     const auto kept = fb::read_file(out);
     CHECK(std::string(reinterpret_cast<const char*>(kept.data()), kept.size()) == "precious");
     std::filesystem::remove(out);
@@ -173,6 +173,6 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
   if (std::filesystem::is_character_file("/dev/full")) {
     const ToolRun run = run_tool({"inspect", archive, "--json"}, {.standard_output = "/dev/full"});
     CHECK(run.exit_code == 1);
-    CHECK(is_complaint(run.err, "inspect", {"standard output"}));
+    CHECK(is_error_line(run.err, "inspect", {"standard output"}));
   }
 }

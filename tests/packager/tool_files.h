@@ -31,5 +31,5 @@ fb::PackedModel write_tiny_archive(const std::string& path);
 // frames x controls random values within the ranges, written to `path` as a NumPy file too.
 std::vector<float> write_clip(const std::string& path, const fb::RigSchema& schema, std::size_t frames);
 
-// frames x 3 x vertices: what the runtime makes of a clip.
+// frames x 3 x vertices positions, by the runtime.
 std::vector<float> evaluate_clip(const fb::PackedModel& model, const std::vector<float>& controls);

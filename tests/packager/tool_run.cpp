@@ -84,8 +84,8 @@ ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& s
   return run_program(FB_TOOL, arguments, setting);
 }
 
-bool is_complaint(const std::string& err, const std::string& verb, const std::vector<std::string>& words) {
+bool is_error_line(const std::string& err, const std::string& command, const std::vector<std::string>& words) {
   const bool one_line = std::count(err.begin(), err.end(), '\n') == 1 && err.back() == '\n';
-  return one_line && err.starts_with("facebaker " + verb + ": ") &&
+  return one_line && err.starts_with("facebaker " + command + ": ") &&
          std::all_of(words.begin(), words.end(), [&](const auto& word) { return err.find(word) != std::string::npos; });
 }

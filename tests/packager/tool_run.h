@@ -10,7 +10,7 @@ struct ToolRun {
   std::string out, err;
 };
 
-// ThreadSanitizer keeps its own books in files, which a limit on file sizes would end with a bus error.
+// ThreadSanitizer maps files of its own: under a limit on file sizes it would die of a bus error.
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 inline constexpr bool can_limit_files = false;
@@ -38,5 +38,5 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
 // Runs build/.../facebaker with these arguments and waits for it.
 ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting = {});
 
-// True if the message is one line "facebaker VERB: ..." that has all these words in it.
-bool is_complaint(const std::string& err, const std::string& verb, const std::vector<std::string>& words);
+// True if the message is one line "facebaker COMMAND: ..." that has all these words in it.
+bool is_error_line(const std::string& err, const std::string& command, const std::vector<std::string>& words);
