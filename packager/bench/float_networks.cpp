@@ -90,7 +90,8 @@ FloatModel::RowBlock FloatModel::read_row_block(std::uint32_t index) const {
   facebaker::check(fb_row_block_at(model_.get(), index, &shape));
   RowBlock block{shape.first_row, shape.row_count, std::vector<std::uint32_t>(shape.column_count),
                  std::vector<float>(std::size_t(shape.row_count) * shape.column_count)};
-  facebaker::check(fb_row_block_values(model_.get(), index, block.columns.data(), block.values.data()));
+  if (shape.column_count > 0)
+    facebaker::check(fb_row_block_values(model_.get(), index, block.columns.data(), block.values.data()));
   return block;
 }
 

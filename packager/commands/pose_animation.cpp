@@ -31,6 +31,7 @@ std::vector<std::vector<float>> column_displacements(const facebaker::Model& mod
     fb_row_block block;
     fb_row_block_init(&block);
     facebaker::check(fb_row_block_at(model.get(), b, &block));
+    if (block.column_count == 0) continue;
     std::vector<std::uint32_t> columns(block.column_count);
     std::vector<float> values(std::size_t(block.column_count) * block.row_count);
     facebaker::check(fb_row_block_values(model.get(), b, columns.data(), values.data()));
