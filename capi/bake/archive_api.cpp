@@ -1,6 +1,6 @@
 #include "bake/authoring.h"
+#include "bake/measure/bytes_read.h"
 #include "bake/measure/certificate.h"
-#include "bake/measure/touched_bytes.h"
 #include "base/file.h"
 #include "model/feature_values.h"
 #include "runtime/evaluator.h"
@@ -127,9 +127,9 @@ fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls
     const fb::PackedModel& model = model_of(archive);
     require(controls, "controls");
     require(bytes, "bytes");
-    const fb::bake::ByteCount count(model);
+    const fb::bake::BytesReadCounter count(model);
     const std::size_t width = model.schema.control_count();
-    for (std::uint64_t pose = 0; pose < poses; ++pose) bytes[pose] = count.touched({controls + pose * width, width});
+    for (std::uint64_t pose = 0; pose < poses; ++pose) bytes[pose] = count.of_pose({controls + pose * width, width});
   });
 }
 

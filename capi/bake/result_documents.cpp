@@ -37,7 +37,7 @@ Json clip_list(const EvalReport& report) {
   return list;
 }
 
-Json touched(const TouchedBytes& bytes) {
+Json touched(const BytesRead& bytes) {
   return {{"poses", bytes.poses},
           {"mean", bytes.mean},
           {"p95", bytes.p95},
@@ -88,7 +88,7 @@ Json method_of(const MethodReport& method) {
           {"clips", clip_list(method.independent)},
           {"dependency", figures(method.dependency)},
           {"bytes", method.bytes},
-          {"touched_bytes", touched(method.independent.touched)},
+          {"touched_bytes", touched(method.independent.bytes_read)},
           {"parameters", method.parameters},
           {"coefficients", method.coefficients},
           {"bones", method.stats.bones},
@@ -206,7 +206,7 @@ std::string eval_json(const std::string& archive, const EvalReport& report, cons
                     {"diagonal", report.diagonal},
                     {"clips", clip_list(report)},
                     {"total", figures(report.total)},
-                    {"touched_bytes", touched(report.touched)},
+                    {"touched_bytes", touched(report.bytes_read)},
                     {"quality", quality_of(report)},
                     {"locality", locality_of(locality)}});
 }

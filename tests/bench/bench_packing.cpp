@@ -1,7 +1,7 @@
-// Where a face's error comes from: bench_packing RECIPE [NUMBER=VALUE...] -- SOURCE...
-// Learns a face by the recipe `hero` or `compact` with numbers of its own, then packs it as each line of standard input
-// says, "threshold tolerance drop bits" (over the diagonal but the bits), and prints errors on poses kept back from
-// training beside those of the face of floats. Sources are one character: one a live rig.
+// The error of a face by source: bench_packing RECIPE [NAME=VALUE...] -- SOURCE...
+// Trains a face by the recipe `hero` or `compact` with changed settings, packs it once for each line of standard input,
+// "threshold tolerance drop bits" (over the diagonal, but the bits), and prints errors on validation poses, beside
+// those of the float model. Sources are one character, one of them a live rig.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -58,9 +58,9 @@ struct Settings {
 
   void set(const std::string& text) {
     const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) fail(Status::invalid_argument, "\"%s\" is not NUMBER=VALUE", text.c_str());
+    if (equals == std::string::npos) fail(Status::invalid_argument, "\"%s\" is not NAME=VALUE", text.c_str());
     const double value = std::atof(text.c_str() + equals + 1);
-    const std::map<std::string, std::function<void()>> numbers = {
+    const std::map<std::string, std::function<void()>> settings = {
         {"parameters", [&] { recipe.parameters = static_cast<std::size_t>(value); }},
         {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
         {"training_flops", [&] { recipe.training_flops = value; }},
@@ -76,25 +76,25 @@ struct Settings {
         {"seed", [&] { options.seed = static_cast<std::uint64_t>(value); }},
         {"measured", [&] { measured = static_cast<std::size_t>(value); }},
     };
-    const auto found = numbers.find(text.substr(0, equals));
-    if (found == numbers.end()) fail(Status::invalid_argument, "there is no number \"%s\"", text.c_str());
+    const auto found = settings.find(text.substr(0, equals));
+    if (found == settings.end()) fail(Status::invalid_argument, "there is no setting \"%s\"", text.c_str());
     found->second();
   }
 };
 
-// Errors of the face of floats, with and without its networks.
-void print_floats(const char* what, const FaceModel& model, const PoseSet& poses) {
+// Errors of the float model.
+void print_float_errors(const char* what, const FaceModel& model, const PoseSet& poses) {
   const FloatFace face(model);
   const std::size_t size = model.rest.points.size(), controls = model.schema.control_count();
-  const std::vector<float> asked = poses.controls();
+  const std::vector<float> pose_controls = poses.controls();
   std::vector<float> points(size);
   double squares = 0, most = 0;
   for (std::size_t pose = 0; pose < poses.size(); ++pose) {
     poses.read_points(pose, 1, points);
-    const std::vector<double> made = face.evaluate(std::span(asked).subspan(pose * controls, controls));
+    const std::vector<double> predicted = face.evaluate(std::span(pose_controls).subspan(pose * controls, controls));
     for (std::size_t i = 0; i < size; i += 3) {
       double sum = 0;
-      for (std::size_t k = i; k < i + 3; ++k) sum += (made[k] - points[k]) * (made[k] - points[k]);
+      for (std::size_t k = i; k < i + 3; ++k) sum += (predicted[k] - points[k]) * (predicted[k] - points[k]);
       squares += sum;
       most = std::max(most, sum);
     }
@@ -113,23 +113,23 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   PrintedStages progress;
   const double start = seconds();
   const TrainedFace face = train_face(settings.recipe, poses, rig, settings.options, progress);
-  std::printf("%zu poses, %.0f s; networks leave %.2e\n", poses.size(), seconds() - start, face.rms_error);
+  std::printf("%zu poses, %.0f s; error of the networks %.2e\n", poses.size(), seconds() - start, face.rms_error);
   for (const RegionStats& region : face.stats.regions)
     std::printf(
-        "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  leaves %.2e  (trained "
+        "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  error %.2e  (trained "
         "%.2e)\n",
         region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
         100 * region.energy, region.validation, region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
-  const PoseSet kept =
+  const PoseSet validation =
       poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).subsampled(settings.measured);
   FaceModel base = face.model;
-  print_floats("floats", face.model, kept);
+  print_float_errors("float model", face.model, validation);
   for (Region& region : base.network.regions) {
     region.layers.back().weights.assign(region.layers.back().weights.size(), 0);
     region.layers.back().bias.assign(region.layers.back().bias.size(), 0);
   }
-  print_floats("floats, base alone", base, kept);
+  print_float_errors("float model, without networks", base, validation);
 
   const BlockwisePca pca(face.model, face.covariance, face.model.network.regions.empty() ? 21 : 64, {});
   double threshold, tolerance, drop;
@@ -143,12 +143,12 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
     packing.coefficient_sizes = std::move(local.coefficient_sizes);
     const PackedModel packed = pack_model(local.model, packing);
     const std::vector<std::byte> archive = write_archive(packed, {});
-    const Errors errors = evaluate_archive_on(archive, kept, {}, silent_progress());
-    const TouchedBytes touched = touched_bytes(packed, kept);
+    const Errors errors = evaluate_model_on(packed, validation, {}, silent_progress());
+    const BytesRead read = bytes_read_per_pose(packed, validation);
     char what[64];
     std::snprintf(what, sizeof what, "%.1e %.1e %.1e %2d bits", threshold, tolerance, drop, bits);
-    std::printf("%-44s mse %.3e  max %.5f  touched %.2f MB, p95 %.2f  archive %.2f MB\n", what, errors.mse, errors.max,
-                touched.mean / 1e6, double(touched.p95) / 1e6, double(archive.size()) / 1e6);
+    std::printf("%-44s mse %.3e  max %.5f  read %.2f MB, p95 %.2f  archive %.2f MB\n", what, errors.mse, errors.max,
+                read.mean / 1e6, double(read.p95) / 1e6, double(archive.size()) / 1e6);
     std::fflush(stdout);
   }
   return 0;
@@ -159,7 +159,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
 int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() < 3 || (words[0] != "hero" && words[0] != "compact"))
-    fail(Status::invalid_argument, "give hero or compact, NUMBER=VALUE..., -- and sources");
+    fail(Status::invalid_argument, "give hero or compact, NAME=VALUE..., -- and sources");
   Settings settings;
   settings.recipe = words[0] == "hero" ? hero_recipe() : compact_recipe();
   std::size_t word = 1;

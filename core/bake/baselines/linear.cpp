@@ -29,7 +29,7 @@ RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOpti
   model.basis = make_basis(checked_u32(model.rest.points.size(), "coordinates"),
                            checked_u32(model.network.direct.size(), "blendshapes"), shapes);
   result.packing.basis_tolerance = packing_tolerance;
-  if (asks_target(options)) return finish_face(model, {}, {}, result.packing, poses, options, progress);
+  if (has_target(options)) return finish_face(model, {}, {}, result.packing, poses, options, progress);
   return result;
 }
 

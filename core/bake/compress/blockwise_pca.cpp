@@ -14,7 +14,7 @@ namespace {
 using Matrix = Eigen::MatrixXf;
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// The columns a region has in the basis, and the square root of its covariance: root x root^T.
+// Columns of a region in the basis, and a square root of its covariance, root x root^T.
 struct RegionColumns {
   std::uint32_t first = 0, count = 0;
   Matrix root;
@@ -33,17 +33,17 @@ RegionColumns region_columns(const Region& region, std::uint32_t first, const st
   return {first, n, eigen.vectors * eigen.values.cwiseSqrt().cast<float>().asDiagonal()};
 }
 
-// Columns [first, first + count) of a group: begin and end in its list.
-std::pair<std::size_t, std::size_t> listed(const RowBlock& group, std::uint32_t first, std::uint32_t count) {
+// Range within group.columns of the columns [first, first + count).
+std::pair<std::size_t, std::size_t> column_range(const RowBlock& group, std::uint32_t first, std::uint32_t count) {
   const auto begin = std::lower_bound(group.columns.begin(), group.columns.end(), first);
   const auto end = std::lower_bound(begin, group.columns.end(), first + count);
   return {std::size_t(begin - group.columns.begin()), std::size_t(end - group.columns.begin())};
 }
 
-// Some columns on the rows of some vertices.
+// A submatrix of the basis: some columns on the rows of some vertices.
 struct Columns {
   std::vector<std::uint32_t> numbers;  // ascending
-  Matrix values;                       // 3 x vertices, a column each
+  Matrix values;                       // 3 vertices x columns
 };
 
 // Finds the rows of vertices in a block-sparse basis.
@@ -55,13 +55,13 @@ class RowFinder {
       std::fill_n(group_of_.begin() + basis.row_blocks[g].first_row, basis.row_blocks[g].row_count, g);
   }
 
-  // Those of columns [first, first + count) that are not 0 on all of these vertices.
+  // Those of columns [first, first + count) that are not 0 at all of these vertices.
   Columns gather(std::span<const std::uint32_t> vertices, std::uint32_t first, std::uint32_t count) const {
     Matrix values = Matrix::Zero(3 * Eigen::Index(vertices.size()), count);
     for (std::size_t i = 0; i < 3 * vertices.size(); ++i) {
       const std::uint32_t row = row_of_[vertices[i / 3]] + std::uint32_t(i % 3);
       const RowBlock& group = basis_->row_blocks[group_of_[row]];
-      const auto [begin, end] = listed(group, first, count);
+      const auto [begin, end] = column_range(group, first, count);
       for (std::size_t c = begin; c < end; ++c)
         values(Eigen::Index(i), group.columns[c] - first) = group.values[c * group.row_count + row - group.first_row];
     }
@@ -79,14 +79,14 @@ class RowFinder {
   std::vector<std::uint32_t> row_of_, group_of_;  // of a vertex, of a row
 };
 
-// The region whose coefficients move a vertex most, or the number of regions.
+// By vertex: the region whose coefficients move it most, or the number of regions if none does.
 std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vector<RegionColumns>& parts,
                                              const Parallel& parallel) {
   std::vector<float> strength(basis.rows * parts.size(), 0);  // squared motion by row and region
   parallel_for(parallel, basis.row_blocks.size(), [&](std::size_t g, std::size_t) {
     const RowBlock& group = basis.row_blocks[g];
     for (std::size_t r = 0; r < parts.size(); ++r) {
-      const auto [begin, end] = listed(group, parts[r].first, parts[r].count);
+      const auto [begin, end] = column_range(group, parts[r].first, parts[r].count);
       Matrix motion = Matrix::Zero(group.row_count, parts[r].count);
       const Eigen::Map<const Matrix> values(group.values.data(), group.row_count, Eigen::Index(group.columns.size()));
       for (std::size_t c = begin; c < end; ++c)
@@ -109,14 +109,14 @@ std::vector<std::uint32_t> strongest_regions(const Basis& basis, const std::vect
   return labels;
 }
 
-// A region's columns in a chunk, and the principal directions of what they do there.
-struct Local {
+// A region in a block: its columns there, and the principal directions of its motion.
+struct BlockRegion {
   Columns old;
-  Matrix directions;                // 3 x vertices, orthonormal columns by falling motion
-  std::vector<double> motion = {};  // root mean square length of each, rig's units
-  std::size_t moved = 0;            // vertices
+  Matrix directions;                // 3 vertices x directions, orthonormal, by falling motion
+  std::vector<double> motion = {};  // root mean square length along each, rig's units
+  std::size_t moved = 0;            // number of vertices that the region moves
 
-  // How many move the vertices moved by more than this, root mean square a vertex.
+  // Number of directions with more motion than this, root mean square per moved vertex.
   Eigen::Index kept(double threshold) const {
     const double least = threshold * std::sqrt(double(moved));
     return std::partition_point(motion.begin(), motion.end(), [&](double m) { return m > least; }) - motion.begin();
@@ -126,15 +126,15 @@ struct Local {
 struct VertexBlock {
   std::vector<std::uint32_t> vertices;
   Columns direct;
-  std::vector<Local> regions;
+  std::vector<BlockRegion> regions;
 };
 
-Local make_local(Columns old, const RegionColumns& region) {
-  Local local{std::move(old), {}};
+BlockRegion block_region(Columns old, const RegionColumns& region) {
+  BlockRegion local{std::move(old), {}};
   const Matrix& values = local.old.values;
   local.directions.resize(values.rows(), 0);
   if (values.cols() == 0) return local;
-  std::vector<Eigen::Index> rows;  // of vertices that are moved
+  std::vector<Eigen::Index> rows;  // of moved vertices
   for (Eigen::Index row = 0; row < values.rows(); ++row)
     if (!values.middleRows(row / 3 * 3, 3).isZero(0)) rows.push_back(row);
   local.moved = rows.size() / 3;
@@ -144,7 +144,7 @@ Local make_local(Columns old, const RegionColumns& region) {
   const Matrix part = values(rows, Eigen::all);
   const Eigen::MatrixXd motion = (part * root).cast<double>();
   const EigenDecomposition eigen = decompose_symmetric(motion * motion.transpose());
-  // What is smaller than the rounding of the largest motion is no direction.
+  // Eigenvalues below the rounding error of the largest one are 0.
   constexpr double rounding = 1e-14;
   Eigen::Index count = 0;
   while (count < std::min(part.rows(), part.cols()) && eigen.values[count] > eigen.values[0] * rounding) ++count;
@@ -154,29 +154,30 @@ Local make_local(Columns old, const RegionColumns& region) {
   return local;
 }
 
-// Whether a region's new columns and output layer hold fewer numbers than the old.
-bool pays(const std::vector<VertexBlock>& blocks, std::size_t r, const DenseLayer& last, double threshold) {
+// Whether a region's new columns and output layer have fewer numbers than the old.
+bool has_fewer_numbers(const std::vector<VertexBlock>& blocks, std::size_t r, const DenseLayer& last,
+                       double threshold) {
   if (last.activation != Activation::linear || last.skip) return false;
   const std::size_t row = std::size_t(last.inputs) + 1;  // weights and bias of one output
   std::size_t before = row * last.outputs, after = 0;
   for (const VertexBlock& block : blocks) {
-    const Local& local = block.regions[r];
+    const BlockRegion& local = block.regions[r];
     before += std::size_t(local.old.values.size());
     after += std::size_t(local.kept(threshold)) * (3 * block.vertices.size() + row);
   }
   return after < before;
 }
 
-// The last layer giving every chunk's own coefficients, chunk after chunk.
-DenseLayer merged(const DenseLayer& last, const std::vector<VertexBlock>& blocks, std::size_t r, std::uint32_t first,
-                  double threshold) {
+// The last layer followed by the projections of all blocks: its outputs are the coefficients of block after block.
+DenseLayer merge_projections(const DenseLayer& last, const std::vector<VertexBlock>& blocks, std::size_t r,
+                             std::uint32_t first, double threshold) {
   DenseLayer layer = last;
   layer.outputs = 0;
   layer.weights.clear();
   layer.bias.clear();
   const Eigen::Map<const RowMatrix> weights(last.weights.data(), last.outputs, last.inputs);
   for (const VertexBlock& block : blocks) {
-    const Local& local = block.regions[r];
+    const BlockRegion& local = block.regions[r];
     RowMatrix rows(local.old.values.cols(), last.inputs);
     Eigen::VectorXf bias(rows.rows());
     for (Eigen::Index c = 0; c < rows.rows(); ++c) {
@@ -185,11 +186,11 @@ DenseLayer merged(const DenseLayer& last, const std::vector<VertexBlock>& blocks
       bias[c] = last.bias[output];
     }
     const Matrix projection = local.directions.leftCols(local.kept(threshold)).transpose() * local.old.values;
-    const RowMatrix turned = projection * rows;
-    const Eigen::VectorXf turned_bias = projection * bias;
-    layer.outputs += std::uint32_t(turned.rows());
-    layer.weights.insert(layer.weights.end(), turned.data(), turned.data() + turned.size());
-    layer.bias.insert(layer.bias.end(), turned_bias.data(), turned_bias.data() + turned_bias.size());
+    const RowMatrix projected = projection * rows;
+    const Eigen::VectorXf projected_bias = projection * bias;
+    layer.outputs += std::uint32_t(projected.rows());
+    layer.weights.insert(layer.weights.end(), projected.data(), projected.data() + projected.size());
+    layer.bias.insert(layer.bias.end(), projected_bias.data(), projected_bias.data() + projected_bias.size());
   }
   return layer;
 }
@@ -232,7 +233,7 @@ BlockwisePca::BlockwisePca(const FaceModel& model, std::span<const std::vector<f
     VertexBlock& block = parts->blocks[i];
     block.direct = finder.gather(block.vertices, 0, direct);
     for (const RegionColumns& region : parts->regions)
-      block.regions.push_back(make_local(finder.gather(block.vertices, region.first, region.count), region));
+      block.regions.push_back(block_region(finder.gather(block.vertices, region.first, region.count), region));
   });
   parts_ = std::move(parts);
 }
@@ -255,11 +256,11 @@ BlockwiseModel BlockwisePca::truncated(double threshold_over_diagonal) const {
   }
   for (std::size_t r = 0; r < regions.size(); ++r) {
     DenseLayer& last = result.model.network.regions[r].layers.back();
-    const bool local = pays(blocks, r, last, threshold);
-    if (local) last = merged(last, blocks, r, regions[r].first, threshold);
-    std::uint32_t own = basis.columns;  // the next chunk's first
+    const bool local = has_fewer_numbers(blocks, r, last, threshold);
+    if (local) last = merge_projections(last, blocks, r, regions[r].first, threshold);
+    std::uint32_t own = basis.columns;  // first column of the next block
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-      const Local& part = blocks[i].regions[r];
+      const BlockRegion& part = blocks[i].regions[r];
       for (Eigen::Index c = 0; local && c < part.kept(threshold); ++c) {
         append(basis.row_blocks[i], own++, part.directions, c);
         result.coefficient_sizes.push_back(float(part.motion[std::size_t(c)]));

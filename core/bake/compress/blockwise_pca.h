@@ -1,3 +1,4 @@
+// Blockwise PCA: a basis rewritten so that a pose reads less of it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace fb::bake {
 
 struct BlockwisePcaOptions {
   std::uint32_t block_vertices = 64;
-  double threshold = 2e-5;  // over D: a chunk keeps the directions whose root mean square motion a vertex is larger
+  double threshold = 2e-5;  // over D: a block keeps directions with a larger root mean square motion per vertex
 };
 
 struct BlockwiseModel {
@@ -21,24 +22,23 @@ struct BlockwiseModel {
   std::vector<float> coefficient_sizes;
 };
 
-// Rewrites a basis so that a pose reads less of it: vertices are put in an order where neighbours of one region lie
-// together and cut into chunks, a row group each; in each chunk the columns of a region become fewer of the chunk's
-// own, the principal directions of that region's motion there (orthonormal, by falling motion), and the rotation is
-// merged into the region's last, linear layer. A region that would not hold fewer numbers so (output layer and basis),
-// or whose last layer is not linear, keeps its columns. They and direct columns are left out of the chunks they do not
-// move.
+// Vertices are reordered so that neighbours of one region follow each other and are cut into blocks, a row block of the
+// basis each. In each block the columns of a region are replaced by fewer of the block's own: the principal directions
+// of the region's motion there (orthonormal, by falling variance), and the projection is merged into the region's last,
+// linear layer. A region that would not have fewer numbers so (output layer and basis), or whose last layer is not
+// linear, keeps its columns. Kept columns and direct columns are left out of the row blocks where they are 0.
 class BlockwisePca {
  public:
-  // Finds all directions. `covariance`: one matrix a region, outputs x outputs: the mean over poses of the products of
-  // its coefficients. `direct_sizes`: typical sizes of the direct coefficients; empty: 1. The same for any thread
-  // count; fails with invalid_argument on a covariance of another size.
+  // Finds all directions. `covariance`: one matrix per region, outputs x outputs: the mean over poses of the products
+  // of its coefficients. `direct_sizes`: typical sizes of the direct coefficients; empty: 1. The result does not depend
+  // on the number of threads. Fails with invalid_argument on a covariance of another size, not_finite on NaN in it.
   BlockwisePca(const FaceModel& model, std::span<const std::vector<float>> covariance, std::uint32_t block_vertices,
                const Parallel& parallel, std::span<const float> direct_sizes = {});
   ~BlockwisePca();
 
-  // Keeps those above a threshold: see BlockwisePcaOptions. The result has the model's features, regions and hidden
-  // layers, less the regions that move nothing by the threshold; with threshold 0 it moves as the model did in every
-  // pose the covariance was made of. Thread-safe.
+  // Keeps the directions above a threshold, see BlockwisePcaOptions. The result has the model's features, regions and
+  // hidden layers, without regions that have no direction left; with threshold 0 it evaluates like the model in all
+  // poses of the covariance. Thread-safe.
   BlockwiseModel truncated(double threshold) const;
 
  private:
@@ -46,7 +46,7 @@ class BlockwisePca {
   std::unique_ptr<const Parts> parts_;
 };
 
-// Both at once.
+// BlockwisePca(...).truncated(options.threshold).
 BlockwiseModel blockwise_pca(const FaceModel& model, std::span<const std::vector<float>> covariance,
                              const BlockwisePcaOptions& options, const Parallel& parallel = {});
 

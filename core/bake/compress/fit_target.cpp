@@ -14,6 +14,7 @@
 namespace fb::bake {
 namespace {
 
+// Two rungs to a doubling: from 2.5e-7 to 7.2e-4 of the diagonal.
 constexpr int rungs = 24;
 constexpr double finest_scale = 2.5e-7;
 
@@ -21,20 +22,20 @@ Precision precision_at(int rung, int weight_bits) {
   return {finest_scale * std::exp2(rung / 2.0), weight_bits};
 }
 
-// The first number of [first, last) for which `before` is false, taking it to be false from there on.
+// The first number of [first, last) for which `before` is false; it is false for all after it.
 template <class Before>
 int boundary(int first, int last, const Before& before) {
   return first + int(std::ranges::partition_point(std::views::iota(first, last), before) -
                      std::views::iota(first, last).begin());
 }
 
-// Precisions of equal weights that keep to the bytes: this one and coarser ones.
+// The precisions of one number of weight bits that are within max_bytes: rungs from `finest` on.
 struct Ladder {
   int weight_bits, finest;
-  double error;  // of the finest
+  double error;  // at `finest`
 };
 
-// Builds candidates, and measures each once.
+// Packs candidates, and measures each once.
 class Candidates {
  public:
   using Error = std::function<double(const PackedModel&)>;
@@ -47,12 +48,12 @@ class Candidates {
         measure_bytes_(&bytes),
         progress_(&progress) {}
 
-  double error(const Precision& precision) { return recall(errors_, precision, *measure_error_); }
-  std::uint64_t bytes(const Precision& precision) { return recall(bytes_, precision, *measure_bytes_); }
+  double error(const Precision& precision) { return measured(errors_, precision, *measure_error_); }
+  std::uint64_t bytes(const Precision& precision) { return measured(bytes_, precision, *measure_bytes_); }
 
   Fitted fitted(const FitChoice& choice) {
     build(choice.precision);
-    return {blockwise_.model, packing(choice.precision), choice};
+    return {blockwise_.model, packing(choice.precision), packed_, choice};
   }
 
  private:
@@ -75,12 +76,12 @@ class Candidates {
   }
 
   template <class Number, class Measure>
-  Number recall(std::map<Key, Number>& known, const Precision& precision, const Measure& measure) {
+  Number measured(std::map<Key, Number>& known, const Precision& precision, const Measure& measure) {
     const auto found = known.find(key_of(precision));
     if (found != known.end()) return found->second;
     const Number number = measure(build(precision));
     known[key_of(precision)] = number;
-    progress_->step(++measured_);
+    progress_->step(++measurements_);
     return number;
   }
 
@@ -90,8 +91,8 @@ class Candidates {
   Progress* progress_;
   std::map<Key, double> errors_;
   std::map<Key, std::uint64_t> bytes_;
-  std::uint64_t measured_ = 0;
-  Key built_{};  // what blockwise_ and packed_ are of
+  std::uint64_t measurements_ = 0;
+  Key built_{};  // of blockwise_ and packed_
   BlockwiseModel blockwise_;
   PackedModel packed_;
 };
@@ -129,7 +130,7 @@ PackOptions Precision::pack() const {
 FitChoice choose_precision(const FitTarget& target, const std::function<std::uint64_t(const Precision&)>& bytes,
                            const std::function<double(const Precision&)>& error) {
   if (target.max_bytes == 0 && target.max_error <= 0)
-    fail(Status::invalid_argument, "neither bytes nor an error is asked for");
+    fail(Status::invalid_argument, "a target needs max_bytes or max_error");
   const auto chosen = [&](const Precision& precision) {
     return FitChoice{precision, bytes(precision), error(precision)};
   };
@@ -162,7 +163,7 @@ Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> co
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
                   Progress& progress, std::span<const float> direct_sizes) {
-  constexpr std::uint64_t most_measured = 24;  // both measures along both ladders
+  constexpr std::uint64_t most_measured = 24;  // bytes and error on both ladders
   progress.begin("fitting bytes and error", most_measured);
   Candidates candidates(model, covariance, error, bytes, parallel, progress, direct_sizes);
   const auto choose = [&](const FitTarget& wanted) {

@@ -12,15 +12,14 @@ namespace {
 
 constexpr float least = 0x1p-100f;  // magnitudes below are 0
 
-// What has few bits takes few bytes, in the scale of a row or in a bias: the upper `bits` of 32 are kept, away from 0
-// or to the nearest.
+// Keeps the upper `bits` of the 32 of a scale or bias, rounded away from 0 or to nearest: the zero bits compress.
 float with_few_bits(float value, int bits, bool away) {
   const std::uint32_t unit = 1u << (32 - bits);
   const std::uint32_t more = std::bit_cast<std::uint32_t>(value) + (away ? unit - 1 : unit / 2);
   const auto rounded = std::bit_cast<float>(more & ~(unit - 1));
   return std::isfinite(rounded) ? rounded : value;
 }
-constexpr int scale_bits = 16;  // sign, exponent and 7 of the significand: up to 0.8 % more than would do
+constexpr int scale_bits = 16;  // sign, exponent and 7 of the significand: scales are up to 0.8 % larger
 
 float magnitude(const float* values, std::size_t count) {
   float most = 0;
@@ -28,8 +27,8 @@ float magnitude(const float* values, std::size_t count) {
   return most;
 }
 
-// Appends `count` values as multiples of one scale, the smallest with which they stay in -largest..largest, but at
-// least `step`.
+// Appends `count` values as multiples of one scale: the smallest with which they are within -largest..largest, at least
+// `step`. Returns the scale.
 float append_rounded(const float* values, std::size_t count, int largest, float step, std::vector<std::int16_t>& to) {
   const float most = magnitude(values, count);
   const float scale =
@@ -64,15 +63,15 @@ PackedRegion pack_region(const Region& region, const PackOptions& options) {
   return packed;
 }
 
-// What a column's values may be rounded by, how small their root mean square may be before the column is dropped, and
-// the step they need not be finer than, in units of values.
-struct Allowance {
+// Precision of a column in units of its values: tolerated rounding error, root mean square below which the column is
+// dropped, smallest quantisation step.
+struct ColumnPrecision {
   double rounding, drop, step;
 };
 
-// The coordinates as multiples of a power of two of at most 2^-20 D, or a quarter of what the basis is rounded by, but
-// never above 2^-16 D: what archives keep in a third of the bytes or less, and no position is off by more than half of
-// it. Those that a float could not hold so stay as they are.
+// Rounds coordinates to multiples of a power of two: at most 2^-20 D, or a quarter of the basis' step, but at most
+// 2^-16 D. Archives then code them in a third of the bytes or less. Coordinates stay as they are if a float could not
+// hold the multiples.
 Mesh on_grid(const Mesh& mesh, double basis_step) {
   Mesh out = mesh;
   const double diagonal = mesh.diagonal();
@@ -86,22 +85,22 @@ Mesh on_grid(const Mesh& mesh, double basis_step) {
   return out;
 }
 
-// `exact`: what the values are rounded from, in steps.
-PackedRowBlock pack_row_block(const RowBlock& group, const std::vector<Allowance>& allowances,
+// `exact`: receives the values before rounding, in steps.
+PackedRowBlock pack_row_block(const RowBlock& group, const std::vector<ColumnPrecision>& precisions,
                               std::vector<float>& exact) {
   PackedRowBlock packed{group.first_row, group.row_count, {}, {}};
   for (std::size_t c = 0; c < group.columns.size(); ++c) {
-    const Allowance& allowed = allowances[group.columns[c]];
+    const ColumnPrecision& precision = precisions[group.columns[c]];
     const auto first = group.values.begin() + c * group.row_count;
     std::vector<float> values(first, first + group.row_count);
     const float most = magnitude(values.data(), values.size());
     double squares = 0;
     for (const float value : values) squares += double(value) * value;
-    if (most < least || most < allowed.step / 2) continue;
-    if (squares < allowed.drop * allowed.drop * static_cast<double>(values.size())) continue;
-    const bool wide = most / largest_narrow / 2 > allowed.rounding;
+    if (most < least || most < precision.step / 2) continue;
+    if (squares < precision.drop * precision.drop * static_cast<double>(values.size())) continue;
+    const bool wide = most / largest_narrow / 2 > precision.rounding;
     const float scale = append_rounded(values.data(), values.size(), wide ? largest_wide : largest_narrow,
-                                       static_cast<float>(allowed.step), packed.values);
+                                       static_cast<float>(precision.step), packed.values);
     packed.columns.push_back({group.columns[c], wide, scale});
     for (const float value : values) exact.push_back(scale == 0 ? 0 : value / scale);
   }
@@ -126,17 +125,18 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
   packed.provenance = model.provenance;
 
   const double diagonal = model.rest.diagonal();
-  std::vector<Allowance> allowances;
+  std::vector<ColumnPrecision> precisions;
   for (std::uint32_t column = 0; column < model.basis.columns; ++column) {
     const double size = options.coefficient_sizes.empty() ? 1 : options.coefficient_sizes[column];
-    constexpr double any = std::numeric_limits<double>::infinity();  // of a coefficient that is always 0
+    constexpr double any = std::numeric_limits<double>::infinity();  // for a coefficient that is always 0
     const double unit = diagonal / size;
-    allowances.push_back(size > 0 ? Allowance{options.basis_tolerance * unit, options.drop * unit, options.step * unit}
-                                  : Allowance{any, 0, 0});
+    precisions.push_back(size > 0
+                             ? ColumnPrecision{options.basis_tolerance * unit, options.drop * unit, options.step * unit}
+                             : ColumnPrecision{any, 0, 0});
   }
   std::vector<std::vector<float>> exact;
   for (const RowBlock& group : model.basis.row_blocks)
-    packed.row_blocks.push_back(pack_row_block(group, allowances, exact.emplace_back()));
+    packed.row_blocks.push_back(pack_row_block(group, precisions, exact.emplace_back()));
   if (options.step > 0) rate_distortion_quantise(packed, exact, options.step_lambda);
   check(packed);
   return packed;

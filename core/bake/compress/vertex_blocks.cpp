@@ -46,7 +46,7 @@ void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t l
 std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::span<const std::uint32_t> labels,
                                                       std::uint32_t largest) {
   if (labels.size() != rest.vertex_count() || largest == 0)
-    fail(Status::invalid_argument, "chunks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
+    fail(Status::invalid_argument, "blocks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
          rest.vertex_count());
   std::map<std::uint32_t, std::vector<std::uint32_t>> of_label;
   for (std::size_t v = 0; v < labels.size(); ++v) of_label[labels[v]].push_back(std::uint32_t(v));

@@ -123,7 +123,7 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
     packing.step_lambda = 13;
   }
   RecipeResult result =
-      finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.touched_bytes);
+      finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.max_bytes_read);
   result.stats = std::move(face.stats);
   return result;
 }

@@ -37,7 +37,7 @@ struct FaceRecipe {
   // on validation poses, but at least min_compression_error over the diagonal. Where single controls simply add up, the
   // minimum is at most 5e-6.
   double compression_error_share = 0.1, min_compression_error = 1e-6;
-  double touched_bytes = 0;  // a pose may read on average; precision is lowered to keep to it, see finish_face; 0: any
+  double max_bytes_read = 0;  // per pose on average; precision is lowered to keep to it, see finish_face; 0: any
 };
 
 FaceRecipe hero_recipe();

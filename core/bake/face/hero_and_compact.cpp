@@ -15,7 +15,7 @@ FaceRecipe hero_recipe() {
   recipe.parameters = 1'400'000;
   recipe.training_flops = 4.5e13;
   recipe.compression_error_share = 0.02;
-  recipe.touched_bytes = 3.9e6;  // on synthetic shots; leaves a margin below 4 MB
+  recipe.max_bytes_read = 3.9e6;  // on synthetic shots; leaves a margin below 4 MB
   return recipe;
 }
 
@@ -30,7 +30,7 @@ FaceRecipe compact_recipe() {
   recipe.weight_bits = 6;
   recipe.compression_error_share = 0.1;
   recipe.min_compression_error = 1.5e-5;
-  recipe.touched_bytes = 1.25e6;  // on synthetic shots; leaves a margin below 1.3 MB
+  recipe.max_bytes_read = 1.25e6;  // on synthetic shots; leaves a margin below 1.3 MB
   return recipe;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Six digits say more than any figure deserves.
+// To six significant digits.
 double rounded(double value) {
   return std::strtod(format("%.6g", value).c_str(), nullptr);
 }
@@ -46,7 +46,7 @@ const char* measured_part(const Json& certificate) {
   return nullptr;
 }
 
-Json on_unseen(const EvalReport& report, Split split) {
+Json independent_errors(const EvalReport& report, Split split) {
   Json json = {{"split", name_of(split)}};
   add(json, report.total);
   for (const ClipErrors& clip : report.clips) {
@@ -74,7 +74,7 @@ std::string certificate(const Errors& dependency, const std::optional<EvalReport
                         const Errors& quantisation) {
   Json json;
   add(json["dependency"], dependency);
-  json["independent"] = independent ? on_unseen(*independent, split) : Json();
+  json["independent"] = independent ? independent_errors(*independent, split) : Json();
   add(json["quantisation"], quantisation);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

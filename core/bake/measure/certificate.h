@@ -1,4 +1,4 @@
-// What an archive says of its own errors: see FORMAT.md, "certificate".
+// The errors that an archive states of itself: see FORMAT.md, "certificate".
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace fb::bake {
 
-// A JSON object. `independent` and its split: with Detail::quality, on poses that were not trained on; absent where
-// there are none. `quantisation`: see Baked::quantisation.
+// A JSON object. `dependency`: on training poses. `independent` and its split: with Detail::quality, on poses that were
+// not trained on; absent where there are none. `quantisation`: of the packed model against the float model.
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
                         const Errors& quantisation);
 
@@ -32,8 +32,8 @@ std::optional<CertifiedErrors> certified_errors(const std::string& certificate);
 // The main figures in one to three lines for people, each ending in a newline; "" without figures.
 std::string certificate_summary(const std::string& certificate);
 
-// XXH64 of what a face is trained on: of the positions of each pose in order (little-endian floats, in the source's
-// units), seeded with the hash before, from 0; then likewise of all controls.
+// XXH64 of the training data: of the positions of each pose in order (little-endian floats, in the source's units),
+// each seeded with the hash before, the first with 0; then likewise of all controls.
 std::uint64_t training_hash(const PoseSet& poses);
 
 }  // namespace fb::bake

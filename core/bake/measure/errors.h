@@ -1,4 +1,4 @@
-// How far a face is from its rig, in the figures every report uses.
+// Errors of a face against its rig: the figures of every report.
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,20 @@
 namespace fb::bake {
 
 // With e the distance of a predicted vertex from the true one and D the rest mesh's bounding-box diagonal, over all
-// vertices and frames. All are fractions of D.
+// vertices and frames.
 struct Errors {
   std::size_t frames = 0;
   double mse = 0;   // mean of e^2 / D^2
   double rms = 0;   // its square root
   double mean = 0;  // mean of e / D
-  double p99 = 0;   // 99 % of all vertices are nearer; resolved to 1 %
-  double max = 0;   // worst vertex of all frames
-  double mfm = 0;   // mean over frames of the frame's worst vertex
+  double p99 = 0;   // 99th percentile of e / D; resolved to 1 %
+  double max = 0;   // largest e / D
+  double mfm = 0;   // mean over frames of the frame's largest e / D
   std::size_t worst_frame = 0;
 };
 
-// Sums errors frame by frame. Partial sums of consecutive frames are joined with `append`, in order, so the figures do
-// not depend on how frames were spread over threads (they do depend, in the last digits, on how they were cut in
-// blocks).
+// Sums errors frame by frame. Partial sums of consecutive blocks of frames are joined with `append`, in order: the
+// figures do not depend on the number of threads (in the last digits they depend on the size of the blocks).
 class ErrorSums {
  public:
   // Both are 3 x vertices floats.

@@ -10,11 +10,11 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_frames = 16;    // one worker's piece
+constexpr std::size_t block_frames = 16;    // unit of work of a thread
 constexpr std::size_t blocks_at_once = 32;  // between two reports of progress
-constexpr std::size_t lead_frames = 2;      // before a piece: what flicker looks back on
+constexpr std::size_t warm_up_frames = 2;   // evaluated before a block, for the second difference of jitter
 constexpr std::size_t frames_apart = 12;    // of worst frames
-constexpr std::size_t poses_to_part_by = 256;
+constexpr std::size_t part_poses = 256;     // that vertices are assigned to regions by
 
 struct Sums {
   ErrorSums errors;
@@ -26,11 +26,11 @@ struct Sums {
   }
 };
 
-// `shot`: poses follow each other in time. basis: null for errors alone.
+// `shot`: poses are consecutive in time. `basis`: null for errors alone. `done`: frames measured so far, for progress.
 Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
   const std::size_t width = face.rest_positions().size(), controls = face.control_count();
-  const std::size_t lead = shot && basis ? lead_frames : 0;
+  const std::size_t warm_up = shot && basis ? warm_up_frames : 0;
   const Parallel workers = poses.source().thread_safe() ? parallel : Parallel{.threads = 1};
   const std::vector<float> all_controls = poses.controls();
   struct Worker {
@@ -40,7 +40,7 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
   std::vector<Worker> work;
   for (std::size_t w = 0; w < worker_count(workers); ++w)
     work.push_back(
-        {runtime::Workspace(face), std::vector<float>((lead + block_frames) * width), std::vector<float>(width)});
+        {runtime::Workspace(face), std::vector<float>((warm_up + block_frames) * width), std::vector<float>(width)});
 
   const auto none = [&] { return Sums{{}, basis ? std::optional<QualitySums>(*basis) : std::nullopt}; };
   Sums sums = none();
@@ -50,14 +50,14 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
     parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t w) {
       Worker& mine = work[w];
       const std::size_t begin = first + b * block_frames, end = std::min(begin + block_frames, first + frames);
-      const std::size_t from = begin - std::min(lead, begin);
+      const std::size_t from = begin - std::min(warm_up, begin);
       poses.read_points(from, end - from, std::span(mine.truth).first((end - from) * width));
       for (std::size_t i = from; i < end; ++i) {
         const auto pose = std::span(all_controls).subspan(i * controls, controls);
         const auto truth = std::span(mine.truth).subspan((i - from) * width, width);
         face.evaluate(pose.data(), mine.predicted.data(), mine.workspace);
         if (i < begin) {
-          blocks[b].quality->lead_in(mine.predicted, truth);
+          blocks[b].quality->add_warm_up(mine.predicted, truth);
           continue;
         }
         blocks[b].errors.add_frame(mine.predicted, truth);
@@ -81,13 +81,17 @@ void check_same_face(const PackedModel& model, const Source& source) {
   const double tolerance = 1e-4 * source.rest().diagonal();
   for (std::size_t i = 0; i < a.size(); ++i)
     if (std::abs(double(a[i]) - b[i]) > tolerance)
-      fail(Status::bad_data, "the rest mesh of the archive is not that of the source: vertex %zu lies elsewhere",
-           i / 3);
+      fail(Status::bad_data,
+           "the rest mesh of the archive is not that of the source: vertex %zu has another rest position", i / 3);
 }
 
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress, Detail detail) {
-  const PackedModel model = archive::read_archive(archive).model;
+  return evaluate_model(archive::read_archive(archive).model, source, split, parallel, progress, detail);
+}
+
+EvalReport evaluate_model(const PackedModel& model, Source& source, std::optional<Split> split,
+                          const Parallel& parallel, Progress& progress, Detail detail) {
   check_same_face(model, source);
   const runtime::Evaluator face(model);
   const auto wanted = [&](const Clip& clip) { return !split || clip.split == *split; };
@@ -97,7 +101,7 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
          split ? " of the split " : "", split ? name_of(*split) : "");
   std::optional<QualityBasis> basis;
   if (detail == Detail::quality)
-    basis.emplace(model.rest, model.schema, face_parts(model, all.subsampled(poses_to_part_by).controls()));
+    basis.emplace(model.rest, model.schema, face_parts(model, all.subsampled(part_poses).controls()));
   const QualityBasis* by = basis ? &*basis : nullptr;
 
   EvalReport report;
@@ -122,13 +126,11 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
   report.total = total.errors.figures(report.diagonal);
   if (total.quality) report.quality = total.quality->figures();
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
-  report.touched = touched_bytes(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
+  report.bytes_read = bytes_read_per_pose(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
   return report;
 }
 
-Errors evaluate_archive_on(std::span<const std::byte> archive, const PoseSet& poses, const Parallel& parallel,
-                           Progress& progress) {
-  const PackedModel model = archive::read_archive(archive).model;
+Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const Parallel& parallel, Progress& progress) {
   check_same_face(model, poses.source());
   std::uint64_t done = 0;
   progress.begin("measuring", poses.size());

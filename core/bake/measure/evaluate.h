@@ -1,3 +1,4 @@
+// Errors of packed models against their source.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "bake/measure/bytes_read.h"
 #include "bake/measure/errors.h"
 #include "bake/measure/quality.h"
-#include "bake/measure/touched_bytes.h"
 #include "bake/rig/pose_set.h"
 #include "bake/rig/source.h"
 #include "base/parallel.h"
@@ -37,25 +38,28 @@ struct EvalReport {
   std::vector<ClipErrors> clips;
   std::vector<KindErrors> kinds = {};  // of those clips, in the order of their first ones
   Errors total;                        // over the frames of all clips
-  TouchedBytes touched;                // by poses of those clips that are shots, or of all if none is
-  std::optional<Quality> quality;      // of the same, with Detail::quality
+  BytesRead bytes_read;                // by poses of those clips that are shots, or of all if none is
+  std::optional<Quality> quality;      // of the same clips, with Detail::quality
 };
 
-// Quality takes normals and differences along edges in every frame besides.
+// What is measured: errors alone, or normals, jitter, seams, regions and controls too, which takes longer.
 enum class Detail { errors, quality };
 
-// The face of the archive must be the face of the source: same controls, same vertices in the same places. Fails with
+// Checks that a model is of the source's face: same controls, same vertices at the same rest positions. Fails with
 // bad_data, saying where they differ.
 void check_same_face(const PackedModel& model, const Source& source);
 
-// Compares a packed archive, through the runtime that ships, with the truth: every clip of `split` (all clips if
-// empty). Fails as check_same_face does, and with bad_data when there is no such clip.
-EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
-                            const Parallel& parallel, Progress& progress, Detail detail = Detail::errors);
+// Compares a packed model, evaluated by the runtime, with the source: every clip of `split` (all clips if empty). Fails
+// as check_same_face does, and with bad_data when there is no such clip.
+EvalReport evaluate_model(const PackedModel& model, Source& source, std::optional<Split> split,
+                          const Parallel& parallel, Progress& progress, Detail detail = Detail::errors);
 
 // The same over any picked frames, as one figure.
-Errors evaluate_archive_on(std::span<const std::byte> archive, const PoseSet& poses, const Parallel& parallel,
-                           Progress& progress);
+Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const Parallel& parallel, Progress& progress);
+
+// evaluate_model of the model in an archive.
+EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
+                            const Parallel& parallel, Progress& progress, Detail detail = Detail::errors);
 
 struct FrameOfClip {
   std::size_t clip = 0;  // in EvalReport::clips
@@ -63,8 +67,8 @@ struct FrameOfClip {
   FrameErrors errors;
 };
 
-// The frames with the largest errors of a vertex, largest first, none within half a second (12 frames) of another of
-// its clip. Empty without Detail::quality.
+// The frames with the largest errors of a vertex, largest first, at least half a second (12 frames) apart in a clip.
+// Empty without Detail::quality.
 std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count);
 
 }  // namespace fb::bake

@@ -7,8 +7,8 @@
 
 namespace fb::bake {
 
-// A face of floats posed in the plainest way and summed in double: what packing is measured against, and the check of
-// the runtime that shares none of its arithmetic but features and activations.
+// Reference evaluation of a float model, with sums in double: quantisation is measured against it, and it checks the
+// runtime, with which it shares only features and activations.
 class FloatFace {
  public:
   // Checks the model, which must outlive the face.
@@ -17,7 +17,7 @@ class FloatFace {
   // One pose (control_count values, clamped to their ranges) as 3 x vertices positions. Thread-safe.
   std::vector<double> evaluate(std::span<const float> controls) const;
 
-  // The weights of the basis' columns in that pose. Thread-safe.
+  // The coefficients of the basis' columns in that pose. Thread-safe.
   std::vector<double> coefficients(std::span<const float> controls) const;
 
  private:
@@ -25,7 +25,7 @@ class FloatFace {
 
   const FaceModel& model_;
   std::vector<float> rest_controls_;
-  std::vector<std::vector<double>> at_rest_;  // what each region's last layer gives there
+  std::vector<std::vector<double>> at_rest_;  // outputs of each region at rest
 };
 
 }  // namespace fb::bake

@@ -6,13 +6,13 @@
 
 namespace fb::bake {
 
-// Counts values >= 0 by the exponent and the six leading bits of the fraction of their float representation:
-// neighbouring bins differ by at most 1/64. Takes 130 kB once something was counted.
+// Histogram of values >= 0, for their 99th percentile. Bins are given by the exponent and the leading six bits of the
+// significand of a float: neighbours differ by at most 1/64. Takes 130 kB once something is counted.
 class Histogram {
  public:
   void add(float value);
   void append(const Histogram& other);
-  // What one value in a hundred may lie beyond, rounded up to the end of its bin; 0 without values.
+  // 99th percentile, rounded up to the end of its bin; 0 without values.
   double p99() const;
 
  private:

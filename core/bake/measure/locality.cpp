@@ -14,13 +14,12 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t moves_at_once = 64;
+constexpr std::size_t moves_at_once = 64;  // controls moved in one call of the rig
+constexpr std::size_t rest_poses = 2;      // poses in which controls are moved from rest; the others are random
 
-constexpr std::size_t alone = 2;  // of the poses; the others are random
-
-// The pose that controls are moved away from.
+// The pose from which controls are moved.
 std::vector<float> pose_of(const RigSchema& schema, const LocalityOptions& options, std::size_t number) {
-  if (number < alone) return schema.rest_pose();
+  if (number < rest_poses) return schema.rest_pose();
   Random random(options.seed, number);
   std::vector<float> pose;
   for (const Control& control : schema.controls) {
@@ -32,20 +31,20 @@ std::vector<float> pose_of(const RigSchema& schema, const LocalityOptions& optio
 }
 
 float moved_value(const Control& control, float value, std::size_t number) {
-  if (number < alone) return number == 0 ? control.maximum : control.minimum;
+  if (number < rest_poses) return number == 0 ? control.maximum : control.minimum;
   if (std::abs(value - control.rest) > 0.5f * control.reach()) return control.rest;
   return control.maximum - control.rest >= control.rest - control.minimum ? control.maximum : control.minimum;
 }
 
-// Raises most[v], the furthest each vertex was moved over D, by the way from one pose to another.
+// most[v] = max(most[v], distance of vertex v between two poses / D).
 void raise(std::span<float> most, std::span<const float> from, std::span<const float> to, double diagonal) {
   for (std::size_t v = 0; v < most.size(); ++v) {
-    const float way = length(vector_at(to.data(), v) - vector_at(from.data(), v));
-    most[v] = std::max(most[v], static_cast<float>(way / diagonal));
+    const float distance = length(vector_at(to.data(), v) - vector_at(from.data(), v));
+    most[v] = std::max(most[v], static_cast<float>(distance / diagonal));
   }
 }
 
-// How far moving each control moves each vertex: controls x vertices, over D.
+// Largest displacement of each vertex by moving each control: controls x vertices, over D.
 using Motion = std::vector<float>;
 
 struct Candidate {
@@ -63,9 +62,9 @@ struct Candidate {
   Motion motion;
 };
 
-// Controls moved one at a time away from a pose.
+// Poses that differ from one pose in one control each.
 struct Moves {
-  std::vector<float> poses;  // the pose itself, then one for each control from `first` on
+  std::vector<float> poses;  // that pose, then one with each of the controls from `first` on moved
   std::size_t first = 0, count = 0;
 };
 
@@ -79,7 +78,7 @@ Moves moves_from(const RigSchema& schema, const std::vector<float>& pose, std::s
   return moves;
 }
 
-// points: of all poses of the moves.
+// `points`: positions of all poses of the moves.
 void raise_by(Motion& motion, const Moves& moves, const std::vector<float>& points, double diagonal,
               const Parallel& parallel) {
   const std::size_t width = points.size() / (moves.count + 1), vertices = width / 3;

@@ -53,7 +53,7 @@ QualityBasis::QualityBasis(const Mesh& rest, const RigSchema& rig, FaceParts of_
     inside_weights.push_back(inside[p] == 0 ? 0 : (borders.empty() ? 1 : beside[p] / inside[p]) / all);
 }
 
-void QualitySums::lead_in(std::span<const float> predicted, std::span<const float> truth) {
+void QualitySums::add_warm_up(std::span<const float> predicted, std::span<const float> truth) {
   add_jitter(error_of(predicted, truth, basis_->diagonal), false);
 }
 

@@ -1,4 +1,4 @@
-// What an eye sees of a face's errors besides their size: shading, flicker, seams, and where and when they are.
+// Visible errors besides distances: shading (normals), jitter, seams; and errors by region, control, vertex and frame.
 #pragma once
 
 #include <array>
@@ -27,25 +27,26 @@ struct PartErrors {
   double mse = 0, max = 0;
 };
 
-// With e the difference vector of a vertex to its true place, over D, and D the rest mesh's diagonal.
+// With e the error vector of a vertex, predicted - true, over D, the rest mesh's bounding-box diagonal.
 struct Quality {
-  // Degrees between area-weighted vertex normals, over vertices that have a polygon which is no line or point.
+  // Degrees between area-weighted vertex normals, over vertices with a polygon that has an area.
   double normal_rms = 0, normal_p99 = 0;
-  // Root mean square of |e(t-1) - 2 e(t) + e(t+1)| over consecutive frames of shots; no shot of 3 frames: no frames.
+  // Root mean square of |e(t-1) - 2 e(t) + e(t+1)| over consecutive frames of shots of 3 frames or more; jitter_frames
+  // is 0 without any.
   double jitter = 0;
   std::size_t jitter_frames = 0;
-  // Root mean square of |e(i) - e(j)| over edges i-j of polygons: between parts, and inside, where every border edge
-  // stands for the edges inside the two parts that it joins: a seam is what stands out from what is around it. No part
-  // meets another: no border edges, and inside are all edges inside parts.
+  // Root mean square of |e(i) - e(j)| over edges i-j of polygons: of edges between parts, and of edges inside a part.
+  // The latter are weighted so that each border edge counts the edges inside the two parts it joins equally: a seam is
+  // a border_jump above inside_jump. Without border edges inside_jump is over all edges inside parts.
   double border_jump = 0, inside_jump = 0;
   std::size_t border_edges = 0;
-  std::vector<PartErrors> regions;   // the face's parts; those without vertices are left out
-  std::vector<PartErrors> controls;  // frames in which a control is beyond half its reach; those without are left out
+  std::vector<PartErrors> regions;   // parts of the face that have vertices
+  std::vector<PartErrors> controls;  // frames with the control beyond half its reach; controls with such frames
   std::vector<float> vertex_rms;     // one a vertex
   FaceParts parts;
 };
 
-// What is the same in every frame.
+// What all frames share.
 struct QualityBasis {
   QualityBasis(const Mesh& rest, const RigSchema& schema, FaceParts parts);
 
@@ -54,17 +55,18 @@ struct QualityBasis {
   FaceParts parts;
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 2>> borders, insides;  // edges between parts, and inside one
-  std::vector<double> inside_weights;  // one a part: of its inside edges' squared jump, each; see Quality::inside_jump
+  std::vector<double>
+      inside_weights;  // by part: weight of the squared jump of an inside edge, see Quality::inside_jump
 };
 
-// Sums over frames, joined with `append` in order as ErrorSums are. The basis must outlive it.
+// Sums over frames; partial sums are joined with `append` in order, like ErrorSums. The basis must outlive it.
 class QualitySums {
  public:
   explicit QualitySums(const QualityBasis& basis) : basis_(&basis) {}
 
-  // A frame of a shot that is only looked at for the flicker of those after it.
-  void lead_in(std::span<const float> predicted, std::span<const float> truth);
-  // `shot`: it follows in time what was added or led in before.
+  // A frame of a shot before those that are measured: only for the second differences of jitter.
+  void add_warm_up(std::span<const float> predicted, std::span<const float> truth);
+  // `shot`: the frame follows in time the one added (or warmed up with) before.
   void add_frame(std::span<const float> controls, std::span<const float> predicted, std::span<const float> truth,
                  bool shot);
   void append(const QualitySums& later);

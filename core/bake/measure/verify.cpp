@@ -15,17 +15,17 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t dense_poses = 8, shown_vertices = 16;
-constexpr std::uint32_t notches = 64;  // of a control's range that proof poses fall on: they pack better
+constexpr std::uint32_t range_steps = 64;  // reference poses lie on 1/64 of a control's range: they pack better
 
-// Calls with(pose, positions of all vertices) for every pose.
-template <class With>
-void pose_by_pose(const PackedModel& model, std::span<const float> controls, With&& with) {
+// Calls visit(pose, positions of all vertices) for every pose.
+template <class Visit>
+void for_each_pose(const PackedModel& model, std::span<const float> controls, Visit&& visit) {
   const runtime::Evaluator face(model);
   runtime::Workspace workspace(face);
   std::vector<float> positions(model.rest.points.size());
   for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
     face.evaluate(controls.data() + pose * face.control_count(), positions.data(), workspace);
-    with(pose, std::span<const float>(positions));
+    visit(pose, std::span<const float>(positions));
   }
 }
 
@@ -41,13 +41,13 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
     Random random(seed, pose);
     for (const Control& control : controls) {
       const bool on = random.uniform() < 0.3f;
-      const float share = float(random.below(notches + 1)) / float(notches);
+      const float share = float(random.below(range_steps + 1)) / float(range_steps);
       proof.controls.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
     }
   }
   const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
-  pose_by_pose(model, proof.controls, [&](std::size_t, std::span<const float> positions) {
+  for_each_pose(model, proof.controls, [&](std::size_t, std::span<const float> positions) {
     proof.hashes.push_back(hash64_little(positions));
     for (const std::uint32_t v : proof.vertices)
       proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
@@ -62,7 +62,7 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
 VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
   const archive::Proof& proof = read.proof;
   const VerifyReport report{bytes, proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
-  pose_by_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
+  for_each_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
     const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
     for (const std::uint32_t vertex : proof.vertices)
       for (std::size_t axis = 0; axis < 3; ++axis, ++kept) {
@@ -93,10 +93,10 @@ void write_verified_archive(const std::filesystem::path& path, std::span<const s
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
   const std::size_t width = model.rest.points.size();
   std::vector<float> kept;
-  pose_by_pose(model, controls,
-               [&](std::size_t, std::span<const float> p) { kept.insert(kept.end(), p.begin(), p.end()); });
+  for_each_pose(model, controls,
+                [&](std::size_t, std::span<const float> p) { kept.insert(kept.end(), p.begin(), p.end()); });
   ErrorSums sums;
-  pose_by_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p) {
+  for_each_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p) {
     sums.add_frame(p, std::span(kept).subspan(pose * width, width));
   });
   return sums.figures(model.rest.diagonal());

@@ -1,4 +1,4 @@
-// Proof that an archive still poses as it did when it was made.
+// Verification: an archive evaluates to the same bits as when it was made.
 #pragma once
 
 #include <cstddef>
@@ -22,11 +22,12 @@ struct VerifyReport {
   std::string certificate;              // of the archive, "" if it has none
 };
 
-// What the model gives for a few poses: rest, both ends of all controls, seeded dense ones.
+// Reference poses of a model and their positions: rest, all controls at their maximum, at their minimum, and seeded
+// dense poses. The archive carries them (FORMAT.md, "proof").
 archive::Proof make_proof(const PackedModel& model, std::uint64_t seed);
 
-// Reads an archive whole, evaluates the poses of its proof and compares every bit. Fails with the reader's error if it
-// is damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
+// Reads all of an archive, evaluates its reference poses and compares every bit. Fails with the reader's error if it is
+// damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
 VerifyReport verify_archive(std::span<const std::byte> archive);
 // The same of an archive that was read whole, of so many bytes.
 VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes);
@@ -35,11 +36,12 @@ VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes);
 // (writing, verification), an old file at `path` stays as it was.
 void write_verified_archive(const std::filesystem::path& path, std::span<const std::byte> archive);
 
-// How far a packed face is from the one of floats it was made of, over these poses (poses x controls).
+// Errors of a packed model against the float model it was made of, over these poses (poses x controls).
 Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                            const Parallel& parallel);
 
-// The same of two packed faces with the same controls and vertices. Keeps all positions of one of them meanwhile.
+// Displacements of a repacked model from the packed one, with the same controls and vertices. Allocates all positions
+// of one of them.
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
 
 }  // namespace fb::bake

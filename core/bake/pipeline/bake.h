@@ -1,4 +1,10 @@
-// From poses to an archive.
+// From a source of poses to an archive. Reading order of this folder:
+//   sample_poses     a live rig is sampled into a dataset (ensemble: active sampling where its evaluations are limited)
+//   bake             a recipe trains, the model is packed once and measured, the archive written and verified
+//   recipe_table     the recipes by name
+//   learning_curve   reports on the training poses: coverage, and the error by their number
+//   compare          several recipes on the same poses, with bake_cache for those baked before
+//   repack           an archive packed anew, without poses
 #pragma once
 
 #include <cstddef>
@@ -6,11 +12,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "archive/proof.h"
 #include "bake/measure/errors.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "model/packed_model.h"
 
 namespace fb::bake {
 
@@ -21,19 +29,29 @@ struct Baked {
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
-  Errors quantisation;           // of the packed model against that of floats, on training and random poses
+  Errors quantisation;           // of the packed model against the float model, on training and random poses
   BakeStats stats;
 };
 
-// Samples (a live rig), trains, packs and verifies. Uses only clips of the split train; those of the split test, or of
-// validation where there is none of them, are measured on for the certificate, where the rig's budget allows it.
+// Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split
+// train. The certificate has errors on training poses and, where the rig budget allows for them, on independent_poses.
+// The evaluated model is the packed one, by the runtime. Fails with limit if BakeOptions::max_bytes or max_error cannot
+// be met, unless forced.
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);
 
-// bake, then writes the archive, which appears complete or not at all; that it can be written is tried first. Without a
-// work folder it uses "<path>.work" and removes that once the archive is whole.
+// bake_face, then write_verified_archive; that the file can be written is tried first. Whatever fails, an old file
+// stays. Without a work folder it uses "<path>.work" and removes that once the archive is whole; after a failure, the
+// same bake goes on from there.
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress);
 
-// bake, once the poses are there.
-Baked bake_recorded(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+// A trained and packed face, before it is written.
+struct PackedFace {
+  PackedModel model;     // with provenance
+  archive::Proof proof;  // its reference poses
+  Baked baked;           // without archive
+};
+
+// Trains and packs a face from recorded poses. `rig` evaluates new poses for recipes that need them; may be null.
+PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 
 }  // namespace fb::bake

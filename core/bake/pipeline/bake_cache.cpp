@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "archive/writer.h"
+#include "bake/measure/verify.h"
 #include "bake/pipeline/recipe_table.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -24,24 +26,24 @@ using Json = nlohmann::json;
 constexpr const char* archive_name = "face.fbk";
 constexpr const char* figures_name = "bake.json";
 
-// Of everything that decides what a bake gives: options that change only how fast it is are left out.
-std::uint64_t key_of(Source& data, const RigEvaluator* rig, const BakeOptions& options) {
-  const PoseSet poses = training_poses(data, options.use), some = poses.subsampled(16);
-  std::vector<float> points(some.size() * data.rest().points.size());
-  some.read_points(0, some.size(), points);
-  const std::uint64_t budget = recipe_named(options.recipe).asks_rig ? options.rig_budget : 0;
-  Json words = {FB_VERSION,        options.recipe, name_of(options.use),
-                options.seed,      options.epochs, options.max_bytes,
-                options.max_error, budget,         rig != nullptr};
-  if (options.force) words.push_back("force");
-  const std::uint64_t seen = hash64_of<float>(poses.controls(), hash64_of<float>(points));
+// Hash of everything that the result depends on; options that change only the speed are left out.
+std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions& options) {
+  const PoseSet poses = training_poses(data, options.use), sample = poses.subsampled(16);
+  std::vector<float> points(sample.size() * data.rest().points.size());
+  sample.read_points(0, sample.size(), points);
+  const std::uint64_t budget = find_recipe(options.recipe).evaluates_rig ? options.rig_budget : 0;
+  Json fields = {FB_VERSION,        options.recipe, name_of(options.use),
+                 options.seed,      options.epochs, options.max_bytes,
+                 options.max_error, budget,         rig != nullptr};
+  if (options.force) fields.push_back("force");
+  const std::uint64_t samples = hash64_of<float>(poses.controls(), hash64_of<float>(points));
   const Mesh& rest = data.rest();
-  const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, seen));
-  return hash64_of<char>(words.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
+  const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, samples));
+  return hash64_of<char>(fields.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
 }
 
-// What is missing or damaged is baked again.
-std::optional<Baked> kept(const std::filesystem::path& folder, std::uint64_t key) {
+// None if it is missing, damaged or of another key.
+std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key) {
   if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
     return std::nullopt;
   const std::vector<std::byte> text = read_file(folder / figures_name);
@@ -63,7 +65,7 @@ std::optional<Baked> kept(const std::filesystem::path& folder, std::uint64_t key
   }
 }
 
-void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& baked) {
+void save(const std::filesystem::path& folder, std::uint64_t key, const Baked& baked) {
   const Json json = {{"key", key},
                      {"archive", hash64(baked.archive)},
                      {"poses", baked.poses},
@@ -72,20 +74,22 @@ void keep(const std::filesystem::path& folder, std::uint64_t key, const Baked& b
                      {"train_seconds", baked.train_seconds},
                      {"quantisation", baked.quantisation},
                      {"stats", baked.stats}};
-  write_file(folder / archive_name, baked.archive);
+  write_verified_archive(folder / archive_name, baked.archive);
   write_file(folder / figures_name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
 
 Baked cached_bake(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
-  const std::uint64_t key = key_of(data, rig, options);
-  if (std::optional<Baked> earlier = kept(options.work, key)) {
+  const std::uint64_t key = cache_key(data, rig, options);
+  if (std::optional<Baked> earlier = load(options.work, key)) {
     progress.note("taken from " + options.work.string() + ", where it was baked before");
     return std::move(*earlier);
   }
-  Baked baked = bake_recorded(data, rig, options, progress);
-  keep(options.work, key, baked);
+  PackedFace face = train_and_pack(data, rig, options, progress);
+  Baked baked = std::move(face.baked);
+  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, {}});
+  save(options.work, key, baked);
   return baked;
 }
 

@@ -4,21 +4,25 @@
 #include <cmath>
 #include <numeric>
 
+#include "bake/measure/evaluate.h"
+#include "bake/pipeline/recipe_table.h"
+#include "bake/sampling/coverage.h"
 #include "bake/sampling/pose_generators.h"
+#include "base/file.h"
 #include "base/status.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t fitted_points = 3;
-constexpr double flat = 0.05;  // below this exponent twice the poses gain less than 4 %
+constexpr std::size_t fewest_poses = 16, fitted_points = 3, measured_poses = 1000;
+constexpr double flat = 0.05;  // exponent below which twice the poses lower the error by less than 4 %
 
-void fit(LearningCurve& curve) {
+void fit_power_law(LearningCurve& curve) {
   std::vector<std::pair<double, double>> logs;
   const std::size_t skipped = curve.points.size() - std::min(curve.points.size(), fitted_points);
   for (std::size_t i = skipped; i < curve.points.size(); ++i) {
     const LearningCurve::Point& point = curve.points[i];
-    if (!(point.errors.mse > 0)) return;  // exact: there is nothing to extrapolate
+    if (!(point.errors.mse > 0)) return;  // no error: nothing to extrapolate
     logs.emplace_back(std::log(static_cast<double>(point.poses)), std::log(point.errors.mse));
   }
   const double count = static_cast<double>(logs.size());
@@ -45,7 +49,8 @@ double LearningCurve::mse_at(double poses) const {
 
 LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainAndMeasure& train_and_measure,
                              Progress& progress) {
-  if (poses < 16) fail(Status::invalid_argument, "a learning curve needs 16 poses, not %zu", poses);
+  if (poses < fewest_poses)
+    fail(Status::invalid_argument, "a learning curve needs at least %zu poses, not %zu", fewest_poses, poses);
   std::vector<std::uint32_t> order(poses);
   std::iota(order.begin(), order.end(), 0u);
   Random random = open_stream(seed, Stream::learning_curve, 0);
@@ -61,7 +66,7 @@ LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainA
     if (!std::isfinite(curve.points.back().errors.mse))
       fail(Status::not_finite, "learning curve: the error on %zu poses is not finite", count);
   }
-  fit(curve);
+  fit_power_law(curve);
   return curve;
 }
 
@@ -70,12 +75,47 @@ std::string learning_curve_text(const LearningCurve& curve) {
   for (const LearningCurve::Point& point : curve.points)
     text += format("%10zu  %9.2e  %9.2e  %9.2e\n", point.poses, point.errors.mse, point.errors.max, point.errors.mfm);
   const double most = static_cast<double>(curve.points.back().poses);
-  if (curve.factor == 0) return text + "nothing is left to learn\n";
+  if (curve.factor == 0) return text + "the error is 0: more poses cannot lower it\n";
   if (curve.exponent < flat)
     return text + format("more poses would not lower the error much: it falls as poses^%.2f\n", -curve.exponent);
   return text +
          format("twice the poses would give an mse of about %.1e: it falls as poses^%.2f, give or take %.0f %%\n",
                 curve.mse_at(2 * most), -curve.exponent, 100 * curve.deviation);
+}
+
+std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const PoseSet& independent,
+                                                  const PackedModel& whole, RigEvaluator* rig,
+                                                  const BakeOptions& options, Progress& progress) {
+  if (independent.size() == 0 || training.size() < fewest_poses) return {};
+  const Recipe& recipe = find_recipe(options.recipe);
+  if (recipe.evaluates_rig && rig && options.rig_budget > 0) {
+    progress.note("no learning curve: its bakes would evaluate the rig beyond its budget");
+    return {};
+  }
+  const PoseSet measured = independent.subsampled(measured_poses);
+  const auto errors_of = [&](const PackedModel& model) {
+    return evaluate_model_on(model, measured, options.parallel, progress);
+  };
+  const auto train_and_measure = [&](std::span<const std::uint32_t> subset) {
+    if (subset.size() == training.size()) return errors_of(whole);
+    BakeOptions part = options;
+    part.work = options.work / ("learning." + std::to_string(subset.size()));
+    make_folder(part.work);
+    RecipeResult result = recipe.make(training.picked(subset), rig, part, progress);
+    return errors_of(take_packed(result));
+  };
+  std::vector<LearningPoint> points;
+  for (const LearningCurve::Point& point :
+       learning_curve(training.size(), options.seed, train_and_measure, progress).points)
+    points.push_back({point.poses, point.errors.mse, point.errors.max});
+  return points;
+}
+
+std::string coverage_report(const PoseSet& training, const PoseSet& independent, const Parallel& parallel) {
+  if (training.size() == 0 || independent.size() == 0) return "";
+  const RigSchema& schema = training.source().schema();
+  return coverage_text(
+      measure_coverage(schema, control_groups(schema), training.controls(), independent.controls(), parallel), schema);
 }
 
 }  // namespace fb::bake

@@ -1,4 +1,5 @@
-// How the error falls with the number of training poses, and what more of them would bring.
+// Reports on training poses: what they do not cover, and how the error falls with their number. Nothing is chosen by
+// them.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,11 @@
 #include <vector>
 
 #include "bake/measure/errors.h"
+#include "bake/recipe/bake_options.h"
+#include "bake/recipe/bake_stats.h"
+#include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "model/packed_model.h"
 
 namespace fb::bake {
 
@@ -25,15 +30,25 @@ struct LearningCurve {
   double mse_at(double poses) const;
 };
 
-// Trains on some of the poses (numbers within the training set, ascending) and measures where nothing was trained.
+// Trains on some of the poses (indices into the training set, ascending) and measures on independent ones.
 using TrainAndMeasure = std::function<Errors(std::span<const std::uint32_t> poses)>;
 
-// Runs with 1/8, 1/4, 1/2 and all of `poses` training poses: each set holds the smaller ones, drawn by the seed. Fails
-// with invalid_argument on fewer than 16 poses.
+// Runs with 1/8, 1/4, 1/2 and all of `poses` training poses: nested random subsets, drawn by the seed. Fails with
+// invalid_argument on fewer than 16 poses.
 LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainAndMeasure& train_and_measure,
                              Progress& progress);
 
-// A table of the points and what twice the poses would give.
+// A table of the points and the error extrapolated to twice the poses.
 std::string learning_curve_text(const LearningCurve& curve);
+
+// The learning curve of the recipe of the options, measured on at most 1,000 of the independent poses. `whole` is the
+// model baked on all training poses. Empty without independent poses, on fewer than 16 training poses, and, with a
+// note, for a recipe that evaluates the rig within a budget.
+std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const PoseSet& independent,
+                                                  const PackedModel& whole, RigEvaluator* rig,
+                                                  const BakeOptions& options, Progress& progress);
+
+// coverage_text of what the training poses cover of the independent ones; "" if either set is empty.
+std::string coverage_report(const PoseSet& training, const PoseSet& independent, const Parallel& parallel);
 
 }  // namespace fb::bake

@@ -9,7 +9,6 @@
 namespace fb::bake {
 namespace {
 
-// By age.
 constexpr std::array recipes = {
     Recipe{"linear", make_linear, true},         Recipe{"kanyuk2018", make_kanyuk2018},
     Recipe{"bailey2018", make_bailey2018},       Recipe{"paper", make_paper},
@@ -18,7 +17,7 @@ constexpr std::array recipes = {
 
 }  // namespace
 
-const Recipe& recipe_named(const std::string& name) {
+const Recipe& find_recipe(const std::string& name) {
   std::string list;
   for (const Recipe& recipe : recipes) {
     if (name == recipe.name) return recipe;

@@ -7,9 +7,10 @@
 
 namespace fb::bake {
 
+// In the order in which they were published, our own last.
 std::vector<std::string> recipe_names();
 
-// Fails with not_found, listing the recipes there are.
-const Recipe& recipe_named(const std::string& name);
+// Fails with not_found, listing the recipes.
+const Recipe& find_recipe(const std::string& name);
 
 }  // namespace fb::bake

@@ -7,17 +7,28 @@ namespace fb::bake {
 Use use_from(std::string_view name) {
   for (const Use use : {Use::variant, Use::backlot})
     if (name == name_of(use)) return use;
-  fail(Status::not_found, "\"%.*s\" is no use; there are variant, backlot", static_cast<int>(name.size()), name.data());
+  fail(Status::not_found, "there is no use \"%.*s\"; there are variant, backlot", static_cast<int>(name.size()),
+       name.data());
 }
 
 const char* name_of(Use use) {
   return use == Use::variant ? "variant" : "backlot";
 }
 
+bool has_target(const BakeOptions& options) {
+  return options.max_bytes > 0 || options.max_error > 0;
+}
+
 PoseSet training_poses(Source& data, Use use) {
   return PoseSet(data, [use](const Clip& clip) {
     return clip.split == Split::train && (use == Use::backlot || clip.kind != ClipKind::shot);
   });
+}
+
+PoseSet independent_poses(Source& source) {
+  const auto of = [&](Split split) { return PoseSet(source, [=](const Clip& clip) { return clip.split == split; }); };
+  PoseSet test = of(Split::test);
+  return test.size() > 0 ? test : of(Split::validation);
 }
 
 }  // namespace fb::bake

@@ -1,5 +1,8 @@
-// What every recipe has in common; one file per recipe implements one function of this kind.
+// The interface of recipes; one file per recipe implements one function of this kind.
 #pragma once
+
+#include <optional>
+#include <utility>
 
 #include "bake/compress/pack_model.h"
 #include "bake/recipe/bake_options.h"
@@ -11,19 +14,25 @@
 
 namespace fb::bake {
 
-// What a recipe makes of poses: a model, without provenance, how it is to be packed, and how it came about.
+// A trained model, without provenance, how it is to be packed, and statistics.
 struct RecipeResult {
   FaceModel model;
   PackOptions packing = {};
   BakeStats stats = {};
+  std::optional<PackedModel> packed = {};  // pack_model(model, packing), if the recipe packed it to choose `packing`
 };
+
+// The packed model of a result, packed once.
+inline PackedModel take_packed(RecipeResult& result) {
+  return result.packed ? std::move(*result.packed) : pack_model(result.model, result.packing);
+}
 
 struct Recipe {
   const char* name;
   // `rig` evaluates new poses where there is a live one; null otherwise.
   RecipeResult (*make)(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
-  bool fits = false;      // keeps to BakeOptions::max_bytes and max_error
-  bool asks_rig = false;  // asks a live rig for poses of its own, within BakeOptions::rig_budget
+  bool supports_targets = false;  // BakeOptions::max_bytes and max_error
+  bool evaluates_rig = false;     // evaluates poses of its own on a live rig, within BakeOptions::rig_budget
 };
 
 }  // namespace fb::bake

@@ -163,7 +163,7 @@ TEST_CASE("sums joined in order, with frames led in, are the sums of all frames"
   for (int t = 0; t < 9; ++t) {
     all.add_frame(pose(t), face(t), truth, true);
     if (t < 5) joined.add_frame(pose(t), face(t), truth, true);
-    if (t == 3 || t == 4) second.lead_in(face(t), truth);
+    if (t == 3 || t == 4) second.add_warm_up(face(t), truth);
     if (t >= 5) second.add_frame(pose(t), face(t), truth, true);
   }
   joined.append(second);

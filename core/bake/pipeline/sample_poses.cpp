@@ -1,27 +1,27 @@
-#include "bake/pipeline/record.h"
-#include "bake/dataset/open_source.h"
+#include "bake/pipeline/sample_poses.h"
 
 #include <algorithm>
 
 #include "bake/analysis/rig_analysis.h"
+#include "bake/dataset/open_source.h"
 #include "bake/pipeline/ensemble.h"
 #include "bake/sampling/active_sampling.h"
 
 namespace fb::bake {
 
-std::unique_ptr<Source> record(RigEvaluator& rig, const BakeOptions& options, Recording what, bool recipes_ask,
-                               Progress& progress) {
+std::unique_ptr<Source> sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
+                                     bool recipes_evaluate, Progress& progress) {
   SamplingOptions sampling;
   sampling.poses = options.poses;
   sampling.seed = options.seed;
   sampling.mix = options.mix;
-  sampling.test_poses = what == Recording::with_test;
+  sampling.test_poses = splits == SampledSplits::training_and_test;
   const std::uint64_t third = options.rig_budget / 3;
-  sampling.rig_budget = options.rig_budget - (recipes_ask && pays_to_analyse(rig.schema(), third) ? third : 0);
-  // A variant learns from no shot; where poses are dear none is asked for.
-  if (options.rig_budget > 0 && what == Recording::training_only) sampling.shots = options.use == Use::backlot;
+  sampling.rig_budget = options.rig_budget - (recipes_evaluate && pays_to_analyse(rig.schema(), third) ? third : 0);
+  // A variant does not train on shots: a limited budget is not spent on them.
+  if (options.rig_budget > 0 && splits == SampledSplits::training) sampling.shots = options.use == Use::backlot;
   const std::filesystem::path folder = options.work / "poses";
-  if (options.rig_budget > 0 && recipes_ask)
+  if (options.rig_budget > 0 && recipes_evaluate)
     sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder, progress);
   else
     sample(rig, sampling, folder, progress);

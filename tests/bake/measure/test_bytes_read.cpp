@@ -1,4 +1,4 @@
-#include "bake/measure/touched_bytes.h"
+#include "bake/measure/bytes_read.h"
 
 #include <doctest/doctest.h>
 
@@ -61,21 +61,21 @@ MemorySource three_controls() {
 TEST_CASE("a pose reads what moves") {
   const MemorySource source = three_controls();
   PackedModel model = counted_model(source);
-  const ByteCount count(model);
-  CHECK(count.touched(Pose{0, 0, 0.5f}) == always);
-  CHECK(count.touched(Pose{1, 0, 0.5f}) == always + direct);  // the gate is closed
-  CHECK(count.touched(Pose{0, 0, 0}) == always);
-  CHECK(count.touched(Pose{0, -0.25f, 0.75f}) == always + region + 2 * input);
-  CHECK(count.touched(Pose{1, 1, 1}) == always + direct + region + 3 * input);
-  CHECK(count.touched(Pose{1, 1, 1}) == count.stored());
-  CHECK_THROWS_AS(count.touched(std::array{1.0f, 2.0f}), Error);
+  const BytesReadCounter count(model);
+  CHECK(count.of_pose(Pose{0, 0, 0.5f}) == always);
+  CHECK(count.of_pose(Pose{1, 0, 0.5f}) == always + direct);  // the gate is closed
+  CHECK(count.of_pose(Pose{0, 0, 0}) == always);
+  CHECK(count.of_pose(Pose{0, -0.25f, 0.75f}) == always + region + 2 * input);
+  CHECK(count.of_pose(Pose{1, 1, 1}) == always + direct + region + 3 * input);
+  CHECK(count.of_pose(Pose{1, 1, 1}) == count.total());
+  CHECK_THROWS_AS(count.of_pose(std::array{1.0f, 2.0f}), Error);
 
   model.order = {1, 0, 3, 2};
-  CHECK(ByteCount(model).touched(Pose{0, 0, 0.5f}) == always + 4 * 4);
+  CHECK(BytesReadCounter(model).of_pose(Pose{0, 0, 0.5f}) == always + 4 * 4);
   model.regions[0].gate.features.clear();
-  CHECK(ByteCount(model).touched(Pose{0, 0, 1}) == always + 4 * 4 - 3 * 4 + region + input);
+  CHECK(BytesReadCounter(model).of_pose(Pose{0, 0, 1}) == always + 4 * 4 - 3 * 4 + region + input);
   model.regions[0].features = {0, 1};
-  CHECK(ByteCount(model).touched(Pose{0, 0, 1}) == always + 4 * 4 - 4 * 4);  // nothing of the region's moves
+  CHECK(BytesReadCounter(model).of_pose(Pose{0, 0, 1}) == always + 4 * 4 - 4 * 4);  // nothing of the region's moves
 }
 
 TEST_CASE("mean, the most and nearly the most of poses") {
@@ -84,19 +84,19 @@ TEST_CASE("mean, the most and nearly the most of poses") {
   source.edit_clip(0).controls[3 * 7] = 1;  // one frame moves the direct feature, one everything
   for (std::size_t c = 0; c < 3; ++c) source.edit_clip(0).controls[3 * 20 + c] = 1;
   const PackedModel model = counted_model(source);
-  const TouchedBytes bytes = touched_bytes(model, PoseSet(source, [](const Clip&) { return true; }));
+  const BytesRead bytes = bytes_read_per_pose(model, PoseSet(source, [](const Clip&) { return true; }));
   CHECK(bytes.poses == 40);
   CHECK(bytes.mean == doctest::Approx(always + (2.0 * direct + region + 3 * input) / 40));
   CHECK(bytes.p95 == always);
   CHECK(bytes.max == bytes.runtime_bytes);
   source.edit_clip(0).controls[3 * 8] = 1;
-  CHECK(touched_bytes(model, PoseSet(source, [](const Clip&) { return true; })).p95 == always + direct);
+  CHECK(bytes_read_per_pose(model, PoseSet(source, [](const Clip&) { return true; })).p95 == always + direct);
 
-  const TouchedBytes none = touched_bytes(model, PoseSet(source, [](const Clip&) { return false; }));
+  const BytesRead none = bytes_read_per_pose(model, PoseSet(source, [](const Clip&) { return false; }));
   CHECK(none.poses == 0);
   CHECK(none.mean == 0);
   CHECK(none.runtime_bytes == bytes.runtime_bytes);
 
   source.add_clip("long", ClipKind::shot, Split::test, 3000, 0.5f, 2);
-  CHECK(touched_bytes(model, PoseSet(source, [](const Clip&) { return true; })).poses == 500);
+  CHECK(bytes_read_per_pose(model, PoseSet(source, [](const Clip&) { return true; })).poses == 500);
 }

@@ -1,4 +1,4 @@
-#include "bake/measure/touched_bytes.h"
+#include "bake/measure/bytes_read.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ bool gate_closed(const Gate& gate, std::span<const float> features) {
 
 }  // namespace
 
-ByteCount::ByteCount(const PackedModel& model) : model_(&model), direct_(model.direct.size(), 0) {
+BytesReadCounter::BytesReadCounter(const PackedModel& model) : model_(&model), direct_(model.direct.size(), 0) {
   for (const Control& control : model.schema.controls) rest_.push_back(control.rest);
   always_ = model.schema.controls.size() * control_bytes + model.features.size() * feature_bytes +
             model.direct.size() * index_bytes + model.rest.vertex_count() * position_bytes +
@@ -55,7 +55,7 @@ ByteCount::ByteCount(const PackedModel& model) : model_(&model), direct_(model.d
       *owner.at(column.column) += group.row_count * number_bytes(column.wide) + scaled_bytes;
 }
 
-std::uint64_t ByteCount::touched(std::span<const float> controls) const {
+std::uint64_t BytesReadCounter::of_pose(std::span<const float> controls) const {
   if (controls.size() != rest_.size())
     fail(Status::invalid_argument, "a pose of %zu controls for a model of %zu", controls.size(), rest_.size());
   std::vector<float> features(model_->features.size());
@@ -72,7 +72,7 @@ std::uint64_t ByteCount::touched(std::span<const float> controls) const {
   return bytes;
 }
 
-std::uint64_t ByteCount::stored() const {
+std::uint64_t BytesReadCounter::total() const {
   std::uint64_t bytes = always_;
   for (const std::uint64_t direct : direct_) bytes += direct;
   for (std::size_t r = 0; r < regions_.size(); ++r)
@@ -80,19 +80,19 @@ std::uint64_t ByteCount::stored() const {
   return bytes;
 }
 
-TouchedBytes touched_bytes(const PackedModel& model, const PoseSet& poses) {
+BytesRead bytes_read_per_pose(const PackedModel& model, const PoseSet& poses) {
   constexpr std::size_t most_poses = 500;
-  const ByteCount count(model);
+  const BytesReadCounter counter(model);
   const PoseSet some = poses.subsampled(most_poses);
-  TouchedBytes result;
-  result.runtime_bytes = count.stored();
+  BytesRead result;
+  result.runtime_bytes = counter.total();
   result.poses = some.size();
   if (some.size() == 0) return result;
   const std::vector<float> controls = some.controls();
   const std::size_t width = model.schema.controls.size();
   std::vector<std::uint64_t> bytes;
   for (std::size_t pose = 0; pose < some.size(); ++pose) {
-    bytes.push_back(count.touched(std::span(controls).subspan(pose * width, width)));
+    bytes.push_back(counter.of_pose(std::span(controls).subspan(pose * width, width)));
   }
   std::sort(bytes.begin(), bytes.end());
   result.mean = double(std::accumulate(bytes.begin(), bytes.end(), std::uint64_t(0))) / double(bytes.size());
