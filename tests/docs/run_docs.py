@@ -231,7 +231,7 @@ def main(arguments):
         print(error)
         return 1
     written = {os.path.basename(block.file) for block in blocks if block.file}
-    for page in [*pages, "CHANGELOG.md"]:
+    for page in [*pages, "CHANGELOG.md", "CONTRIBUTING.md"]:
         problems += check_links(root, page)
         if page != "CHANGELOG.md":  # it names what is gone, too
             problems += check_paths(root, page, files, written)
