@@ -32,7 +32,7 @@ int report_failure(const CLI::App& tool, const std::string& message, int exit_co
   return exit_code;
 }
 
-// After Ctrl-C.
+// The message after Ctrl-C: whether the same command continues the work.
 std::string interrupted_text(const CLI::App& tool) {
   const CLI::App* command = tool.get_subcommands().at(0);
   const bool compares = command->get_name() == "compare";
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   add_pack(tool);
   add_pose(tool);
   add_bench(tool);
-  // Last, for commands inherit it; only the tool itself has it.
+  // After the commands, which would inherit it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
       "or \"sample\", the built-in face.\n"

@@ -17,7 +17,7 @@ std::string bytes_text(double bytes) {
   return bytes < 1e6 ? format("%.1f kB", bytes / 1e3) : format("%.2f MB", bytes / 1e6);
 }
 
-std::string of(const Errors& errors, double Errors::*figure) {
+std::string figure_of(const Errors& errors, double Errors::*figure) {
   return errors.frames > 0 ? figure_text(errors.*figure) : "-";
 }
 
@@ -89,11 +89,11 @@ void add_table_1(Html& page, const ReportView& view) {
   }
   for (const MethodFigures* method : shown) {
     rows[0].push_back(view.figures().name + ": " + method->name + " " + method->use);
-    rows[1].push_back(of(method->total, &Errors::mse));
-    rows[2].push_back(of(method->total, &Errors::max));
+    rows[1].push_back(figure_of(method->total, &Errors::mse));
+    rows[2].push_back(figure_of(method->total, &Errors::max));
     rows[3].push_back("");
-    rows[4].push_back(of(method->dependency, &Errors::mse));
-    rows[5].push_back(of(method->dependency, &Errors::max));
+    rows[4].push_back(figure_of(method->dependency, &Errors::mse));
+    rows[5].push_back(figure_of(method->dependency, &Errors::max));
   }
   page.table(rows);
 }
@@ -106,11 +106,11 @@ void add_methods(Html& page, const ReportView& view) {
                   "archive", "trained numbers", "poses", "seconds"}};
     for (const MethodFigures& m : view.methods()) {
       const Errors& e = m.total;
-      rows.push_back({view.label(m), of(e, &Errors::mse), of(e, &Errors::rms), of(e, &Errors::p99), of(e, &Errors::max),
-                      of(e, &Errors::mfm), format("%.3g", e.mse / view.ours().total.mse),
-                      of(m.dependency, &Errors::mse), of(m.dependency, &Errors::max),
-                      bytes_text(static_cast<double>(m.bytes)), std::to_string(m.parameters), std::to_string(m.poses),
-                      format("%.1f", m.train_seconds)});
+      rows.push_back({view.label(m), figure_of(e, &Errors::mse), figure_of(e, &Errors::rms), figure_of(e, &Errors::p99),
+                      figure_of(e, &Errors::max), figure_of(e, &Errors::mfm),
+                      format("%.3g", e.mse / view.ours().total.mse), figure_of(m.dependency, &Errors::mse),
+                      figure_of(m.dependency, &Errors::max), bytes_text(static_cast<double>(m.bytes)),
+                      std::to_string(m.parameters), std::to_string(m.poses), format("%.1f", m.train_seconds)});
     }
     page.table(rows);
     for (const MethodFailure& failure : view.figures().failures)
@@ -125,10 +125,10 @@ void add_methods(Html& page, const ReportView& view) {
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const Errors& e = clips[c].errors;
     rows.push_back({clips[c].name, clips[c].kind, clips[c].split, std::to_string(e.frames)});
-    for (const MethodFigures& m : view.methods()) rows.back().push_back(of(m.clips.at(c).errors, &Errors::mse));
+    for (const MethodFigures& m : view.methods()) rows.back().push_back(figure_of(m.clips.at(c).errors, &Errors::mse));
     if (view.methods().size() == 1)
       for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
-        rows.back().push_back(of(e, figure));
+        rows.back().push_back(figure_of(e, figure));
   }
   if (view.methods().size() == 1) rows[0][4] = "mse";
   page.table(rows);
