@@ -142,7 +142,7 @@ std::string folder_of(const std::string& path) {
 }
 
 bool is_product(const std::string& path) {
-  return begins(path, "core/") || begins(path, "capi/");
+  return begins(path, "core/") || begins(path, "capi/") || begins(path, "packager/");
 }
 
 // The namespace that belongs to a folder; "" where any will do.
@@ -152,6 +152,7 @@ std::string namespace_of(const std::string& path) {
   if (begins(path, "core/")) return "fb";
   if (begins(path, "capi/include/")) return "";
   if (begins(path, "capi/")) return "fb::capi";
+  if (begins(path, "packager/")) return "fb::tool";
   return "";
 }
 

@@ -27,6 +27,7 @@ TEST_CASE("the tree is tidy") {
   none(checks::stray_openmp(tree));
   none(checks::repeated_names(tree));
   none(checks::long_files(tree));
+  none(checks::long_functions(tree));
   const std::string version = typed_version();
   REQUIRE(version.size() >= 5);
   none(checks::typed_versions(tree, version));
