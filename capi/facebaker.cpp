@@ -62,7 +62,7 @@ struct Reference {
   const fb_model* model;
 };
 
-thread_local char last_error[512];
+thread_local char last_error[2048];
 
 }  // namespace
 

@@ -64,8 +64,8 @@ typedef int32_t fb_status;
 /** The constant's name ("FB_ERROR_CORRUPT"); "unknown status" for other numbers. Static storage. */
 FB_API const char* fb_status_name(fb_status status);
 
-/** The message of this thread's last failed call, "" if there was none. UTF-8, at most 511 bytes, owned by the library,
- * valid until the next failing call on this thread. */
+/** The message of this thread's last failed call, "" if there was none. UTF-8, at most 2,047 bytes, owned by the
+ * library, valid until the next failing call on this thread. */
 FB_API const char* fb_last_error(void);
 
 /* ---- Version ----------------------------------------------------------------------------------------------------- */
