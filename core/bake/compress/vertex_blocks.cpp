@@ -25,13 +25,13 @@ std::size_t longest_axis(const Mesh& rest, std::span<const std::uint32_t> vertic
 
 void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t largest,
             std::vector<std::vector<std::uint32_t>>& blocks) {
-  const std::size_t pieces = (vertices.size() + largest - 1) / largest;
-  if (pieces <= 1) {
+  const std::size_t count = (vertices.size() + largest - 1) / largest;
+  if (count <= 1) {
     blocks.emplace_back(vertices.begin(), vertices.end());
     std::sort(blocks.back().begin(), blocks.back().end());
     return;
   }
-  const std::size_t axis = longest_axis(rest, vertices), half = vertices.size() * (pieces / 2) / pieces;
+  const std::size_t axis = longest_axis(rest, vertices), half = vertices.size() * (count / 2) / count;
   std::nth_element(vertices.begin(), vertices.begin() + std::ptrdiff_t(half), vertices.end(),
                    [&](std::uint32_t a, std::uint32_t b) {
                      return std::pair(rest.points[3 * std::size_t(a) + axis], a) <

@@ -6,9 +6,9 @@
 
 namespace fb::bake {
 
-// Two small networks that learn, from different first weights, what curves fitted to the recorded poses leave over on
-// the whole face; they disagree by their squared distance, over D^2. Deterministic for any number of threads; the
-// round is part of the seed.
+// An ensemble of two small networks with different initial weights. Both learn the residual of the whole face to
+// activation curves fitted to the recorded poses. The variance of a pose is their mean squared distance at a vertex,
+// over D^2. Deterministic for any number of threads; the round is part of the seed.
 TrainEnsemble network_ensemble(std::uint64_t seed, const Parallel& parallel, Progress& progress);
 
 }  // namespace fb::bake

@@ -1,5 +1,4 @@
-// What happened while a face was baked, for the reports people look at. Whatever a recipe has nothing to say of stays
-// empty, and reports leave it out.
+// Statistics of a bake, for reports. What does not apply to a recipe stays empty, and reports leave it out.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +14,17 @@ namespace fb::bake {
 struct RegionStats {
   std::string name;
   std::size_t vertices = 0, inputs = 0, coefficients = 0, parameters = 0;
-  double energy = 0;  // share of what the networks learn; shares sum to 1
-  // Lowest error on poses held back, after training: squared coefficient error over squared coefficients; 0: not known.
+  double energy = 0;  // share of the squared residual that all networks learn; shares sum to 1
+  // Error on validation poses after training: squared coefficient error over squared coefficients; 0: not measured.
   double validation = 0;
-  std::vector<EpochLoss> epochs;  // the training curve
-  std::uint32_t restarts = 0;     // after the loss stopped being a number
+  std::vector<EpochLoss> epochs;  // training curve
+  std::uint32_t restarts = 0;     // after the loss became NaN
 };
 
-// A point of the learning curve: what so many poses are good for.
+// A point of the learning curve: the error with this number of training poses.
 struct LearningPoint {
   std::size_t poses = 0;
-  double mse = 0, max = 0;  // on poses held back, over D^2 and D
+  double mse = 0, max = 0;  // on independent poses, over D^2 and D
 };
 
 struct StageTime {
@@ -34,13 +33,13 @@ struct StageTime {
 };
 
 struct BakeStats {
-  std::vector<std::string> notes;       // sentences about the bake: what probing found, what was left out
-  std::size_t bones = 0;                // of the skeleton, where there is one
-  std::uint64_t rig_calls = 0;          // poses asked of a live rig besides the recorded ones
+  std::vector<std::string> notes;       // sentences, such as what the analysis found
+  std::size_t bones = 0;                // of the skeleton of a baseline that has one
+  std::uint64_t rig_calls = 0;          // poses of a live rig evaluated besides the recorded ones
   std::vector<RegionStats> regions;     // in the order of the model's regions
   std::vector<LearningPoint> learning;  // by ascending poses
-  std::string coverage;                 // what the training poses do not cover, in words and Markdown tables
-  std::vector<StageTime> stages;        // in the order they were done
+  std::string coverage;                 // what training poses do not cover: sentences and Markdown tables
+  std::vector<StageTime> stages;        // in order
 };
 
 }  // namespace fb::bake

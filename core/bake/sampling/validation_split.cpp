@@ -8,30 +8,30 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t longest_piece = 96;  // frames
-// Consecutive frames belong to one sequence if their distance is below this part of that of unrelated frames.
-constexpr double related = 0.5;
+constexpr std::size_t max_segment_frames = 96;
+// Consecutive frames belong to one sequence if they are closer than this share of the distance of unrelated frames.
+constexpr double related_share = 0.5;
 
-// Consecutive poses of the set that go to one side of the split together.
-struct Piece {
+// Consecutive poses of the set, all of which are trained on or all validated with.
+struct Segment {
   std::size_t first, count;
 };
 
-class Cutter {
+class SequenceSplitter {
  public:
-  explicit Cutter(const PoseSet& poses) : schema_(poses.source().schema()), clips_(poses.source().clips()) {}
+  explicit SequenceSplitter(const PoseSet& poses) : schema_(poses.source().schema()), clips_(poses.source().clips()) {}
 
-  // Appends the sequences of consecutive frames, cut evenly into pieces of at most `longest`.
-  void cut(const PoseSet::Range& range, std::size_t longest, std::vector<Piece>& pieces) const {
+  // Appends the sequences of consecutive frames, cut into equal segments of at most `longest` frames.
+  void split(const PoseSet::Range& range, std::size_t longest, std::vector<Segment>& segments) const {
     const bool shot = clips_[range.clip].kind == ClipKind::shot;  // one sequence, even across cuts
-    const double gap = shot ? HUGE_VAL : related * typical_distance(range);
+    const double gap = shot ? HUGE_VAL : related_share * typical_distance(range);
     for (std::size_t first = 0, end; first < range.count; first = end) {
       for (end = first + 1; end < range.count && distance(range, end - 1, end) < gap; ++end) {
       }
       const std::size_t parts = (end - first + longest - 1) / longest;
       for (std::size_t p = 0; p < parts; ++p) {
         const std::size_t from = first + p * (end - first) / parts, to = first + (p + 1) * (end - first) / parts;
-        pieces.push_back({range.first_pose + from, to - from});
+        segments.push_back({range.first_pose + from, to - from});
       }
     }
   }
@@ -69,11 +69,11 @@ class Cutter {
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed) {
   if (!(share >= 0 && share < 1)) fail(Status::invalid_argument, "a validation share of %g is not in [0, 1)", share);
   const std::vector<Clip>& clips = poses.source().clips();
-  std::vector<bool> validates(poses.size());
+  std::vector<bool> is_validation(poses.size());
   const auto add_to_validation = [&](std::size_t first, std::size_t count) {
-    std::fill_n(validates.begin() + static_cast<std::ptrdiff_t>(first), count, true);
+    std::fill_n(is_validation.begin() + static_cast<std::ptrdiff_t>(first), count, true);
   };
-  const Cutter cutter(poses);
+  const SequenceSplitter splitter(poses);
   for (const ClipKind kind : {ClipKind::shot, ClipKind::regional, ClipKind::calisthenics, ClipKind::dense}) {
     std::vector<const PoseSet::Range*> ranges;
     std::size_t frames = 0;
@@ -83,26 +83,27 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
         frames += range.count;
       }
     const auto wanted = static_cast<std::size_t>(std::llround(share * static_cast<double>(frames)));
-    std::vector<Piece> pieces;
+    std::vector<Segment> segments;
     for (const PoseSet::Range* range : ranges)
-      cutter.cut(*range, std::clamp<std::size_t>(wanted, 1, longest_piece), pieces);
+      splitter.split(*range, std::clamp<std::size_t>(wanted, 1, max_segment_frames), segments);
     Random random = open_stream(seed, Stream::validation, static_cast<std::uint64_t>(kind));
-    for (std::size_t i = 0, taken = 0; i < pieces.size() && taken < wanted; ++i) {
-      std::swap(pieces[i], pieces[i + random.below(static_cast<std::uint32_t>(pieces.size() - i))]);
-      if (2 * (taken + pieces[i].count) > frames) continue;
-      add_to_validation(pieces[i].first, pieces[i].count);
-      taken += pieces[i].count;
+    for (std::size_t i = 0, taken = 0; i < segments.size() && taken < wanted; ++i) {
+      std::swap(segments[i], segments[i + random.below(static_cast<std::uint32_t>(segments.size() - i))]);
+      if (2 * (taken + segments[i].count) > frames) continue;
+      add_to_validation(segments[i].first, segments[i].count);
+      taken += segments[i].count;
     }
   }
   for (const PoseSet::Range& range : poses.ranges()) {
     const Clip& clip = clips[range.clip];
     if (clip.split == Split::test)
-      fail(Status::invalid_argument, "clip \"%s\" is a test clip, which nothing may be chosen by", clip.name.c_str());
+      fail(Status::invalid_argument, "clip \"%s\" is a test clip: it may not be used for any choice",
+           clip.name.c_str());
     if (clip.split == Split::validation) add_to_validation(range.first_pose, range.count);
   }
   ValidationSplit split;
   for (std::size_t pose = 0; pose < poses.size(); ++pose)
-    (validates[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
+    (is_validation[pose] ? split.validation : split.training).push_back(static_cast<std::uint32_t>(pose));
   return split;
 }
 
