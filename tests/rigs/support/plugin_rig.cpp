@@ -15,7 +15,7 @@ void explain(char* message, std::uint32_t size, const char* sentence) {
 }  // namespace
 
 void PluginRig::add_control(const std::string& name, const std::string& group, float minimum, float maximum) {
-  controls_.push_back({keep(name), keep(group), minimum, maximum, 0.0f});
+  controls_.push_back({keep(name), keep(group), minimum, maximum, 0.0f, 0});
 }
 
 void PluginRig::set_mesh(const Array<float>& rest, const Array<std::int32_t>& faces) {
