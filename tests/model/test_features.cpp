@@ -13,7 +13,7 @@ namespace {
 float hat(float u, float threshold, float fall) {
   const Feature features[] = {{Feature::Kind::hat, 0, 1, threshold, fall}};
   const float rest = 0;
-  float value;
+  float value = 0;
   feature_values(features, &u, &rest, &value);
   return value;
 }
