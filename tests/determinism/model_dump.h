@@ -44,6 +44,7 @@ class Dump {
 
  private:
   void bytes(void* at, std::size_t count) {
+    if (count == 0) return;  // `at` may be null then
     const std::size_t done = reads_ ? std::fread(at, 1, count, file_) : std::fwrite(at, 1, count, file_);
     if (done != count) fail(Status::io, "the dump is truncated");
   }
