@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
 
 using checks::SourceTree;
 
@@ -31,6 +34,18 @@ TEST_CASE("the tree is tidy") {
   const std::string version = typed_version();
   REQUIRE(version.size() >= 5);
   none(checks::typed_versions(tree, version));
+}
+
+TEST_CASE("the top of the tree holds what it is meant to hold") {
+  const std::set<std::string> entries = {
+      "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "LICENSE",
+      "README.md",    "SECURITY.md",    "VERSION",           "bindings",        "capi",
+      "core",         "docs",           "packager",          "samples",         "tests",
+      "build",        "install"};
+  for (const auto& entry : std::filesystem::directory_iterator(root)) {
+    const std::string name = entry.path().filename().string();
+    if (name[0] != '.' && !entries.contains(name)) FAIL_CHECK("a stray " << name);
+  }
 }
 
 TEST_CASE("stray OpenMP pragmas are found") {
