@@ -6,6 +6,12 @@
 
 #ifdef _OPENMP
 #include <omp.h>
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <vector>
 #endif
 
 #include "base/status.h"
@@ -33,6 +39,74 @@ struct Loop {
   }
 };
 
+#ifdef _OPENMP
+
+// A child made by fork() has none of the threads that OpenMP keeps from earlier loops, and would wait for them for
+// ever.
+std::atomic<bool> loops_ran{false}, threads_lost{false};
+#ifdef _WIN32
+constexpr bool forks_are_noticed = true;  // there are none
+#else
+const bool forks_are_noticed = pthread_atfork(nullptr, nullptr, [] { threads_lost = loops_ran.load(); }) == 0;
+#endif
+
+// A thread that only waits. It takes nothing from the heap, which would set aside address space for it.
+struct TrialThread {
+  pthread_t handle{};
+  pid_t id = 0;
+  std::atomic<bool>* ended = nullptr;
+
+  bool start() {
+    const auto wait = [](void* trial) -> void* {
+      auto* const self = static_cast<TrialThread*>(trial);
+#ifdef __linux__
+      self->id = gettid();
+#endif
+      self->ended->wait(false);
+      return nullptr;
+    };
+    return pthread_create(&handle, nullptr, wait, this) == 0;
+  }
+  void join() const {
+    pthread_join(handle, nullptr);
+#ifdef __linux__  // counts for limits until it is gone, a little later
+    for (int tries = 0; tries < 10000 && tgkill(getpid(), id, 0) == 0; ++tries) sched_yield();
+#endif
+  }
+};
+
+// How many threads, up to `wanted`, the system lets run at once beside those there are.
+std::size_t count_possible_threads(std::size_t wanted) {
+  std::vector<TrialThread> threads(wanted);
+  std::atomic<bool> ended{false};
+  std::size_t count = 0;
+  for (; count < wanted; ++count) {
+    threads[count].ended = &ended;
+    if (!threads[count].start()) break;
+  }
+  ended = true;
+  ended.notify_all();
+  for (std::size_t i = 0; i < count; ++i) threads[i].join();
+  return count;
+}
+
+// The number of workers a loop can have, up to `wanted`. Where OpenMP cannot create a thread, it ends the process; so
+// threads it does not have yet are created for trial. OpenMP keeps as many threads for each thread that runs loops as
+// its last loop had.
+std::size_t possible_workers(std::size_t wanted) {
+  thread_local std::size_t kept = 1;
+  loops_ran = true;
+  if (threads_lost || !forks_are_noticed) return 1;
+  if (wanted > kept) {
+    // One more, so that there is memory left beside the threads.
+    const std::size_t more = count_possible_threads(wanted - kept + 1);
+    wanted = std::min(wanted, kept + (more > 0 ? more - 1 : 0));
+  }
+  return kept = wanted;
+}
+
+#endif
+
 }  // namespace
 
 std::size_t worker_count(const Parallel& parallel) {
@@ -46,7 +120,10 @@ std::size_t worker_count(const Parallel& parallel) {
 
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
   Loop loop{body, {}, SIZE_MAX, nullptr};
-  [[maybe_unused]] const std::size_t workers = std::min(worker_count(parallel), count);
+  [[maybe_unused]] std::size_t workers = std::min(worker_count(parallel), count);
+#ifdef _OPENMP
+  if (workers > 1 && !parallel.host) workers = omp_in_parallel() ? 1 : possible_workers(workers);
+#endif
   if (workers > 1 && parallel.host) {
     if (count > UINT32_MAX) fail(Status::limit, "a parallel loop of %zu items", count);
     parallel.host(
@@ -56,7 +133,7 @@ void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
         },
         &loop);
 #ifdef _OPENMP
-  } else if (workers > 1 && !omp_in_parallel()) {
+  } else if (workers > 1) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(workers))
     for (std::size_t index = 0; index < count; ++index) loop.run(index, omp_get_thread_num());
 #endif

@@ -40,7 +40,8 @@ struct Parallel {
 std::size_t worker_count(const Parallel& parallel);
 
 // Calls body(index, worker) for every index < count, in any order; serial inside another parallel region. Rethrows the
-// exception of the lowest failing index after the loop. Allocates nothing.
+// exception of the lowest failing index after the loop. With OpenMP, a loop runs on fewer threads where the system has
+// no more, and on the calling one in a child of fork() whose parent ran parallel loops; otherwise it allocates nothing.
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body);
 
 }  // namespace fb
