@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <utility>
 
@@ -25,8 +24,14 @@ Precision precision_at(int rung, int weight_bits) {
 // The first number of [first, last) for which `before` is false; it is false for all after it.
 template <class Before>
 int boundary(int first, int last, const Before& before) {
-  return first + int(std::ranges::partition_point(std::views::iota(first, last), before) -
-                     std::views::iota(first, last).begin());
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (before(middle))
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first;
 }
 
 // The precisions of one number of weight bits that are within max_bytes: rungs from `finest` on.
