@@ -1,6 +1,33 @@
 #include "base/surface.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace fb {
+
+double box_diagonal(std::span<const float> points) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    float low = INFINITY, high = -INFINITY;
+    for (std::size_t i = axis; i < points.size(); i += 3) {
+      low = std::min(low, points[i]);
+      high = std::max(high, points[i]);
+    }
+    if (high > low) squared += (double(high) - low) * (double(high) - low);
+  }
+  return std::sqrt(squared);
+}
+
+std::vector<std::uint32_t> triangle_fans(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners) {
+  std::vector<std::uint32_t> triangles;
+  std::size_t first = 0;
+  for (const std::uint32_t size : sizes) {
+    for (std::uint32_t k = 1; k + 1 < size; ++k)
+      triangles.insert(triangles.end(), {corners[first], corners[first + k], corners[first + k + 1]});
+    first += size;
+  }
+  return triangles;
+}
 
 std::vector<Vector3> vertex_normals(std::span<const std::uint32_t> triangles, std::span<const float> points) {
   std::vector<Vector3> normals(points.size() / 3);

@@ -1,4 +1,4 @@
-// Normals of a posed mesh, for shading, export and measuring.
+// Size, triangles and normals of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,13 @@
 #include "base/vector3.h"
 
 namespace fb {
+
+// Length of the diagonal of the bounding box of `points` (3 x vertices); 0 without any.
+double box_diagonal(std::span<const float> points);
+
+// Three vertex indices a triangle, in polygon order; polygons become fans around their first corner. sizes: corners of
+// each polygon, >= 3; corners: vertex indices, polygon after polygon.
+std::vector<std::uint32_t> triangle_fans(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners);
 
 // Unit vertex normals, averaged over the adjacent triangles weighted by their area; null for a vertex without one.
 // triangles: three vertex indices each; points: 3 x vertices.

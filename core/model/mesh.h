@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/surface.h"
+
 namespace fb {
 
 // A polygon mesh as the source gave it: vertices are never merged, dropped or reordered; polygons keep their order and
@@ -19,9 +21,9 @@ struct Mesh {
 
   std::size_t vertex_count() const { return points.size() / 3; }
   // Length of the diagonal of the bounding box of all vertices: the unit of reported errors.
-  double diagonal() const;
-  // Triangle fans from each polygon's first corner: 3 vertex indices a triangle, in polygon order.
-  std::vector<std::uint32_t> triangles() const;
+  double diagonal() const { return box_diagonal(points); }
+  // 3 vertex indices a triangle, in polygon order.
+  std::vector<std::uint32_t> triangles() const { return triangle_fans(polygon_sizes, polygon_corners); }
 };
 
 // Fails, naming the vertex or polygon, on an empty mesh, a point that is not finite, a polygon of fewer than three

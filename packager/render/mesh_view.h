@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "base/surface.h"
+
 namespace fb::tool {
 
 struct MeshView {
@@ -17,9 +19,9 @@ struct MeshView {
 
   std::size_t vertex_count() const { return points.size() / 3; }
   // Three vertex indices a triangle; polygons become fans around their first corner.
-  std::vector<std::uint32_t> triangles() const;
+  std::vector<std::uint32_t> triangles() const { return triangle_fans(polygon_sizes, polygon_corners); }
   // Length of the diagonal of the bounding box.
-  double diagonal() const;
+  double diagonal() const { return box_diagonal(points); }
 };
 
 }  // namespace fb::tool
