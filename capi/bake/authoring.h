@@ -81,6 +81,22 @@ inline std::string text_or_empty(const char* text) {
   return text ? text : "";
 }
 
+// What fb_bake_desc and fb_compare_desc have in common.
+template <class Desc>
+bake::BakeOptions training_options(const Desc& desc, const char* mix_field) {
+  require(desc.mix, mix_field);
+  bake::BakeOptions options;
+  options.seed = desc.seed;
+  options.poses = desc.poses;
+  options.mix = desc.mix;
+  options.rig_budget = desc.rig_budget;
+  options.epochs = desc.epochs;
+  options.learning_curve = desc.learning_curve != 0;
+  options.parallel = parallel_of(desc.threads);
+  options.work = text_or_empty(desc.work);
+  return options;
+}
+
 fb_errors c_errors(const bake::Errors& errors);
 
 // Fills a caller's struct as far as its struct_size goes.

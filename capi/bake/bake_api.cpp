@@ -17,23 +17,14 @@ const std::vector<std::string>& recipes() {
 
 fb::bake::BakeOptions options_of(const fb_bake_desc& desc) {
   require(desc.recipe, "fb_bake_desc: recipe");
-  require(desc.mix, "fb_bake_desc: mix");
-  fb::bake::BakeOptions options;
+  fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix");
   options.recipe = desc.recipe;
   options.use = use_of(desc.use);
-  options.seed = desc.seed;
-  options.poses = desc.poses;
-  options.mix = desc.mix;
-  options.rig_budget = desc.rig_budget;
-  options.epochs = desc.epochs;
   options.max_bytes = desc.max_bytes;
   options.max_error = desc.max_error;
   options.force = desc.force != 0;
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
-  options.learning_curve = desc.learning_curve != 0;
-  options.parallel = parallel_of(desc.threads);
-  options.work = text_or_empty(desc.work);
   return options;
 }
 

@@ -16,20 +16,6 @@ std::vector<std::string> methods_of(const fb_compare_desc& desc) {
   return methods;
 }
 
-fb::bake::BakeOptions options_of(const fb_compare_desc& desc) {
-  require(desc.mix, "fb_compare_desc: mix");
-  fb::bake::BakeOptions options;
-  options.seed = desc.seed;
-  options.poses = desc.poses;
-  options.mix = desc.mix;
-  options.rig_budget = desc.rig_budget;
-  options.epochs = desc.epochs;
-  options.learning_curve = desc.learning_curve != 0;
-  options.parallel = parallel_of(desc.threads);
-  options.work = text_or_empty(desc.work);
-  return options;
-}
-
 }  // namespace
 
 extern "C" {
@@ -49,7 +35,7 @@ fb_status fb_compare(const fb_compare_desc* desc, fb_report** report) {
     require(report, "report");
     const fb_compare_desc known = read_struct(*desc, fb_compare_desc_init, "fb_compare_desc");
     fb::bake::Source& source = source_of(known.source, "fb_compare_desc: source");
-    fb::bake::BakeOptions options = options_of(known);
+    fb::bake::BakeOptions options = training_options(known, "fb_compare_desc: mix");
     HostProgress progress(known.callbacks);
     auto made = std::make_unique<fb_report>();
     if (options.work.empty()) options.work = made->folder.emplace().path();
