@@ -28,19 +28,6 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc) {
   return options;
 }
 
-// Measures the archive on clips it was not trained on, if the source has any.
-void measure_unseen(fb_report& report, fb::bake::Source& source, const fb::Parallel& parallel, fb::Progress& progress) {
-  fb::bake::MethodReport& face = report.faces.methods[0];
-  const auto& clips = source.clips();
-  for (const fb::bake::Split split : {fb::bake::Split::test, fb::bake::Split::validation}) {
-    if (std::none_of(clips.begin(), clips.end(), [&](const auto& clip) { return clip.split == split; })) continue;
-    face.independent =
-        fb::bake::evaluate_archive(face.archive, source, split, parallel, progress, fb::bake::Detail::quality);
-    report.measured.split = split;
-    return;
-  }
-}
-
 // Within what the bake left of the rig's budget.
 void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bake::BakeOptions& options,
                       std::uint64_t rig_calls, fb::Progress& progress) {
@@ -71,6 +58,11 @@ std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked b
   face.poses = baked.poses;
   face.train_seconds = baked.train_seconds;
   face.archive = std::move(baked.archive);
+  face.dependency = baked.dependency;
+  if (baked.independent && (desc.measure & FB_MEASURE_QUALITY)) {
+    face.independent = std::move(*baked.independent);
+    report->measured.split = baked.independent_split;
+  }
   face.stats = std::move(baked.stats);
   return report;
 }
@@ -109,7 +101,6 @@ fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
     fb::bake::Baked baked = fb::bake::bake_to_file(source, known.archive, options, progress);
     const std::uint64_t rig_calls = baked.rig_calls;
     auto made = report_of(known, std::move(baked), source);
-    if (known.measure & FB_MEASURE_QUALITY) measure_unseen(*made, source, options.parallel, progress);
     if (known.measure & FB_MEASURE_LOCALITY) measure_locality(*made, source, options, rig_calls, progress);
     hand_over(std::move(made), report);
   });

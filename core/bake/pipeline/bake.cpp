@@ -4,11 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "archive/writer.h"
 #include "bake/measure/certificate.h"
-#include "bake/measure/evaluate.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/recipe_table.h"
@@ -66,23 +64,20 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
 
 // Measures the packed model: on training poses, and on independent ones if the rig budget allows for them. `source` is
 // what `data` was sampled from, or the same.
-std::string measured_certificate(const PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options,
-                                 Progress& progress) {
+void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
-  const Errors dependency = evaluate_model_on(face.model, training_poses(data, options.use).subsampled(most_poses),
-                                              options.parallel, progress);
+  Baked& baked = face.baked;
+  baked.dependency = evaluate_model_on(face.model, training_poses(data, options.use).subsampled(most_poses),
+                                       options.parallel, progress);
   const PoseSet poses = independent_poses(source);
   const bool over_budget =
       source.live() && options.rig_budget > 0 && source.requested() + poses.size() > options.rig_budget;
-  std::optional<EvalReport> independent;
-  Split split = Split::test;
-  if (poses.size() > 0 && !over_budget) {
-    const auto& clips = source.clips();
-    if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
-      split = Split::validation;
-    independent = evaluate_model(face.model, source, split, options.parallel, progress, Detail::quality);
-  }
-  return certificate(dependency, independent, split, face.baked.quantisation);
+  if (poses.size() == 0 || over_budget) return;
+  const auto& clips = source.clips();
+  if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
+    baked.independent_split = Split::validation;
+  baked.independent =
+      evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
 }
 
 }  // namespace
@@ -130,9 +125,11 @@ Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) 
   face.baked.stats.coverage = coverage_report(training, independent, options.parallel);
   if (options.learning_curve)
     face.baked.stats.learning = measure_learning_curve(training, independent, face.model, rig, options, progress);
-  const std::string certificate = measured_certificate(face, data, evaluator, options, progress);
+  measure(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
-  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, certificate});
+  const std::string measured =
+      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation);
+  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, measured});
   if (options.max_bytes > 0 && baked.archive.size() > options.max_bytes && !options.force)
     fail(Status::limit, "the archive has %zu bytes with its certificate, more than the %llu asked for",
          baked.archive.size(), static_cast<unsigned long long>(options.max_bytes));

@@ -10,10 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "archive/proof.h"
-#include "bake/measure/errors.h"
+#include "bake/measure/evaluate.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
@@ -30,6 +31,11 @@ struct Baked {
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
   Errors quantisation;           // of the packed model against the float model, on training and random poses
+  // What bake_face measured of the packed model, as the certificate has it.
+  Errors dependency;                      // on training poses
+  std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
+                                          // none and where the rig's budget does not allow for them
+  Split independent_split = Split::test;  // of those clips
   BakeStats stats;
 };
 
