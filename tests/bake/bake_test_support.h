@@ -15,12 +15,12 @@
 
 namespace fb::test {
 
-inline std::unique_ptr<bake::Source> open_toy() {
+inline bake::OpenedSource open_toy() {
   return bake::open_source(FB_TOY_RIG);
 }
 
 // The toy rig with one fault (faulty_rig.c lists them).
-inline std::unique_ptr<bake::Source> open_faulty_rig(const char* fault) {
+inline bake::OpenedSource open_faulty_rig(const char* fault) {
   setenv("FB_FAULT", fault, 1);
   return bake::open_source(FB_FAULTY_RIG);
 }

@@ -106,7 +106,7 @@ void print_float_errors(const char* what, const FaceModel& model, const PoseSet&
 }
 
 int measure(const Settings& settings, const std::vector<std::string>& names) {
-  const std::unique_ptr<Source> source = open_sources(names);
+  const auto source = open_sources(names);
   RigEvaluator evaluator(*source);
   RigEvaluator* const rig = source->live() ? &evaluator : nullptr;
   const PoseSet poses = training_poses(*source, Use::variant);

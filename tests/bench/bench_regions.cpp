@@ -24,7 +24,7 @@ double seconds() {
 }
 
 int measure(const RegionOptions& region_options, std::size_t components, const std::vector<std::string>& names) {
-  const std::unique_ptr<Source> source = open_sources(names);
+  const auto source = open_sources(names);
   const PoseSet poses(*source, [](const Clip& clip) { return clip.split == Split::train; });
   const double start = seconds();
   if (!source->live()) fail(Status::invalid_argument, "none of the sources is a live rig that can be analysed");

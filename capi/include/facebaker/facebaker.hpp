@@ -59,18 +59,20 @@ class Model {
   ~Model() { fb_release(handle_); }
 
   /** Of the character. */
-  std::string_view name() const { return fb_name(handle_); }
+  std::string_view name() const& { return fb_name(handle_); }
+  std::string_view name() const&& = delete;  ///< a temporary has nothing to lend
   /** Vertices of the mesh. */
   std::uint32_t vertex_count() const { return fb_vertex_count(handle_); }
   /** Floats in a pose. */
   std::uint32_t control_count() const { return fb_control_count(handle_); }
   /** Name, group and range of a control; see fb_control_at. */
-  fb_control control(std::uint32_t index) const {
+  fb_control control(std::uint32_t index) const& {
     fb_control control;
     fb_control_init(&control);
     check(fb_control_at(handle_, index, &control));
     return control;
   }
+  fb_control control(std::uint32_t index) const&& = delete;  ///< a temporary has nothing to lend
   /** The index of a control by its exact name; the error names the closest one there is. */
   std::uint32_t find(std::string_view name) const {
     std::uint32_t index = 0;
@@ -83,7 +85,8 @@ class Model {
     return std::vector<float>(rest, rest + control_count());
   }
   /** 3 x vertex_count() floats, owned by the face. */
-  const float* rest_positions() const { return fb_rest_positions(handle_); }
+  const float* rest_positions() const& { return fb_rest_positions(handle_); }
+  const float* rest_positions() const&& = delete;  ///< a temporary has nothing to lend
 
   /** For what has no member here. */
   fb_model* get() const noexcept { return handle_; }

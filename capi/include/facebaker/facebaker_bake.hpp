@@ -59,6 +59,7 @@ class SourceView {
  public:
   /** The source must outlive the view. */
   SourceView(const Source& source) : SourceView(source.get()) {}
+  SourceView(Source&&) = delete;  ///< a temporary has nothing to lend
   /** A handle that is not null and outlives the view. */
   explicit SourceView(fb_source* handle) : handle_(handle) {
     fb_source_info_init(&info_);
@@ -106,7 +107,8 @@ class SourceView {
   fb_source_info info_;
 };
 
-/** An archive with everything in it, for measuring and inspecting; closed by the destructor. */
+/** An archive with everything in it, for measuring and inspecting; closed by the destructor. Texts and arrays that it
+ * returns are its own, so a temporary cannot be asked for them. */
 class Archive {
  public:
   /** Reads a file; see fb_archive_open. */
@@ -125,26 +127,29 @@ class Archive {
   ~Archive() { fb_archive_close(handle_); }
 
   /** Texts, counts and bytes; see fb_archive_describe. */
-  fb_archive_info info() const {
+  fb_archive_info info() const& {
     fb_archive_info info;
     fb_archive_info_init(&info);
     check(fb_archive_describe(handle_, &info));
     return info;
   }
+  fb_archive_info info() const&& = delete;  ///< a temporary has nothing to lend
   /** Name and size of a section. */
-  fb_section section(std::uint32_t index) const {
+  fb_section section(std::uint32_t index) const& {
     fb_section section;
     fb_section_init(&section);
     check(fb_archive_section_at(handle_, index, &section));
     return section;
   }
+  fb_section section(std::uint32_t index) const&& = delete;  ///< a temporary has nothing to lend
   /** Inputs and gate of a network; see fb_archive_region_at. */
-  fb_region region(std::uint32_t index) const {
+  fb_region region(std::uint32_t index) const& {
     fb_region region;
     fb_region_init(&region);
     check(fb_archive_region_at(handle_, index, &region));
     return region;
   }
+  fb_region region(std::uint32_t index) const&& = delete;  ///< a temporary has nothing to lend
   /** Shape of a layer of a network; see fb_archive_layer_at. */
   fb_layer layer(std::uint32_t region, std::uint32_t index) const {
     fb_layer layer;
@@ -185,14 +190,16 @@ class Report {
   /** Faces of the report. */
   std::uint32_t method_count() const { return fb_report_method_count(handle_); }
   /** A face that was baked or measured; its pointers are the report's. */
-  fb_method method(std::uint32_t index) const {
+  fb_method method(std::uint32_t index) const& {
     fb_method method;
     fb_method_init(&method);
     check(fb_report_method_at(handle_, index, &method));
     return method;
   }
+  fb_method method(std::uint32_t index) const&& = delete;  ///< a temporary has nothing to lend
   /** The recording that compare made of a live rig, for a SourceView; null where there is none. */
-  fb_source* recording() const { return fb_report_source(handle_); }
+  fb_source* recording() const& { return fb_report_source(handle_); }
+  fb_source* recording() const&& = delete;  ///< a temporary has nothing to lend
 
   /** For what has no member here. */
   fb_report* get() const noexcept { return handle_; }

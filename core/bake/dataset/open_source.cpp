@@ -42,7 +42,7 @@ std::vector<fs::path> rig_folders() {
   return folders;
 }
 
-std::unique_ptr<Source> open_sample() {
+OpenedSource open_sample() {
   std::string looked;
   for (const fs::path& folder : rig_folders()) {
     const fs::path file = folder / "librig_sample.so";
@@ -54,7 +54,7 @@ std::unique_ptr<Source> open_sample() {
 
 }  // namespace
 
-std::unique_ptr<Source> open_source(const std::string& source) {
+OpenedSource open_source(const std::string& source) {
   if (source == "sample") return open_sample();
   const fs::path path(source);
   if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", source.c_str());
@@ -70,7 +70,7 @@ std::unique_ptr<Source> open_source(const std::string& source) {
        source.c_str());
 }
 
-std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources) {
+OpenedSource open_sources(const std::vector<std::string>& sources) {
   if (sources.empty()) fail(Status::invalid_argument, "no source is given");
   if (sources.size() == 1) return open_source(sources[0]);
   std::vector<std::unique_ptr<Source>> opened;

@@ -10,9 +10,9 @@ namespace fb::bake {
 
 // Opens what the command line calls SOURCE: a dataset folder, a rig plugin (.so), a .glb or .gltf with
 // morph targets, or "sample" for the built-in face.
-std::unique_ptr<Source> open_source(const std::string& source);
+OpenedSource open_source(const std::string& source);
 
 // Several datasets of one character as one source; fails unless controls and rest meshes agree. Needs at least one.
-std::unique_ptr<Source> open_sources(const std::vector<std::string>& sources);
+OpenedSource open_sources(const std::vector<std::string>& sources);
 
 }  // namespace fb::bake

@@ -9,8 +9,8 @@
 
 namespace fb::bake {
 
-std::unique_ptr<Source> sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
-                                     bool recipes_evaluate, Progress& progress) {
+OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
+                          Progress& progress) {
   SamplingOptions sampling;
   sampling.poses = options.poses;
   sampling.seed = options.seed;

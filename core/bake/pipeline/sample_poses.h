@@ -19,8 +19,8 @@ enum class SampledSplits {
 // Samples a live rig into a dataset in the work folder, or finds it there, and opens it. `recipes_evaluate`: recipes
 // evaluate the rig themselves. A third of a rig budget is then kept for them (nothing, if analysis with a third is not
 // worthwhile, see pays_to_analyse), and half of the poses are chosen by active sampling.
-std::unique_ptr<Source> sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
-                                     bool recipes_evaluate, Progress& progress);
+OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
+                          Progress& progress);
 
 // The options of one of `recipes` bakes that share equally what the rig has left of its budget, at least 1 pose.
 BakeOptions with_budget_left(BakeOptions options, const RigEvaluator& rig, std::size_t recipes);

@@ -293,7 +293,7 @@ class GltfRigReader {
 
 }  // namespace
 
-std::unique_ptr<Source> open_gltf_rig(const std::string& path) {
+OpenedSource open_gltf_rig(const std::string& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
   return with_context(path, [&] {
     const auto rig = GltfRigReader(bytes).read(std::filesystem::path(path).stem().string());

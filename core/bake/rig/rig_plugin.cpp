@@ -31,7 +31,7 @@ struct Plugin {
 
 }  // namespace
 
-std::unique_ptr<Source> open_rig_plugin(const std::string& path) {
+OpenedSource open_rig_plugin(const std::string& path) {
   const std::string file = std::filesystem::absolute(path).string();
   auto plugin = std::make_shared<Plugin>();
   // NODELETE: threads the plugin started, such as OpenMP's, may still run its code when it is closed.

@@ -38,7 +38,7 @@ class RigSource final : public Source {
 };
 
 // Opens a plugin: a shared library exporting fb_rig_open. Fails naming the path.
-std::unique_ptr<Source> open_rig_plugin(const std::string& path);
+OpenedSource open_rig_plugin(const std::string& path);
 
 // Opens a .glb or .gltf as a live, thread-safe rig in metres, y up: the one mesh with morph targets in it.
 // Vertices: those of its primitives in order, transformed by its node and the nodes above it at rest.
@@ -46,6 +46,6 @@ std::unique_ptr<Source> open_rig_plugin(const std::string& path);
 // the default weights; widened, with a note, where a weight of the file lies beyond. Clips: every animation of its
 // weights, LINEAR or STEP, as a training shot at 30 frames a second. Fails by name on no such mesh or several, a skin,
 // and what GltfFile refuses. What is left out is in the notes.
-std::unique_ptr<Source> open_gltf_rig(const std::string& path);
+OpenedSource open_gltf_rig(const std::string& path);
 
 }  // namespace fb::bake

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/status.h"
@@ -69,6 +70,16 @@ class Source {
   // Points of new poses (count x controls -> count x 3 x vertices), on the calling thread; see RigEvaluator. Fails with
   // invalid_argument unless live or on a control outside its range, and with PoseError when a pose cannot be evaluated.
   virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
+};
+
+// What opening a source returns. Clips, schema and mesh are the source's own, so only a source with a name can be asked
+// for them: open(...)->clips() does not compile.
+class OpenedSource : public std::unique_ptr<Source> {
+ public:
+  template <class Opened>
+  OpenedSource(std::unique_ptr<Opened> source) : std::unique_ptr<Source>(std::move(source)) {}  // NOLINT: implicit
+  Source* operator->() const& { return get(); }
+  Source* operator->() const&& = delete;
 };
 
 }  // namespace fb::bake

@@ -11,6 +11,12 @@ using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
 
+template <class T>
+concept lends_clips = requires(T source) {
+  std::forward<T>(source)->clips();
+};
+static_assert(lends_clips<OpenedSource&> && !lends_clips<OpenedSource>, "clips of a source that is gone");
+
 TEST_CASE("a plugin is loaded with all it declares") {
   const auto rig = open_toy();
   CHECK(rig->live());
@@ -45,7 +51,8 @@ TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
   CHECK(rig->rest().uvs == std::vector<float>{0, 0, 0.5f, 0, 0.5f, 1});
   REQUIRE(rig->rest().uv_corners.size() == rig->rest().polygon_corners.size());
   CHECK(rig->rest().uv_corners[4] == 1);
-  CHECK(open_faulty_rig("texture beyond an older struct")->rest().uvs.empty());
+  const auto older = open_faulty_rig("texture beyond an older struct");
+  CHECK(older->rest().uvs.empty());
   const Folder folder;
   sample(*rig, {.poses = 40}, folder.path(), {}, silent_progress());
   const auto recorded = open_source(folder.path());
@@ -119,7 +126,8 @@ TEST_CASE("a faulty rig is refused by name") {
 TEST_CASE("the pose that fails in a long block is named with the rig's own message") {
   const std::size_t count = 12400, bad = 12345;
   std::vector<float> controls;
-  const std::vector<float> rest = open_toy()->schema().rest_pose();
+  const auto toy = open_toy();
+  const std::vector<float> rest = toy->schema().rest_pose();
   for (std::size_t i = 0; i < count; ++i) controls.insert(controls.end(), rest.begin(), rest.end());
   controls[bad * 6 + 1] = -0.5f;
   std::vector<float> points(count * 150);
@@ -184,7 +192,8 @@ TEST_CASE("the sample face is looked for in FACEBAKER_RIG_PATH first") {
   const Folder folder;
   std::filesystem::copy_file(FB_TOY_RIG, folder / "librig_sample.so");
   setenv("FACEBAKER_RIG_PATH", ("/nowhere:" + folder.path().string()).c_str(), 1);
-  CHECK(open_source("sample")->schema().name == "toy");
+  const auto found = open_source("sample");
+  CHECK(found->schema().name == "toy");
   unsetenv("FACEBAKER_RIG_PATH");
 }
 

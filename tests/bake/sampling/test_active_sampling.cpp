@@ -243,6 +243,6 @@ TEST_CASE("a rig budget covers responses, clips and new poses, or is refused") {
   CHECK(report.rig_calls >= 400 - 72);
   const Folder tested;
   sample(*toy, {.poses = 40, .test_poses = false}, tested.path(), {}, silent_progress());
-  const std::unique_ptr<Source> source = open_source(tested.path());
+  const auto source = open_source(tested.path());
   for (const Clip& clip : source->clips()) CHECK(clip.split != Split::test);
 }

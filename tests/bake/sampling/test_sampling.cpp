@@ -40,7 +40,8 @@ PosePlan plan_toy(SamplingOptions options, const Parallel& parallel = {}) {
 }
 
 std::vector<std::size_t> active(const Clip& clip, std::size_t frame) {
-  static const std::vector<float> rest = open_toy()->schema().rest_pose();
+  static const auto toy = open_toy();
+  static const std::vector<float> rest = toy->schema().rest_pose();
   std::vector<std::size_t> controls;
   for (std::size_t c = 0; c < width; ++c)
     if (clip.controls[frame * width + c] != rest[c]) controls.push_back(c);
