@@ -25,6 +25,7 @@ figcaption { color: var(--faint); font-size: .9rem; } pre { background: var(--sh
 svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 svg .grid { stroke: var(--line); stroke-width: 1; } svg .frame { fill: none; stroke: var(--faint); } svg .faint { fill: var(--faint); }
 svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
+@media (max-width: 40rem) { body { padding: 1rem; } th, td { padding: .2rem .4rem; } td:first-child { white-space: normal; } }
 </style>
 )";
 
