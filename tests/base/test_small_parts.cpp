@@ -6,6 +6,7 @@
 
 #include "base/checked.h"
 #include "base/hash.h"
+#include "base/json_depth.h"
 #include "base/progress.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -93,6 +94,20 @@ TEST_CASE("progress forwards steps and throws when cancelled") {
   }
   silent_progress().begin("anything", 1);
   CHECK_FALSE(silent_progress().cancelled());
+}
+
+TEST_CASE("the depth of JSON is counted outside of strings") {
+  const auto nested = [](std::size_t levels) { return std::string(levels, '[') + std::string(levels, ']'); };
+  check_json_depth(nested(most_json_levels) + nested(most_json_levels));
+  const auto joined = [](std::initializer_list<std::string> parts) {
+    std::string text;
+    for (const std::string& part : parts) text += part;
+    return text;
+  };
+  check_json_depth(joined({"\"", nested(1000), "\\\"", nested(1000), "\\\\\""}));
+  check_json_depth(joined({"]]]]", nested(most_json_levels)}));
+  CHECK_THROWS_AS(check_json_depth(nested(most_json_levels + 1)), Error);
+  CHECK_THROWS_AS(check_json_depth(joined({"{\"a\\\\\":", nested(most_json_levels), "}"})), Error);
 }
 
 }  // namespace fb

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "base/file.h"
+#include "base/json_depth.h"
 #include "base/status.h"
 
 namespace fs = std::filesystem;
@@ -174,6 +175,7 @@ DatasetIndex read_dataset_index(const fs::path& folder) {
   const fs::path path = folder / dataset_file;
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 28);
   const char* text = reinterpret_cast<const char*>(bytes.data());
+  with_context(path.string(), [&] { check_json_depth({text, bytes.size()}); });
   json root;
   try {
     root = json::parse(text, text + bytes.size());

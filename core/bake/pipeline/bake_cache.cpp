@@ -8,6 +8,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/json_depth.h"
 
 namespace fb::bake {
 
@@ -47,9 +48,10 @@ std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key
   if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
     return std::nullopt;
   const std::vector<std::byte> text = read_file(folder / figures_name);
+  const std::string_view words(reinterpret_cast<const char*>(text.data()), text.size());
+  with_context((folder / figures_name).string(), [&] { check_json_depth(words); });
   try {
-    const Json json = Json::parse(reinterpret_cast<const char*>(text.data()),
-                                  reinterpret_cast<const char*>(text.data()) + text.size());
+    const Json json = Json::parse(words);
     Baked baked;
     baked.archive = read_file(folder / archive_name);
     if (json.at("key") != key || json.at("archive") != hash64(baked.archive)) return std::nullopt;

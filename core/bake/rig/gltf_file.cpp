@@ -2,9 +2,12 @@
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cstring>
+#include <string_view>
 
 #include "base/checked.h"
+#include "base/json_depth.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -26,6 +29,16 @@ void check_extensions(const tinygltf::Model& model) {
       fail(Status::unsupported, "requires the glTF extension %s, which is not read; export without it", name.c_str());
 }
 
+// The JSON of a file: all of it, or the first chunk of a binary one, after a header of 20 bytes that ends in the
+// chunk's length and type.
+std::string_view json_of(std::span<const std::byte> bytes, bool binary) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (!binary) return text;
+  std::uint32_t length = 0;
+  if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
+  return text.substr(std::min<std::size_t>(20, text.size()), length);
+}
+
 }  // namespace
 
 GltfFile::GltfFile(std::span<const std::byte> bytes) : model_(std::make_unique<tinygltf::Model>()) {
@@ -38,6 +51,7 @@ GltfFile::GltfFile(std::span<const std::byte> bytes) : model_(std::make_unique<t
   std::string error, warning;
   const auto size = checked_u32(bytes.size(), "bytes");
   const bool binary = size >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  check_json_depth(json_of(bytes, binary));
   const bool loaded = binary ? loader.LoadBinaryFromMemory(model_.get(), &error, &warning,
                                                            reinterpret_cast<const unsigned char*>(bytes.data()), size)
                              : loader.LoadASCIIFromString(model_.get(), &error, &warning,

@@ -235,6 +235,7 @@ TEST_CASE("the rest mesh may be a glTF binary") {
 }
 
 TEST_CASE("fields of dataset.json are checked by name") {
+  const std::string deep = std::string(20000, '[') + std::string(20000, ']');
   const struct {
     const char *from, *to, *message;
     Status status = Status::bad_data;
@@ -263,6 +264,7 @@ TEST_CASE("fields of dataset.json are checked by name") {
       {"\"controls\": \"later.controls.npy\"", "\"points\": \"p.npy\"", "clips[2]: has no \"controls\""},
       {"\"clips\": [", "\"clips\": 5, \"x\": [", "clips: is no list"},
       {"}", "", "is no JSON"},
+      {"\"unknown fields are ignored\"", deep.c_str(), "lies more than 64 objects and arrays deep"},
       {"rest.npy", "none.npy", "none.npy: no such file", Status::not_found},
       {"\"talk.points.npy\"", "\"none.points.npy\"", "none.points.npy: no such file, and no shard none.000.points.npy",
        Status::not_found},

@@ -293,6 +293,22 @@ TEST_CASE("numbers that are not finite, and times that do not increase, are refu
   }
 }
 
+TEST_CASE("JSON that is nested too deep is refused before it is parsed") {
+  for (const bool objects : {false, true}) {
+    std::string deep;
+    for (int i = 0; i < 20000; ++i) deep += objects ? "{\"a\":" : "[";
+    deep += "0";
+    for (int i = 0; i < 20000; ++i) deep += objects ? "}" : "]";
+    ToyGltf toy;
+    toy.replace(R"("extras":{)", R"("extras":{"x":)" + deep + ",");
+    for (const bool binary : {false, true}) {
+      const std::string what =
+          failure(Status::bad_data, [&] { binary ? toy.open() : toy.open_bytes(toy.json, "toy.gltf"); });
+      CHECK_MESSAGE(contains(what, "more than 64 objects and arrays deep"), what);
+    }
+  }
+}
+
 TEST_CASE("every prefix of a file is refused") {
   const ToyGltf toy;
   const std::string whole = toy.bytes();
