@@ -25,6 +25,12 @@ inline bake::OpenedSource open_faulty_rig(const char* fault) {
   return bake::open_source(FB_FAULTY_RIG);
 }
 
+// The sheet that does one thing no rig should (hostile_rig.cpp lists them).
+inline bake::OpenedSource open_hostile_rig(const char* fault) {
+  setenv("FB_FAULT", fault, 1);
+  return bake::open_source(FB_HOSTILE_RIG);
+}
+
 // The message `work` fails with; fails the test if it does not fail with this status.
 template <class Work>
 std::string failure(Status status, Work&& work) {

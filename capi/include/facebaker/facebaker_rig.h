@@ -69,9 +69,10 @@ typedef struct fb_rig {
   uint32_t control_stride;         /**< bytes from a control to the next: sizeof(fb_rig_control) as compiled */
   uint32_t clip_stride;            /**< bytes from a clip to the next: sizeof(fb_rig_clip) as compiled */
   uint32_t vertex_count;           /**< at least 1 */
-  uint32_t polygon_count;          /**< at least 1 */
+  uint32_t polygon_count;          /**< 0: a set of points, which have no normals */
   const float* rest_positions;     /**< 3 x vertex_count: what evaluate gives with all controls at rest, to 1e-5 of the
-                                      diagonal */
+                                      diagonal of their bounding box, which is 1e-25 to 1e25; no coordinate is beyond
+                                      1e25 */
   const uint32_t* polygon_sizes;   /**< corners of each polygon, >= 3 */
   const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
   uint32_t clip_count;             /**< the rig's own animation; may be 0 */
@@ -79,9 +80,10 @@ typedef struct fb_rig {
   const fb_rig_clip* clips;        /**< clip_count of them, all values within their ranges */
   void* user;                      /**< passed to evaluate and destroy */
   /** Evaluates a block of poses: controls is poses x control_count, positions receives poses x 3 x vertex_count floats,
-   * finite, object space, in `units`. Values of controls are always within their ranges. The same controls give the
-   * same positions whenever they are evaluated. Returns FB_OK, or an error after writing a sentence into message
-   * (message_size bytes, zero-terminated). */
+   * finite, object space, in `units`, none further than 10,000 diagonals from its rest position along an axis. Values
+   * of controls are always within their ranges. The same controls give the same positions whenever they are evaluated;
+   * a bake evaluates some poses twice and warns where they differ. Returns FB_OK, or an error after writing a sentence
+   * into message (message_size bytes, zero-terminated). What it throws, in C++, is an error too: FB_ERROR_RIG. */
   fb_status (*evaluate)(void* user, uint64_t poses, const float* controls, float* positions, char* message,
                         uint32_t message_size);
   /** Frees everything the rig owns; may be null. */

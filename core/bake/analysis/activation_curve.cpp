@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "bake/analysis/blendshape_parts.h"
+#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 constexpr std::uint32_t most_powers = 4;
 constexpr double fine = 0.01;             // of the tolerance: a polyline is held to it where that takes few knots
 constexpr std::size_t most_samples = 24;  // of a side, which is not refined further then
+// Within 1.5^120 (1e21) tolerances one segment fits all samples: points lie within 1e4 diagonals of their rest position
+// (source_rules.h), and a tolerance is 1e-4 of the diagonal or more.
+constexpr int most_coarsenings = 120;
 constexpr double unreachable = std::numeric_limits<double>::infinity();
 
 float norm(const float* d) {
@@ -124,7 +128,10 @@ Polyline shortest_polyline(const SortedSamples& samples, double limit) {
 Polyline fit_polyline(const SortedSamples& samples, const CurveLimits& limits) {
   double limit = limits.tolerance;
   Polyline polyline = shortest_polyline(samples, limit);
-  while (polyline.knots.size() > limits.max_knots) polyline = shortest_polyline(samples, limit *= 1.5);
+  for (int i = 0; i < most_coarsenings && polyline.knots.size() > limits.max_knots; ++i)
+    polyline = shortest_polyline(samples, limit *= 1.5);
+  if (polyline.knots.size() > limits.max_knots)
+    fail(Status::internal, "a curve through %zu samples does not fit within %g", samples.rows.size(), limit);
   if (limit == limits.tolerance) {
     const Polyline finer = shortest_polyline(samples, fine * limit);
     if (finer.knots.size() <= std::min<std::size_t>(polyline.knots.size() + 2, limits.max_knots)) return finer;

@@ -37,11 +37,16 @@ class Field {
     return {*found, where_ + inside_ + key};
   }
 
-  std::string text() const {
+  std::string text_or_empty() const {
     if (!value_.is_string()) refuse("is no string");
     std::string text = value_.get<std::string>();
-    if (text.empty()) refuse("is empty");
     if (text.find('\0') != std::string::npos) refuse("holds a zero byte");
+    return text;
+  }
+
+  std::string text() const {
+    std::string text = text_or_empty();
+    if (text.empty()) refuse("is empty");
     return text;
   }
 
@@ -112,7 +117,7 @@ Control read_control(const Field& field) {
   control.minimum = field["min"].single();
   control.maximum = field["max"].single();
   control.rest = field["default"].single();
-  if (field.has("group")) control.group = field["group"].text();
+  if (field.has("group")) control.group = field["group"].text_or_empty();
   return control;
 }
 
@@ -170,6 +175,16 @@ json names(const std::vector<std::string>& files) {
 }
 
 }  // namespace
+
+fs::path path_inside(const fs::path& folder, const std::string& name) {
+  const fs::path file = folder / name;  // `name` alone where it is absolute
+  const fs::path relative = fs::weakly_canonical(file).lexically_relative(fs::canonical(folder));
+  const bool outside = fs::path(name).is_absolute() || relative.empty() || *relative.begin() == "..";
+  if (outside)
+    fail(Status::bad_data, "%s: names \"%s\", which does not lie in its folder", (folder / dataset_file).c_str(),
+         name.c_str());
+  return file;
+}
 
 DatasetIndex read_dataset_index(const fs::path& folder) {
   const fs::path path = folder / dataset_file;
@@ -248,12 +263,12 @@ std::string shard_name(const std::string& name, std::size_t number) {
 std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<fs::path> files;
   if (names.size() > 1) {
-    for (const std::string& name : names) files.push_back(folder / name);
+    for (const std::string& name : names) files.push_back(path_inside(folder, name));
     return files;
   }
-  const auto shard = [&](std::size_t number) { return folder / shard_name(names.at(0), number); };
+  const auto shard = [&](std::size_t number) { return path_inside(folder, shard_name(names.at(0), number)); };
   for (std::size_t i = 0; fs::exists(shard(i)); ++i) files.push_back(shard(i));
-  const fs::path whole = folder / names.at(0);
+  const fs::path whole = path_inside(folder, names.at(0));
   if (fs::exists(whole)) {
     if (!files.empty())
       fail(Status::bad_data, "%s: is there whole and in shards, such as %s: remove one", whole.c_str(),

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/dataset/dataset_index.h"
+#include "bake/rig/source_rules.h"
 #include "base/checked.h"
 
 namespace fb::bake {
@@ -42,7 +43,8 @@ void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> v
 DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(folder) {
   const DatasetIndex index = read_dataset_index(folder);
   schema_ = index.schema;
-  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays) : read_mesh(folder / index.rest_mesh);
+  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays)
+                                  : read_mesh(path_inside(folder, index.rest_mesh));
   const std::size_t width = schema_.control_count();
   const std::string controls_need = format("(frames, %zu)", width);
   const std::string points_need = format("(frames, %zu, 3)", rest_.vertex_count());
@@ -61,7 +63,7 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
     if (!entry.points.empty()) {
       if (index.sampling)
         for (const std::string& name : entry.points)
-          if (!std::filesystem::exists(folder / name))
+          if (!std::filesystem::exists(path_inside(folder, name)))
             fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
                  (folder / name).c_str());
       points = ShardedArray(shard_files(folder, entry.points), {rest_.vertex_count(), 3}, points_need.c_str());
@@ -72,6 +74,11 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
     clips_.push_back(std::move(clip));
     points_.push_back(std::move(points));
   }
+  with_context((folder / dataset_file).string(), [&] {
+    check_source(schema_, rest_);
+    check_clips(clips_);
+  });
+  diagonal_ = rest_.diagonal();
 }
 
 // Recorded values outside their range are what the rig was posed with: they are kept and noted.
@@ -111,10 +118,9 @@ void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count
     fail(Status::invalid_argument, "clip \"%s\": room for %zu coordinates where %zu are read", clip.name.c_str(),
          points.size(), count * size);
   points_[index].read(first, count, points);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (!std::isfinite(points[i]))
-      fail(Status::not_finite, "%s: clip \"%s\", frame %zu: vertex %zu is not finite",
-           points_[index].file_of(first + i / size).c_str(), clip.name.c_str(), first + i / size, i % size / 3);
+  if (const auto fault = find_point_fault(points, rest_, diagonal_))
+    fail(fault->status, "%s: clip \"%s\", frame %zu: %s", points_[index].file_of(first + fault->pose).c_str(),
+         clip.name.c_str(), first + fault->pose, fault->what.c_str());
 }
 
 }  // namespace fb::bake

@@ -32,7 +32,8 @@ class ShardedArray {
 // the disk when they are needed, so a dataset may be larger than memory.
 class DatasetSource final : public Source {
  public:
-  // Fails by file, field, frame, control on anything missing, truncated, mis-shaped, doubled or not finite.
+  // Fails by file, field, frame, control on anything missing, truncated, mis-shaped, doubled or not finite, and
+  // as check_source does.
   explicit DatasetSource(const std::filesystem::path& folder);
 
   const RigSchema& schema() const override { return schema_; }
@@ -49,6 +50,7 @@ class DatasetSource final : public Source {
   std::filesystem::path folder_;
   RigSchema schema_;
   Mesh rest_;
+  double diagonal_ = 0;  // of the rest mesh
   std::vector<Clip> clips_;
   std::vector<ShardedArray> points_;  // of each clip
   std::vector<std::string> notes_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/rig/gltf_file.h"
 #include "base/checked.h"
@@ -96,14 +97,15 @@ Mesh read_glb(const std::filesystem::path& path) {
 }
 
 Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files) {
+  const auto inside = [&](const std::string& name) { return path_inside(folder, name); };
   Mesh mesh;
-  mesh.points = read_rows(folder / files.points, 3, "(vertices, 3)");
-  Faces faces = read_faces(folder / files.faces, "vertex");
+  mesh.points = read_rows(inside(files.points), 3, "(vertices, 3)");
+  Faces faces = read_faces(inside(files.faces), "vertex");
   mesh.polygon_sizes = std::move(faces.sizes);
   mesh.polygon_corners = std::move(faces.corners);
   if (!files.uvs.empty()) {
-    mesh.uvs = read_rows(folder / files.uvs, 2, "(texture coordinates, 2)");
-    Faces of_uvs = read_faces(folder / files.uv_faces, "texture coordinate");
+    mesh.uvs = read_rows(inside(files.uvs), 2, "(texture coordinates, 2)");
+    Faces of_uvs = read_faces(inside(files.uv_faces), "texture coordinate");
     if (of_uvs.sizes != mesh.polygon_sizes)
       fail(Status::bad_data, "%s: its faces are not those of %s", (folder / files.uv_faces).c_str(),
            files.faces.c_str());

@@ -2,7 +2,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <unordered_set>
+
+#include "bake/rig/source_rules.h"
 
 namespace fb::bake {
 namespace {
@@ -39,6 +40,16 @@ struct Reader {
       fail(Status::rig, "%s: %s is %u, not a multiple of %zu bytes", label.c_str(), field, stride, alignof(T));
   }
 
+  // Whatever check() finds is an error of the rig.
+  template <class Check>
+  void check_rules(const Check& check) const {
+    try {
+      check();
+    } catch (const Error& error) {
+      fail(Status::rig, "%s: %s", label.c_str(), error.what());
+    }
+  }
+
   RigSchema schema(const fb_rig& rig) const {
     RigSchema schema;
     schema.name = rig.name;
@@ -53,12 +64,14 @@ struct Reader {
       schema.controls.push_back({text(c.name, format("the name of control %u", i).c_str()), c.minimum, c.maximum,
                                  c.rest, c.group ? c.group : ""});
     }
-    check(schema);
     return schema;
   }
 
   Mesh mesh(const fb_rig& rig) const {
     const float* points = array(rig.rest_positions, rig.vertex_count, "rest_positions", "vertex_count");
+    Mesh mesh;
+    mesh.points.assign(points, points + std::size_t{3} * rig.vertex_count);
+    if (rig.polygon_count == 0) return mesh;
     const std::uint32_t* sizes = array(rig.polygon_sizes, rig.polygon_count, "polygon_sizes", "polygon_count");
     const std::uint32_t* corners = array(rig.polygon_corners, rig.polygon_count, "polygon_corners", "polygon_count");
     // Sizes are checked before the corners they count are read.
@@ -69,16 +82,14 @@ struct Reader {
              rig.vertex_count);
       corner_count += sizes[p];
     }
-    Mesh mesh{{points, points + std::size_t{3} * rig.vertex_count},
-              {sizes, sizes + rig.polygon_count},
-              {corners, corners + corner_count}};
+    mesh.polygon_sizes.assign(sizes, sizes + rig.polygon_count);
+    mesh.polygon_corners.assign(corners, corners + corner_count);
     if (rig.struct_size >= sizeof(fb_rig) && rig.uv_count > 0) {
       const float* uvs = array(rig.uvs, rig.uv_count, "uvs", "uv_count");
       const std::uint32_t* of_corners = array(rig.uv_corners, rig.uv_count, "uv_corners", "uv_count");
       mesh.uvs.assign(uvs, uvs + std::size_t{2} * rig.uv_count);
       mesh.uv_corners.assign(of_corners, of_corners + corner_count);
     }
-    check(mesh);
     return mesh;
   }
 
@@ -90,9 +101,6 @@ struct Reader {
       fail(Status::rig, "%s: clip \"%s\" is of unknown kind %d", label.c_str(), name, from.kind);
     if (from.split < FB_SPLIT_TRAIN || from.split > FB_SPLIT_TEST)
       fail(Status::rig, "%s: clip \"%s\" belongs to unknown split %d", label.c_str(), name, from.split);
-    if (!std::isfinite(from.fps) || from.fps <= 0)
-      fail(Status::rig, "%s: clip \"%s\" has %g frames a second", label.c_str(), name, from.fps);
-    if (from.frames == 0) fail(Status::rig, "%s: clip \"%s\" has no frames", label.c_str(), name);
     if (!from.controls) fail(Status::rig, "%s: the controls of clip \"%s\" are null", label.c_str(), name);
     clip.kind = static_cast<ClipKind>(from.kind);
     clip.split = static_cast<Split>(from.split);
@@ -123,24 +131,16 @@ RigDescription describe(const fb_rig& rig) {
   reader.label = format("rig \"%s\"", reader.text(rig.name, "name"));
   if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
   RigDescription description;
-  try {
-    description.schema = reader.schema(rig);
-    description.rest = reader.mesh(rig);
-  } catch (const Error& error) {
-    if (error.status() == Status::rig) throw;
-    fail(Status::rig, "%s: %s", reader.label.c_str(), error.what());
-  }
+  description.schema = reader.schema(rig);
+  description.rest = reader.mesh(rig);
+  reader.check_rules([&] { check_source(description.schema, description.rest); });
   if (rig.clip_count > 0) {
     if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.label.c_str());
     reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");
   }
-  std::unordered_set<std::string> names;
-  for (std::uint32_t i = 0; i < rig.clip_count; ++i) {
+  for (std::uint32_t i = 0; i < rig.clip_count; ++i)
     description.clips.push_back(reader.clip(element(rig.clips, rig.clip_stride, i), i, description.schema));
-    const std::string& name = description.clips.back().name;
-    if (!names.insert(name).second)
-      fail(Status::rig, "%s: clip name \"%s\" occurs twice", reader.label.c_str(), name.c_str());
-  }
+  reader.check_rules([&] { check_clips(description.clips); });
   return description;
 }
 

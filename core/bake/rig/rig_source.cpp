@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "bake/rig/source_rules.h"
+
 namespace fb::bake {
 namespace {
 
@@ -27,7 +29,11 @@ Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float*
 }  // namespace
 
 RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::vector<std::string> notes)
-    : rig_(rig), owner_(std::move(owner)), description_(describe(rig)), notes_(std::move(notes)) {
+    : rig_(rig),
+      owner_(std::move(owner)),
+      description_(describe(rig)),
+      diagonal_(description_.rest.diagonal()),
+      notes_(std::move(notes)) {
   check_rest_pose();
 }
 
@@ -56,7 +62,7 @@ void RigSource::check_rest_pose() {
       worst_vertex = i % size / 3;
     }
   }
-  const double share = std::sqrt(worst) / rest().diagonal();
+  const double share = std::sqrt(worst) / diagonal_;
   if (share > 1e-5)
     fail(Status::rig,
          "rig \"%s\": its rest pose is not its rest mesh: vertex %zu is %g %s away (%.2g of the diagonal, 1e-05 "
@@ -106,10 +112,8 @@ void RigSource::evaluate_block(const float* controls, std::size_t first, std::si
                     format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", name,
                            whole.message.c_str(), count));
   }
-  for (std::size_t i = 0; i < count * size; ++i)
-    if (!std::isfinite(points[i]))
-      throw PoseError(Status::not_finite, first + i / size,
-                      format("rig \"%s\" puts vertex %zu at a position that is not finite", name, i % size / 3));
+  if (const auto fault = find_point_fault({points, count * size}, rest(), diagonal_))
+    throw PoseError(fault->status, first + fault->pose, format("rig \"%s\": %s", name, fault->what.c_str()));
 }
 
 }  // namespace fb::bake

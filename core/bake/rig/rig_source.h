@@ -34,6 +34,7 @@ class RigSource final : public Source {
   fb_rig rig_;
   std::shared_ptr<const void> owner_;
   RigDescription description_;
+  double diagonal_;  // of the rest mesh
   std::vector<std::string> notes_;
 };
 

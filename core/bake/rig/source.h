@@ -56,7 +56,8 @@ class Source {
   virtual const Mesh& rest() const = 0;
   virtual const std::vector<Clip>& clips() const = 0;
   // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's
-  // units. Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on NaN or infinity.
+  // units. Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on what is not finite or
+  // too far from rest, see source_rules.h.
   virtual void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) = 0;
   // False for a clip of a dataset that has controls only (a plan): its points cannot be read.
   virtual bool readable(std::size_t) const { return true; }

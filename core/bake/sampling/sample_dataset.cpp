@@ -193,7 +193,9 @@ class DatasetWriter {
     for (std::size_t i = 0; i < size_; ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
         fail(Status::invalid_argument,
-             "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder",
+             "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder, unless "
+             "it "
+             "gives other points each time",
              path.c_str(), i / 3, plan_[clip].name.c_str(), first + frame);
   }
 
@@ -240,7 +242,7 @@ class DatasetWriter {
 PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
   PosePlan plan;
   for (const DatasetIndex::Entry& entry : index.clips) {
-    Clip clip = read_clip(entry.name, folder / entry.controls.at(0), index.schema);
+    Clip clip = read_clip(entry.name, path_inside(folder, entry.controls.at(0)), index.schema);
     clip.kind = entry.kind;
     clip.split = entry.split;
     clip.fps = entry.fps;

@@ -265,6 +265,12 @@ TEST_CASE("fields of dataset.json are checked by name") {
       {"\"clips\": [", "\"clips\": 5, \"x\": [", "clips: is no list"},
       {"}", "", "is no JSON"},
       {"\"unknown fields are ignored\"", deep.c_str(), "lies more than 64 objects and arrays deep"},
+      {"\"rest.npy\"", "\"../rest.npy\"", "names \"../rest.npy\", which does not lie in its folder"},
+      {"\"faces.npy\"", "\"/dev/null\"", "names \"/dev/null\", which does not lie in its folder"},
+      {"{ \"points\": \"rest.npy\", \"faces\": \"faces.npy\" }", "\"sub/../../rest.obj\"",
+       "does not lie in its folder"},
+      {"\"talk.points.npy\"", "\"sub/../../talk.points.npy\"", "does not lie in its folder"},
+      {"\"talk.controls.npy\"", "[\"talk.controls.npy\", \"../more.npy\"]", "names \"../more.npy\""},
       {"rest.npy", "none.npy", "none.npy: no such file", Status::not_found},
       {"\"talk.points.npy\"", "\"none.points.npy\"", "none.points.npy: no such file, and no shard none.000.points.npy",
        Status::not_found},
@@ -278,6 +284,49 @@ TEST_CASE("fields of dataset.json are checked by name") {
     CHECK_MESSAGE(contains(what, toy.folder.path()), what);
     CHECK_MESSAGE(!contains(what, "::"), what);
     CHECK_MESSAGE(!contains(what, "exception"), what);
+  }
+}
+
+TEST_CASE("files of a dataset may lie in folders of it, and links may not lead out") {
+  ToyDataset toy;
+  const Folder elsewhere;
+  std::filesystem::create_directory(toy.folder / "sub");
+  std::filesystem::rename(toy.folder / "talk.points.npy", toy.folder / "sub/talk.points.npy");
+  toy.replace("talk.points.npy", "sub/../sub/talk.points.npy");
+  toy.open();
+  std::filesystem::create_symlink("sub", toy.folder / "inside");
+  toy.replace("sub/../sub/talk.points.npy", "inside/talk.points.npy");
+  toy.open();
+  std::filesystem::rename(toy.folder / "walk.points.npy", elsewhere / "walk.points.npy");
+  std::filesystem::create_symlink(elsewhere / "walk.points.npy", toy.folder / "walk.000.points.npy");
+  CHECK(contains(failure(Status::bad_data, [&] { toy.open(); }),
+                 "names \"walk.000.points.npy\", which does not lie in its folder"));
+}
+
+TEST_CASE("a dataset follows the rules of all sources: no group, no polygons, limits of coordinates") {
+  ToyDataset toy;
+  toy.replace("\"group\": \"mouth\"", "\"group\": \"\"");
+  write_npy(toy.folder / "faces.npy", {0, 3}, std::vector<std::int32_t>{});
+  const auto source = toy.open();
+  CHECK(source->schema().controls[0].group.empty());
+  CHECK(source->rest().polygon_sizes.empty());
+
+  std::vector<float> points = counting(frames * vertices * 3, 0.5f);
+  points[2 * vertices * 3 + 4] = -1e30f;
+  write_npy(toy.folder / "talk.points.npy", {frames, vertices, 3}, points);
+  std::vector<float> read(frames * vertices * 3);
+  const auto far = toy.open();
+  const std::string what = failure(Status::bad_data, [&] { far->read(0, 0, frames, read); });
+  CHECK_MESSAGE(contains(what, "talk.points.npy: clip \"talk\", frame 2: vertex 1 y = -1e+30 is more than 10000"),
+                what);
+
+  for (const bool tiny : {true, false}) {
+    const float side = tiny ? 1e-26f : 1e26f;
+    write_npy(toy.folder / "rest.npy", {vertices, 3},
+              std::vector<float>{0, 0, 0, side, 0, 0, side, side, 0, 0, side, 0});
+    const std::string refused = failure(Status::bad_data, [&] { toy.open(); });
+    CHECK_MESSAGE(contains(refused, tiny ? "its diagonal is" : "vertex 1 x = 1e+26"), refused);
+    CHECK_MESSAGE(contains(refused, "dataset.json: rest mesh: "), refused);
   }
 }
 

@@ -90,7 +90,6 @@ TEST_CASE("a faulty rig is refused by name") {
       {"null controls", Status::rig, "controls is null"},
       {"no vertices", Status::rig, "vertex_count is zero"},
       {"null rest", Status::rig, "rest_positions is null"},
-      {"no polygons", Status::rig, "polygon_count is zero"},
       {"null corners", Status::rig, "polygon_corners is null"},
       {"null control name", Status::rig, "the name of control 2 is null"},
       {"double control", Status::rig, "control name \"jawOpen\" occurs twice"},
@@ -138,7 +137,7 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own messa
   } faults[] = {
       {"fails on a pose", Status::rig, "pose 12345: rig \"toy\" failed: the twist solver did not converge"},
       {"fails without words", Status::rig, "pose 12345: rig \"toy\" failed: status 11 without a message"},
-      {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\" puts vertex 17 at a position that is not finite"},
+      {"nan on a pose", Status::not_finite, "pose 12345: rig \"toy\": vertex 17 is not finite"},
       {"fails on blocks", Status::rig, "pose 0: rig \"toy\" failed: too many poses for me (on a block of 32 poses"}};
   for (const auto& wrong : faults) {
     const auto rig = open_faulty_rig(wrong.fault);
@@ -149,6 +148,24 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own messa
     }
     const std::string serial = failure(wrong.status, [&] { rig->evaluate(controls, count, points); });
     CHECK_MESSAGE(contains(serial, wrong.message), serial);
+  }
+}
+
+TEST_CASE("points further than 10,000 diagonals from rest are refused with pose, vertex and value") {
+  const auto rig = open_hostile_rig("far vertex");
+  std::vector<float> controls(2 * 6), points(2 * 64 * 3);
+  controls[6 + 1] = 1;
+  const std::string what = failure(Status::bad_data, [&] { rig->evaluate(controls, 2, points); });
+  CHECK_MESSAGE(contains(what, "pose 1: rig \"sheet\": vertex 17 x = 1e+10 is more than 10000 diagonals"), what);
+  const auto huge = open_hostile_rig("huge points");
+  controls[3] = 1;
+  CHECK(contains(failure(Status::bad_data, [&] { huge->evaluate(controls, 2, points); }), "vertex 0 x = 3e+38"));
+}
+
+TEST_CASE("a rig may have no polygons: it is a set of points") {
+  for (const auto& rig : {open_faulty_rig("no polygons"), open_hostile_rig("no polygons")}) {
+    CHECK(rig->rest().polygon_sizes.empty());
+    CHECK(rig->rest().polygon_corners.empty());
   }
 }
 

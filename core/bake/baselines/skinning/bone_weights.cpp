@@ -38,7 +38,8 @@ Eigen::VectorXd solve_simplex(Eigen::MatrixXd quadratic, Eigen::VectorXd linear)
         best = b;
     if (best < 0) break;
     active.push_back(best);
-    for (;;) {
+    // Every pass but the last lets go of a weight that has reached 0.
+    for (std::size_t passes = active.size(); passes > 0; --passes) {
       const Eigen::VectorXd target = solve_active(quadratic, linear, active);
       double step = 1;  // towards the target, until the first weight reaches 0
       for (const Eigen::Index b : active)

@@ -1,0 +1,56 @@
+#include "bake/rig/source_rules.h"
+
+#include <cmath>
+#include <string_view>
+#include <unordered_set>
+
+namespace fb::bake {
+
+void check_source(const RigSchema& schema, const Mesh& rest) {
+  if (schema.name.empty()) fail(Status::bad_data, "the character has no name");
+  if (schema.units.empty()) fail(Status::bad_data, "rig \"%s\" has no units", schema.name.c_str());
+  check(schema);
+  check(rest);
+  for (std::size_t i = 0; i < rest.points.size(); ++i)
+    if (std::abs(rest.points[i]) > largest_coordinate)
+      fail(Status::bad_data, "rest mesh: vertex %zu %c = %g is beyond %g, the largest coordinate", i / 3, "xyz"[i % 3],
+           double(rest.points[i]), largest_coordinate);
+  if (const double diagonal = rest.diagonal(); diagonal < least_diagonal || diagonal > largest_diagonal)
+    fail(Status::bad_data, "rest mesh: its diagonal is %g %s, outside %g..%g: use other units", diagonal,
+         schema.units.c_str(), least_diagonal, largest_diagonal);
+}
+
+void check_clips(std::span<const Clip> clips) {
+  std::unordered_set<std::string_view> names;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    const Clip& clip = clips[i];
+    if (clip.name.empty()) fail(Status::bad_data, "clip %zu has no name", i);
+    if (!names.insert(clip.name).second) fail(Status::bad_data, "clip name \"%s\" occurs twice", clip.name.c_str());
+    if (!std::isfinite(clip.fps) || clip.fps <= 0)
+      fail(Status::bad_data, "clip \"%s\" has %g frames a second", clip.name.c_str(), clip.fps);
+    if (clip.frames == 0) fail(Status::bad_data, "clip \"%s\" has no frames", clip.name.c_str());
+  }
+}
+
+std::optional<PointFault> find_point_fault(std::span<const float> points, const Mesh& mesh, double diagonal) {
+  const std::vector<float>& rest = mesh.points;
+  const std::size_t size = rest.size();
+  const auto limit = static_cast<float>(most_diagonals * diagonal);
+  for (std::size_t first = 0; first < points.size(); first += size) {
+    const float* const pose = points.data() + first;
+    bool good = true;  // no branch in the loop, so that it is vectorised
+    for (std::size_t i = 0; i < size; ++i) good &= std::abs(pose[i] - rest[i]) <= limit;  // false of NaN
+    if (good) continue;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (!std::isfinite(pose[i]))
+        return PointFault{first / size, Status::not_finite, format("vertex %zu is not finite", i / 3)};
+      if (!(std::abs(pose[i] - rest[i]) <= limit))
+        return PointFault{first / size, Status::bad_data,
+                          format("vertex %zu %c = %g is more than %g diagonals (%g) from its rest position", i / 3,
+                                 "xyz"[i % 3], double(pose[i]), most_diagonals, double(limit))};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace fb::bake

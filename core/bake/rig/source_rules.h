@@ -1,0 +1,41 @@
+// What holds for every source of poses, wherever it comes from: a plugin, a host's rig, a glTF file, a dataset.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "bake/rig/source.h"
+#include "model/mesh.h"
+#include "model/rig_schema.h"
+
+namespace fb::bake {
+
+// Rest meshes have a diagonal in this range and no coordinate beyond largest_coordinate, so that archives hold their
+// points and displacements as normal floats.
+inline constexpr double least_diagonal = 1e-25, largest_diagonal = 1e25, largest_coordinate = 1e25;
+// No vertex of a pose is further from its rest position, along an axis: floats resolve a thousandth of the diagonal
+// there, and no less.
+inline constexpr double most_diagonals = 1e4;
+
+// Fails, naming what is wrong, as check(RigSchema) and check(Mesh) do, and on a name or units that are empty or a mesh
+// beyond the limits above. A mesh may have no polygons: its points can be posed, and have no normals. A control needs
+// no group.
+void check_source(const RigSchema& schema, const Mesh& rest);
+
+// Fails on a clip without name or frames, with a name that occurs twice, or a frame rate that is not above zero.
+void check_clips(std::span<const Clip> clips);
+
+// A pose that breaks the rules: its number, and the rest of a sentence about its vertex: "vertex 17 is not finite".
+struct PointFault {
+  std::size_t pose;
+  Status status;
+  std::string what;
+};
+
+// The first vertex of poses (poses x 3 x vertices floats) that is not finite or too far from its rest position; nothing
+// if there is none. `diagonal`: that of the rest mesh.
+std::optional<PointFault> find_point_fault(std::span<const float> points, const Mesh& rest, double diagonal);
+
+}  // namespace fb::bake
