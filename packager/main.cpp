@@ -11,6 +11,7 @@
 
 #include "base/status.h"
 #include "commands/commands.h"
+#include "commands/exit_guard.h"
 #include "commands/interrupt.h"
 
 namespace fb::tool {
@@ -67,6 +68,7 @@ int main(int argc, char** argv) {
       "Exit code: 0 success, 1 failure, 2 wrong use.");
 
   watch_interrupts();
+  const ExitGuard guard(argc > 1 ? fb::format("facebaker %s", argv[1]) : "facebaker");
   try {
     tool.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout)) fb::fail(fb::Status::io, "standard output: writing failed");
@@ -84,6 +86,8 @@ int main(int argc, char** argv) {
     return report_failure(tool, "out of memory", 1);
   } catch (const std::exception& error) {
     return report_failure(tool, error.what(), 1);
+  } catch (...) {
+    return report_failure(tool, "an unknown exception", 1);
   }
   return 0;
 }

@@ -100,3 +100,25 @@ TEST_CASE("a truncated file is refused, and partial files do not disturb packing
   CHECK(run_tool({"pack", in, "--out", out}).exit_code == 0);
   CHECK(fb::read_file(out) == whole);
 }
+
+TEST_CASE("a rig that throws or ends the program makes a bake fail with a message, and leaves no archive") {
+  const struct {
+    const char *fault, *word;
+  } faults[] = {{"throws a number", "threw an exception"},    {"throws an exception", "the brow is missing"},
+                {"throws when opened", "threw an exception"}, {"exits", "ended the program"},
+                {"exits quickly", "ended the program"},       {"exits when opened", "ended the program"},
+                {"far vertex", "vertex 17 x = 1e+10"}};
+  for (const auto& wrong : faults) {
+    CAPTURE(wrong.fault);
+    const ScratchFolder folder;
+    ToolSetting setting;
+    setting.environment = std::string("FB_FAULT=") + wrong.fault;
+    const ToolRun run = run_tool(
+        {"bake", FB_HOSTILE_RIG, "--out", folder / "out.fbk", "--poses", "200", "--recipe", "linear"}, setting);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 1);
+    CHECK(run.err.find("facebaker bake: ") != std::string::npos);
+    CHECK(run.err.find(wrong.word) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder / "out.fbk"));
+  }
+}

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "bake/rig/foreign_call.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/rig_source.h"
 
@@ -23,8 +24,13 @@ struct Plugin {
   Plugin(const Plugin&) = delete;
   Plugin& operator=(const Plugin&) = delete;
   ~Plugin() {
-    // Where `destroy` lies in another layout is unknown.
-    if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= smallest_rig && rig.destroy) rig.destroy(rig.user);
+    try {
+      // Where `destroy` lies in another layout is unknown.
+      if (opened && rig.abi == FB_RIG_ABI && rig.struct_size >= smallest_rig && rig.destroy)
+        foreign_call("the rig", [&] { rig.destroy(rig.user); });
+    } catch (const Error&) {
+      // There is nobody to tell; what it did not free is lost.
+    }
     if (library) dlclose(library);
   }
 };
@@ -40,7 +46,11 @@ OpenedSource open_rig_plugin(const std::string& path) {
   const auto open = reinterpret_cast<fb_rig_open_function>(dlsym(plugin->library, FB_RIG_OPEN_SYMBOL));
   if (!open) fail(Status::rig, "%s: is no rig plugin: it does not export %s", path.c_str(), FB_RIG_OPEN_SYMBOL);
   std::array<char, 512> message{};
-  const fb_status status = open(file.c_str(), &plugin->rig, message.data(), static_cast<std::uint32_t>(message.size()));
+  const fb_status status = with_context(path, [&] {
+    return foreign_call(FB_RIG_OPEN_SYMBOL, [&] {
+      return open(file.c_str(), &plugin->rig, message.data(), static_cast<std::uint32_t>(message.size()));
+    });
+  });
   message.back() = '\0';
   if (status != FB_OK)
     fail(Status::rig, "%s: the rig cannot be opened: %s", path.c_str(),

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "bake/rig/foreign_call.h"
 #include "bake/rig/source_rules.h"
 
 namespace fb::bake {
@@ -19,8 +20,15 @@ struct Outcome {
 
 Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float* points) {
   std::array<char, 512> message{};
-  const fb_status status =
-      rig.evaluate(rig.user, count, controls, points, message.data(), static_cast<std::uint32_t>(message.size()));
+  fb_status status = FB_OK;
+  try {
+    status = foreign_call("it", [&] {
+      return rig.evaluate(rig.user, count, controls, points, message.data(),
+                          static_cast<std::uint32_t>(message.size()));
+    });
+  } catch (const Error& error) {
+    return {FB_ERROR_RIG, error.what()};
+  }
   message.back() = '\0';
   if (status == FB_OK) return {status, ""};
   return {status, message[0] ? std::string(message.data()) : format("status %d without a message", status)};

@@ -151,6 +151,26 @@ TEST_CASE("the pose that fails in a long block is named with the rig's own messa
   }
 }
 
+TEST_CASE("whatever a rig throws is an error of the rig, which names the pose") {
+  CHECK(contains(failure(Status::rig, [] { open_hostile_rig("throws when opened"); }),
+                 "fb_rig_open threw an exception that has no message (C++ type PKc)"));
+  const struct {
+    const char *fault, *message;
+  } faults[] = {{"throws a number", "pose 40: rig \"sheet\" failed: it threw an exception that has no message"},
+                {"throws an exception", "pose 40: rig \"sheet\" failed: it threw an exception: the brow is missing"}};
+  std::vector<float> controls(50 * 6), points(50 * 64 * 3);
+  controls[40 * 6 + 2] = 1;
+  for (const auto& wrong : faults) {
+    const auto rig = open_hostile_rig(wrong.fault);
+    for (const int threads : {1, 2}) {
+      const std::string what =
+          failure(Status::rig, [&] { RigEvaluator(*rig, {.threads = threads}).evaluate(controls, 50, points); });
+      CHECK_MESSAGE(contains(what, wrong.message), what);
+    }
+  }
+  open_hostile_rig("throws when destroyed").reset();
+}
+
 TEST_CASE("points further than 10,000 diagonals from rest are refused with pose, vertex and value") {
   const auto rig = open_hostile_rig("far vertex");
   std::vector<float> controls(2 * 6), points(2 * 64 * 3);
