@@ -81,6 +81,11 @@ Json locality_of(const std::optional<Locality>& locality) {
           {"worst", std::move(worst)}};
 }
 
+Json repeatability_of(const std::optional<Repeatability>& repeatability) {
+  if (!repeatability) return nullptr;
+  return {{"poses", repeatability->poses}, {"rms", repeatability->rms}, {"max", repeatability->max}};
+}
+
 Json method_of(const MethodReport& method) {
   return {{"name", method.name},
           {"use", name_of(method.use)},
@@ -197,7 +202,9 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},
-                    {"quantisation", figures(baked.quantisation)}});
+                    {"quantisation", figures(baked.quantisation)},
+                    {"repeatability", repeatability_of(baked.repeatability)},
+                    {"warnings", baked.warnings}});
 }
 
 std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality) {
@@ -218,6 +225,7 @@ std::string compare_json(const CompareReport& report) {
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"rig_calls", report.rig_calls},
+                    {"repeatability", repeatability_of(report.repeatability)},
                     {"methods", std::move(methods)},
                     {"failed", failures_of(report)}});
 }
@@ -256,6 +264,7 @@ std::string details_json(const CompareReport& report, const Measured& measured) 
                     {"diagonal", report.diagonal},
                     {"rig_calls", report.rig_calls},
                     {"measured_split", measured.split ? Json(name_of(*measured.split)) : Json()},
+                    {"repeatability", repeatability_of(report.repeatability)},
                     {"methods", std::move(methods)},
                     {"failed", failures_of(report)}});
 }

@@ -43,6 +43,9 @@ std::string bake_text(const std::string& document) {
   table.add({"training, seconds", format("%.1f", figures.at("train_seconds").get<double>())});
   table.add({"rounding, mse", format("%.2e", quantisation.at("mse").get<double>())});
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});
+  if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
+    table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
+  for (const nlohmann::json& warning : figures.at("warnings")) table.add({"warning", warning.get<std::string>()});
   return table.text();
 }
 

@@ -71,11 +71,12 @@ Json independent_errors(const EvalReport& report, Split split) {
 }  // namespace
 
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
-                        const Errors& quantisation) {
+                        const Errors& quantisation, const std::vector<std::string>& warnings) {
   Json json;
   add(json["dependency"], dependency);
   json["independent"] = independent ? independent_errors(*independent, split) : Json();
   add(json["quantisation"], quantisation);
+  if (!warnings.empty()) json["warnings"] = warnings;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -122,6 +123,8 @@ std::string certificate_summary(const std::string& certificate) {
         measured);
   add("displaced by repacking", "repacked");
   add("bound of the error since", "bound");
+  for (const Json& warning : json.value("warnings", Json::array()))
+    if (warning.is_string()) text += "warning: " + warning.get<std::string>() + "\n";
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bake/measure/evaluate.h"
 #include "bake/rig/pose_set.h"
@@ -11,9 +12,10 @@
 namespace fb::bake {
 
 // A JSON object. `dependency`: on training poses. `independent` and its split: with Detail::quality, on poses that were
-// not trained on; absent where there are none. `quantisation`: of the packed model against the float model.
+// not trained on; absent where there are none. `quantisation`: of the packed model against the float model. `warnings`:
+// sentences; the certificate has the key only where there are some.
 std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
-                        const Errors& quantisation);
+                        const Errors& quantisation, const std::vector<std::string>& warnings = {});
 
 // Adds to a certificate (whatever text it is) the errors made by repacking, "repacked": displacements of vertices from
 // where the archive before had them. Those of several repackings are summed. Where the certificate has measured errors,
@@ -29,7 +31,7 @@ struct CertifiedErrors {
 // None if the text is no certificate with measured errors.
 std::optional<CertifiedErrors> certified_errors(const std::string& certificate);
 
-// The main figures in one to three lines for people, each ending in a newline; "" without figures.
+// The main figures and warnings in a few lines for people, each ending in a newline; "" without any.
 std::string certificate_summary(const std::string& certificate);
 
 // XXH64 of the training data: of the positions of each pose in order (little-endian floats, in the source's units),

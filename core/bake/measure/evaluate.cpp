@@ -4,17 +4,20 @@
 #include <cmath>
 
 #include "archive/reader.h"
+#include "bake/rig/scaled_source.h"
 #include "base/status.h"
 #include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_frames = 16;    // unit of work of a thread
-constexpr std::size_t blocks_at_once = 32;  // between two reports of progress
-constexpr std::size_t warm_up_frames = 2;   // evaluated before a block, for the second difference of jitter
-constexpr std::size_t frames_apart = 12;    // of worst frames
-constexpr std::size_t part_poses = 256;     // that vertices are assigned to regions by
+constexpr std::size_t block_frames = 16;     // unit of work of a thread
+constexpr std::size_t blocks_at_once = 32;   // between two reports of progress
+constexpr std::size_t warm_up_frames = 2;    // evaluated before a block, for the second difference of jitter
+constexpr std::size_t frames_apart = 12;     // of worst frames
+constexpr std::size_t part_poses = 256;      // that vertices are assigned to regions by
+constexpr std::size_t compared_poses = 256;  // with the rest mesh
+constexpr double negligible = 1e-5;          // over D: of rms errors, where nothing moves
 
 struct Sums {
   ErrorSums errors;
@@ -87,7 +90,13 @@ void check_same_face(const PackedModel& model, const Source& source) {
 
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress, Detail detail) {
-  return evaluate_model(archive::read_archive(archive).model, source, split, parallel, progress, detail);
+  PackedModel model = archive::read_archive(archive).model;
+  const int exponent = scale_exponent(source.rest());
+  if (exponent == 0) return evaluate_model(model, source, split, parallel, progress, detail);
+  ScaledSource ordinary(source, exponent);
+  EvalReport report = evaluate_model(scaled(std::move(model), exponent), ordinary, split, parallel, progress, detail);
+  report.diagonal = source.rest().diagonal();
+  return report;
 }
 
 EvalReport evaluate_model(const PackedModel& model, Source& source, std::optional<Split> split,
@@ -136,6 +145,24 @@ Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const P
   progress.begin("measuring", poses.size());
   return measure(runtime::Evaluator(model), poses, false, nullptr, parallel, progress, done)
       .errors.figures(poses.source().rest().diagonal());
+}
+
+std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseSet& poses, const Parallel& parallel) {
+  const PoseSet some = poses.subsampled(compared_poses);
+  const Mesh& rest = poses.source().rest();
+  std::vector<float> truth(rest.points.size());
+  ErrorSums sums;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    some.read_points(i, 1, truth);
+    sums.add_frame(rest.points, truth);
+  }
+  const double of_rest = sums.figures(rest.diagonal()).rms,
+               of_face = evaluate_model_on(model, some, parallel, silent_progress()).rms;
+  if (of_face <= of_rest + negligible) return std::nullopt;
+  return format(
+      "the face is worse than its rest mesh: on %zu training poses its rms error is %.3g of the diagonal, and that of "
+      "the rest mesh, which does not move, %.3g",
+      some.size(), of_face, of_rest);
 }
 
 std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count) {

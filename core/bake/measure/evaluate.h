@@ -57,7 +57,10 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
 // The same over any picked frames, as one figure.
 Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const Parallel& parallel, Progress& progress);
 
-// evaluate_model of the model in an archive.
+// A warning if a face is further from some of these poses, at most 256, than its rest mesh, which does not move.
+std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseSet& poses, const Parallel& parallel);
+
+// evaluate_model of the model in an archive, scaled as scaled_source.h says.
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress, Detail detail = Detail::errors);
 

@@ -6,6 +6,7 @@
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
+#include "bake/rig/scaled_source.h"
 #include "base/random.h"
 #include "base/status.h"
 #include "base/vector3.h"
@@ -48,12 +49,13 @@ void raise(std::span<float> most, std::span<const float> from, std::span<const f
 using Motion = std::vector<float>;
 
 struct Candidate {
-  explicit Candidate(std::span<const std::byte> archive, const Source& rig, const Parallel& parallel)
-      : face(model_of(archive, rig)), motion(rig.schema().control_count() * rig.rest().vertex_count()) {
+  // `exponent`: of the archive's positions to the rig's, see scaled_source.h.
+  Candidate(std::span<const std::byte> archive, int exponent, const Source& rig, const Parallel& parallel)
+      : face(model_of(archive, exponent, rig)), motion(rig.schema().control_count() * rig.rest().vertex_count()) {
     for (std::size_t w = 0; w < worker_count(parallel); ++w) work.emplace_back(face);
   }
-  static PackedModel model_of(std::span<const std::byte> archive, const Source& rig) {
-    PackedModel model = archive::read_archive(archive).model;
+  static PackedModel model_of(std::span<const std::byte> archive, int exponent, const Source& rig) {
+    PackedModel model = scaled(archive::read_archive(archive).model, exponent);
     check_same_face(model, rig);
     return model;
   }
@@ -111,24 +113,12 @@ Locality locality_of(const Motion& rig, const Motion& archive, const RigSchema& 
   return locality;
 }
 
-}  // namespace
-
-std::uint64_t locality_calls(const LocalityOptions& options, std::size_t controls) {
-  return options.poses * (controls + (controls + moves_at_once - 1) / moves_at_once);
-}
-
-std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t controls) {
-  LocalityOptions options;
-  while (options.poses > 0 && locality_calls(options, controls) > calls) --options.poses;
-  return options.poses > 0 ? std::optional(options) : std::nullopt;
-}
-
-std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, RigEvaluator& rig,
-                                       const LocalityOptions& options, Progress& progress) {
-  if (!rig.live()) fail(Status::invalid_argument, "\"%s\" is no live rig", rig.schema().name.c_str());
+// See measure_locality; `exponent`: of the archives' positions to the rig's.
+std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>> archives, int exponent,
+                                     RigEvaluator& rig, const LocalityOptions& options, Progress& progress) {
   const Parallel& parallel = rig.parallel();
   std::list<Candidate> candidates;
-  for (const auto& archive : archives) candidates.emplace_back(archive, rig, parallel);
+  for (const auto& archive : archives) candidates.emplace_back(archive, exponent, rig, parallel);
   const std::size_t controls = rig.schema().control_count(), width = rig.rest().points.size();
   const double diagonal = rig.rest().diagonal();
   Motion truth(controls * width / 3);
@@ -153,6 +143,28 @@ std::vector<Locality> measure_locality(std::span<const std::span<const std::byte
   for (const Candidate& candidate : candidates)
     localities.push_back(locality_of(truth, candidate.motion, rig.schema(), options));
   return localities;
+}
+
+}  // namespace
+
+std::uint64_t locality_calls(const LocalityOptions& options, std::size_t controls) {
+  return options.poses * (controls + (controls + moves_at_once - 1) / moves_at_once);
+}
+
+std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t controls) {
+  LocalityOptions options;
+  while (options.poses > 0 && locality_calls(options, controls) > calls) --options.poses;
+  return options.poses > 0 ? std::optional(options) : std::nullopt;
+}
+
+std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, RigEvaluator& rig,
+                                       const LocalityOptions& options, Progress& progress) {
+  if (!rig.live()) fail(Status::invalid_argument, "\"%s\" is no live rig", rig.schema().name.c_str());
+  const int exponent = scale_exponent(rig.rest());
+  if (exponent == 0) return measure_scaled(archives, 0, rig, options, progress);
+  ScaledSource ordinary(rig, exponent);
+  RigEvaluator evaluator(ordinary, rig.parallel());
+  return measure_scaled(archives, exponent, evaluator, options, progress);
 }
 
 }  // namespace fb::bake

@@ -11,6 +11,8 @@
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
+#include "bake/pipeline/scaled_archive.h"
+#include "bake/rig/scaled_source.h"
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -62,22 +64,57 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
   return provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-// Measures the packed model: on training poses, and on independent ones if the rig budget allows for them. `source` is
-// what `data` was sampled from, or the same.
+void warn(Baked& baked, const std::optional<std::string>& warning, Progress& progress) {
+  if (!warning) return;
+  progress.note("warning: " + *warning);
+  baked.warnings.push_back(*warning);
+  baked.stats.notes.push_back("warning: " + *warning);
+}
+
+// Measures the packed model: on training poses, and on independent ones if the rig budget allows for them; then whether
+// the rig repeats itself. `source` is what `data` was sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
   Baked& baked = face.baked;
-  baked.dependency = evaluate_model_on(face.model, training_poses(data, options.use).subsampled(most_poses),
-                                       options.parallel, progress);
+  const PoseSet training = training_poses(data, options.use);
+  baked.dependency = evaluate_model_on(face.model, training.subsampled(most_poses), options.parallel, progress);
   const PoseSet poses = independent_poses(source);
   const bool over_budget =
       source.live() && options.rig_budget > 0 && source.requested() + poses.size() > options.rig_budget;
-  if (poses.size() == 0 || over_budget) return;
-  const auto& clips = source.clips();
-  if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
-    baked.independent_split = Split::validation;
-  baked.independent =
-      evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+  if (poses.size() > 0 && !over_budget) {
+    const auto& clips = source.clips();
+    if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
+      baked.independent_split = Split::validation;
+    baked.independent =
+        evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+  }
+  warn(baked, worse_than_rest(face.model, training, options.parallel), progress);
+  if (source.live()) baked.repeatability = repeatability_within(options.rig_budget, training, source, progress);
+  if (baked.repeatability) warn(baked, repeatability_warning(*baked.repeatability), progress);
+}
+
+// bake_face, of a face of ordinary size.
+Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progress) {
+  const Recipe& recipe = checked_recipe(options);
+  RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
+  std::unique_ptr<Source> sampled;
+  if (source.live())
+    sampled = sample_poses(evaluator, options, SampledSplits::training, recipe.evaluates_rig, progress);
+  Source& data = sampled ? *sampled : source;
+  RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
+  PackedFace face = train_and_pack(data, rig, with_budget_left(options, evaluator, 1), progress);
+
+  const PoseSet training = training_poses(data, options.use), independent = independent_poses(source);
+  face.baked.stats.coverage = coverage_report(training, independent, options.parallel);
+  if (options.learning_curve)
+    face.baked.stats.learning = measure_learning_curve(training, independent, face.model, rig, options, progress);
+  measure(face, data, evaluator, options, progress);
+  Baked baked = std::move(face.baked);
+  const std::string measured =
+      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation, baked.warnings);
+  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, measured});
+  baked.rig_calls = evaluator.evaluated();
+  return baked;
 }
 
 }  // namespace
@@ -112,28 +149,18 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
 }
 
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) {
-  const Recipe& recipe = checked_recipe(options);
-  RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
-  std::unique_ptr<Source> sampled;
-  if (source.live())
-    sampled = sample_poses(evaluator, options, SampledSplits::training, recipe.evaluates_rig, progress);
-  Source& data = sampled ? *sampled : source;
-  RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
-  PackedFace face = train_and_pack(data, rig, with_budget_left(options, evaluator, 1), progress);
-
-  const PoseSet training = training_poses(data, options.use), independent = independent_poses(source);
-  face.baked.stats.coverage = coverage_report(training, independent, options.parallel);
-  if (options.learning_curve)
-    face.baked.stats.learning = measure_learning_curve(training, independent, face.model, rig, options, progress);
-  measure(face, data, evaluator, options, progress);
-  Baked baked = std::move(face.baked);
-  const std::string measured =
-      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation);
-  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, measured});
+  Baked baked;
+  if (const int exponent = scale_exponent(source.rest())) {
+    ScaledSource ordinary(source, exponent);
+    baked = bake_ordinary(ordinary, options, progress);
+    baked.archive = in_units_of_source(baked.archive, exponent, options.seed);
+    if (baked.independent) baked.independent->diagonal = source.rest().diagonal();
+  } else {
+    baked = bake_ordinary(source, options, progress);
+  }
   if (options.max_bytes > 0 && baked.archive.size() > options.max_bytes && !options.force)
     fail(Status::limit, "the archive has %zu bytes with its certificate, more than the %llu asked for",
          baked.archive.size(), static_cast<unsigned long long>(options.max_bytes));
-  baked.rig_calls = evaluator.evaluated();
   return baked;
 }
 

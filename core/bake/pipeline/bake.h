@@ -11,10 +11,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "archive/proof.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/repeatability.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
@@ -37,10 +39,14 @@ struct Baked {
                                           // none and where the rig's budget does not allow for them
   Split independent_split = Split::test;  // of those clips
   BakeStats stats;
+  std::optional<Repeatability> repeatability;  // of a live rig, where its budget allowed for it
+  std::vector<std::string> warnings;           // what is wrong with the face or its rig; also in the certificate
 };
 
 // Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split
 // train. The certificate has errors on training poses and, where the rig budget allows for them, on independent_poses.
+// What is left of the budget shows whether the rig repeats itself. A face that is worse than its rest mesh, or of a rig
+// that does not repeat itself, is made all the same, as it may be the best there is; with a warning.
 // The evaluated model is the packed one, by the runtime. Fails with limit if BakeOptions::max_bytes or max_error cannot
 // be met, unless forced.
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);

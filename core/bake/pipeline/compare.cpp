@@ -8,6 +8,8 @@
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
+#include "bake/pipeline/scaled_archive.h"
+#include "bake/rig/scaled_source.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -50,6 +52,10 @@ MethodReport run_method(Source& data, RigEvaluator* rig, const BakeOptions& opti
   report.train_seconds = baked.train_seconds;
   report.archive = std::move(baked.archive);
   report.stats = std::move(baked.stats);
+  if (const auto warning = worse_than_rest(model, training, options.parallel)) {
+    progress.note("warning: " + *warning);
+    report.stats.notes.push_back("warning: " + *warning);
+  }
   if (options.learning_curve)
     report.stats.learning = measure_learning_curve(training, independent_poses(data), model, rig, options, progress);
   return report;
@@ -100,11 +106,9 @@ std::exception_ptr compare_on(CompareReport& report, Source& data, RigEvaluator*
   return first_failure;
 }
 
-}  // namespace
-
-CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
-                      Progress& progress) {
-  check_methods(methods);
+// compare, of a face of ordinary size.
+CompareReport compare_ordinary(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
+                               Progress& progress) {
   std::unique_ptr<Source> recorded;
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   const auto evaluating = static_cast<std::size_t>(std::count_if(
@@ -114,7 +118,7 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
   Source& data = recorded ? *recorded : source;
   check_splits(data);
 
-  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}, {}};
+  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}, {}, {}};
   BakeOptions each = with_budget_left(options, evaluator, 2 * evaluating);  // at most two uses
   std::exception_ptr first_failure;
   for (const Use use : {Use::variant, Use::backlot}) {
@@ -124,9 +128,33 @@ CompareReport compare(Source& source, const std::vector<std::string>& methods, c
     if (!first_failure) first_failure = failure;
   }
   if (report.methods.empty() && first_failure) std::rethrow_exception(first_failure);
-  if (source.live()) add_locality(report, evaluator, options, progress);
+  if (source.live()) {
+    add_locality(report, evaluator, options, progress);
+    report.repeatability =
+        repeatability_within(options.rig_budget, training_poses(data, Use::backlot), evaluator, progress);
+    const auto warning = report.repeatability ? repeatability_warning(*report.repeatability) : std::nullopt;
+    if (warning) progress.note("warning: " + *warning);
+  }
   report.rig_calls = evaluator.evaluated();
   report.recorded = std::move(recorded);
+  return report;
+}
+
+}  // namespace
+
+CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
+                      Progress& progress) {
+  check_methods(methods);
+  const int exponent = scale_exponent(source.rest());
+  if (exponent == 0) return compare_ordinary(source, methods, options, progress);
+  ScaledSource ordinary(source, exponent);
+  CompareReport report = compare_ordinary(ordinary, methods, options, progress);
+  report.diagonal = source.rest().diagonal();
+  for (MethodReport& method : report.methods) {
+    method.archive = in_units_of_source(method.archive, exponent, options.seed);
+    method.independent.diagonal = report.diagonal;
+  }
+  if (report.recorded) report.recorded = std::make_unique<ScaledSource>(std::move(report.recorded), -exponent);
   return report;
 }
 

@@ -39,6 +39,7 @@ struct CompareReport {
   std::uint64_t rig_calls = 0;        // poses a live rig was asked for in this call, by all methods together
   std::vector<MethodReport> methods;  // every method as variant, then as backlot where shots to train on exist
   std::vector<MethodFailure> failures;
+  std::optional<Repeatability> repeatability = {};  // of a live rig, where its budget allowed for it
   // The dataset sampled from a live rig, with the clips measured on; null where they are the source's own.
   std::unique_ptr<Source> recorded;
 };

@@ -1,0 +1,29 @@
+// Whether a rig gives the same points whenever a pose is evaluated.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bake/rig/pose_set.h"
+#include "bake/rig/rig_evaluator.h"
+
+namespace fb::bake {
+
+// Distances of vertices between two evaluations of the same poses, over D.
+struct Repeatability {
+  std::size_t poses = 0;
+  double rms = 0, max = 0;
+};
+
+// Evaluates at most 16 recorded poses once more, evenly spaced, whatever the cache holds, within what `budget` leaves
+// after all that was requested of the rig (0: no limit); nothing if it leaves none.
+std::optional<Repeatability> repeatability_within(std::uint64_t budget, const PoseSet& recorded, RigEvaluator& rig,
+                                                  Progress& progress);
+
+// A warning that says which errors the rig's own differences bound; nothing while they are within 1e-5 of the diagonal,
+// which is what a rest pose is held to.
+std::optional<std::string> repeatability_warning(const Repeatability& repeatability);
+
+}  // namespace fb::bake

@@ -1,0 +1,45 @@
+// Faces of extraordinary size, scaled to an ordinary one before anything is computed from them, so that squares of
+// distances and products of three of them are normal floats.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bake/rig/source.h"
+#include "model/packed_model.h"
+
+namespace fb::bake {
+
+// The power of two by which points of a face are scaled: 0 while its diagonal is 2^-10 to 2^20, which is what faces in
+// any usual unit have; else that which makes the diagonal 1 to 2.
+int scale_exponent(const Mesh& rest);
+
+// A mesh and a face with all positions times 2^exponent, which is exact.
+Mesh scaled(Mesh mesh, int exponent);
+PackedModel scaled(PackedModel face, int exponent);
+
+// Another source with all its points times 2^exponent. Of a live one, poses are evaluated as they are.
+class ScaledSource final : public Source {
+ public:
+  // `source` must outlive this.
+  ScaledSource(Source& source, int exponent);
+  ScaledSource(std::unique_ptr<Source> source, int exponent);
+
+  const RigSchema& schema() const override { return source_.schema(); }
+  const Mesh& rest() const override { return rest_; }
+  const std::vector<Clip>& clips() const override { return source_.clips(); }
+  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  bool readable(std::size_t clip) const override { return source_.readable(clip); }
+  std::vector<std::string> notes() const override { return source_.notes(); }
+  bool live() const override { return source_.live(); }
+  bool thread_safe() const override { return source_.thread_safe(); }
+  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+
+ private:
+  const std::unique_ptr<Source> owned_;
+  Source& source_;
+  const int exponent_;
+  const Mesh rest_;
+};
+
+}  // namespace fb::bake
