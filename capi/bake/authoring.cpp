@@ -30,7 +30,18 @@ void HostProgress::update(std::uint64_t done) {
   report(done);
 }
 
+void HostProgress::ask() {
+  const std::chrono::steady_clock::duration last(reported_);
+  if (std::chrono::steady_clock::now().time_since_epoch() - last >= std::chrono::milliseconds(100)) {
+    const std::lock_guard lock(mutex_);
+    report(done_);
+  }
+  Progress::ask();
+}
+
 void HostProgress::report(std::uint64_t done) {
+  done_ = done;
+  reported_ = std::chrono::steady_clock::now().time_since_epoch().count();
   if (callbacks_.progress && callbacks_.progress(callbacks_.user, stage_.c_str(), done, total_) != 0) cancelled_ = true;
 }
 
@@ -39,9 +50,9 @@ void HostProgress::note(std::string_view sentence) {
   if (callbacks_.note) callbacks_.note(callbacks_.user, std::string(sentence).c_str());
 }
 
-Parallel parallel_of(std::uint32_t threads) {
+Parallel parallel_of(std::uint32_t threads, Progress* progress) {
   if (threads > 4096) fail(Status::invalid_argument, "%u threads", threads);
-  return {static_cast<int>(threads)};
+  return {.threads = static_cast<int>(threads), .progress = progress};
 }
 
 bake::Source& source_of(const fb_source* source, const char* field) {

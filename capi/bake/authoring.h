@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -57,6 +58,8 @@ class HostProgress final : public Progress {
   void update(std::uint64_t done) override;
   bool cancelled() const override { return cancelled_; }
   void note(std::string_view sentence) override;
+  // Repeats the last report if it was a tenth of a second ago.
+  void ask() override;
 
  private:
   void report(std::uint64_t done);  // with the lock held
@@ -64,12 +67,13 @@ class HostProgress final : public Progress {
   fb_callbacks callbacks_;
   std::mutex mutex_;
   std::string stage_;
-  std::uint64_t total_ = 0;
+  std::uint64_t done_ = 0, total_ = 0;
+  std::atomic<std::chrono::steady_clock::rep> reported_ = 0;  // time of the last report
   std::atomic<bool> cancelled_ = false;
 };
 
-// Fails on more than 4,096.
-Parallel parallel_of(std::uint32_t threads);
+// Fails on more than 4,096. `progress` is asked between the items of loops; null: nobody is.
+Parallel parallel_of(std::uint32_t threads, Progress* progress);
 
 // The source of a description; fails naming the field unless there is one.
 bake::Source& source_of(const fb_source* source, const char* field);
@@ -83,7 +87,7 @@ inline std::string text_or_empty(const char* text) {
 
 // What fb_bake_desc and fb_compare_desc have in common.
 template <class Desc>
-bake::BakeOptions training_options(const Desc& desc, const char* mix_field) {
+bake::BakeOptions training_options(const Desc& desc, const char* mix_field, Progress& progress) {
   require(desc.mix, mix_field);
   bake::BakeOptions options;
   options.seed = desc.seed;
@@ -92,7 +96,7 @@ bake::BakeOptions training_options(const Desc& desc, const char* mix_field) {
   options.rig_budget = desc.rig_budget;
   options.epochs = desc.epochs;
   options.learning_curve = desc.learning_curve != 0;
-  options.parallel = parallel_of(desc.threads);
+  options.parallel = parallel_of(desc.threads, &progress);
   options.work = text_or_empty(desc.work);
   return options;
 }

@@ -15,9 +15,9 @@ const std::vector<std::string>& recipes() {
   return names;
 }
 
-fb::bake::BakeOptions options_of(const fb_bake_desc& desc) {
+fb::bake::BakeOptions options_of(const fb_bake_desc& desc, fb::Progress& progress) {
   require(desc.recipe, "fb_bake_desc: recipe");
-  fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix");
+  fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix", progress);
   options.recipe = desc.recipe;
   options.use = use_of(desc.use);
   options.max_bytes = desc.max_bytes;
@@ -96,8 +96,8 @@ fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
     const fb_bake_desc known = read_struct(*desc, fb_bake_desc_init, "fb_bake_desc");
     fb::bake::Source& source = source_of(known.source, "fb_bake_desc: source");
     require(known.archive, "fb_bake_desc: archive");
-    const fb::bake::BakeOptions options = options_of(known);
     HostProgress progress(known.callbacks);
+    const fb::bake::BakeOptions options = options_of(known, progress);
     fb::bake::Baked baked = fb::bake::bake_to_file(source, known.archive, options, progress);
     const std::uint64_t rig_calls = baked.rig_calls;
     auto made = report_of(known, std::move(baked), source);

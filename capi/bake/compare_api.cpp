@@ -35,8 +35,8 @@ fb_status fb_compare(const fb_compare_desc* desc, fb_report** report) {
     require(report, "report");
     const fb_compare_desc known = read_struct(*desc, fb_compare_desc_init, "fb_compare_desc");
     fb::bake::Source& source = source_of(known.source, "fb_compare_desc: source");
-    fb::bake::BakeOptions options = training_options(known, "fb_compare_desc: mix");
     HostProgress progress(known.callbacks);
+    fb::bake::BakeOptions options = training_options(known, "fb_compare_desc: mix", progress);
     auto made = std::make_unique<fb_report>();
     if (options.work.empty()) options.work = made->folder.emplace().path();
     made->faces = fb::bake::compare(source, methods_of(known), options, progress);

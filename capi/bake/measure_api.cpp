@@ -48,8 +48,8 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
     const fb_archive& archive = *known.archive;
     fb::bake::Source& source = source_of(known.source, "fb_eval_desc: source");
     const std::optional<fb::bake::Split> split = split_of(known.split);
-    const fb::Parallel parallel = parallel_of(known.threads);
     HostProgress progress(known.callbacks);
+    const fb::Parallel parallel = parallel_of(known.threads, &progress);
     const bool quality = (known.measure & FB_MEASURE_QUALITY) != 0;
     auto made = report_of(archive, source,
                           fb::bake::evaluate_archive(archive.bytes, source, split, parallel, progress,
@@ -69,8 +69,8 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
 fb_status fb_verify(const fb_archive* archive, fb_report** report) {
   return abi_guard([&] {
     require(archive, "archive");
-    const fb::bake::VerifyReport verified =
-        fb::with_context(archive->name, [&] { return fb::bake::verify_archive(archive->contents, archive->bytes.size()); });
+    const fb::bake::VerifyReport verified = fb::with_context(
+        archive->name, [&] { return fb::bake::verify_archive(archive->contents, archive->bytes.size()); });
     auto made = std::make_unique<fb_report>();
     made->json = verify_json(archive->name, verified);
     made->verify = fb_verify_result{0, 0, verified.bytes, verified.poses, verified.vertices};

@@ -67,7 +67,7 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
            "\"%s\" is a recording, which has no new poses; sample a rig plugin, a glTF file or \"sample\"",
            source.schema().name.c_str());
     HostProgress progress(known.callbacks);
-    fb::bake::RigEvaluator rig(source, parallel_of(known.threads));
+    fb::bake::RigEvaluator rig(source, parallel_of(known.threads, &progress));
     const fb::bake::SampleReport sampled =
         fb::bake::sample(rig, options_of(known, source.schema().control_count()), known.directory, progress);
     auto made = std::make_unique<fb_report>();

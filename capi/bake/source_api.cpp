@@ -168,7 +168,7 @@ fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t 
     require(controls, "controls");
     check_positions(from, poses, positions, position_floats);
     const std::size_t width = fb::checked_multiply(poses, from.schema().control_count(), "poses x controls");
-    fb::bake::RigEvaluator(from, parallel_of(threads))
+    fb::bake::RigEvaluator(from, parallel_of(threads, nullptr))
         .evaluate({controls, width}, poses, {positions, poses * from.rest().points.size()});
   });
 }

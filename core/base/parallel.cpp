@@ -14,6 +14,7 @@
 #include <vector>
 #endif
 
+#include "base/progress.h"
 #include "base/status.h"
 
 namespace fb {
@@ -22,13 +23,16 @@ namespace {
 // Keeps the exception of the lowest index, so that errors do not depend on scheduling.
 struct Loop {
   LoopBody body;
+  Progress* progress;
   std::mutex mutex;
   std::size_t failed = SIZE_MAX;
   std::exception_ptr exception;
 
   void run(std::size_t index, std::size_t worker) noexcept {
     try {
+      if (progress && progress->cancelled()) progress->ask();
       body(index, worker);
+      if (progress && worker == 0) progress->ask();
     } catch (...) {
       const std::lock_guard<std::mutex> lock(mutex);
       if (index < failed) {
@@ -119,7 +123,7 @@ std::size_t worker_count(const Parallel& parallel) {
 }
 
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
-  Loop loop{body, {}, SIZE_MAX, nullptr};
+  Loop loop{body, parallel.progress, {}, SIZE_MAX, nullptr};
   [[maybe_unused]] std::size_t workers = std::min(worker_count(parallel), count);
 #ifdef _OPENMP
   if (workers > 1 && !parallel.host) workers = omp_in_parallel() ? 1 : possible_workers(workers);

@@ -30,18 +30,22 @@ class LoopBody {
 using HostTask = void (*)(void* context, std::uint32_t index, std::uint32_t worker);
 using HostParallelFor = void (*)(void* user, std::uint32_t count, std::uint32_t workers, HostTask task, void* context);
 
+class Progress;
+
 struct Parallel {
   int threads = 0;  // at most this many workers; 0: as many as OpenMP would use, 1 without OpenMP
   HostParallelFor host = nullptr;
   void* host_user = nullptr;
+  Progress* progress = nullptr;  // asked by the first worker after each of its items; null: nobody is
 };
 
 // The largest number of workers of a loop with this setting.
 std::size_t worker_count(const Parallel& parallel);
 
 // Calls body(index, worker) for every index < count, in any order; serial inside another parallel region. Rethrows the
-// exception of the lowest failing index after the loop. With OpenMP, a loop runs on fewer threads where the system has
-// no more, and on the calling one in a child of fork() whose parent ran parallel loops; otherwise it allocates nothing.
+// exception of the lowest failing index after the loop; once the progress is cancelled, items that have not begun are
+// left out and Error(interrupted) is thrown. With OpenMP, a loop runs on fewer threads where the system has no more,
+// and on the calling one in a child of fork() whose parent ran parallel loops; otherwise it allocates nothing.
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body);
 
 }  // namespace fb

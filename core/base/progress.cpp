@@ -6,6 +6,10 @@ namespace fb {
 
 void Progress::step(std::uint64_t done) {
   update(done);
+  Progress::ask();
+}
+
+void Progress::ask() {
   if (cancelled()) fail(Status::interrupted, "interrupted; what is done so far is kept");
 }
 

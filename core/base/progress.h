@@ -20,6 +20,10 @@ class Progress {
 
   // update(done), then throws Error(interrupted) if cancelled.
   void step(std::uint64_t done);
+  // Between two steps: lets the user know that the work goes on, and throws Error(interrupted) if cancelled. Cheap
+  // enough to be called a thousand times a second; to be called twice a second by whatever takes long. Callable from
+  // any thread.
+  virtual void ask();
 };
 
 // Ignores reports and never cancels.

@@ -100,7 +100,7 @@ fb_callbacks ProgressBar::callbacks() {
 // Whether a call of the C callback begins a stage: it does so with done = 0, also for a second stage of the same name.
 bool ProgressBar::begins(std::string_view stage, std::uint64_t done) {
   const std::lock_guard lock(mutex_);
-  return stage != stage_ || (done == 0 && counting_);
+  return stage != stage_ || (done == 0 && done_ > 0);
 }
 
 void ProgressBar::draw(Clock::time_point now) {

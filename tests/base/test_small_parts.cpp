@@ -1,12 +1,15 @@
 // The small parts of base: random numbers, hashes, checked sizes, formatted failures, progress.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cmath>
 #include <string>
+#include <thread>
 
 #include "base/checked.h"
 #include "base/hash.h"
 #include "base/json_depth.h"
+#include "base/keep_asking.h"
 #include "base/progress.h"
 #include "base/random.h"
 #include "base/status.h"
@@ -94,6 +97,41 @@ TEST_CASE("progress forwards steps and throws when cancelled") {
   }
   silent_progress().begin("anything", 1);
   CHECK_FALSE(silent_progress().cancelled());
+}
+
+TEST_CASE("progress is asked while work goes on that cannot ask, and waits for its end") {
+  struct Counting final : Progress {
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t) override {}
+    bool cancelled() const override { return stop; }
+    void note(std::string_view) override {}
+    void ask() override {
+      ++asked;
+      Progress::ask();
+    }
+    std::atomic<int> asked{0};
+    std::atomic<bool> stop{false};
+  };
+  Counting progress;
+  const int result = ask_during(progress, [&] {
+    while (progress.asked < 3) std::this_thread::yield();  // for ever if nobody asked
+    return 42;
+  });
+  CHECK(result == 42);
+  CHECK_THROWS_WITH_AS(keep_asking(progress, [] { fail(Status::rig, "broken"); }), "broken", Error);
+  bool ended = false;
+  try {
+    keep_asking(progress, [&] {
+      const int before = progress.asked;
+      progress.stop = true;
+      while (progress.asked == before) std::this_thread::yield();
+      ended = true;
+    });
+    FAIL("it was not interrupted");
+  } catch (const Error& error) {
+    CHECK(error.status() == Status::interrupted);
+  }
+  CHECK(ended);
 }
 
 TEST_CASE("the depth of JSON is counted outside of strings") {

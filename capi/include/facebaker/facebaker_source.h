@@ -19,7 +19,8 @@ extern "C" {
  * struct is part of others and never changes. */
 typedef struct fb_callbacks {
   void* user; /**< passed to both */
-  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0. Return non-zero to
+  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0, and 0 may come more than
+   * once. Called at least twice a second, but for the time that a single call of the rig takes. Return non-zero to
    * stop: the call ends with FB_ERROR_INTERRUPTED at the next point where nothing is lost, and the same call goes on
    * from there where a work folder or dataset keeps what is done. */
   int32_t (*progress)(void* user, const char* stage, uint64_t done, uint64_t total);

@@ -4,6 +4,7 @@
 
 #include "bake/linalg/eigen_decomposition.h"
 #include "bake/linalg/gemm.h"
+#include "base/keep_asking.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -32,14 +33,15 @@ std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
 }
 
 // The normalised components of a sample of the poses. `width` becomes the number of columns to search with.
-Matrix initial_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, std::size_t& width) {
+Matrix initial_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, Progress& progress,
+                        std::size_t& width) {
   const std::unique_ptr<PoseRows> sample = poses.subsampled(sample_poses);
   const std::size_t rows = poses.rows(), samples = sample->size();
   Matrix points(rows, samples);
   sample->read(0, samples, std::span(points.data(), points.size()), parallel);
   Matrix inner(samples, samples);
   project(points, points.data(), samples, inner.data(), parallel);
-  const EigenDecomposition eigen = decompose_symmetric(inner.cast<double>());
+  const EigenDecomposition eigen = ask_during(progress, [&] { return decompose_symmetric(inner.cast<double>()); });
   const double total = eigen.values.sum();
   const std::size_t needed = total > 0 ? count_reaching(eigen.values, fraction * total) : 1;
   width = std::min({needed + needed / 3 + 16, rows, poses.size()});
@@ -77,11 +79,14 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
   const std::size_t rows = poses.rows();
   if (poses.size() == 0) fail(Status::bad_data, "there are no poses to find principal components of");
   std::size_t width = 0;
-  Matrix subspace = initial_subspace(poses, fraction, parallel, width);
-  for (;;) {
-    subspace = orthonormalise(subspace, width);
+  Matrix subspace = initial_subspace(poses, fraction, parallel, progress, width);
+  const auto orthonormal = [&](const Matrix& columns) {
+    return ask_during(progress, [&] { return orthonormalise(columns, width); });
+  };
+  for (;;) {  // wider each time, up to the number of rows or poses
+    subspace = orthonormal(subspace);
     progress.begin("finding blendshapes", poses.size());
-    subspace = orthonormalise(subspace_iteration(poses, subspace, parallel, progress), width);
+    subspace = orthonormal(subspace_iteration(poses, subspace, parallel, progress));
 
     PrincipalComponents result;
     std::vector<float> projected(poses.size() * width);
@@ -94,7 +99,8 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
     });
     if (!(squares > 0)) fail(Status::bad_data, "no pose moves any vertex: there is nothing to bake");
 
-    const EigenDecomposition eigen = decompose_symmetric(gram_matrix(projected.data(), width, poses.size(), parallel));
+    const Eigen::MatrixXd gram = gram_matrix(projected.data(), width, poses.size(), parallel);
+    const EigenDecomposition eigen = ask_during(progress, [&] { return decompose_symmetric(gram); });
     const double target = fraction * squares;
     const bool enough = eigen.values.sum() >= target;
     if (!enough && width < std::min(rows, poses.size())) {

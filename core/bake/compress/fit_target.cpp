@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/keep_asking.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -74,8 +75,10 @@ class Candidates {
   const PackedModel& build(const Precision& precision) {
     const Key key = key_of(precision);
     if (built_ == key) return packed_;
-    if (built_.first != key.first) blockwise_ = pca_.truncated(precision.scale);
-    packed_ = pack_model(blockwise_.model, packing(precision));
+    keep_asking(*progress_, [&] {
+      if (built_.first != key.first) blockwise_ = pca_.truncated(precision.scale);
+      packed_ = pack_model(blockwise_.model, packing(precision));
+    });
     built_ = key;
     return packed_;
   }

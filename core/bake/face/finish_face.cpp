@@ -12,6 +12,7 @@
 #include "bake/measure/verify.h"
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
+#include "base/keep_asking.h"
 
 namespace fb::bake {
 namespace {
@@ -61,11 +62,13 @@ RecipeResult with_factor(const BlockwisePca& pca, double threshold, const PackOp
 // The smallest factor found with which `shots` read at most max_bytes_read per pose: doubled until they do, then
 // bisected.
 RecipeResult fit_bytes_read(const BlockwisePca& pca, double threshold, const PackOptions& packing, const Clip& shots,
-                            double max_bytes_read) {
+                            double max_bytes_read, Progress& progress) {
   const auto make = [&](double factor) {
-    RecipeResult result = with_factor(pca, threshold, packing, factor);
-    result.packed = pack_model(result.model, result.packing);
-    return result;
+    return ask_during(progress, [&] {
+      RecipeResult result = with_factor(pca, threshold, packing, factor);
+      result.packed = pack_model(result.model, result.packing);
+      return result;
+    });
   };
   const auto fits = [&](const RecipeResult& result) {
     return mean_bytes_read(*result.packed, shots) <= max_bytes_read;
@@ -102,11 +105,12 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
     if (max_bytes_read <= 0) return with_factor(pca, pca_options.threshold, packing, 1);
     const Clip shots = make_test_poses(model.schema, options.seed + 1).back();
-    return fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read);
+    return fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read, progress);
   }
   const PoseSet validation = validation_poses(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
-    return archive::write_archive(packed, make_proof(packed, options.seed)).size() + text_bytes;
+    return ask_during(
+        progress, [&] { return archive::write_archive(packed, make_proof(packed, options.seed)).size() + text_bytes; });
   };
   const auto error = [&](const PackedModel& packed) {
     return evaluate_model_on(packed, validation, options.parallel, silent_progress()).max;

@@ -34,7 +34,8 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
   const std::size_t width = face.rest_positions().size(), controls = face.control_count();
   const std::size_t warm_up = shot && basis ? warm_up_frames : 0;
-  const Parallel workers = poses.source().thread_safe() ? parallel : Parallel{.threads = 1};
+  const Parallel workers =
+      poses.source().thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
   const std::vector<float> all_controls = poses.controls();
   struct Worker {
     runtime::Workspace workspace;

@@ -14,6 +14,7 @@
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/scaled_source.h"
 #include "base/file.h"
+#include "base/keep_asking.h"
 #include "base/random.h"
 #include "base/status.h"
 
@@ -112,7 +113,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   Baked baked = std::move(face.baked);
   const std::string measured =
       certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation, baked.warnings);
-  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, measured});
+  baked.archive = ask_during(progress, [&] {
+    return archive::write_archive(face.model, face.proof, {options.licence, measured});
+  });
   baked.rig_calls = evaluator.evaluated();
   return baked;
 }
@@ -138,12 +141,12 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   baked.parameters = result.model.network.parameter_count();
 
   progress.begin("packing", 2);
-  face.model = take_packed(result);
+  face.model = ask_during(progress, [&] { return take_packed(result); });
   progress.step(1);
   baked.quantisation =
       quantisation_errors(result.model, face.model, quantisation_poses(poses, options.seed), options.parallel);
-  face.model.provenance = provenance_of(baked, poses, options);
-  face.proof = make_proof(face.model, options.seed);
+  face.model.provenance = ask_during(progress, [&] { return provenance_of(baked, poses, options); });
+  face.proof = ask_during(progress, [&] { return make_proof(face.model, options.seed); });
   progress.step(2);
   return face;
 }
@@ -184,7 +187,7 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
     remove_if_empty();
     throw;
   }
-  write_verified_archive(path, baked.archive);
+  keep_asking(progress, [&] { write_verified_archive(path, baked.archive); });
   if (own_folder) std::filesystem::remove_all(options.work);
   return baked;
 }

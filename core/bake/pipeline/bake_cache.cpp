@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json_depth.h"
+#include "base/keep_asking.h"
 
 namespace fb::bake {
 
@@ -90,8 +91,10 @@ Baked cached_bake(Source& data, RigEvaluator* rig, const BakeOptions& options, P
   }
   PackedFace face = train_and_pack(data, rig, options, progress);
   Baked baked = std::move(face.baked);
-  baked.archive = archive::write_archive(face.model, face.proof, {options.licence, {}});
-  save(options.work, key, baked);
+  keep_asking(progress, [&] {
+    baked.archive = archive::write_archive(face.model, face.proof, {options.licence, {}});
+    save(options.work, key, baked);
+  });
   return baked;
 }
 

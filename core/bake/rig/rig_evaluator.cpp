@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t poses_in_memory = 128;  // 9 MB of 6,000 vertices
 constexpr std::chrono::microseconds slow_pose{500};
+constexpr double call_seconds = 0.2;  // of one call of the rig, where the progress is asked between calls
 
 std::vector<float> gathered(std::span<const float> controls, std::size_t width, std::span<const std::size_t> poses) {
   std::vector<float> some;
@@ -67,10 +68,32 @@ std::uint64_t RigEvaluator::remaining() const {
   return least;
 }
 
+// Poses of one call of the rig: all, unless somebody wants to be asked in between; then what takes `call_seconds`.
+std::size_t RigEvaluator::poses_at_once() const {
+  if (!parallel_.progress || !source_.live()) return SIZE_MAX;
+  const double seconds = pose_seconds_;
+  return seconds > 0 ? static_cast<std::size_t>(std::clamp(call_seconds / seconds, 1.0, 1e6)) : 1;
+}
+
+// Calls call(), which evaluates so many poses, and asks the progress.
+template <class Call>
+void RigEvaluator::call_rig(std::size_t poses, const Call& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  pose_seconds_ = std::max(took.count() / static_cast<double>(poses), 1e-9);
+  if (parallel_.progress) parallel_.progress->ask();
+}
+
 void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
   spend(count);
   if (source_.live()) evaluated_ += count;
-  source_.read(clip, first, count, points);
+  const std::size_t size = coordinate_count();
+  for (std::size_t done = 0; done < count;) {
+    const std::size_t poses = std::min(poses_at_once(), count - done);
+    call_rig(poses, [&] { source_.read(clip, first + done, poses, points.subspan(done * size, poses * size)); });
+    done += poses;
+  }
 }
 
 void RigEvaluator::request(std::span<const float> controls, std::size_t count, std::span<const float> points) {
@@ -87,14 +110,31 @@ void RigEvaluator::evaluate(std::span<const float> controls, std::size_t count, 
 }
 
 void RigEvaluator::run_backend(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  evaluated_ += count;
-  try {
-    return backend_->evaluate_block(controls, count, points);
-  } catch (const PoseError& error) {
-    if (error.status() == Status::invalid_argument) throw;
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  for (std::size_t first = 0; first < count;) {
+    const std::size_t poses = std::min(poses_at_once(), count - first);
+    const auto evaluate_block = [&] {
+      evaluated_ += poses;
+      call_rig(poses, [&] {
+        backend_->evaluate_block(controls.subspan(first * width, poses * width), poses,
+                                 points.subspan(first * size, poses * size));
+      });
+    };
+    const auto again = [&](const PoseError& error) {
+      return PoseError(error.status(), first + error.pose(), error.reason());
+    };
+    try {
+      evaluate_block();
+    } catch (const PoseError& error) {
+      if (error.status() == Status::invalid_argument) throw again(error);
+      try {
+        evaluate_block();
+      } catch (const PoseError& second) {
+        throw again(second);
+      }
+    }
+    first += poses;
   }
-  evaluated_ += count;
-  backend_->evaluate_block(controls, count, points);
 }
 
 void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
@@ -124,26 +164,29 @@ void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t 
 
 void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing,
                                     std::span<float> points) {
-  if (missing.empty()) return;
-  const std::size_t width = rest_pose_.size(), size = coordinate_count(), count = missing.size();
-  const auto start = std::chrono::steady_clock::now();
-  if (count * width == controls.size()) {
-    run_backend(controls, count, points);
-  } else {
-    std::vector<float> some(count * size);
-    try {
-      run_backend(gathered(controls, width, missing), count, some);
-    } catch (const PoseError& error) {
-      throw PoseError(error.status(), missing[error.pose()], error.reason());
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  for (std::span<const std::size_t> left = missing; !left.empty();) {
+    const std::span<const std::size_t> some = left.first(std::min(poses_at_once(), left.size()));
+    left = left.subspan(some.size());
+    const auto start = std::chrono::steady_clock::now();
+    if (some.size() * width == controls.size()) {
+      run_backend(controls, some.size(), points);
+    } else {
+      std::vector<float> evaluated(some.size() * size);
+      try {
+        run_backend(gathered(controls, width, some), some.size(), evaluated);
+      } catch (const PoseError& error) {
+        throw PoseError(error.status(), some[error.pose()], error.reason());
+      }
+      for (std::size_t k = 0; k < some.size(); ++k)
+        std::copy_n(evaluated.data() + k * size, size, points.data() + some[k] * size);
     }
-    for (std::size_t k = 0; k < count; ++k)
-      std::copy_n(some.data() + k * size, size, points.data() + missing[k] * size);
+    missing_time_ += std::chrono::steady_clock::now() - start;
+    missing_poses_ += some.size();
+    if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) continue;
+    for (const std::size_t i : some) cache_->store(controls.subspan(i * width, width), points.subspan(i * size, size));
+    cache_->flush();
   }
-  missing_time_ += std::chrono::steady_clock::now() - start;
-  missing_poses_ += count;
-  if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return;
-  for (const std::size_t i : missing) cache_->store(controls.subspan(i * width, width), points.subspan(i * size, size));
-  cache_->flush();
 }
 
 void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {

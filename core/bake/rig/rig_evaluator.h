@@ -41,6 +41,9 @@ class EvaluationStage {
 // in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
 // only `read` works, and nothing is counted.
 //
+// Where Parallel::progress is given, it is asked several times a second, in so far as a single pose does not take longer:
+// a slow rig is called with few poses at a time.
+//
 // A block in which a pose fails is evaluated once more, since what a rig depends on (files, a licence server) may fail
 // now and then; then PoseError is thrown with the number of the pose within the call.
 //
@@ -97,6 +100,9 @@ class RigEvaluator final : public Source {
   void request(std::span<const float> controls, std::size_t count, std::span<const float> points);
   void spend(std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
+  std::size_t poses_at_once() const;
+  template <class Call>
+  void call_rig(std::size_t poses, const Call& call);
   void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points);
 
   Source& source_;
@@ -105,6 +111,7 @@ class RigEvaluator final : public Source {
   std::optional<EvaluationCache> cache_;
   const EvaluationBudget* budget_ = nullptr;  // the innermost
   std::atomic<std::uint64_t> requested_{0}, evaluated_{0};
+  std::atomic<double> pose_seconds_{0};  // of the last call of the rig; 0: none yet
   std::chrono::steady_clock::duration missing_time_{0};  // spent on poses that were not in the cache
   std::uint64_t missing_poses_ = 0;
   const std::vector<float> rest_pose_;

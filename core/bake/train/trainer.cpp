@@ -303,7 +303,9 @@ class Training {
 
 TrainedLayers train_layers(const TrainingSet& set, const TrainingPlan& plan, Progress& progress) {
   check(set, plan);
-  return Training(set, plan).run(progress);
+  TrainingPlan quiet = plan;  // a training is interrupted between two steps, after writing a checkpoint
+  quiet.parallel.progress = nullptr;
+  return Training(set, quiet).run(progress);
 }
 
 }  // namespace fb::bake

@@ -209,6 +209,43 @@ TEST_CASE("records that are cut off or damaged, and caches of another rig, are e
   CHECK(evaluated(CountingRig(true)) == 8);
 }
 
+TEST_CASE("a slow rig is called with few poses at a time, so that Ctrl-C waits for a few, and loses none before them") {
+  struct Stopping final : Progress {
+    void begin(std::string_view, std::uint64_t) override {}
+    void update(std::uint64_t) override {}
+    bool cancelled() const override { return asked >= stop_at; }
+    void note(std::string_view) override {}
+    void ask() override {
+      ++asked;
+      Progress::ask();
+    }
+    int asked = 0, stop_at = 1 << 30;
+  };
+  struct SlowRig final : CountingRig {
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(40 * count));
+      CountingRig::evaluate(poses, count, points);
+    }
+  };
+  const Folder folder;
+  const std::vector<float> poses = random_poses(60), expected = truth(poses);
+  std::vector<float> points(60 * size);
+  Stopping progress;
+  progress.stop_at = 8;
+  SlowRig first;
+  RigEvaluator stopped(first, {.threads = 1, .progress = &progress}, folder / "evaluations");
+  failure(Status::interrupted, [&] { stopped.evaluate_cached(poses, 60, points); });
+  CHECK(first.evaluated() <= 1 + 8 * 5);  // 0.2 s take 5 poses at most
+  progress.stop_at = 1 << 30;
+  SlowRig second;
+  RigEvaluator goes_on(second, {.threads = 1, .progress = &progress}, folder / "evaluations");
+  goes_on.evaluate_cached(poses, 60, points);
+  CHECK(points == expected);
+  CHECK(second.evaluated() >= 60 - first.evaluated());
+  CHECK(second.evaluated() <= 65 - first.evaluated());  // the call that was interrupted is lost
+  CHECK(progress.asked >= 8 + 19 / 5);
+}
+
 TEST_CASE("a quick rig is evaluated again rather than read from a file") {
   const Folder folder;
   CountingRig rig;
