@@ -21,7 +21,8 @@ enum class FeatureKind : std::uint32_t {
   const float u = offset != 0 ? offset * scale : 0;
   const float t = u - threshold;
   const float falling = 1.0f + (1.0f - t) * fall;
-  const float value = (kind != FeatureKind::hat) | (t < falling) ? t : falling;
+  const bool rises = (kind != FeatureKind::hat) | (t < falling);
+  const float value = rises ? t : falling;
   const float positive = value > 0 ? value : 0;
   return kind == FeatureKind::identity ? u : positive;
 }
