@@ -45,8 +45,10 @@ std::string bake_text(const std::string& document) {
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
     table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
-  for (const nlohmann::json& warning : figures.at("warnings")) table.add({"warning", warning.get<std::string>()});
-  return table.text();
+  std::string text = table.text();
+  for (const nlohmann::json& warning : figures.at("warnings"))
+    text += "\nWarning: " + warning.get<std::string>() + ".\n";
+  return text;
 }
 
 // With the page of the report, if there is to be one.
