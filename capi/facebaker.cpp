@@ -9,6 +9,7 @@
 #include "archive/reader.h"
 #include "base/mapped_file.h"
 #include "base/parallel.h"
+#include "base/shown_path.h"
 #include "host_memory.h"
 #include "runtime/evaluator.h"
 #include "runtime/float_mode.h"
@@ -233,8 +234,8 @@ fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) 
     require(path, "path");
     require(model, "model");
     const fb_load_desc known = read_load_desc(desc);
-    const fb::MappedFile file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
-    *model = fb::with_context(path, [&] { return load(file.bytes(), known); });
+    const fb::MappedFile file(fb::InputFile(reinterpret_cast<const char8_t*>(path), known.max_file_bytes));
+    *model = fb::with_path(reinterpret_cast<const char8_t*>(path), [&] { return load(file.bytes(), known); });
   });
 }
 

@@ -2,6 +2,7 @@
 #include "bake/measure/bytes_read.h"
 #include "bake/measure/certificate.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "model/feature_values.h"
 #include "runtime/evaluator.h"
 
@@ -76,7 +77,7 @@ fb_status fb_archive_open(const char* path, fb_archive** archive) {
     require(path, "path");
     require(archive, "archive");
     std::vector<std::byte> bytes = fb::read_file(path);
-    *archive = fb::with_context(path, [&] { return read(path, std::move(bytes)); }).release();
+    *archive = fb::with_path(path, [&] { return read(path, std::move(bytes)); }).release();
   });
 }
 

@@ -7,36 +7,15 @@
 #include <cstring>
 #include <system_error>
 
+#include "base/input_file.h"
 #include "base/status.h"
 
 namespace fb {
 
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) fail(Status::not_found, "%s: no such file", path.c_str());
-  if (std::filesystem::is_directory(status)) fail(Status::io, "%s: is a directory, not a file", path.c_str());
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (!file) fail(Status::io, "%s: cannot be opened: %s", path.c_str(), std::strerror(errno));
   std::vector<std::byte> bytes;
-  std::byte block[1 << 16];
-  bool over = false;
-  while (const std::size_t got = std::fread(block, 1, sizeof block, file)) {
-    if (bytes.size() + got > limit) {
-      over = true;
-      break;
-    }
-    bytes.insert(bytes.end(), block, block + got);
-  }
-  const bool broken = std::ferror(file) != 0;
-  std::fclose(file);
-  if (over) fail_too_large(path, limit);
-  if (broken) fail(Status::io, "%s: reading failed", path.c_str());
+  InputFile(path, limit).read_all(bytes);
   return bytes;
-}
-
-void fail_too_large(const std::filesystem::path& path, std::uint64_t limit) {
-  fail(Status::limit, "%s: larger than the limit of %llu bytes", path.c_str(), static_cast<unsigned long long>(limit));
 }
 
 void make_folder(const std::filesystem::path& path) {

@@ -12,12 +12,8 @@
 
 namespace fb {
 
-// The bytes of a file. Fails with its path: not_found if it is missing, io if it is a directory or unreadable, limit if
-// it has more than `limit` bytes.
+// The bytes of a regular file. Fails as InputFile does, with limit if it has more than `limit` bytes.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
-
-// Fails with Status::limit: the file is larger than `limit` bytes.
-[[noreturn]] void fail_too_large(const std::filesystem::path& path, std::uint64_t limit);
 
 // Creates a folder and its missing parents. Fails with its path and the system's reason.
 void make_folder(const std::filesystem::path& path);

@@ -1,19 +1,18 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <span>
-#include <vector>
+
+#include "base/input_file.h"
 
 namespace fb {
 
-// The bytes of a file for the life of this object: mapped read-only and shared between processes, or read into memory
-// where mapping is not possible, such as a pipe. Fails as read_file does. Truncating a mapped file is not allowed (the
-// system kills processes that read beyond the new end); replacing it by renaming, as AtomicFile does, is.
+// The bytes of a file for the life of this object, mapped read-only and shared between processes. The file must be
+// neither truncated nor overwritten meanwhile: the system ends processes that read beyond the new end. Replacing it by
+// renaming, as AtomicFile does, is safe. Fails with io if the system cannot map it.
 class MappedFile {
  public:
-  explicit MappedFile(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
+  explicit MappedFile(const InputFile& file);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -22,7 +21,6 @@ class MappedFile {
 
  private:
   std::span<const std::byte> bytes_;
-  std::vector<std::byte> buffer_;  // empty if mapped
 };
 
 }  // namespace fb

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "temporary_folder.h"
 
@@ -17,7 +18,7 @@ Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
     read_file(path, limit);
     return Status::ok;
   } catch (const Error& error) {
-    CHECK_MESSAGE(std::string(error.what()).find(path.string()) == 0, error.what());
+    CHECK_MESSAGE(std::string(error.what()).ends_with("(" + shown(path.native()) + ")"), error.what());
     return error.status();
   }
 }

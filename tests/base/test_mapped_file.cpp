@@ -1,11 +1,10 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
-#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <string>
-#include <thread>
 
 #include "base/file.h"
 #include "base/mapped_file.h"
@@ -36,7 +35,7 @@ TEST_CASE("a file is mapped read-only and shared, and stays valid when it is rep
   const std::string path = folder.path() / "face.fbk";
   write_file(path, std::string(100000, 'a') + "end");
   {
-    const MappedFile one(path), other(path);
+    const MappedFile one{InputFile(path)}, other{InputFile(path)};
     CHECK(one.bytes().size() == 100003);
     CHECK(text_of(one) == text_of(other));
 #ifdef __linux__
@@ -44,33 +43,44 @@ TEST_CASE("a file is mapped read-only and shared, and stays valid when it is rep
 #endif
     write_file(path, std::string("new"));
     CHECK(text_of(one).ends_with("aend"));
-    CHECK(text_of(MappedFile(path)) == "new");
+    CHECK(text_of(MappedFile(InputFile(path))) == "new");
   }
   CHECK(mappings(path).empty());
+  write_file(path, std::string());
+  CHECK(MappedFile(InputFile(path)).bytes().empty());
 }
 
-TEST_CASE("files that cannot be mapped are read; errors name the file") {
+TEST_CASE("only regular files are opened, and no other is waited for") {
   const test::Folder folder;
-  const std::string empty = folder.path() / "empty", pipe = folder.path() / "pipe", file = folder.path() / "file";
-  write_file(empty, std::string());
-  CHECK(MappedFile(empty).bytes().empty());
+  const std::string pipe = folder.path() / "pipe", file = folder.path() / "file";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
-  std::thread writer([&] { std::ofstream(pipe) << "through a pipe"; });
-  CHECK(text_of(MappedFile(pipe)) == "through a pipe");
-  writer.join();
-
   write_file(file, std::string("12345"));
-  CHECK(MappedFile(file, 5).bytes().size() == 5);
   const auto refusal = [](const std::string& path) {
     try {
-      MappedFile(path, 4);
+      InputFile(path, 4);
     } catch (const Error& error) {
       CHECK(std::strstr(error.what(), path.c_str()) != nullptr);
       return error.status();
     }
     return Status::ok;
   };
-  CHECK(refusal(file) == Status::limit);
-  CHECK(refusal(folder.path() / "nothing") == Status::not_found);
+  CHECK(refusal(pipe) == Status::io);
+  CHECK(refusal("/dev/zero") == Status::io);
   CHECK(refusal(folder.path()) == Status::io);
+  CHECK(refusal(folder.path() / "nothing") == Status::not_found);
+  CHECK(refusal(file) == Status::limit);
+  CHECK(InputFile(file, 5).size() == 5);
+}
+
+TEST_CASE("a file that became shorter is read up to its end") {
+  const test::Folder folder;
+  const std::string path = folder.path() / "file";
+  write_file(path, std::string("12345"));
+  const InputFile file(path);
+  REQUIRE(::truncate(path.c_str(), 3) == 0);
+  std::vector<std::byte> bytes;
+  file.read_all(bytes);
+  CHECK(bytes.size() == 3);
+  bytes.resize(9);
+  CHECK(file.read_at(1, bytes) == 2);
 }

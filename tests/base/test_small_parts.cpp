@@ -12,6 +12,7 @@
 #include "base/keep_asking.h"
 #include "base/progress.h"
 #include "base/random.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb {
@@ -146,6 +147,22 @@ TEST_CASE("the depth of JSON is counted outside of strings") {
   check_json_depth(joined({"]]]]", nested(most_json_levels)}));
   CHECK_THROWS_AS(check_json_depth(nested(most_json_levels + 1)), Error);
   CHECK_THROWS_AS(check_json_depth(joined({"{\"a\\\\\":", nested(most_json_levels), "}"})), Error);
+}
+
+TEST_CASE("long texts and paths are shortened in their middle, between characters") {
+  CHECK(shown(std::string(240, 'a')) == std::string(240, 'a'));
+  CHECK(shown(std::string(241, 'a')).size() == 240);
+  std::string umlauts;
+  for (int i = 0; i < 1000; ++i) umlauts += "\xc3\xa4";
+  for (const std::string& text : {umlauts, "x" + umlauts}) {
+    const std::string short_text = shown(text);
+    CHECK(short_text.size() <= 240);
+    CHECK(short_text.size() > 230);
+    const std::size_t dots = short_text.find("...");
+    CHECK(short_text.substr(dots - 2, 7) == "\xc3\xa4...\xc3\xa4");
+  }
+  CHECK_THROWS_WITH_AS(with_path("/f", [] { fail(Status::io, "broken"); }), "broken (/f)", Error);
+  CHECK_THROWS_WITH_AS(with_path("/f", [] { fail_on("/f", Status::io, "broken"); }), "broken (/f)", Error);
 }
 
 }  // namespace fb

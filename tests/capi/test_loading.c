@@ -153,10 +153,13 @@ static void limits_are_kept(void** state) {
 static void long_messages_are_cut_within_the_buffer(void** state) {
   (void)state;
   fb_model* model = NULL;
-  char path[8000];
-  memset(path, 0, sizeof path);
-  for (size_t i = 0; i + 3 < sizeof path; i += 2) memcpy(path + i, "\xc3\xa4", 2);
-  assert_int_not_equal(fb_load(path, NULL, &model), FB_OK);
+  char name[8000];
+  memset(name, 0, sizeof name);
+  for (size_t i = 0; i + 3 < sizeof name; i += 2) memcpy(name + i, "\xc3\xa4", 2);
+  fb_load_desc desc;
+  fb_load_desc_init(&desc);
+  desc.instruction_set = name;
+  assert_int_not_equal(fb_load(FB_FIXTURE, &desc, &model), FB_OK);
   const char* message = fb_last_error();
   assert_true(strlen(message) >= 2046 && strlen(message) <= 2047);
   assert_int_equal((unsigned char)message[strlen(message) - 1], 0xa4);

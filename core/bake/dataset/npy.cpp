@@ -1,16 +1,14 @@
 #include "bake/dataset/npy.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <string_view>
 
 #include "base/checked.h"
+#include "base/input_file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -20,37 +18,6 @@ static_assert(std::endian::native == std::endian::little, "arrays are read and w
 
 constexpr std::string_view magic = "\x93NUMPY";
 constexpr std::size_t max_header = 1 << 16, max_dimensions = 8;
-
-// A file descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(const std::filesystem::path& path) : path_(path), number_(::open(path.c_str(), O_RDONLY)) {
-    if (number_ < 0)
-      fail(errno == ENOENT ? Status::not_found : Status::io, "%s: %s", path.c_str(),
-           errno == ENOENT ? "no such file" : std::strerror(errno));
-  }
-  ~Descriptor() { ::close(number_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  // Up to `size` bytes from `offset`; fewer only at the end of the file.
-  std::size_t read(void* to, std::size_t size, std::size_t offset) const {
-    std::size_t done = 0;
-    while (done < size) {
-      const ssize_t got =
-          ::pread(number_, static_cast<char*>(to) + done, size - done, static_cast<off_t>(offset + done));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) fail(Status::io, "%s: reading failed: %s", path_.c_str(), std::strerror(errno));
-      if (got == 0) break;
-      done += static_cast<std::size_t>(got);
-    }
-    return done;
-  }
-
- private:
-  const std::filesystem::path& path_;
-  int number_;
-};
 
 // The header is a Python dictionary in a fixed form: {'descr': '<f4', 'fortran_order': False, 'shape': (20, 3), }.
 class HeaderParser {
@@ -187,11 +154,11 @@ void convert(const std::vector<std::byte>& bytes, To* to) {
 }  // namespace
 
 NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
-  const char* name = path_.c_str();
-  if (std::filesystem::is_directory(path_)) fail(Status::io, "%s: is a directory, not a file", name);
-  const Descriptor file(path_);
+  const InputFile file(path_);
+  const std::string text_of_path = shown(path_.native());
+  const char* name = text_of_path.c_str();
   unsigned char start[12] = {};
-  const std::size_t got = file.read(start, sizeof start, 0);
+  const std::size_t got = file.read_at(0, std::as_writable_bytes(std::span(start)));
   if (got < 10 || std::memcmp(start, magic.data(), magic.size()) != 0)
     fail(Status::bad_data, "%s: is no NumPy array", name);
   const unsigned version = start[6];
@@ -202,13 +169,15 @@ NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
   const std::size_t header = version == 1 ? 10 : 12;
   if (length > max_header) fail(Status::bad_data, "%s: a header of %zu bytes is too long", name, length);
   std::string text(length, '\0');
-  if (file.read(text.data(), length, header) != length) fail(Status::bad_data, "%s: is truncated in its header", name);
+  if (file.read_at(header, std::as_writable_bytes(std::span(text))) != length)
+    fail(Status::bad_data, "%s: is truncated in its header", name);
   data_ = header + length;
   parse_header(text);
 }
 
 void NpyFile::parse_header(const std::string& header) {
-  const char* name = path_.c_str();
+  const std::string text_of_path = shown(path_.native());
+  const char* name = text_of_path.c_str();
   const HeaderParser::Fields fields = HeaderParser(header, name).parse();
   const std::string& type = fields.type;
   if (type != "<f4" && type != "<f8" && type != "<i4" && type != "<i8")
@@ -236,23 +205,24 @@ std::string NpyFile::shape_text() const {
 }
 
 std::vector<std::byte> NpyFile::read_bytes(std::size_t first, std::size_t count) const {
-  const Descriptor file(path_);
+  const InputFile file(path_);
   std::vector<std::byte> bytes(count * row_size_ * width_);
-  if (file.read(bytes.data(), bytes.size(), data_ + first * row_size_ * width_) != bytes.size())
-    fail(Status::io, "%s: became shorter while it was read", path_.c_str());
+  if (file.read_at(data_ + first * row_size_ * width_, bytes) != bytes.size())
+    fail(Status::io, "%s: became shorter while it was read", shown(path_.native()).c_str());
   return bytes;
 }
 
 void NpyFile::read(std::size_t first, std::size_t count, std::span<float> values) const {
   if (first > rows() || count > rows() - first)
-    fail(Status::invalid_argument, "%s: has no rows %zu..%zu, only %zu", path_.c_str(), first, first + count, rows());
+    fail(Status::invalid_argument, "%s: has no rows %zu..%zu, only %zu", shown(path_.native()).c_str(), first,
+         first + count, rows());
   if (values.size() != count * row_size_)
-    fail(Status::invalid_argument, "%s: room for %zu numbers where %zu are read", path_.c_str(), values.size(),
-         count * row_size_);
+    fail(Status::invalid_argument, "%s: room for %zu numbers where %zu are read", shown(path_.native()).c_str(),
+         values.size(), count * row_size_);
   if (kind_ == 'f' && width_ == 4) {
-    const Descriptor file(path_);
-    if (file.read(values.data(), values.size_bytes(), data_ + first * row_size_ * width_) != values.size_bytes())
-      fail(Status::io, "%s: became shorter while it was read", path_.c_str());
+    const InputFile file(path_);
+    if (file.read_at(data_ + first * row_size_ * width_, std::as_writable_bytes(values)) != values.size_bytes())
+      fail(Status::io, "%s: became shorter while it was read", shown(path_.native()).c_str());
     return;
   }
   const std::vector<std::byte> bytes = read_bytes(first, count);

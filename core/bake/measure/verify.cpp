@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/random.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "runtime/evaluator.h"
 
@@ -85,9 +86,8 @@ VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
 void write_verified_archive(const std::filesystem::path& path, std::span<const std::byte> archive) {
   AtomicFile file(path);
   file.write(archive);
-  file.commit([&](const std::filesystem::path& written) {
-    with_context(path.string(), [&] { verify_archive(read_file(written)); });
-  });
+  file.commit(
+      [&](const std::filesystem::path& written) { with_path(path, [&] { verify_archive(read_file(written)); }); });
 }
 
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {

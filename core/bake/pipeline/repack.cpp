@@ -11,6 +11,7 @@
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -135,7 +136,7 @@ RepackResult repack(std::span<const std::byte> archive, const RepackOptions& opt
 RepackResult repack_file(const std::filesystem::path& from, const std::filesystem::path& to,
                          const RepackOptions& options, Progress& progress) {
   const std::vector<std::byte> bytes = read_file(from);
-  RepackResult result = with_context(from.string(), [&] { return repack(bytes, options, progress); });
+  RepackResult result = with_path(from, [&] { return repack(bytes, options, progress); });
   write_verified_archive(to, result.archive);
   return result;
 }

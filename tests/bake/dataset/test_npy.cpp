@@ -122,7 +122,7 @@ TEST_CASE("what is no readable array is refused by name") {
   CHECK(contains(failure(Status::unsupported, [&] { NpyFile file(path); }), "NumPy format version 3"));
   std::ofstream(path) << "hello, this is no array";
   CHECK(contains(failure(Status::bad_data, [&] { NpyFile file(path); }), "is no NumPy array"));
-  CHECK(contains(failure(Status::not_found, [&] { NpyFile file(folder / "none.npy"); }), "none.npy: no such file"));
+  CHECK(contains(failure(Status::not_found, [&] { NpyFile file(folder / "none.npy"); }), "none.npy)"));
   CHECK(contains(failure(Status::io, [&] { NpyFile file(folder.path()); }), "is a directory"));
 }
 

@@ -1,0 +1,29 @@
+// Paths and other long texts in messages: a message has room for its reason whatever it names.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/status.h"
+
+namespace fb {
+
+// The text itself, or if it has more than 240 bytes its beginning and end with "..." between them. UTF-8 characters
+// stay whole.
+std::string shown(std::string_view text);
+
+// Fails with a message about a file: the reason, then the path as shown.
+[[noreturn]] void fail_on(const std::filesystem::path& path, Status status, const std::string& reason);
+
+// Calls work() and adds the path to the message of an Error, as fail_on() does.
+template <class Work>
+auto with_path(const std::filesystem::path& path, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    fail_on(path, error.status(), error.what());
+  }
+}
+
+}  // namespace fb
