@@ -8,11 +8,13 @@
 #include "abi_guard.h"
 #include "archive/reader.h"
 #include "base/mapped_file.h"
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/shown_path.h"
 #include "host_memory.h"
 #include "runtime/evaluator.h"
 #include "runtime/float_mode.h"
+#include "stream_reader.h"
 #include "version.h"
 
 using fb::fail;
@@ -23,20 +25,37 @@ using fb::capi::read_struct;
 using fb::capi::require;
 
 struct fb_model {
-  fb_model(const fb::archive::Archive& archive, const fb_load_desc& desc)
+  // `limit`: what loading may take; the archive is charged to it.
+  fb_model(fb::archive::Archive archive, const fb_load_desc& desc, std::unique_ptr<fb::MemoryBudget> limit)
       : memory(desc.allocator),
-        evaluator(archive.model, desc.allocator.allocate ? &memory : nullptr, desc.max_model_bytes,
+        budget(std::move(limit)),
+        charged(memory, *budget),
+        evaluator(charge_names(archive.model, *budget), {desc.allocator.allocate ? &charged : nullptr, budget.get()},
                   fb::runtime::choose_kernels(desc.instruction_set)),
-        rest_pose(evaluator.schema().rest_pose()),
-        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &memory),
-        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &memory),
-        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &memory),
-        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &memory),
+        rest_pose(archive.model.schema.rest_pose()),
+        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &charged),
+        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &charged),
+        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &charged),
+        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &charged),
         diagonal(archive.model.rest.diagonal()),
-        provenance(archive.model.provenance) {}
+        provenance(std::move(archive.model.provenance)) {}
+
+  // Charges the names that a model copies from an archive, and the rest pose.
+  static const fb::PackedModel& charge_names(const fb::PackedModel& model, fb::MemoryBudget& budget) {
+    const fb::RigSchema& schema = model.schema;
+    budget.take(schema.controls.size(), sizeof(fb::Control) + 3 * sizeof(float), "controls");
+    budget.take(model.regions.size(), 3 * sizeof(std::string), "regions");
+    budget.take_text(schema.name.size(), "names");
+    for (const fb::Control& control : schema.controls)
+      for (const std::string* text : {&control.name, &control.group}) budget.take_text(text->size(), "names");
+    for (const fb::PackedRegion& region : model.regions) budget.take_text(region.name.size(), "names");
+    return model;
+  }
 
   mutable std::atomic<std::uint32_t> references = 1;
-  mutable fb::capi::HostMemory memory;
+  mutable fb::capi::HostMemory memory;       // of scratches
+  std::unique_ptr<fb::MemoryBudget> budget;  // that the model's own memory is charged to
+  fb::ChargedMemory charged;
   fb::runtime::Evaluator evaluator;
   std::vector<float> rest_pose;
   std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;
@@ -73,6 +92,7 @@ struct fb_scratch {
     workspaces.reserve(workers);
     for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
   }
+
   void require_model(const fb_model* model) const {
     if (owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
   }
@@ -85,17 +105,26 @@ struct fb_scratch {
 
 namespace {
 
-fb_model* load(std::span<const std::byte> bytes, const fb_load_desc& desc) {
+// read(budget) returns the archive, in memory charged to the budget.
+template <class Read>
+fb_model* load(const fb_load_desc& desc, Read&& read) {
   std::unique_ptr<fb_model> model;
   std::vector<std::string> notes;
   fb::runtime::with_float_mode([&] {
-    fb::archive::Archive archive = fb::archive::read_archive(bytes, {desc.max_model_bytes});
-    model = std::make_unique<fb_model>(archive, desc);
+    auto budget = std::make_unique<fb::MemoryBudget>(desc.max_model_bytes);
+    fb::archive::Archive archive = read(*budget);
     notes = std::move(archive.notes);
+    model = std::make_unique<fb_model>(std::move(archive), desc, std::move(budget));
   });
   if (desc.log)
     for (const std::string& note : notes) desc.log(desc.log_user, note.c_str());
   return model.release();
+}
+
+fb::archive::Archive read_bytes(std::span<const std::byte> bytes, const fb_load_desc& desc, fb::MemoryBudget& budget) {
+  const fb::archive::ReadLimits limits = {desc.max_model_bytes, desc.max_name_bytes, desc.max_vertices,
+                                          desc.max_polygons, desc.max_features};
+  return fb::archive::read_archive(bytes, limits, fb::archive::Parts::all, budget);
 }
 
 fb_load_desc read_load_desc(const fb_load_desc* given) {
@@ -225,7 +254,12 @@ uint32_t fb_format_version(void) {
 
 void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size) {
   fb_load_desc defaults = {};
-  defaults.max_file_bytes = defaults.max_model_bytes = std::uint64_t(4) << 30;
+  const fb::archive::ReadLimits limits;
+  defaults.max_file_bytes = defaults.max_model_bytes = limits.max_model_bytes;
+  defaults.max_name_bytes = limits.max_name_bytes;
+  defaults.max_vertices = limits.max_vertices;
+  defaults.max_polygons = limits.max_polygons;
+  defaults.max_features = limits.max_features;
   fill_struct(to, struct_size, defaults);
 }
 
@@ -234,8 +268,14 @@ fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model) 
     require(path, "path");
     require(model, "model");
     const fb_load_desc known = read_load_desc(desc);
-    const fb::MappedFile file(fb::InputFile(reinterpret_cast<const char8_t*>(path), known.max_file_bytes));
-    *model = fb::with_path(reinterpret_cast<const char8_t*>(path), [&] { return load(file.bytes(), known); });
+    const fb::InputFile file(reinterpret_cast<const char8_t*>(path), known.max_file_bytes);
+    const auto read = [&](fb::MemoryBudget& budget) {
+      if (known.map_file) return read_bytes(fb::MappedFile(file).bytes(), known, budget);
+      std::pmr::vector<std::byte> bytes(&budget);
+      file.read_all(bytes);
+      return read_bytes(bytes, known, budget);
+    };
+    *model = fb::with_path(file.path(), [&] { return load(known, read); });
   });
 }
 
@@ -243,7 +283,21 @@ fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* des
   return abi_guard([&] {
     require(bytes, "bytes");
     require(model, "model");
-    *model = load({static_cast<const std::byte*>(bytes), size}, read_load_desc(desc));
+    const fb_load_desc known = read_load_desc(desc);
+    *model = load(known, [&](fb::MemoryBudget& budget) {
+      return read_bytes({static_cast<const std::byte*>(bytes), size}, known, budget);
+    });
+  });
+}
+
+fb_status fb_load_stream(fb_read read, void* user, const fb_load_desc* desc, fb_model** model) {
+  return abi_guard([&] {
+    if (!read) fail(Status::invalid_argument, "read is null");
+    require(model, "model");
+    const fb_load_desc known = read_load_desc(desc);
+    *model = load(known, [&](fb::MemoryBudget& budget) {
+      return read_bytes(fb::capi::read_stream(read, user, known.max_file_bytes, budget), known, budget);
+    });
   });
 }
 

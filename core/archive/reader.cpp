@@ -1,5 +1,7 @@
 #include "archive/reader.h"
 
+#include <initializer_list>
+
 #include "archive/coding/coding_reader.h"
 #include "archive/geometry/geometry_reader.h"
 #include "archive/section_reader.h"
@@ -15,21 +17,21 @@ bool is_known(std::string_view name) {
   return false;
 }
 
-// Reads sections into an archive. Each section is decompressed, read and released before the next.
+// Reads sections into an archive. Each section is decompressed, if it is compressed, read and released before the next.
 class ArchiveReader {
   bool contains(const char* name) const { return find_section(sections_, name) != nullptr; }
 
   template <class Read>
   auto read(const char* name, Read&& read) {
     const StoredSection& section = require_section(sections_, name);
-    const std::vector<std::byte> raw = section.decompress(budget_);
-    ByteReader in(raw, section.where(), budget_);
+    std::pmr::vector<std::byte> unpacked(&budget_);
+    ByteReader in(section.contents(budget_, unpacked), section.where(), budget_);
     return read(in);
   }
 
  public:
-  ArchiveReader(const std::vector<StoredSection>& sections, const ReadLimits& limits)
-      : sections_(sections), budget_(limits.max_model_bytes) {}
+  ArchiveReader(const std::vector<StoredSection>& sections, const ReadLimits& limits, MemoryBudget& budget)
+      : sections_(sections), limits_(limits), budget_(budget) {}
 
   void list_sections() {
     for (const StoredSection& section : sections_) {
@@ -45,6 +47,10 @@ class ArchiveReader {
     Definition definition = read(section::definition, read_definition);
     model_.schema = std::move(definition.schema);
     archive.vertices = definition.vertices;
+    check_limit(archive.vertices, limits_.max_vertices, "vertices");
+    const RigSchema& schema = model_.schema;
+    count_names({&schema.name, &schema.units, &schema.up_axis});
+    for (const Control& control : schema.controls) count_names({&control.name, &control.group});
   }
 
   // Positions and texture coordinates are kept only with `mesh`; polygons are needed to decode the basis, too.
@@ -52,6 +58,7 @@ class ArchiveReader {
     const std::uint32_t vertices = archive.vertices;
     RestPoints rest = read(section::geometry, [&](ByteReader& in) { return read_geometry(in, vertices); });
     read(section::polygons, [&](ByteReader& in) { read_polygons(in, vertices, rest.triangles, model_.rest); });
+    check_limit(model_.rest.polygon_sizes.size(), limits_.max_polygons, "polygons");
     if (!mesh) return;
     model_.rest.points = std::move(rest.points);
     if (contains(section::uvs)) read(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model_.rest); });
@@ -59,6 +66,8 @@ class ArchiveReader {
 
   void read_behaviour() {
     read(section::network, [&](ByteReader& in) { read_network(in, model_); });
+    check_limit(model_.features.size(), limits_.max_features, "features");
+    for (const PackedRegion& region : model_.regions) count_names({&region.name});
     read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
     read(section::basis, [&](ByteReader& in) { read_basis(in, archive.vertices, model_); });
     read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, archive.vertices, model_); });
@@ -69,6 +78,7 @@ class ArchiveReader {
     model_.provenance = text(section::provenance);
     archive.text.licence = text(section::licence);
     archive.text.certificate = text(section::certificate);
+    count_names({&model_.provenance, &archive.text.licence, &archive.text.certificate});
   }
 
   void read_proof_section() {
@@ -79,7 +89,10 @@ class ArchiveReader {
   }
 
   // Sections are valid by themselves; this checks that they fit each other and that all numbers are finite.
-  void check_model() const {
+  void check_model() {
+    // What the checks allocate: a set of names, and a mark a vertex.
+    const ScopedCharge names(budget_, model_.schema.control_count(), 96, "control names");
+    const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
     try {
       check(model_);
     } catch (const Error& error) {
@@ -91,8 +104,20 @@ class ArchiveReader {
   Archive archive;
 
  private:
+  static void check_limit(std::uint64_t count, std::uint64_t limit, const char* what) {
+    if (count > limit)
+      fail(Status::limit, "the archive has %llu %s; the limit is %llu", (unsigned long long)count, what,
+           (unsigned long long)limit);
+  }
+  void count_names(std::initializer_list<const std::string*> names) {
+    for (const std::string* name : names) name_bytes_ += name->size();
+    check_limit(name_bytes_, limits_.max_name_bytes, "bytes of names and texts");
+  }
+
   const std::vector<StoredSection>& sections_;
-  Budget budget_;
+  const ReadLimits& limits_;
+  std::uint64_t name_bytes_ = 0;
+  MemoryBudget& budget_;
   PackedModel& model_ = archive.model;
 };
 
@@ -103,8 +128,13 @@ std::uint32_t archive_format_version() {
 }
 
 Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts) {
+  MemoryBudget budget(limits.max_model_bytes);
+  return read_archive(bytes, limits, parts, budget);
+}
+
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget) {
   const std::vector<StoredSection> sections = read_container(bytes);
-  ArchiveReader reader(sections, limits);
+  ArchiveReader reader(sections, limits, budget);
   reader.archive.format_version = archive_format_version();
   reader.list_sections();
   reader.read_definition_section();

@@ -9,13 +9,18 @@
 
 #include "archive/container/container_reader.h"
 #include "archive/proof.h"
+#include "base/memory_budget.h"
 #include "model/packed_model.h"
 
 namespace fb::archive {
 
 struct ReadLimits {
-  // Upper bound on everything that reading allocates: decompressed sections and the model made from them.
+  // Upper bound on the memory that reading takes at any time: decompressed sections, temporaries, and what was read.
   std::uint64_t max_model_bytes = std::uint64_t(4) << 30;
+  std::uint64_t max_name_bytes = std::uint64_t(16) << 20;  // of all names and texts together
+  std::uint64_t max_vertices = std::uint64_t(4) << 20;
+  std::uint64_t max_polygons = std::uint64_t(8) << 20;
+  std::uint64_t max_features = std::uint64_t(1) << 20;
 };
 
 // Parts of an archive that can be read by themselves. The definition is always read.
@@ -50,9 +55,11 @@ struct Archive {
 //   not_an_archive  no .fbk signature, or no bytes
 //   unsupported     another format version, an unknown required section, codec, flag or kind
 //   corrupt         truncated, damaged, trailing bytes, inconsistent contents
-//   limit           more memory needed than `limits` allow
+//   limit           more memory needed than `limits` allow, or more of something
 // and a message that names section and byte offset. Thread-safe; keeps no reference to `bytes`.
 Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits = {}, Parts parts = Parts::all);
+// The same with memory of a budget in place of max_model_bytes. The archive stays charged to it for good.
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget);
 
 // The format version this library reads and writes, major * 1000 + minor.
 std::uint32_t archive_format_version();

@@ -50,8 +50,7 @@ Definition read_definition(ByteReader& in) {
   definition.vertices = in.number<std::uint32_t>("the number of vertices");
   if (definition.vertices > max_vertices) in.corrupt("more vertices than the format allows");
   const std::uint32_t controls = in.count(20, "controls");
-  in.budget().take(controls, sizeof(Control), "controls");
-  schema.controls.resize(controls);
+  in.budget().resize(schema.controls, controls, "controls");
   for (Control& control : schema.controls) {
     control.name = in.string("a control's name");
     control.group = in.string("a control's group");
@@ -65,21 +64,18 @@ Definition read_definition(ByteReader& in) {
 
 void read_network(ByteReader& in, PackedModel& model, ReadLayerWeights read_layer_weights) {
   const std::uint32_t features = in.count(9, "features");
-  in.budget().take(features, sizeof(Feature), "features");
-  model.features.reserve(features);
+  in.budget().reserve(model.features, features, "features");
   for (std::uint32_t f = 0; f < features; ++f) model.features.push_back(read_feature(in));
   model.direct = in.numbers<std::uint32_t>(in.count(4, "direct coefficients"), "direct coefficients");
   const std::uint32_t regions = in.count(20, "regions");
-  in.budget().take(regions, sizeof(PackedRegion), "regions");
-  model.regions.resize(regions);
+  in.budget().resize(model.regions, regions, "regions");
   for (PackedRegion& region : model.regions) {
     region.name = in.string("a region's name");
     region.features = in.numbers<std::uint32_t>(in.count(4, "region features"), "region features");
     region.gate.features = in.numbers<std::uint32_t>(in.count(4, "gate features"), "gate features");
     region.gate.slope = in.number<float>("a gate's slope");
     const std::uint32_t layers = in.count(18, "layers");
-    in.budget().take(layers, sizeof(PackedLayer), "layers");
-    region.layers.reserve(layers);
+    in.budget().reserve(region.layers, layers, "layers");
     for (std::uint32_t l = 0; l < layers; ++l) {
       region.layers.push_back(read_layer(in, read_layer_weights == nullptr));
       if (read_layer_weights) read_layer_weights(in, region.layers.back());
@@ -105,7 +101,7 @@ Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices) {
 
 std::string read_text(ByteReader& in) {
   const auto bytes = in.take(in.left(), "text");
-  in.budget().take(bytes.size(), 1, "text");
+  in.budget().take_text(bytes.size(), "text");
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (text.find('\0') != std::string::npos) in.corrupt("a text holds a zero byte");
   return text;

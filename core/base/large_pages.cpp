@@ -11,14 +11,14 @@
 namespace fb {
 
 LargePages::~LargePages() {
-  for (const Block& block : blocks_) std::pmr::new_delete_resource()->deallocate(block.first, block.size, page);
+  for (const Block& block : blocks_) upstream_.deallocate(block.first, block.size, page);
 }
 
 void* LargePages::do_allocate(std::size_t bytes, std::size_t alignment) {
   if (!std::align(alignment, bytes, free_, left_)) {
     const std::size_t size = checked_add(bytes, page - 1, "a block of memory") / page * page;
     blocks_.reserve(blocks_.size() + 1);
-    auto* const first = static_cast<std::byte*>(std::pmr::new_delete_resource()->allocate(size, page));
+    auto* const first = static_cast<std::byte*>(upstream_.allocate(size, page));
     blocks_.push_back({first, size});
 #if defined(__linux__)
     madvise(first, size, MADV_HUGEPAGE);  // if refused, pages have the normal size

@@ -7,13 +7,13 @@
 namespace fb {
 
 // An arena for long-lived, randomly accessed memory, in blocks of 2 MB pages where the system has them: fewer TLB
-// misses when a model is cold. Memory is released when the arena is destroyed; deallocating does nothing. Not
-// thread-safe.
+// misses when a model is cold. Blocks come from `upstream`, which must outlive the arena, and are released when the
+// arena is destroyed; deallocating does nothing. Not thread-safe.
 class LargePages final : public std::pmr::memory_resource {
  public:
   static constexpr std::size_t page = std::size_t(2) << 20;
 
-  LargePages() = default;
+  explicit LargePages(std::pmr::memory_resource& upstream = *std::pmr::new_delete_resource()) : upstream_(upstream) {}
   LargePages(const LargePages&) = delete;
   LargePages& operator=(const LargePages&) = delete;
   ~LargePages() override;
@@ -27,6 +27,7 @@ class LargePages final : public std::pmr::memory_resource {
     std::byte* first;
     std::size_t size;
   };
+  std::pmr::memory_resource& upstream_;
   std::vector<Block> blocks_;
   void* free_ = nullptr;  // in the last block
   std::size_t left_ = 0;

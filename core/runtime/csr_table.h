@@ -25,14 +25,18 @@ struct CsrTable {
   std::pmr::vector<Entry> entries;
 };
 
-// Collects entries in any order of rows. Entries of one row keep their order.
+// Collects entries in any order of rows, fewer than 2^32. Entries of one row keep their order.
 template <class Entry>
 class CsrBuilder {
  public:
-  explicit CsrBuilder(std::size_t rows) : counts_(rows) {}
+  // `expected`: how many entries there will be, about.
+  CsrBuilder(std::size_t rows, std::size_t expected, std::pmr::memory_resource& heap)
+      : entries_(&heap), counts_(rows, &heap) {
+    entries_.reserve(expected);
+  }
   void add(std::size_t row, const Entry& entry) {
     ++counts_[row];
-    entries_.emplace_back(row, entry);
+    entries_.emplace_back(static_cast<std::uint32_t>(row), entry);
   }
   // Fills an empty table, in exactly the memory it needs.
   void build(CsrTable<Entry>& table) const {
@@ -40,14 +44,14 @@ class CsrBuilder {
     table.row_offsets.resize(counts_.size() + 1);
     for (std::size_t row = 0; row < counts_.size(); ++row)
       table.row_offsets[row + 1] = table.row_offsets[row] + counts_[row];
-    std::vector<std::uint32_t> next(table.row_offsets.begin(), table.row_offsets.end());
+    std::pmr::vector<std::uint32_t> next(table.row_offsets.begin(), table.row_offsets.end(), counts_.get_allocator());
     table.entries.resize(entries_.size());
     for (const auto& [row, entry] : entries_) table.entries[next[row]++] = entry;
   }
 
  private:
-  std::vector<std::pair<std::size_t, Entry>> entries_;
-  std::vector<std::uint32_t> counts_;
+  std::pmr::vector<std::pair<std::uint32_t, Entry>> entries_;
+  std::pmr::vector<std::uint32_t> counts_;
 };
 
 }  // namespace fb::runtime

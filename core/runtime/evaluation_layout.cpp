@@ -8,37 +8,40 @@
 namespace fb::runtime {
 namespace {
 
-std::vector<std::uint32_t> inverse(const std::vector<std::uint32_t>& order) {
-  std::vector<std::uint32_t> indices(order.size());
+std::pmr::vector<std::uint32_t> inverse(const std::vector<std::uint32_t>& order, std::pmr::memory_resource& memory) {
+  std::pmr::vector<std::uint32_t> indices(order.size(), &memory);
   for (std::uint32_t i = 0; i < order.size(); ++i) indices[order[i]] = i;
   return indices;
 }
 
 // The first row of every row block, then the number of rows.
-std::vector<std::uint32_t> block_rows(const PackedModel& model) {
-  std::vector<std::uint32_t> rows;
+std::pmr::vector<std::uint32_t> block_rows(const PackedModel& model, std::pmr::memory_resource& heap) {
+  std::pmr::vector<std::uint32_t> rows(&heap);
+  rows.reserve(model.row_blocks.size() + 1);
   for (const PackedRowBlock& block : model.row_blocks) rows.push_back(block.first_row);
   rows.push_back(checked_u32(model.rest.points.size(), "the rows of the basis"));
   return rows;
 }
 
 // Large pages if the digits of layers and basis, about one byte a value, fill one.
-std::pmr::memory_resource& memory_for(const PackedModel& model, LargePages& pages) {
+std::pmr::memory_resource& memory_for(const PackedModel& model, const EvaluationMemory& from, LargePages& pages) {
+  if (from.blocks) return *from.blocks;
   std::size_t bytes = 0;
   for (const PackedRegion& region : model.regions)
     for (const PackedLayer& layer : region.layers) bytes += layer.weights.size();
   for (const PackedRowBlock& block : model.row_blocks) bytes += block.values.size();
-  return bytes < LargePages::page ? *std::pmr::get_default_resource() : pages;
+  return bytes < LargePages::page ? *from.heap : pages;
 }
 
 }  // namespace
 
-EvaluationLayout::EvaluationLayout(const PackedModel& model, std::pmr::memory_resource* upstream,
-                                   std::uint64_t max_bytes, const PoseKernels& pose_kernels)
+EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMemory& from,
+                                   const PoseKernels& pose_kernels)
     : schema(model.schema),
       kernels(pose_kernels),
-      memory(upstream ? *upstream : memory_for(model, pages), max_bytes),
-      features(model, memory),
+      pages(*from.heap),
+      memory(memory_for(model, from, pages)),
+      features(model, memory, *from.heap),
       networks(&memory),
       gate_slopes(&memory),
       row_blocks(&memory),
@@ -50,30 +53,28 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, std::pmr::memory_re
       rest_positions(model.rest.points.begin(), model.rest.points.end(), &memory),
       rest_rows(model.rest.points.size(), &memory),
       order(model.order.begin(), model.order.end(), &memory),
-      baked_index(&memory),
-      normals(model.rest, inverse(model.order), block_rows(model), memory),
-      tangents(model.rest, inverse(model.order), normals, memory),
+      baked_index(inverse(model.order, memory)),
+      normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
+      tangents(model.rest, baked_index, normals, memory, *from.heap),
       coefficient_count(model.columns) {
-  const std::vector<std::uint32_t> indices = inverse(model.order);
-  baked_index.assign(indices.begin(), indices.end());
   for (std::uint32_t row = 0; row < rest_rows.size(); ++row) rest_rows[row] = rest_positions[model.coordinate(row)];
   direct.reserve(model.direct.size());
   for (const std::uint32_t feature : model.direct) direct.push_back(features.graph_index(feature));
   with_float_mode([&] {
-    add_networks(model);
+    add_networks(model, *from.heap);
     add_row_blocks(model);
   });
   find_list_offsets(model);
-  find_scatter_table(model);
-  find_row_block_regions();
+  find_scatter_table(model, *from.heap);
+  find_row_block_regions(*from.heap);
 }
 
-void EvaluationLayout::add_networks(const PackedModel& model) {
+void EvaluationLayout::add_networks(const PackedModel& model, std::pmr::memory_resource& heap) {
   networks.reserve(model.regions.size());
   std::size_t coefficient = direct.size();
   for (const PackedRegion& region : model.regions) {
     RegionNetwork& network = networks.emplace_back(region, memory);
-    network.find_rest(kernels, region.name.c_str());
+    network.find_rest(kernels, region.name.c_str(), heap);
     region_names.push_back(region.name);
     gate_slopes.push_back(region.gate.features.empty() ? 0 : region.gate.slope);
     coefficient_offsets.push_back(static_cast<std::uint32_t>(coefficient));
@@ -104,8 +105,8 @@ void EvaluationLayout::find_list_offsets(const PackedModel& model) {
         std::max(max_pass_entries, row_block_entries(first, std::min(first + row_blocks_per_pass, row_blocks.size())));
 }
 
-void EvaluationLayout::find_scatter_table(const PackedModel& model) {
-  CsrBuilder<ScatterEntry> entries(model.features.size());
+void EvaluationLayout::find_scatter_table(const PackedModel& model, std::pmr::memory_resource& heap) {
+  CsrBuilder<ScatterEntry> entries(model.features.size(), 0, heap);
   for (std::uint32_t r = 0; r < model.regions.size(); ++r) {
     const PackedRegion& region = model.regions[r];
     for (std::uint32_t i = 0; i < region.features.size(); ++i)
@@ -122,8 +123,8 @@ void EvaluationLayout::find_scatter_table(const PackedModel& model) {
   entries.build(scatter);
 }
 
-void EvaluationLayout::find_row_block_regions() {
-  CsrBuilder<RegionInputs> regions(row_blocks.size());
+void EvaluationLayout::find_row_block_regions(std::pmr::memory_resource& heap) {
+  CsrBuilder<RegionInputs> regions(row_blocks.size(), 0, heap);
   for (std::uint32_t b = 0; b < row_blocks.size(); ++b)
     for (std::uint32_t r = 0; r < networks.size(); ++r) {
       const auto [low, high] = row_blocks[b].inputs_of(coefficient_offsets[r], coefficient_offsets[r + 1]);

@@ -18,6 +18,12 @@
 
 namespace fb::runtime {
 
+// Where a layout takes its memory from. Both resources must outlive it.
+struct EvaluationMemory {
+  std::pmr::memory_resource* blocks = nullptr;  // null: the heap, in large pages if the model fills at least one
+  std::pmr::memory_resource* heap = std::pmr::get_default_resource();  // also of temporaries
+};
+
 // A model laid out for evaluation: built once when it is loaded, immutable afterwards and shared by threads.
 // PoseExecution evaluates poses with it.
 //
@@ -28,11 +34,9 @@ namespace fb::runtime {
 //   2 R ..           the inputs of each row block's matrix
 // The scatter table says for every feature to which lists, at which index and with which factor its value goes.
 struct EvaluationLayout {
-  // Lays out a model that check() accepts. Memory comes from `upstream`, which must outlive the layout; null: the
-  // default resource, or large pages if the model fills at least one. `model` is not needed afterwards. Fails with
-  // limit if more than max_bytes are needed, with not_finite if a network overflows at rest.
-  EvaluationLayout(const PackedModel& model, std::pmr::memory_resource* upstream, std::uint64_t max_bytes,
-                   const PoseKernels& kernels);
+  // Lays out a model that check() accepts. `model` is not needed afterwards. Fails with not_finite if a network
+  // overflows at rest.
+  EvaluationLayout(const PackedModel& model, const EvaluationMemory& from, const PoseKernels& kernels);
   EvaluationLayout(const EvaluationLayout&) = delete;
   EvaluationLayout& operator=(const EvaluationLayout&) = delete;
 
@@ -82,11 +86,11 @@ struct EvaluationLayout {
   std::size_t max_pass_entries = 0;              // row_block_entries() of a pass
 
  private:
-  void add_networks(const PackedModel& model);
+  void add_networks(const PackedModel& model, std::pmr::memory_resource& heap);
   void add_row_blocks(const PackedModel& model);
   void find_list_offsets(const PackedModel& model);
-  void find_scatter_table(const PackedModel& model);
-  void find_row_block_regions();
+  void find_scatter_table(const PackedModel& model, std::pmr::memory_resource& heap);
+  void find_row_block_regions(std::pmr::memory_resource& heap);
 };
 
 }  // namespace fb::runtime

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory_resource>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,9 +43,9 @@ struct Batch {
 class Evaluator {
  public:
   // Lays out a model that check() accepts, such as one of read_archive(). See EvaluationLayout for memory and failures.
-  explicit Evaluator(const PackedModel& model, std::pmr::memory_resource* memory = nullptr,
-                     std::uint64_t max_bytes = UINT64_MAX, const PoseKernels& kernels = choose_kernels())
-      : layout_(model, memory, max_bytes, kernels) {}
+  explicit Evaluator(const PackedModel& model, const EvaluationMemory& memory = {},
+                     const PoseKernels& kernels = choose_kernels())
+      : layout_(model, memory, kernels) {}
 
   const EvaluationLayout& layout() const { return layout_; }
   const RigSchema& schema() const { return layout_.schema; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 #include "base/checked.h"
 #include "model/feature_values.h"
@@ -16,7 +17,7 @@ FeatureState::FeatureState(const FeatureGraph& graph, std::pmr::memory_resource&
       candidates_(graph.feature_count() + 1, &memory),
       offsets_(graph.control_count() * poses_per_block, &memory) {}
 
-FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory)
+FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap)
     : graph_index_(model.features.size(), &memory),
       minimum_(&memory),
       maximum_(&memory),
@@ -35,16 +36,17 @@ FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& 
     maximum_.push_back(c.maximum);
     rest_.push_back(c.rest);
   }
-  add_control_features(model);
-  add_combined_features(model);
+  add_control_features(model, heap);
+  add_combined_features(model, heap);
 }
 
-void FeatureGraph::add_control_features(const PackedModel& model) {
-  std::vector<std::uint32_t> of_controls;
+void FeatureGraph::add_control_features(const PackedModel& model, std::pmr::memory_resource& heap) {
+  std::pmr::vector<std::uint32_t> of_controls(&heap);
+  of_controls.reserve(model.features.size());
   for (std::uint32_t f = 0; f < model.features.size(); ++f)
     if (!model.features[f].of_features()) of_controls.push_back(f);
-  std::stable_sort(of_controls.begin(), of_controls.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return model.features[a].control < model.features[b].control;
+  std::sort(of_controls.begin(), of_controls.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(model.features[a].control, a) < std::pair(model.features[b].control, b);
   });
   for (std::pmr::vector<float>* numbers : {&scales_, &thresholds_, &falls_}) numbers->reserve(of_controls.size());
   controls_.reserve(of_controls.size());
@@ -60,9 +62,9 @@ void FeatureGraph::add_control_features(const PackedModel& model) {
   }
 }
 
-void FeatureGraph::add_combined_features(const PackedModel& model) {
-  std::vector<std::uint32_t> level(feature_count(), 0);
-  std::vector<char> may_be_negative(feature_count(), 0);  // or NaN
+void FeatureGraph::add_combined_features(const PackedModel& model, std::pmr::memory_resource& heap) {
+  std::pmr::vector<std::uint32_t> level(feature_count(), 0, &heap);
+  std::pmr::vector<char> may_be_negative(feature_count(), 0, &heap);  // or NaN
   std::uint32_t next = static_cast<std::uint32_t>(controls_.size()), deepest = 0;
   for (std::uint32_t f = 0; f < feature_count(); ++f) {
     const Feature& feature = model.features[f];
@@ -76,7 +78,8 @@ void FeatureGraph::add_combined_features(const PackedModel& model) {
         if (!(control_feature(feature, end, rest_[feature.control]) >= 0)) may_be_negative[f] = 1;
     }
   }
-  CsrBuilder<Combined> by_operand(feature_count()), by_level(std::size_t(deepest) + 1);
+  CsrBuilder<Combined> by_operand(feature_count(), feature_count() - controls_.size(), heap),
+      by_level(std::size_t(deepest) + 1, 0, heap);
   for (std::uint32_t f = 0; f < feature_count(); ++f) {
     const Feature& feature = model.features[f];
     if (!feature.of_features()) continue;

@@ -40,7 +40,8 @@ class FeatureState {
 // (products and minima) are evaluated level by level, from the active features of the levels below.
 class FeatureGraph {
  public:
-  FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory);
+  // `heap`: of temporaries.
+  FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);
 
   std::size_t control_count() const { return rest_.size(); }
   std::size_t feature_count() const { return graph_index_.size(); }
@@ -58,8 +59,8 @@ class FeatureGraph {
     std::uint32_t index, first, second;
     Feature::Kind kind;
   };
-  void add_control_features(const PackedModel& model);
-  void add_combined_features(const PackedModel& model);
+  void add_control_features(const PackedModel& model, std::pmr::memory_resource& heap);
+  void add_combined_features(const PackedModel& model, std::pmr::memory_resource& heap);
   template <std::size_t poses>
   class ActiveList;
   template <std::size_t poses>

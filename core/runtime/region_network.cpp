@@ -86,9 +86,9 @@ void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, s
       outputs[o * poses + pose] = before[pose * stride + o] - rest_outputs_[o];
 }
 
-void RegionNetwork::find_rest(const PoseKernels& kernels, const char* name) {
-  std::vector<float> work(work_size()), outputs(output_count());
-  QuantiseBuffers buffers(max_width(), 1, *std::pmr::get_default_resource());
+void RegionNetwork::find_rest(const PoseKernels& kernels, const char* name, std::pmr::memory_resource& heap) {
+  std::pmr::vector<float> work(work_size(), &heap), outputs(output_count(), &heap);
+  QuantiseBuffers buffers(max_width(), 1, heap);
   std::fill(rest_outputs_.begin(), rest_outputs_.end(), 0.0f);
   run(kernels, {nullptr, 0}, 1, work.data(), buffers, outputs.data());
   std::copy(outputs.begin(), outputs.end(), rest_outputs_.begin());

@@ -17,8 +17,9 @@ class RegionNetwork {
  public:
   RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory);
 
-  // Computes the outputs at rest, which run() subtracts. Fails with not_finite, naming the region.
-  void find_rest(const PoseKernels& kernels, const char* name);
+  // Computes the outputs at rest, which run() subtracts. Fails with not_finite, naming the region. `heap`: of
+  // temporaries.
+  void find_rest(const PoseKernels& kernels, const char* name, std::pmr::memory_resource& heap);
 
   std::size_t input_count() const { return layers_.front().inputs; }
   std::size_t output_count() const { return layers_.back().outputs; }

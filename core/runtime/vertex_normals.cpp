@@ -33,13 +33,15 @@ Vector rotated_cross(Vector a, Vector b) {
 // Polygons with more corners, which are rare, have no dependencies listed; the cost of listing is quadratic.
 constexpr std::uint32_t max_tracked_corners = 64;
 
-void add_block(std::vector<std::uint32_t>& list, std::uint32_t block) {
+void add_block(std::pmr::vector<std::uint32_t>& list, std::uint32_t block) {
   if (list.empty() || list.back() != block) list.push_back(block);
 }
 
+using BlockLists = std::pmr::vector<std::pmr::vector<std::uint32_t>>;
+
 // Sorted, without duplicates.
-void fill_table(std::vector<std::vector<std::uint32_t>>& lists, CsrTable<std::uint32_t>& table) {
-  for (std::vector<std::uint32_t>& list : lists) {
+void fill_table(BlockLists& lists, CsrTable<std::uint32_t>& table) {
+  for (std::pmr::vector<std::uint32_t>& list : lists) {
     table.row_offsets.push_back(static_cast<std::uint32_t>(table.entries.size()));
     std::sort(list.begin(), list.end());
     table.entries.insert(table.entries.end(), list.begin(), std::unique(list.begin(), list.end()));
@@ -51,15 +53,31 @@ void fill_table(std::vector<std::vector<std::uint32_t>>& lists, CsrTable<std::ui
 
 // The row block of each vertex' first and last row: a vertex may lie in two.
 struct VertexNormals::Blocks {
-  Blocks(std::size_t vertices, std::span<const std::uint32_t> block_rows) : first(vertices), last(vertices) {
+  Blocks(std::size_t vertices, std::span<const std::uint32_t> block_rows, std::pmr::memory_resource& heap)
+      : first(vertices, &heap), last(vertices, &heap) {
     for (std::uint32_t v = 0, block = 0; v < vertices; ++v) {
       while (3 * v >= block_rows[block + 1]) ++block;
       first[v] = last[v] = block;
       while (3 * v + 2 >= block_rows[last[v] + 1]) ++last[v];
     }
   }
-  std::vector<std::uint32_t> first, last;
+  std::pmr::vector<std::uint32_t> first, last;
 };
+
+CsrTable<VertexNormals::Polygon> VertexNormals::polygons_by_block(const Mesh& mesh,
+                                                                  std::span<const std::uint32_t> corners,
+                                                                  const Blocks& blocks, std::size_t block_count,
+                                                                  std::pmr::memory_resource& heap) {
+  CsrBuilder<Polygon> by_block(block_count, mesh.polygon_sizes.size(), heap);
+  std::uint32_t first_corner = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    by_block.add(blocks.first[corners[first_corner]], {first_corner, size});
+    first_corner += size;
+  }
+  CsrTable<Polygon> polygons(heap);
+  by_block.build(polygons);
+  return polygons;
+}
 
 VertexNormals::State::State(const VertexNormals& normals, std::pmr::memory_resource& memory)
     : areas_(4 * (normals.polygons_.size() + 1), &memory),
@@ -70,7 +88,8 @@ VertexNormals::State::State(const VertexNormals& normals, std::pmr::memory_resou
 }
 
 VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
-                             std::span<const std::uint32_t> block_rows, std::pmr::memory_resource& memory)
+                             std::span<const std::uint32_t> block_rows, std::pmr::memory_resource& memory,
+                             std::pmr::memory_resource& heap)
     : polygons_(&memory),
       polygon_offsets_(&memory),
       fan_quads_(&memory),
@@ -83,34 +102,31 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> ba
       dependencies_(memory),
       always_moved_(block_rows.size() - 1, &memory),
       at_rest_(mesh.points.size(), &memory) {
+  vertex_offsets_.reserve(block_rows.size());
   for (const std::uint32_t row : block_rows) vertex_offsets_.push_back((row + 2) / 3);
-  const Blocks blocks(mesh.vertex_count(), block_rows);
-  std::vector<std::uint32_t> corners = mesh.polygon_corners;
+  const Blocks blocks(mesh.vertex_count(), block_rows, heap);
+  std::pmr::vector<std::uint32_t> corners(mesh.polygon_corners.begin(), mesh.polygon_corners.end(), &heap);
   if (!baked_index.empty())
     for (std::uint32_t& corner : corners) corner = baked_index[corner];
-  CsrBuilder<Polygon> by_block(block_count());
-  std::uint32_t first_corner = 0;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
-    by_block.add(blocks.first[corners[first_corner]], {first_corner, size});
-    first_corner += size;
+  CsrTable<std::uint32_t> incident(heap);
+  {
+    CsrBuilder<std::uint32_t> at_vertex(mesh.vertex_count(), corners.size(), heap);
+    add_polygons(polygons_by_block(mesh, corners, blocks, block_count(), heap), corners, blocks, at_vertex, heap);
+    at_vertex.build(incident);
   }
-  CsrTable<Polygon> polygons;
-  by_block.build(polygons);
-  CsrBuilder<std::uint32_t> at_vertex(mesh.vertex_count());
-  add_polygons(polygons, corners, blocks, at_vertex);
-  CsrTable<std::uint32_t> incident;
-  at_vertex.build(incident);
   add_incident_polygons(incident);
-  with_float_mode([&] { compute_rest(mesh, baked_index); });
+  with_float_mode([&] { compute_rest(mesh, baked_index, heap); });
 }
 
 void VertexNormals::add_polygons(const CsrTable<Polygon>& polygons, std::span<const std::uint32_t> corners,
-                                 const Blocks& blocks, CsrBuilder<std::uint32_t>& at_vertex) {
-  std::vector<std::vector<std::uint32_t>> polygon_blocks(block_count()), dependencies(block_count());
+                                 const Blocks& blocks, CsrBuilder<std::uint32_t>& at_vertex,
+                                 std::pmr::memory_resource& heap) {
+  BlockLists polygon_blocks(block_count(), &heap), dependencies(block_count(), &heap);
   for (std::size_t v = 0; v < blocks.first.size(); ++v)
     for (const std::uint32_t block : {blocks.first[v], blocks.last[v]}) add_block(dependencies[blocks.first[v]], block);
-  std::vector<std::uint32_t> last_polygon(blocks.first.size(), UINT32_MAX);  // by vertex: a polygon counts once there
-  std::vector<std::uint32_t> reached;                                        // the row blocks of a polygon's corners
+  // By vertex: a polygon counts once there.
+  std::pmr::vector<std::uint32_t> last_polygon(blocks.first.size(), UINT32_MAX, &heap);
+  std::pmr::vector<std::uint32_t> reached(&heap);  // the row blocks of a polygon's corners
   polygons_.reserve(polygons.entries.size());
   for (std::uint32_t block = 0; block < block_count(); ++block) {
     polygon_offsets_.push_back(static_cast<std::uint32_t>(polygons_.size()));
@@ -167,11 +183,12 @@ void VertexNormals::add_incident_polygons(const CsrTable<std::uint32_t>& at_vert
   extra_offsets_.resize(block_count() + 1, checked_u32(extra_polygons_.size(), "the polygons around vertices"));
 }
 
-void VertexNormals::compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index) {
-  std::vector<float> rows(mesh.points.size() + 1);
+void VertexNormals::compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
+                                 std::pmr::memory_resource& heap) {
+  std::pmr::vector<float> rows(mesh.points.size() + 1, &heap);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     std::copy_n(mesh.points.begin() + 3 * v, 3, rows.begin() + 3 * (baked_index.empty() ? v : baked_index[v]));
-  std::vector<float> areas(4 * (polygons_.size() + 1));
+  std::pmr::vector<float> areas(4 * (polygons_.size() + 1), &heap);
   for (std::size_t b = 0; b < block_count(); ++b) compute_areas(b, rows.data(), areas.data());
   for (std::size_t b = 0; b < block_count(); ++b) compute_normals(scalar_kernels, b, areas.data(), at_rest_.data());
 }

@@ -36,9 +36,9 @@ class VertexNormals {
   };
 
   // baked_index: by vertex, its index in baked order; empty if that is the order of the mesh. block_rows: the first row
-  // of every row block, then the number of rows.
+  // of every row block, then the number of rows. `heap`: of temporaries.
   VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> baked_index, std::span<const std::uint32_t> block_rows,
-                std::pmr::memory_resource& memory);
+                std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);
 
   std::size_t block_count() const { return vertex_offsets_.size() - 1; }
   // The vertices of a row block in baked order: first and one past the last.
@@ -74,10 +74,13 @@ class VertexNormals {
     std::uint32_t vertex, polygon;
   };
 
+  static CsrTable<Polygon> polygons_by_block(const Mesh& mesh, std::span<const std::uint32_t> corners,
+                                             const Blocks& blocks, std::size_t block_count,
+                                             std::pmr::memory_resource& heap);
   void add_polygons(const CsrTable<Polygon>& polygons, std::span<const std::uint32_t> corners, const Blocks& blocks,
-                    CsrBuilder<std::uint32_t>& at_vertex);
+                    CsrBuilder<std::uint32_t>& at_vertex, std::pmr::memory_resource& heap);
   void add_incident_polygons(const CsrTable<std::uint32_t>& at_vertex);
-  void compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index);
+  void compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index, std::pmr::memory_resource& heap);
   void compute_areas(std::size_t block, const float* rows, float* areas) const;
   void compute_normals(const PoseKernels& kernels, std::size_t block, const float* areas, float* normals) const;
 

@@ -16,7 +16,8 @@ VertexTangents::State::State(const VertexTangents& tangents, std::pmr::memory_re
 }
 
 VertexTangents::VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
-                               const VertexNormals& normals, std::pmr::memory_resource& memory)
+                               const VertexNormals& normals, std::pmr::memory_resource& memory,
+                               std::pmr::memory_resource& heap)
     : corners_(&memory),
       polygon_offsets_(&memory),
       incident_(memory),
@@ -24,15 +25,18 @@ VertexTangents::VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> 
       at_rest_(&memory),
       block_count_(normals.block_count()) {
   if (mesh.uvs.empty()) return;
-  with_float_mode([&] { compute_rest(mesh, baked_index, normals.at_rest()); });
+  with_float_mode([&] { compute_rest(mesh, baked_index, normals.at_rest(), heap); });
 }
 
 void VertexTangents::compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
-                                  std::span<const float> normals) {
+                                  std::span<const float> normals, std::pmr::memory_resource& heap) {
   const std::size_t vertices = mesh.vertex_count();
   const auto baked = [&](std::uint32_t vertex) { return baked_index.empty() ? vertex : baked_index[vertex]; };
-  std::vector<double> areas(vertices);
-  CsrBuilder<std::uint32_t> at_vertex(vertices);
+  std::pmr::vector<double> areas(vertices, &heap);
+  CsrBuilder<std::uint32_t> at_vertex(vertices, mesh.polygon_corners.size(), heap);
+  corners_.reserve(mesh.polygon_corners.size());
+  polygon_offsets_.reserve(mesh.polygon_sizes.size() + 1);
+  signs_.reserve(vertices);
   std::size_t first = 0;
   for (std::uint32_t p = 0; p < mesh.polygon_sizes.size(); ++p) {
     const std::uint32_t size = mesh.polygon_sizes[p];
@@ -55,7 +59,7 @@ void VertexTangents::compute_rest(const Mesh& mesh, std::span<const std::uint32_
   at_vertex.build(incident_);
   for (const double area : areas) signs_.push_back(area < 0 ? -1.0f : 1.0f);
 
-  std::vector<float> rows(3 * vertices), integrals(3 * polygon_offsets_.size());
+  std::pmr::vector<float> rows(3 * vertices, &heap), integrals(3 * polygon_offsets_.size(), &heap);
   for (std::size_t v = 0; v < vertices; ++v)
     std::copy_n(mesh.points.begin() + 3 * v, 3, rows.begin() + 3 * baked(static_cast<std::uint32_t>(v)));
   at_rest_.resize(3 * vertices);

@@ -32,9 +32,9 @@ class VertexTangents {
   };
 
   // baked_index: by vertex, its index in baked order; empty if that is the order of the mesh. `normals`: of the same
-  // mesh. Without texture coordinates it takes no memory, and run() must not be called.
+  // mesh; `heap`: of temporaries. Without texture coordinates it takes no memory, and run() must not be called.
   VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> baked_index, const VertexNormals& normals,
-                 std::pmr::memory_resource& memory);
+                 std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);
 
   // By vertex, in the order of the mesh: -1 where the texture is mirrored, else 1. The direction in which v grows is
   // about this times the cross product of normal and tangent. Empty without texture coordinates.
@@ -50,7 +50,8 @@ class VertexTangents {
     std::uint32_t vertex;  // in baked order
     float weight;
   };
-  void compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index, std::span<const float> normals);
+  void compute_rest(const Mesh& mesh, std::span<const std::uint32_t> baked_index, std::span<const float> normals,
+                    std::pmr::memory_resource& heap);
   void compute_integrals(const float* rows, float* integrals) const;
   void compute_tangents(std::uint32_t begin, std::uint32_t end, const float* integrals, const float* normals,
                         float* tangents) const;

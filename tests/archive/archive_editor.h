@@ -72,10 +72,12 @@ struct ArchiveEditor {
 
   // Opens an archive and decompresses all its sections.
   explicit ArchiveEditor(std::span<const std::byte> bytes) {
-    Budget budget(UINT64_MAX);
+    MemoryBudget budget;
     for (const StoredSection& section : read_container(bytes)) {
       sections.push_back({section.info.name, section.info.required ? section_required : 0u, 0, 0, {}});
-      sections.back().set(section.decompress(budget));
+      std::pmr::vector<std::byte> unpacked(&budget);
+      const auto contents = section.contents(budget, unpacked);
+      sections.back().set({contents.begin(), contents.end()});
     }
   }
 

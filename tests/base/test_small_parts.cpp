@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/json_depth.h"
 #include "base/keep_asking.h"
+#include "base/memory_budget.h"
 #include "base/progress.h"
 #include "base/random.h"
 #include "base/shown_path.h"
@@ -163,6 +164,29 @@ TEST_CASE("long texts and paths are shortened in their middle, between character
   }
   CHECK_THROWS_WITH_AS(with_path("/f", [] { fail(Status::io, "broken"); }), "broken (/f)", Error);
   CHECK_THROWS_WITH_AS(with_path("/f", [] { fail_on("/f", Status::io, "broken"); }), "broken (/f)", Error);
+}
+
+TEST_CASE("a budget counts what is in use, and refuses what exceeds it") {
+  MemoryBudget budget(100000);
+  {
+    const std::pmr::vector<std::uint32_t> numbers(10000, &budget);
+    CHECK(budget.used() >= 40000);
+    CHECK_THROWS_AS(std::pmr::vector<std::uint32_t>(20000, &budget), Error);
+    const ScopedCharge charge(budget, 1000, 8, "marks");
+    CHECK(budget.used() >= 48000);
+    ChargedMemory other(*std::pmr::new_delete_resource(), budget);
+    const std::pmr::vector<std::byte> bytes(30000, &other);
+    CHECK_THROWS_WITH_AS(budget.take(UINT64_MAX, 8, "names"), doctest::Contains("names: "), Error);
+    CHECK(budget.used() <= 100000);
+  }
+  CHECK(budget.used() == 0);
+  CHECK(budget.peak() >= 78000);
+  std::vector<float> kept;
+  budget.resize(kept, 1000, "kept");
+  budget.take_text(3, "short");
+  CHECK(kept.size() == 1000);
+  CHECK(budget.used() >= 4000);
+  CHECK(budget.used() < 4100);
 }
 
 }  // namespace fb

@@ -2,6 +2,7 @@
 #include <facebaker/facebaker.hpp>
 
 #include <algorithm>
+#include <fstream>
 
 TEST_CASE("a face is loaded, posed and shared") {
   facebaker::Model model(FB_FIXTURE);
@@ -19,6 +20,16 @@ TEST_CASE("a face is loaded, posed and shared") {
   CHECK(scratch.clamped_count() == 1);
   CHECK(!std::equal(positions.begin(), positions.end(), copy.rest_positions()));
   CHECK(std::string(copy.control(3).name) == "lid_close");
+}
+
+TEST_CASE("a face is loaded from a stream") {
+  std::ifstream file(FB_FIXTURE, std::ios::binary);
+  const auto read = [](void* user, void* to, std::uint64_t bytes) -> std::int64_t {
+    auto& stream = *static_cast<std::ifstream*>(user);
+    stream.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes));
+    return stream.bad() ? -1 : stream.gcount();
+  };
+  CHECK(facebaker::Model(read, &file).name() == "tiny");
 }
 
 TEST_CASE("errors are exceptions with a status") {

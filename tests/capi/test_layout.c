@@ -14,7 +14,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_allocator, allocate, 8);
   assert_at(fb_allocator, release, 16);
 
-  assert_int_equal(sizeof(fb_load_desc), 72);
+  assert_int_equal(sizeof(fb_load_desc), 112);
   assert_at(fb_load_desc, struct_size, 0);
   assert_at(fb_load_desc, max_file_bytes, 8);
   assert_at(fb_load_desc, max_model_bytes, 16);
@@ -22,6 +22,12 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_load_desc, log, 48);
   assert_at(fb_load_desc, log_user, 56);
   assert_at(fb_load_desc, instruction_set, 64);
+  assert_at(fb_load_desc, map_file, 72);
+  assert_at(fb_load_desc, reserved_number, 76);
+  assert_at(fb_load_desc, max_name_bytes, 80);
+  assert_at(fb_load_desc, max_vertices, 88);
+  assert_at(fb_load_desc, max_polygons, 96);
+  assert_at(fb_load_desc, max_features, 104);
 
   assert_int_equal(sizeof(fb_control), 40);
   assert_at(fb_control, struct_size, 0);
@@ -352,7 +358,9 @@ static void init_functions_set_sizes_and_defaults(void** state) {
   assert_int_equal(load.struct_size, sizeof load);
   assert_true(load.max_file_bytes == (uint64_t)4 << 30);
   assert_true(load.max_model_bytes == (uint64_t)4 << 30);
-  assert_true(load.allocator.allocate == NULL && load.log == NULL);
+  assert_true(load.max_name_bytes == (uint64_t)16 << 20 && load.max_vertices == (uint64_t)4 << 20);
+  assert_true(load.max_polygons == (uint64_t)8 << 20 && load.max_features == (uint64_t)1 << 20);
+  assert_true(load.allocator.allocate == NULL && load.log == NULL && load.map_file == 0);
   fb_control control;
   fb_control_init(&control);
   assert_int_equal(control.struct_size, sizeof control);

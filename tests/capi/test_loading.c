@@ -150,6 +150,31 @@ static void limits_are_kept(void** state) {
   assert_null(model);
 }
 
+static void each_number_of_items_has_a_limit(void** state) {
+  (void)state;
+  const struct {
+    size_t field;
+    uint64_t count;
+    const char* what;
+  } limits[] = {{offsetof(fb_load_desc, max_name_bytes), 98, "bytes of names and texts"},
+                {offsetof(fb_load_desc, max_vertices), 30, "30 vertices"},
+                {offsetof(fb_load_desc, max_polygons), 21, "21 polygons"},
+                {offsetof(fb_load_desc, max_features), 9, "9 features"}};
+  for (int i = 0; i < 4; ++i) {
+    fb_model* model = NULL;
+    fb_load_desc desc;
+    fb_load_desc_init(&desc);
+    memcpy((char*)&desc + limits[i].field, &limits[i].count, sizeof(uint64_t));
+    assert_ok(fb_load_memory(fixture, fixture_size, &desc, &model));
+    fb_release(model);
+    model = NULL;
+    const uint64_t one_less = limits[i].count - 1;
+    memcpy((char*)&desc + limits[i].field, &one_less, sizeof one_less);
+    assert_refused(fb_load_memory(fixture, fixture_size, &desc, &model), FB_ERROR_LIMIT, limits[i].what);
+    assert_null(model);
+  }
+}
+
 static void long_messages_are_cut_within_the_buffer(void** state) {
   (void)state;
   fb_model* model = NULL;
@@ -277,6 +302,7 @@ int main(void) {
       cmocka_unit_test(files_that_are_no_archive_are_refused),
       cmocka_unit_test(every_prefix_of_an_archive_is_refused),
       cmocka_unit_test(limits_are_kept),
+      cmocka_unit_test(each_number_of_items_has_a_limit),
       cmocka_unit_test(long_messages_are_cut_within_the_buffer),
       cmocka_unit_test(null_pointers_are_refused),
       cmocka_unit_test(the_injected_allocator_is_used_and_balanced),

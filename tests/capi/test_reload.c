@@ -1,5 +1,5 @@
-/* A host that reloads its plugins: a library is opened, used on several threads and closed again, 100 times. The threads
- * that OpenMP keeps must find their code afterwards. */
+/* A host that reloads its plugins: a library is opened, used on several threads and closed again, 100 times. The
+ * threads that OpenMP keeps must find their code afterwards. */
 #include "capi_test.h"
 
 #include <dirent.h>

@@ -97,7 +97,7 @@ bool run(const std::string& argument) {
     same = false;
   };
   for (const PoseKernels* kernels : runnable_kernels()) {
-    const Evaluator face(model, std::pmr::get_default_resource(), UINT64_MAX, *kernels);
+    const Evaluator face(model, {}, *kernels);
     if (kernels == &scalar_kernels) expected = pose_by_pose(face, controls);
     compare(pose_by_pose(face, controls), kernels->name, "pose by pose");
     for (int threads = 1; threads <= 8; ++threads)

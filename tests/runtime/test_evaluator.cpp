@@ -9,6 +9,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "base/memory_budget.h"
 #include "base/status.h"
 #include "plain_face.h"
 #include "runtime/evaluator.h"
@@ -313,8 +314,13 @@ TEST_CASE("a model beyond the memory limit, or one that overflows at rest, is re
   PackedModel model = tiny_packed_model();
   const std::uint64_t bytes = Evaluator(model).bytes();
   CHECK(bytes > model.rest.points.size() * sizeof(float));
-  CHECK_NOTHROW(Evaluator(model, std::pmr::get_default_resource(), bytes));
-  CHECK_THROWS_AS(Evaluator(model, std::pmr::get_default_resource(), bytes - 1), Error);
+  MemoryBudget enough;
+  CHECK(Evaluator(model, {nullptr, &enough}).bytes() == bytes);
+  CHECK(enough.used() == 0);
+  MemoryBudget just_enough(enough.peak()), too_little(enough.peak() - 1);
+  CHECK_NOTHROW(Evaluator(model, {nullptr, &just_enough}));
+  CHECK_THROWS_AS(Evaluator(model, {nullptr, &too_little}), Error);
+  CHECK(too_little.used() == 0);
   PackedLayer& last = model.regions[0].layers.back();
   std::fill(last.scales.begin(), last.scales.end(), 3e38f);
   std::fill(model.regions[0].layers[0].bias.begin(), model.regions[0].layers[0].bias.end(), 1.0f);

@@ -294,7 +294,7 @@ TEST_CASE("every instruction set gives the same bits") {
     }
     Posed expected;
     for (const PoseKernels* kernels : runnable_kernels()) {
-      const Evaluator evaluator(model, std::pmr::get_default_resource(), UINT64_MAX, *kernels);
+      const Evaluator evaluator(model, {}, *kernels);
       std::vector<Workspace> some = workspaces(evaluator, 1);
       const Posed posed = evaluate(evaluator, controls, some);
       if (kernels == &scalar_kernels) expected = posed;

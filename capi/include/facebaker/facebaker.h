@@ -11,9 +11,29 @@
  * with FB_ERROR_INVALID_ARGUMENT.
  *
  * Threads: an fb_model never changes after loading; any number of threads may use one model at once. An fb_scratch
- * belongs to one call at a time. An evaluation that succeeds allocates nothing, locks nothing and logs nothing (OpenMP,
- * where fb_evaluate_batch leaves threads to it, keeps its own). The floating-point mode of a thread changes no result,
- * and is left as it was.
+ * belongs to one call at a time: another call with it meanwhile is refused with FB_ERROR_INVALID_ARGUMENT. An
+ * evaluation that succeeds allocates nothing, waits for nothing and logs nothing; it takes no lock but one atomic flag
+ * of its scratch. The floating-point mode of a thread changes no result, and is left as it was. This library creates no
+ * thread, except in fb_evaluate_batch where the host gives no parallel_for: there OpenMP does, and keeps the threads
+ * for the next batch of the calling thread. OpenMP would end the process if it could not create a thread. So before a
+ * batch that needs more threads than the calling thread's last, they are created for trial, and the batch runs on as
+ * many as there are. What cannot be excluded: that something else takes the last threads or the last memory in that
+ * moment, that the host's own OpenMP code has given the calling thread's threads back since its last batch, or that
+ * OMP_STACKSIZE asks for larger stacks than the system's default. Hosts that live near such limits give a parallel_for,
+ * or a library built without OpenMP (FB_OPENMP=OFF), which creates no threads at all.
+ *
+ * Fork: in a child of fork(), models and scratches that no call was using work as before. Where the parent had run a
+ * batch on OpenMP's threads, the child's batches run on the calling thread, or on those of its parallel_for.
+ *
+ * Signals: no call installs a handler or changes a mask, and none may be made from a signal handler. Threads that
+ * OpenMP creates have the signal mask of the thread that made the batch. Loading goes on after an interrupted system
+ * call.
+ *
+ * Reload: the library stays in memory when a host closes it (dlclose), because OpenMP's idle threads go on; opening it
+ * again finds the same library. A face's file may be replaced, changed or cut short at any time, while it is loaded
+ * too, unless fb_load_desc::map_file is set: the call then loads it, or fails.
+ *
+ * SECURITY.md says what is promised for archives from strangers, and names the test that holds each of these promises.
  *
  * Growth: structs begin with struct_size, are filled by their fb_..._init and only ever grow at the end. A field is
  * read or written only if struct_size covers it, and _init passes the size the host was built with to the exported
@@ -99,8 +119,9 @@ typedef struct fb_load_desc {
   uint32_t struct_size;
   uint32_t reserved;
   uint64_t max_file_bytes;  /**< larger files are refused with FB_ERROR_LIMIT; default 4 GiB */
-  uint64_t max_model_bytes; /**< limit of the memory for the unpacked archive and its model together, and for the
-                               blocks kept to evaluate it; beyond it FB_ERROR_LIMIT; default 4 GiB */
+  uint64_t max_model_bytes; /**< limit of the memory that the call takes at any time: the file's bytes, unless they
+                               are mapped or the caller's, what is unpacked from them, temporaries, names and the model
+                               itself; beyond it FB_ERROR_LIMIT; default 4 GiB. Scratches are not part of it. */
   fb_allocator allocator;   /**< for the blocks of the model (weights, basis, mesh) and its scratches; null functions:
                                malloc. Names, handles and temporaries of loading use malloc. */
   fb_log log;               /**< null: silent */
@@ -108,6 +129,15 @@ typedef struct fb_load_desc {
   const char* instruction_set; /**< for tests: the fastest instruction set to use, from "scalar" on; null: no limit. The
                                   environment variable FB_INSTRUCTION_SET limits it likewise. Results are the same.
                                   Fails with FB_ERROR_INVALID_ARGUMENT, listing the names, on an unknown name. */
+  uint32_t map_file;           /**< 1: fb_load maps the file instead of reading it, which saves memory while large
+                                  archives are loaded. The file must not be cut short or overwritten during the call: the
+                                  system would end the process (SIGBUS). Replacing it by renaming is safe. Default 0. */
+  uint32_t reserved_number;    /**< 0 */
+  uint64_t max_name_bytes;     /**< limit of the bytes of all names and texts in the archive; default 16 MiB */
+  uint64_t max_vertices;       /**< limit of the vertices; default 4 Mi (2^22) */
+  uint64_t max_polygons;       /**< limit of the polygons; default 8 Mi */
+  uint64_t max_features; /**< limit of the features, functions of the controls that networks and sparse blendshapes
+                            are made of; default 1 Mi. Beyond any of these: FB_ERROR_LIMIT. */
 } fb_load_desc;
 
 FB_API void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size);
@@ -116,12 +146,21 @@ static inline void fb_load_desc_init(fb_load_desc* to) {
 }
 
 /** Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
- * reference. Untrusted files are safe: every size is validated before it is used. The file is mapped read-only during
- * this call and must not be truncated meanwhile; replacing it by renaming is safe. Fails with NOT_FOUND, IO,
- * NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and with NOT_FINITE if the rest pose overflows. */
+ * reference. Untrusted files are safe: every size is validated before it is used. Only regular files are read; pipes
+ * and devices are refused with IO at once, and loaded by fb_load_stream. The file is read into memory and closed; see
+ * fb_load_desc::map_file. Fails with NOT_FOUND, IO, NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and
+ * with NOT_FINITE if the rest pose overflows. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
 /** The same from memory, which is not needed after the call. */
 FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
+
+/** Reads the next bytes of a host's stream: writes up to `bytes` (>= 1) of them to `to` and returns how many it wrote,
+ * which may be fewer; 0 at the end of the stream, a negative number if reading failed. Called on the loading thread. */
+typedef int64_t (*fb_read)(void* user, void* to, uint64_t bytes);
+/** The same from a host's stream, such as an entry of a packed, compressed game archive: read(user, ...) is called
+ * until the archive is complete, front to back. An archive says itself how long it is, so its size is not asked for,
+ * and no byte behind it is read: the stream may go on with something else. Fails with IO, too, if read does. */
+FB_API fb_status fb_load_stream(fb_read read, void* user, const fb_load_desc* desc, fb_model** model);
 
 /** Adds a reference. Null is allowed. Thread-safe. */
 FB_API void fb_retain(fb_model* model);

@@ -47,6 +47,10 @@ class Model {
   Model(const void* bytes, std::size_t size, const fb_load_desc* desc = nullptr) {
     check(fb_load_memory(bytes, size, desc, &handle_));
   }
+  /** Loads an archive from a host's stream; see fb_load_stream. */
+  Model(fb_read read, void* user, const fb_load_desc* desc = nullptr) {
+    check(fb_load_stream(read, user, desc, &handle_));
+  }
   /** Shares the face. */
   Model(const Model& other) noexcept : handle_(other.handle_) { fb_retain(handle_); }
   /** Takes the face over. */

@@ -1,3 +1,5 @@
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "archive/coding/coding_reader.h"
@@ -8,7 +10,7 @@ namespace {
 
 void read_order(ByteReader& in, std::uint32_t vertices, std::vector<std::uint32_t>& order) {
   order = in.planes(vertices, "the order");
-  std::vector<bool> listed(vertices);
+  std::pmr::vector<bool> listed(vertices, false, &in.budget());
   std::uint32_t vertex = 0;
   for (std::uint32_t& delta : order) {
     delta = vertex += from_zigzag(delta);
@@ -18,9 +20,8 @@ void read_order(ByteReader& in, std::uint32_t vertices, std::vector<std::uint32_
 }
 
 void read_block_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
-  const std::vector<std::uint32_t> rows = in.planes(in.count(4, "row blocks"), "row counts");
-  in.budget().take(rows.size(), sizeof(PackedRowBlock), "row blocks");
-  model.row_blocks.resize(rows.size());
+  const auto rows = in.temporary_planes(in.count(4, "row blocks"), "row counts");
+  in.budget().resize(model.row_blocks, rows.size(), "row blocks");
   std::uint64_t row = 0;
   for (std::size_t b = 0; b < rows.size(); ++b) {
     model.row_blocks[b].first_row = static_cast<std::uint32_t>(row);
@@ -31,24 +32,41 @@ void read_block_rows(ByteReader& in, std::uint32_t vertices, PackedModel& model)
   if (row != 3 * std::uint64_t(vertices)) in.corrupt("row blocks do not add up to the number of rows");
 }
 
+// Makes room for the columns of each row block. `counts`: of the segments of each column; `deltas`: from row block to
+// row block of a column's segments.
+void reserve_columns(ByteReader& in, std::span<const std::uint32_t> counts, std::span<const std::uint32_t> deltas,
+                     PackedModel& model) {
+  std::pmr::vector<std::uint32_t> columns(model.row_blocks.size(), &in.budget());
+  std::size_t at = 0;
+  for (const std::uint32_t count : counts) {
+    std::uint64_t block = 0;
+    for (std::uint32_t i = 0; i < count; ++i, ++at) {
+      if (i > 0 && deltas[at] == 0) in.corrupt("a column lies twice in one row block");
+      block += deltas[at];
+      if (block >= columns.size()) in.corrupt("a column lies in a row block that does not exist");
+      ++columns[block];
+    }
+  }
+  for (std::size_t b = 0; b < columns.size(); ++b)
+    in.budget().reserve(model.row_blocks[b].columns, columns[b], "columns");
+}
+
 // The columns of the row blocks, stored column by column.
 void read_segments(ByteReader& in, PackedModel& model) {
-  const std::vector<std::uint32_t> counts = in.planes(model.columns, "segment counts");
+  const auto counts = in.temporary_planes(model.columns, "segment counts");
   std::uint64_t segments = 0;
   for (const std::uint32_t count : counts) segments += count;
-  const std::vector<std::uint32_t> deltas = in.planes(segments, "row blocks of segments");
-  const std::vector<std::uint8_t> flags = in.numbers<std::uint8_t>(segments, "flags");
-  const std::vector<float> scales = in.float_planes(in.count(4, "scales"), "scales");
+  const auto deltas = in.temporary_planes(segments, "row blocks of segments");
+  const auto flags = in.temporary_numbers<std::uint8_t>(segments, "flags");
+  const auto scales = in.temporary_float_planes(in.count(4, "scales"), "scales");
   in.end();
 
-  in.budget().take(segments, sizeof(PackedColumn), "columns");
+  reserve_columns(in, counts, deltas, model);
   std::size_t at = 0, next_scale = 0;
   for (std::uint32_t c = 0; c < model.columns; ++c) {
     std::uint64_t block = 0;
     for (std::uint32_t i = 0; i < counts[c]; ++i, ++at) {
-      if (i > 0 && deltas[at] == 0) in.corrupt("a column lies twice in one row block");
       block += deltas[at];
-      if (block >= model.row_blocks.size()) in.corrupt("a column lies in a row block that does not exist");
       if (flags[at] & ~(segment_16_bit_flag | segment_new_scale_flag))
         fail(Status::unsupported, "%s has a column of unknown flags 0x%x", in.where().c_str(), flags[at]);
       if (flags[at] & segment_new_scale_flag) ++next_scale;

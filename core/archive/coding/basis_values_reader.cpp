@@ -28,12 +28,13 @@ class StreamDecoder {
  public:
   // `columns`: those of the stream. All references must outlive the decoder; values go to `model`.
   StreamDecoder(PackedModel& model, std::uint32_t vertices, const FrequencyTables& tables,
-                const ClassSymbolTables& class_tables, const std::vector<std::vector<CodingUnit>>& units,
-                std::span<const std::vector<ColumnSegment>> columns, const RansStream& stream)
+                const ClassSymbolTables& class_tables, const CodingUnits& units,
+                std::span<const std::pmr::vector<ColumnSegment>> columns, const RansStream& stream,
+                std::pmr::memory_resource& memory)
       : stream_(stream),
         tables_(tables),
         class_tables_(class_tables),
-        history_(vertices),
+        history_(vertices, memory),
         model_(model),
         units_(units),
         columns_(columns) {
@@ -133,8 +134,8 @@ class StreamDecoder {
   const ClassSymbolTables& class_tables_;
   ColumnHistory history_;
   PackedModel& model_;
-  const std::vector<std::vector<CodingUnit>>& units_;
-  std::span<const std::vector<ColumnSegment>> columns_;
+  const CodingUnits& units_;
+  std::span<const std::pmr::vector<ColumnSegment>> columns_;
   std::size_t column_ = 0, segment_ = 0;  // the next segment
 };
 
@@ -162,40 +163,40 @@ void decode_streams(std::vector<StreamDecoder>& streams) {
 void allocate_values(ByteReader& in, PackedModel& model) {
   for (PackedRowBlock& block : model.row_blocks) {
     const std::size_t count = checked_multiply(block.columns.size(), block.row_count, in.where().c_str());
-    in.budget().take(count, sizeof(std::int16_t), "basis values");
-    block.values.resize(count);
+    in.budget().resize(block.values, count, "basis values");
   }
 }
 
 // The coding units with their predictors, which `stream` codes.
-std::vector<std::vector<CodingUnit>> read_units(const RansReader& rans, RansStream& stream, std::uint32_t vertices,
-                                                const PackedModel& model) {
-  return coding_units(model.rest, vertices, model.order, model.row_blocks,
-                      [&](CodingUnit& unit, std::span<const Predictor> candidates) {
-                        const auto count = static_cast<std::uint32_t>(candidates.size());
-                        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_context(unit)) : 0;
-                        if (pair >= pair_index(0, count) || stream.exhausted())
-                          rans.corrupt(stream, "a vertex has a predictor that does not exist");
-                        set_predictors(unit, candidates, pair);
-                      });
+CodingUnits read_units(const RansReader& rans, RansStream& stream, std::uint32_t vertices, const PackedModel& model,
+                       std::pmr::memory_resource& memory) {
+  return coding_units(
+      model.rest, vertices, model.order, model.row_blocks,
+      [&](CodingUnit& unit, std::span<const Predictor> candidates) {
+        const auto count = static_cast<std::uint32_t>(candidates.size());
+        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_context(unit)) : 0;
+        if (pair >= pair_index(0, count) || stream.exhausted())
+          rans.corrupt(stream, "a vertex has a predictor that does not exist");
+        set_predictors(unit, candidates, pair);
+      },
+      memory);
 }
 
 }  // namespace
 
 void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   allocate_values(in, model);
-  in.budget().take(vertices, 320, "predictions");  // estimate: units, neighbours, one column's history per stream
   const RansReader rans(in, basis_contexts);
   RansStreams streams = rans.streams();
-  const auto units = read_units(rans, streams[0], vertices, model);
-  const auto segments = column_segments(model);
-  const auto first_columns = first_columns_of_streams(model, segments);
+  const auto units = read_units(rans, streams[0], vertices, model, in.budget());
+  const auto segments = column_segments(model, in.budget());
+  const auto first_columns = first_columns_of_streams(model, segments, in.budget());
   const ClassSymbolTables class_tables(rans.tables());
   std::vector<StreamDecoder> decoders;
   decoders.reserve(stream_count);
   for (std::size_t s = 0; s < stream_count; ++s) {
     const auto columns = std::span(segments).subspan(first_columns[s], first_columns[s + 1] - first_columns[s]);
-    decoders.emplace_back(model, vertices, rans.tables(), class_tables, units, columns, streams[s]);
+    decoders.emplace_back(model, vertices, rans.tables(), class_tables, units, columns, streams[s], in.budget());
   }
   decode_streams(decoders);
   for (std::size_t s = 0; s < stream_count; ++s) {

@@ -1,6 +1,7 @@
 #include "archive/coding/coding_units.h"
 
 #include <algorithm>
+#include <functional>
 #include <queue>
 #include <utility>
 
@@ -12,7 +13,8 @@ constexpr std::uint32_t no_vertex = 0xffffffff, unset = 0xffffffff;
 // The neighbours of each vertex along polygon edges, at most `max_neighbours`, and when each vertex was coded last.
 class VertexNeighbours {
  public:
-  VertexNeighbours(const Mesh& mesh, std::uint32_t vertices) : count_(vertices), list_(vertices), time_(vertices) {
+  VertexNeighbours(const Mesh& mesh, std::uint32_t vertices, std::pmr::memory_resource& memory)
+      : count_(vertices, &memory), list_(vertices, &memory), time_(vertices, &memory) {
     std::size_t at = 0;
     for (const std::uint32_t size : mesh.polygon_sizes) {
       for (std::uint32_t k = 0; k < size; ++k)
@@ -44,16 +46,17 @@ class VertexNeighbours {
     list_[w][count_[w]++] = v;
   }
 
-  std::vector<std::uint8_t> count_;
-  std::vector<std::array<std::uint32_t, max_neighbours>> list_;
-  std::vector<std::uint32_t> time_;
+  std::pmr::vector<std::uint8_t> count_;
+  std::pmr::vector<std::array<std::uint32_t, max_neighbours>> list_;
+  std::pmr::vector<std::uint32_t> time_;
   std::uint32_t now_ = 0;
 };
 
 // Ranks vertices and finds the candidate predictors of coding units.
 class PredictorFinder {
  public:
-  explicit PredictorFinder(std::uint32_t vertices) : ranks_(vertices, unset), no_rank_(vertices) {}
+  PredictorFinder(std::uint32_t vertices, std::pmr::memory_resource& memory)
+      : ranks_(vertices, unset, &memory), no_rank_(vertices) {}
 
   // Sets the unit's rank, neighbourhood and neighbours, and returns its candidates, valid until the next call.
   std::span<const Predictor> find(std::uint32_t vertex, const VertexNeighbours& mesh, CodingUnit& unit) {
@@ -118,7 +121,7 @@ class PredictorFinder {
     return last;
   }
 
-  std::vector<std::uint32_t> ranks_;
+  std::pmr::vector<std::uint32_t> ranks_;
   std::uint32_t no_rank_, next_rank_ = 0;
   std::vector<std::uint32_t> coded_;  // neighbours of the current vertex
   std::vector<Predictor> candidates_;
@@ -130,8 +133,10 @@ struct UnitOfVertex {
 };
 
 // The units of a row block in the order of rows; rank, neighbourhood and predictors are not set.
-std::vector<UnitOfVertex> units_in_row_order(const PackedRowBlock& block, const std::vector<std::uint32_t>& order) {
-  std::vector<UnitOfVertex> units;
+std::pmr::vector<UnitOfVertex> units_in_row_order(const PackedRowBlock& block, const std::vector<std::uint32_t>& order,
+                                                  std::pmr::memory_resource& memory) {
+  std::pmr::vector<UnitOfVertex> units(&memory);
+  units.reserve(block.row_count / 3 + 2);
   for (std::uint32_t row = 0; row < block.row_count;) {
     const std::uint32_t at = block.first_row + row;
     CodingUnit unit;
@@ -153,26 +158,28 @@ void set_predictors(CodingUnit& unit, std::span<const Predictor> candidates, std
   unit.predictors = {candidates[pair - pair_index(0, second)], candidates[second]};
 }
 
-std::vector<std::vector<CodingUnit>> coding_units(const Mesh& mesh, std::uint32_t vertices,
-                                                  const std::vector<std::uint32_t>& order,
-                                                  const std::vector<PackedRowBlock>& blocks,
-                                                  const SelectPredictors& select) {
-  VertexNeighbours neighbours(mesh, vertices);
-  PredictorFinder finder(vertices);
-  std::vector<std::uint32_t> waiting(vertices, unset);  // index into `units` of each vertex not yet coded in this block
-  std::vector<std::vector<CodingUnit>> units_of_blocks;
+CodingUnits coding_units(const Mesh& mesh, std::uint32_t vertices, const std::vector<std::uint32_t>& order,
+                         const std::vector<PackedRowBlock>& blocks, const SelectPredictors& select,
+                         std::pmr::memory_resource& memory) {
+  VertexNeighbours neighbours(mesh, vertices, memory);
+  PredictorFinder finder(vertices, memory);
+  // Index into `units` of each vertex not yet coded in this block.
+  std::pmr::vector<std::uint32_t> waiting(vertices, unset, &memory);
+  CodingUnits units_of_blocks(&memory);
+  units_of_blocks.reserve(blocks.size());
   for (const PackedRowBlock& block : blocks) {
-    const std::vector<UnitOfVertex> units = units_in_row_order(block, order);
+    const std::pmr::vector<UnitOfVertex> units = units_in_row_order(block, order, memory);
     // The next unit is the one with the most coded neighbours; of several, the first in row order. When a count grows,
     // the unit is queued again; later entries of a coded unit are skipped.
     using Entry = std::pair<std::uint32_t, std::uint32_t>;  // coded neighbours, units.size() - index
-    std::priority_queue<Entry> queue;
+    std::priority_queue<Entry, std::pmr::vector<Entry>> queue(std::less<Entry>(), &memory);
     const auto size = static_cast<std::uint32_t>(units.size());
     for (std::uint32_t u = 0; u < size; ++u) {
       waiting[units[u].vertex] = u;
       queue.push({neighbours.coded_count(units[u].vertex), size - u});
     }
     auto& coded = units_of_blocks.emplace_back();
+    coded.reserve(size);
     while (!queue.empty()) {
       auto [vertex, unit] = units[size - queue.top().second];
       queue.pop();
@@ -190,17 +197,18 @@ std::vector<std::vector<CodingUnit>> coding_units(const Mesh& mesh, std::uint32_
   return units_of_blocks;
 }
 
-std::vector<std::vector<ColumnSegment>> column_segments(const PackedModel& model) {
-  std::vector<std::vector<ColumnSegment>> segments(model.columns);
+ColumnSegments column_segments(const PackedModel& model, std::pmr::memory_resource& memory) {
+  ColumnSegments segments(model.columns, &memory);
   for (std::uint32_t b = 0; b < model.row_blocks.size(); ++b)
     for (std::uint32_t c = 0; c < model.row_blocks[b].columns.size(); ++c)
       segments[model.row_blocks[b].columns[c].column].push_back({b, c});
   return segments;
 }
 
-std::array<std::size_t, stream_count + 1> first_columns_of_streams(
-    const PackedModel& model, const std::vector<std::vector<ColumnSegment>>& segments) {
-  std::vector<std::uint64_t> values_before = {0};  // in the columns before each
+std::array<std::size_t, stream_count + 1> first_columns_of_streams(const PackedModel& model,
+                                                                   const ColumnSegments& segments,
+                                                                   std::pmr::memory_resource& memory) {
+  std::pmr::vector<std::uint64_t> values_before(1, 0, &memory);  // in the columns before each
   for (const auto& column : segments) {
     std::uint64_t values = 0;
     for (const ColumnSegment& segment : column) values += model.row_blocks[segment.block].row_count;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -47,12 +48,13 @@ void set_predictors(CodingUnit& unit, std::span<const Predictor> candidates, std
 // Calls set_predictors for a unit whose other members are set.
 using SelectPredictors = std::function<void(CodingUnit& unit, std::span<const Predictor> candidates)>;
 
-// The units of every row block in coding order; calls `select` for each. Polygons (corners below `vertices`), order and
-// the rows of the blocks have been checked. The mesh's points are not used.
-std::vector<std::vector<CodingUnit>> coding_units(const Mesh& mesh, std::uint32_t vertices,
-                                                  const std::vector<std::uint32_t>& order,
-                                                  const std::vector<PackedRowBlock>& blocks,
-                                                  const SelectPredictors& select);
+// The units of every row block in coding order.
+using CodingUnits = std::pmr::vector<std::pmr::vector<CodingUnit>>;
+// Calls `select` for each. Polygons (corners below `vertices`), order and the rows of the blocks have been checked. The
+// mesh's points are not used. `memory`: of the result and of temporaries.
+CodingUnits coding_units(const Mesh& mesh, std::uint32_t vertices, const std::vector<std::uint32_t>& order,
+                         const std::vector<PackedRowBlock>& blocks, const SelectPredictors& select,
+                         std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
 // A segment: the part of a column that lies in one row block.
 struct ColumnSegment {
@@ -60,11 +62,14 @@ struct ColumnSegment {
 };
 
 // The segments of every column, by ascending row block: the order in which they are coded.
-std::vector<std::vector<ColumnSegment>> column_segments(const PackedModel& model);
+using ColumnSegments = std::pmr::vector<std::pmr::vector<ColumnSegment>>;
+ColumnSegments column_segments(const PackedModel& model,
+                               std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
 // The first column of each stream, and the number of columns. Columns are split so that streams hold about as many
 // values each.
 std::array<std::size_t, stream_count + 1> first_columns_of_streams(
-    const PackedModel& model, const std::vector<std::vector<ColumnSegment>>& segments);
+    const PackedModel& model, const ColumnSegments& segments,
+    std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
 }  // namespace fb::archive

@@ -7,6 +7,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "archive/coding/coding_units.h"
@@ -75,7 +77,8 @@ constexpr std::uint32_t residual_context(std::uint32_t unit_class, std::uint32_t
 // 0 where nothing is coded yet.
 class ColumnHistory {
  public:
-  explicit ColumnHistory(std::size_t vertices) : vertices_(vertices + 1) {}
+  explicit ColumnHistory(std::size_t vertices, std::pmr::memory_resource& memory = *std::pmr::get_default_resource())
+      : vertices_(vertices + 1, &memory) {}
 
   // The next segment of the column begins; `wide`: its values have 16 bits.
   void begin_segment(bool wide) { max_magnitude_ = AxisVector{} + (wide ? largest_wide : largest_narrow); }
@@ -111,7 +114,7 @@ class ColumnHistory {
     vertices_[rank] = {values, statistics};
   }
   // Clears the vertices of these units.
-  void clear(const std::vector<CodingUnit>& units) {
+  void clear(std::span<const CodingUnit> units) {
     for (const CodingUnit& unit : units) vertices_[unit.rank] = {};
   }
 
@@ -121,7 +124,7 @@ class ColumnHistory {
     AxisVector statistics{};  // magnitudes of the residuals; lane 3: 32 * class + bits of the largest value
   };
 
-  std::vector<Vertex> vertices_;
+  std::pmr::vector<Vertex> vertices_;
   AxisVector max_magnitude_{};
 };
 

@@ -36,12 +36,14 @@ void read_table(ByteReader& in, std::uint8_t* symbol_of_slot, std::uint32_t* fre
 
 }  // namespace
 
-RansReader::RansReader(ByteReader& in, std::size_t contexts) : in_(&in) {
-  tables_.table_of_context = in.numbers<std::uint8_t>(contexts, "tables of contexts");
+RansReader::RansReader(ByteReader& in, std::size_t contexts)
+    : in_(&in),
+      tables_{in.temporary_numbers<std::uint8_t>(contexts, "tables of contexts"),
+              std::pmr::vector<std::uint8_t>(&in.budget()), std::pmr::vector<std::uint32_t>(&in.budget())},
+      words_(&in.budget()) {
   const std::size_t tables =
       *std::max_element(tables_.table_of_context.begin(), tables_.table_of_context.end()) + std::size_t(1);
   if (tables > max_tables) in.corrupt("contexts have more tables than the format allows");
-  in.budget().take(tables, table_slots + 256 * sizeof(std::uint32_t), "frequency tables");
   tables_.symbol_of_slot.resize(tables * table_slots);
   tables_.frequency_starts.resize(tables * 256);
   for (std::size_t table = 0; table < tables; ++table)
@@ -55,8 +57,7 @@ RansReader::RansReader(ByteReader& in, std::size_t contexts) : in_(&in) {
   }
   const std::uint64_t words = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
   if (in.left() != 2 * words) in.corrupt("the words of the streams do not fill the section");
-  words_ = in.numbers<std::uint16_t>(words, "coded symbols");
-  words_.resize(words_.size() + RansStream::padding_words);
+  words_ = in.temporary_numbers<std::uint16_t>(words, "coded symbols", RansStream::padding_words);
   const std::uint16_t* word = words_.data();
   for (std::size_t stream = 0; stream < stream_count; ++stream) {
     streams_[stream].word_ = word;

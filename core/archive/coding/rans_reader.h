@@ -19,9 +19,9 @@ inline constexpr std::uint32_t max_tables = 64;       // that the contexts of a 
 // Frequency tables, shared by contexts. Symbol and frequency are looked up one after the other, because a table of both
 // per slot would be four times as large and exceed the first-level cache.
 struct FrequencyTables {
-  std::vector<std::uint8_t> table_of_context;   // contexts
-  std::vector<std::uint8_t> symbol_of_slot;     // tables x table_slots
-  std::vector<std::uint32_t> frequency_starts;  // tables x 256: frequency << 16 | first slot of the symbol
+  std::pmr::vector<std::uint8_t> table_of_context;   // contexts
+  std::pmr::vector<std::uint8_t> symbol_of_slot;     // tables x table_slots
+  std::pmr::vector<std::uint32_t> frequency_starts;  // tables x 256: frequency << 16 | first slot of the symbol
 };
 
 // The decoder of one interleaved stream. Streams share nothing but the tables, so that their decoding overlaps in the
@@ -88,7 +88,7 @@ class RansReader {
  private:
   const ByteReader* in_;
   FrequencyTables tables_;
-  std::vector<std::uint16_t> words_;
+  std::pmr::vector<std::uint16_t> words_;
   RansStreams streams_;
 };
 

@@ -42,8 +42,7 @@ void read_weights(ByteReader& in, PackedModel& model) {
     for (std::size_t l = 0; l < region.layers.size(); ++l) {
       PackedLayer& layer = region.layers[l];
       const std::size_t count = checked_multiply(layer.inputs, layer.outputs, in.where().c_str());
-      in.budget().take(count, sizeof(std::int16_t), "weights");
-      layer.weights.resize(count);
+      in.budget().resize(layer.weights, count, "weights");
       const std::uint32_t context = weight_context(l, region.layers.size());
       const auto read = layer.wide ? read_layer<true> : read_layer<false>;
       if (!read(rans.tables(), streams, context, layer.weights)) rans.end(streams);

@@ -5,43 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory_resource>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/checked.h"
+#include "base/memory_budget.h"
 #include "base/status.h"
 
 namespace fb::archive {
-
-// The memory a reader may still allocate. Charged before every allocation whose size comes from the file.
-class Budget {
- public:
-  explicit Budget(std::uint64_t bytes) : total_(bytes), left_(bytes) {}
-
-  // Charges `count` items of `size` bytes. Fails with `limit`, naming `what`, if they exceed the budget.
-  void take(std::uint64_t count, std::size_t size, const char* what) {
-    if (count > left_ / size)
-      fail(Status::limit, "%s: %llu items of %zu bytes go beyond the limit of %llu bytes for a model", what,
-           (unsigned long long)count, size, (unsigned long long)total_);
-    left_ -= count * size;
-  }
-
- private:
-  std::uint64_t total_, left_;
-};
 
 // Reads the unpacked contents of one section from front to back. Failures are `corrupt` and name section, byte offset
 // within the contents, and the field (`what`).
 class ByteReader {
  public:
   // `where` names the section in messages. `bytes` and `budget` must outlive the reader.
-  ByteReader(std::span<const std::byte> bytes, std::string where, Budget& budget)
+  ByteReader(std::span<const std::byte> bytes, std::string where, MemoryBudget& budget)
       : bytes_(bytes), where_(std::move(where)), budget_(budget) {}
 
   const std::string& where() const { return where_; }
   std::size_t left() const { return bytes_.size() - at_; }
-  Budget& budget() { return budget_; }
+  MemoryBudget& budget() { return budget_; }
 
   [[noreturn]] void corrupt(const char* what) const {
     fail(Status::corrupt, "%s, at byte %zu of its contents: %s", where_.c_str(), at_, what);
@@ -70,20 +55,38 @@ class ByteReader {
     return load<T>(take(sizeof(T), what).data());
   }
 
+  // `count` numbers, charged for good.
   template <class T>
   std::vector<T> numbers(std::uint64_t count, const char* what) {
-    if (count > left() / sizeof(T)) take(UINT64_MAX, what);
-    const auto bytes = take(count * sizeof(T), what);
-    budget_.take(count, sizeof(T), what);
-    std::vector<T> values(static_cast<std::size_t>(count));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = load<T>(bytes.data() + i * sizeof(T));
+    const auto bytes = take_items(count, sizeof(T), what);
+    std::vector<T> values;
+    budget_.resize(values, count, what);
+    fill(values, bytes);
     return values;
   }
-
   std::string string(const char* what);
   // `count` 32-bit numbers stored as four byte planes, the least significant first.
-  std::vector<std::uint32_t> planes(std::uint64_t count, const char* what);
-  std::vector<float> float_planes(std::uint64_t count, const char* what);
+  std::vector<std::uint32_t> planes(std::uint64_t count, const char* what) {
+    return read_planes<std::vector<std::uint32_t>>(count, what);
+  }
+  std::vector<float> float_planes(std::uint64_t count, const char* what) {
+    return read_planes<std::vector<float>>(count, what);
+  }
+
+  // The same, charged for as long as they are kept, and followed by `padding` zeros.
+  template <class T>
+  std::pmr::vector<T> temporary_numbers(std::uint64_t count, const char* what, std::size_t padding = 0) {
+    const auto bytes = take_items(count, sizeof(T), what);
+    std::pmr::vector<T> values(static_cast<std::size_t>(count) + padding, &budget_);
+    fill(values, bytes);
+    return values;
+  }
+  std::pmr::vector<std::uint32_t> temporary_planes(std::uint64_t count, const char* what) {
+    return read_planes<std::pmr::vector<std::uint32_t>>(count, what);
+  }
+  std::pmr::vector<float> temporary_float_planes(std::uint64_t count, const char* what) {
+    return read_planes<std::pmr::vector<float>>(count, what);
+  }
   // Fails unless all bytes were read.
   void end() const {
     if (left() != 0) corrupt("the section should end here");
@@ -103,9 +106,20 @@ class ByteReader {
     }
   }
 
+  std::span<const std::byte> take_items(std::uint64_t count, std::size_t size, const char* what) {
+    return take(count > left() / size ? UINT64_MAX : count * size, what);
+  }
+  template <class Vector>
+  static void fill(Vector& values, std::span<const std::byte> bytes) {
+    using T = typename Vector::value_type;
+    for (std::size_t i = 0; i < bytes.size() / sizeof(T); ++i) values[i] = load<T>(bytes.data() + i * sizeof(T));
+  }
+  template <class Vector>
+  Vector read_planes(std::uint64_t count, const char* what);
+
   std::span<const std::byte> bytes_;
   std::string where_;
-  Budget& budget_;
+  MemoryBudget& budget_;
   std::size_t at_ = 0;
 };
 

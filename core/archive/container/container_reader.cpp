@@ -70,11 +70,15 @@ StoredSection read_row(ByteReader& table, std::span<const std::byte> file, std::
   return section;
 }
 
-std::vector<std::byte> inflate_section(const StoredSection& section) {
+// What zlib allocates to decompress: its window, tables and state.
+constexpr std::size_t inflate_bytes = 48 << 10;
+
+void inflate_section(const StoredSection& section, MemoryBudget& budget, std::pmr::vector<std::byte>& raw) {
   const std::string where = section.where();
   if (section.info.raw_bytes > UINT32_MAX || section.info.stored_bytes > UINT32_MAX)
     fail(Status::limit, "%s is compressed and larger than 4 GiB", where.c_str());
-  std::vector<std::byte> raw(section.info.raw_bytes);
+  const ScopedCharge state(budget, 1, inflate_bytes, where.c_str());
+  raw.resize(section.info.raw_bytes);
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
   stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(section.stored.data()));
@@ -87,11 +91,17 @@ std::vector<std::byte> inflate_section(const StoredSection& section) {
   inflateEnd(&stream);
   if (!complete)
     fail(Status::corrupt, "%s does not decompress to the %llu bytes it declares", where.c_str(), (ull)raw.size());
-  return raw;
 }
 
-// Checks version, table checksum and file size; returns the number of sections.
-std::uint32_t read_header(std::span<const std::byte> bytes, FormatVersion version, Budget& budget) {
+struct Header {
+  std::uint32_t sections;
+  std::uint64_t size;  // of the whole archive
+};
+
+// Checks signature and version.
+Header read_header(std::span<const std::byte> bytes, FormatVersion version) {
+  check_signature(bytes);
+  MemoryBudget budget;
   ByteReader header(bytes.first(header_bytes), "the header", budget);
   header.take(sizeof archive_signature, "the signature");
   const auto major = header.number<std::uint16_t>("the version");
@@ -104,11 +114,16 @@ std::uint32_t read_header(std::span<const std::byte> bytes, FormatVersion versio
          major == 0 && minor == 2 ? "; \"facebaker pack\" converts it to the current version" : "");
   if (count > max_sections)
     fail(Status::corrupt, "the header (byte 12) declares %u sections; at most %u are allowed", count, max_sections);
+  return {count, size};
+}
 
-  const std::size_t table_end = header_bytes + count * table_row_bytes;
+// Checks the checksum of the table, which ends at table_end, and the size of the file.
+void check_table(std::span<const std::byte> bytes, const Header& header, std::size_t table_end) {
+  const auto [count, size] = header;
   if (bytes.size() < table_end + 2 * checksum_bytes)
     fail(Status::corrupt, "the archive is truncated: it ends at byte %zu, within its table of %u sections",
          bytes.size(), count);
+  MemoryBudget budget;
   ByteReader after_table(bytes.subspan(table_end, checksum_bytes), "the table's checksum", budget);
   check_checksum(bytes.first(table_end), 0, after_table.number<std::uint64_t>("a checksum"),
                  "header and section table");
@@ -117,7 +132,6 @@ std::uint32_t read_header(std::span<const std::byte> bytes, FormatVersion versio
   if (bytes.size() > size)
     fail(Status::corrupt, "the archive ends at byte %llu, and %llu more bytes follow", (ull)size,
          (ull)(bytes.size() - size));
-  return count;
 }
 
 }  // namespace
@@ -126,23 +140,30 @@ std::string StoredSection::where() const {
   return format("section \"%s\" (byte %llu)", info.name.c_str(), (ull)info.offset);
 }
 
-std::vector<std::byte> StoredSection::decompress(Budget& budget) const {
+std::span<const std::byte> StoredSection::contents(MemoryBudget& budget, std::pmr::vector<std::byte>& unpacked) const {
   const std::string section = where();
   if (codec != Codec::none && codec != Codec::deflate)
     fail(Status::unsupported, "%s is compressed with unknown codec %u", section.c_str(), static_cast<unsigned>(codec));
-  budget.take(info.raw_bytes, 1, section.c_str());
-  if (codec == Codec::deflate) return inflate_section(*this);
+  if (codec == Codec::deflate) {
+    inflate_section(*this, budget, unpacked);
+    return unpacked;
+  }
   if (info.raw_bytes != info.stored_bytes)
     fail(Status::corrupt, "%s is not compressed, yet declares %llu bytes stored as %llu", section.c_str(),
          (ull)info.raw_bytes, (ull)info.stored_bytes);
-  return {stored.begin(), stored.end()};
+  return stored;
+}
+
+std::uint64_t archive_size(std::span<const std::byte> beginning) {
+  return read_header(beginning, {}).size;
 }
 
 std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version) {
-  check_signature(bytes);
-  Budget budget(UINT64_MAX);
-  const std::uint32_t count = read_header(bytes, version, budget);
+  const Header header = read_header(bytes, version);
+  const std::uint32_t count = header.sections;
   const std::size_t table_end = header_bytes + count * table_row_bytes;
+  check_table(bytes, header, table_end);
+  MemoryBudget budget;
   ByteReader table(bytes.subspan(header_bytes, table_end - header_bytes), "the section table (byte 24)", budget);
   const std::size_t sections_end = bytes.size() - checksum_bytes;
   std::vector<StoredSection> sections;

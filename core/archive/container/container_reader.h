@@ -27,8 +27,9 @@ struct StoredSection {
 
   // For messages: section "basis" (byte 1234)
   std::string where() const;
-  // The contents, decompressed. Charges the budget; fails with `corrupt`, `unsupported` or `limit`.
-  std::vector<std::byte> decompress(Budget& budget) const;
+  // The contents: `stored`, or decompressed into `unpacked`, an empty vector with memory of the budget. Fails with
+  // `corrupt`, `unsupported` or `limit`.
+  std::span<const std::byte> contents(MemoryBudget& budget, std::pmr::vector<std::byte>& unpacked) const;
 };
 
 struct FormatVersion {
@@ -38,6 +39,10 @@ struct FormatVersion {
 // All sections in file order. Verifies every checksum and accounts for every byte of the file. Refuses other major
 // versions than that of `version` as unsupported; of major version 0, other minor versions too.
 std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version = {});
+
+// The size of the whole archive, as its header says; `beginning`: its first header_bytes bytes. Fails as
+// read_container() does with what is no archive, or one of another version.
+std::uint64_t archive_size(std::span<const std::byte> beginning);
 
 // Null if there is no such section.
 const StoredSection* find_section(const std::vector<StoredSection>& sections, std::string_view name);

@@ -6,8 +6,9 @@
 
 namespace fb::archive {
 
-TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices)
-    : first_(std::size_t(vertices) + 1), edges_(triangles.size()) {
+TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices,
+                             std::pmr::memory_resource& memory)
+    : first_(std::size_t(vertices) + 1, &memory), edges_(triangles.size(), &memory) {
   for (const std::uint32_t corner : triangles) ++first_[corner];
   std::uint32_t sum = 0;
   for (std::uint32_t& first : first_) first = sum += first;

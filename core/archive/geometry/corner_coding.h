@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -24,15 +25,16 @@ class TriangleEdges {
   };
 
   // Corners are below `vertices`, three a triangle.
-  TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices);
+  TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices,
+                std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
   std::span<const Edge> from(std::uint32_t vertex) const {
     return {edges_.data() + first_[vertex], edges_.data() + first_[vertex + 1]};
   }
 
  private:
-  std::vector<std::uint32_t> first_;  // per vertex, its first edge; and the number of edges
-  std::vector<Edge> edges_;
+  std::pmr::vector<std::uint32_t> first_;  // per vertex, its first edge; and the number of edges
+  std::pmr::vector<Edge> edges_;
 };
 
 // The edges from a vertex, sorted by the zigzag distance of their end from `prediction`. Empty if two edges end at one

@@ -11,6 +11,9 @@
 namespace fb::archive {
 namespace {
 
+// What Draco allocates at most while it decodes, beside the result; the test load_memory fails if it is more.
+constexpr std::size_t draco_bytes_per_vertex = 96, draco_bytes_per_triangle = 96;
+
 // Draco allocates by the counts in its data without checking them. The two decoders below fail before it allocates,
 // unless the counts are those of the archive and the attributes those of the format.
 struct Expected {
@@ -105,26 +108,26 @@ void read_position(const ByteReader& in, const draco::PointAttribute& positions,
   }
 }
 
-RestPoints decode_point_cloud(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
+RestPoints decode_point_cloud(ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
   check_draco_header(in, bytes, draco::POINT_CLOUD, draco::POINT_CLOUD_SEQUENTIAL_ENCODING, 3);
   if (expected.triangles != 0) in.corrupt("a point cloud has triangles");
   draco::PointCloud cloud;
   decode<CheckedPointDecoder>(in, bytes, expected, cloud);
   RestPoints out;
-  out.points.resize(std::size_t(3) * expected.vertices);
+  in.budget().resize(out.points, std::uint64_t(3) * expected.vertices, "rest points");
   for (std::uint32_t v = 0; v < expected.vertices; ++v)
     read_position(in, *cloud.attribute(0), draco::PointIndex(v), expected.grid_step, &out.points[std::size_t(3) * v]);
   return out;
 }
 
-RestPoints decode_mesh(const ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
+RestPoints decode_mesh(ByteReader& in, std::span<const std::byte> bytes, Expected expected) {
   check_draco_header(in, bytes, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING, 2);
   draco::Mesh mesh;
   decode<CheckedMeshDecoder>(in, bytes, expected, mesh);
   RestPoints out;
-  out.points.resize(std::size_t(3) * expected.vertices);
-  std::vector<std::uint32_t> vertex_of(expected.vertices);
-  std::vector<bool> present(expected.vertices);
+  in.budget().resize(out.points, std::uint64_t(3) * expected.vertices, "rest points");
+  std::pmr::vector<std::uint32_t> vertex_of(expected.vertices, &in.budget());
+  std::pmr::vector<bool> present(expected.vertices, false, &in.budget());
   for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {
     std::uint32_t& vertex = vertex_of[point.value()];
     mesh.attribute(1)->GetMappedValue(point, &vertex);
@@ -132,6 +135,7 @@ RestPoints decode_mesh(const ByteReader& in, std::span<const std::byte> bytes, E
     present[vertex] = true;
     read_position(in, *mesh.attribute(0), point, expected.grid_step, &out.points[std::size_t(3) * vertex]);
   }
+  in.budget().reserve(out.triangles, 3 * expected.triangles, "rest triangles");
   for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face)
     for (const draco::PointIndex& point : mesh.face(face)) out.triangles.push_back(vertex_of[point.value()]);
   return out;
@@ -154,9 +158,8 @@ RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, 
   const auto bytes = in.take(in.left(), "Draco data");
   if (grid_step == 0 && bytes.size() / 12 < vertices)
     in.corrupt("the Draco data is too short for the points of all vertices");
-  // Estimates of what Draco allocates per vertex and triangle while decoding, plus the result.
-  in.budget().take(vertices, 96, "rest points");
-  in.budget().take(triangles, 96, "rest triangles");
+  const ScopedCharge of_points(in.budget(), vertices, draco_bytes_per_vertex, "rest points");
+  const ScopedCharge of_triangles(in.budget(), triangles, draco_bytes_per_triangle, "rest triangles");
   try {
     switch (order) {
       case PointOrder::as_stored:

@@ -99,7 +99,7 @@ std::optional<ByteWriter> encode_point_cloud(const Mesh& mesh, float grid_step) 
 std::optional<WrittenGeometry> if_lossless(std::optional<ByteWriter> section, const Mesh& mesh) {
   if (!section) return std::nullopt;
   try {
-    Budget budget(UINT64_MAX);
+    MemoryBudget budget;
     ByteReader in(section->bytes, "geometry", budget);
     RestPoints read = read_geometry(in, static_cast<std::uint32_t>(mesh.vertex_count()));
     if (std::memcmp(read.points.data(), mesh.points.data(), read.points.size() * sizeof(float)) != 0)

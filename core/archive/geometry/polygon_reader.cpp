@@ -28,13 +28,11 @@ std::vector<std::uint32_t> read_corner_deltas(ByteReader& in, const std::vector<
 
 void read_along_triangles(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles,
                           std::uint32_t corners, Mesh& mesh) {
-  const std::vector<std::uint32_t> deltas = in.planes(mesh.polygon_sizes.size(), "first corners");
-  const std::vector<std::uint8_t> edge_indices = in.numbers<std::uint8_t>(mesh.polygon_sizes.size(), "edge indices");
+  const auto deltas = in.temporary_planes(mesh.polygon_sizes.size(), "first corners");
+  const auto edge_indices = in.temporary_numbers<std::uint8_t>(mesh.polygon_sizes.size(), "edge indices");
   in.end();
-  in.budget().take(triangles.size(), sizeof(TriangleEdges::Edge), "edges");
-  in.budget().take(std::uint64_t(vertices) + corners, sizeof(std::uint32_t), "edges and corners");
-  const TriangleEdges edges(triangles, vertices);
-  mesh.polygon_corners.resize(corners);
+  const TriangleEdges edges(triangles, vertices, in.budget());
+  in.budget().resize(mesh.polygon_corners, corners, "corners");
   std::uint32_t* polygon = mesh.polygon_corners.data();
   std::span<const std::uint32_t> previous;
   std::uint32_t first = 0;
@@ -92,9 +90,9 @@ void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   if (coding > static_cast<std::uint32_t>(UvCoding::by_vertex))
     fail(Status::unsupported, "%s has texture coordinates in unknown coding %u", in.where().c_str(), coding);
   if (pairs == 0) in.corrupt("there are no texture coordinates");
-  const std::vector<float> u = in.float_planes(pairs, "texture coordinates");
-  const std::vector<float> v = in.float_planes(pairs, "texture coordinates");
-  in.budget().take(pairs, 2 * sizeof(float), "texture coordinates");
+  const auto u = in.temporary_float_planes(pairs, "texture coordinates");
+  const auto v = in.temporary_float_planes(pairs, "texture coordinates");
+  in.budget().reserve(mesh.uvs, 2 * std::uint64_t(pairs), "texture coordinates");
   for (std::uint32_t i = 0; i < pairs; ++i) {
     if (!std::isfinite(u[i]) || !std::isfinite(v[i])) in.corrupt("a texture coordinate is not finite");
     mesh.uvs.push_back(u[i]);
@@ -108,7 +106,7 @@ void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh) {
   }
   if (pairs != vertices) in.corrupt("the number of texture coordinates is not that of the vertices");
   in.end();
-  in.budget().take(mesh.polygon_corners.size(), sizeof(std::uint32_t), "corners");
+  in.budget().reserve(mesh.uv_corners, mesh.polygon_corners.size(), "corners");
   mesh.uv_corners = mesh.polygon_corners;
 }
 

@@ -61,7 +61,7 @@ ByteWriter write_along_triangles(const Mesh& mesh, const std::vector<std::uint32
 // Whether the archive's own reader restores every corner.
 bool is_lossless(const ByteWriter& section, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   try {
-    Budget budget(UINT64_MAX);
+    MemoryBudget budget;
     ByteReader in(section.bytes, "polygons", budget);
     Mesh read;
     read_polygons(in, static_cast<std::uint32_t>(mesh.vertex_count()), triangles, read);

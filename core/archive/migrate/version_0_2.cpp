@@ -15,11 +15,11 @@ namespace {
 
 constexpr FormatVersion version = {0, 2};
 
-std::vector<std::byte> decompress(const StoredSection& section, Budget& budget) {
-  if (section.codec != Codec::zstd) return section.decompress(budget);
+std::span<const std::byte> decompress(const StoredSection& section, MemoryBudget& budget,
+                                      std::pmr::vector<std::byte>& raw) {
+  if (section.codec != Codec::zstd) return section.contents(budget, raw);
   const std::string where = section.where();
-  budget.take(section.info.raw_bytes, 1, where.c_str());
-  std::vector<std::byte> raw(section.info.raw_bytes);
+  raw.resize(section.info.raw_bytes);
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), section.stored.data(), section.stored.size());
   if (ZSTD_isError(size) || size != raw.size()) fail(Status::corrupt, "%s cannot be decompressed", where.c_str());
   return raw;
@@ -110,11 +110,11 @@ bool is_version_0_2(std::span<const std::byte> bytes) {
 
 Archive read_version_0_2(std::span<const std::byte> bytes, const ReadLimits& limits) {
   const std::vector<StoredSection> sections = read_container(bytes, version);
-  Budget budget(limits.max_model_bytes);
+  MemoryBudget budget(limits.max_model_bytes);
   const auto read = [&](const char* name, auto&& read_contents) {
     const StoredSection& section = require_section(sections, name);
-    const std::vector<std::byte> raw = decompress(section, budget);
-    ByteReader in(raw, section.where(), budget);
+    std::pmr::vector<std::byte> unpacked(&budget);
+    ByteReader in(decompress(section, budget, unpacked), section.where(), budget);
     return read_contents(in);
   };
   Archive archive;

@@ -13,14 +13,14 @@ using archive::CodingUnit;
 using archive::ColumnHistory;
 using archive::ColumnSegment;
 
-using Units = std::vector<std::vector<CodingUnit>>;  // by row block, in coding order
+using Units = archive::CodingUnits;
 
 // Calls function(history, unit, row block, index of the unit's first value in the block) for all units of all columns
 // in coding order. The function records in `history` what the unit is coded as.
 template <class Function>
 void for_each_unit(const PackedModel& model, const Units& units, Function&& function) {
   ColumnHistory history(model.rest.vertex_count());
-  for (const std::vector<ColumnSegment>& segments : archive::column_segments(model)) {
+  for (const auto& segments : archive::column_segments(model)) {
     for (const auto& [b, index] : segments) {
       const PackedRowBlock& block = model.row_blocks[b];
       history.begin_segment(block.columns[index].wide);

@@ -58,7 +58,7 @@ class PredictorChooser {
   }
 
   // Measures each predictor alone, then the pairs of the best.
-  std::vector<std::vector<CodingUnit>> choose() {
+  CodingUnits choose() {
     for (Candidates& c : candidates_) {
       c.pairs.clear();
       for (std::uint32_t p = 0; p < c.predictors.size(); ++p) c.pairs.push_back({p, p});
@@ -98,7 +98,7 @@ class PredictorChooser {
   void measure_bits() {
     for (Candidates& c : candidates_) c.bits.assign(c.pairs.size(), 0);
     ColumnValues column(model_.rest.vertex_count() + 1);
-    for (const std::vector<ColumnSegment>& segments : segments_) {
+    for (const auto& segments : segments_) {
       for (const ColumnSegment& segment : segments)
         for_each_unit(segment, [&](const CodingUnit& unit, const std::int16_t* values, Candidates&) {
           std::copy_n(values, unit.count, column[unit.rank].begin() + unit.axis);
@@ -130,15 +130,15 @@ class PredictorChooser {
 
   const PackedModel& model_;
   const ResidualBits residual_bits_;
-  std::vector<std::vector<ColumnSegment>> segments_;
-  std::vector<std::vector<CodingUnit>> units_;
+  ColumnSegments segments_;
+  CodingUnits units_;
   std::vector<std::size_t> first_;  // index in candidates_ of the first unit of each row block
   std::vector<Candidates> candidates_;
 };
 
 }  // namespace
 
-std::vector<std::vector<CodingUnit>> choose_predictors(const PackedModel& model) {
+CodingUnits choose_predictors(const PackedModel& model) {
   return PredictorChooser(model).choose();
 }
 

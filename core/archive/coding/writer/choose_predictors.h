@@ -9,6 +9,6 @@ namespace fb::archive {
 
 // The coding units of the model's row blocks in coding order, each with the predictor pair for which the residuals of
 // all columns are estimated to take fewest bits.
-std::vector<std::vector<CodingUnit>> choose_predictors(const PackedModel& model);
+CodingUnits choose_predictors(const PackedModel& model);
 
 }  // namespace fb::archive

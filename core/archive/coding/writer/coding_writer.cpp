@@ -29,7 +29,7 @@ void write_segments(ByteWriter& out, const PackedModel& model) {
   std::vector<std::uint32_t> counts, deltas;
   std::vector<std::uint8_t> flags;
   std::vector<float> scales;
-  for (const std::vector<ColumnSegment>& segments : column_segments(model)) {
+  for (const auto& segments : column_segments(model)) {
     counts.push_back(checked_u32(segments.size(), "segments"));
     std::uint32_t before = 0;
     for (const auto& [b, index] : segments) {
@@ -49,7 +49,7 @@ void write_segments(ByteWriter& out, const PackedModel& model) {
   out.float_planes(scales);
 }
 
-void write_segment(RansWriter& out, ColumnHistory& history, const std::vector<CodingUnit>& units, bool wide,
+void write_segment(RansWriter& out, ColumnHistory& history, std::span<const CodingUnit> units, bool wide,
                    const std::int16_t* values) {
   history.begin_segment(wide);
   for (const CodingUnit& unit : units) {

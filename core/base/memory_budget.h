@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <string>
+#include <vector>
+
+namespace fb {
+
+// The heap with a limit: for loading untrusted bytes. As a memory resource it charges what it allocates for as long as
+// it is allocated; what comes from elsewhere is charged by take(). Everything fails with `limit` before it exceeds the
+// limit. Not thread-safe.
+class MemoryBudget final : public std::pmr::memory_resource {
+ public:
+  explicit MemoryBudget(std::uint64_t limit = UINT64_MAX) : limit_(limit) {}
+  MemoryBudget(const MemoryBudget&) = delete;
+  MemoryBudget& operator=(const MemoryBudget&) = delete;
+
+  std::uint64_t used() const { return used_; }
+  std::uint64_t peak() const { return peak_; }  // the most there ever was in use
+
+  // Charges a block of `count` items of `size` bytes that is about to be allocated, and returns how much. `what` it is
+  // for goes into the message.
+  std::uint64_t take(std::uint64_t count, std::size_t size, const char* what);
+  void give_back(std::uint64_t charged) noexcept { used_ -= charged; }
+  // The same for the text of a std::string, as far as it takes a block.
+  void take_text(std::size_t length, const char* what);
+
+  // Charges the items for good, then makes room for them in an empty vector that outlives this object.
+  template <class T>
+  void reserve(std::vector<T>& items, std::uint64_t count, const char* what) {
+    take(count, sizeof(T), what);
+    items.reserve(static_cast<std::size_t>(count));
+  }
+  template <class T>
+  void resize(std::vector<T>& items, std::uint64_t count, const char* what) {
+    take(count, sizeof(T), what);
+    items.resize(static_cast<std::size_t>(count));
+  }
+
+  // Charged memory of another resource.
+  void* allocate_from(std::pmr::memory_resource& upstream, std::size_t bytes, std::size_t alignment);
+  void return_to(std::pmr::memory_resource& upstream, void* memory, std::size_t bytes, std::size_t alignment);
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    return allocate_from(*std::pmr::new_delete_resource(), bytes, alignment);
+  }
+  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+    return_to(*std::pmr::new_delete_resource(), memory, bytes, alignment);
+  }
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+  std::uint64_t limit_, used_ = 0, peak_ = 0;
+};
+
+// A charge that ends with its scope.
+class ScopedCharge {
+ public:
+  ScopedCharge(MemoryBudget& budget, std::uint64_t count, std::size_t size, const char* what)
+      : budget_(budget), charged_(budget.take(count, size, what)) {}
+  ~ScopedCharge() { budget_.give_back(charged_); }
+  ScopedCharge(const ScopedCharge&) = delete;
+  ScopedCharge& operator=(const ScopedCharge&) = delete;
+
+ private:
+  MemoryBudget& budget_;
+  std::uint64_t charged_;
+};
+
+// Memory of another resource, charged to a budget. Both must outlive it.
+class ChargedMemory final : public std::pmr::memory_resource {
+ public:
+  ChargedMemory(std::pmr::memory_resource& upstream, MemoryBudget& budget) : upstream_(upstream), budget_(budget) {}
+
+ private:
+  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
+    return budget_.allocate_from(upstream_, bytes, alignment);
+  }
+  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
+    budget_.return_to(upstream_, memory, bytes, alignment);
+  }
+  bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
+
+  std::pmr::memory_resource& upstream_;
+  MemoryBudget& budget_;
+};
+
+}  // namespace fb
