@@ -93,17 +93,30 @@ struct fb_scratch {
     for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
   }
 
-  void require_model(const fb_model* model) const {
-    if (owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
-  }
-
-  Reference owner;  // first: outlives the members that use the model's memory
+  std::atomic<bool> busy = false;
+  Reference owner;  // before the members that use the model's memory
   std::pmr::vector<fb::runtime::Workspace> workspaces;
   std::pmr::vector<std::uint8_t> regions;  // the region mask of a batch
   std::uint64_t clamped = 0;
 };
 
 namespace {
+
+// A call's use of a scratch. Fails with invalid_argument if it belongs to another model or another call is using it.
+class Use {
+ public:
+  Use(fb_scratch* scratch, const fb_model* model) : scratch_(*scratch) {
+    if (scratch_.owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
+    if (scratch_.busy.exchange(true, std::memory_order_acquire))
+      fail(Status::invalid_argument, "scratch is in use by another call; each thread needs its own");
+  }
+  ~Use() { scratch_.busy.store(false, std::memory_order_release); }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+
+ private:
+  fb_scratch& scratch_;
+};
 
 // read(budget) returns the archive, in memory charged to the budget.
 template <class Read>
@@ -491,7 +504,7 @@ fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* c
     require(scratch, "scratch");
     require(controls, "controls");
     require(positions, "positions");
-    scratch->require_model(model);
+    const Use use(scratch, model);
     model->evaluator.evaluate(controls, positions, scratch->workspaces[0]);
     scratch->clamped = scratch->workspaces[0].clamped();
   });
@@ -504,7 +517,7 @@ fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, c
     require(scratch, "scratch");
     require(controls, "controls");
     require(coefficients, "coefficients");
-    scratch->require_model(model);
+    const Use use(scratch, model);
     model->evaluator.coefficients(controls, coefficients, scratch->workspaces[0]);
     scratch->clamped = scratch->workspaces[0].clamped();
   });
@@ -523,7 +536,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     require(model, "model");
     require(scratch, "scratch");
     require(desc, "desc");
-    scratch->require_model(model);
+    const Use use(scratch, model);
     const fb_batch_desc known = read_struct(*desc, fb_batch_desc_init, "fb_batch_desc");
     const fb::Parallel parallel = {static_cast<int>(batch_threads(known, scratch->workspaces.size())),
                                    known.parallel_for, known.parallel_user};

@@ -106,6 +106,32 @@ static void wrong_batches_are_refused_before_anything_is_written(void** state) {
   controls[11 * CONTROLS + 1] = saved;
 }
 
+/* A host's scheduler that uses the batch's scratch meanwhile. */
+static void intrude(void* user, uint32_t count, uint32_t workers, fb_task task, void* context) {
+  (void)workers;
+  float positions[FLOATS];
+  fb_status* seen = user;
+  seen[0] = fb_evaluate(model, scratch, controls, positions);
+  seen[1] = strstr(fb_last_error(), "in use") == NULL;
+  for (uint32_t i = 0; i < count; ++i) task(context, i, 0);
+}
+
+static void a_scratch_serves_one_call_at_a_time(void** state) {
+  (void)state;
+  static float positions[POSES * FLOATS];
+  fb_status seen[2] = {FB_OK, 1};
+  fb_batch_desc desc = describe(positions, POSES * FLOATS);
+  desc.parallel_for = intrude;
+  desc.parallel_user = seen;
+  assert_ok(fb_evaluate_batch(model, scratch, &desc));
+  assert_int_equal(seen[0], FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(seen[1], 0);
+  assert_memory_equal(positions, expected, sizeof positions);
+  desc.poses = UINT64_MAX; /* a call that fails gives the scratch back, too */
+  assert_int_not_equal(fb_evaluate_batch(model, scratch, &desc), FB_OK);
+  assert_ok(fb_evaluate(model, scratch, controls, positions));
+}
+
 static void an_empty_batch_does_nothing(void** state) {
   (void)state;
   fb_batch_desc desc;
@@ -120,6 +146,7 @@ int main(void) {
       cmocka_unit_test(strides_are_honoured),
       cmocka_unit_test(clamping_is_counted_over_the_batch),
       cmocka_unit_test(wrong_batches_are_refused_before_anything_is_written),
+      cmocka_unit_test(a_scratch_serves_one_call_at_a_time),
       cmocka_unit_test(an_empty_batch_does_nothing),
   };
   return cmocka_run_group_tests(tests, open_model, close_model);
