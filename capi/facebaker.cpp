@@ -189,6 +189,13 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::u
   return batch;
 }
 
+[[noreturn]] void fail_unknown_control(const fb::RigSchema& schema, std::string_view name) {
+  std::string message = "there is no control \"" + fb::shown(name) + "\"";
+  const std::string_view closest = schema.closest(name);
+  if (!closest.empty()) message += "; the closest is \"" + fb::shown(closest) + "\"";
+  fail(Status::not_found, "%s", message.c_str());
+}
+
 const fb::runtime::RowBlockMatrix& row_block_at(const fb_model* model, std::uint32_t index) {
   require(model, "model");
   const auto& blocks = model->evaluator.row_blocks();
@@ -377,9 +384,7 @@ fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* ind
     require(index, "index");
     const fb::RigSchema& schema = model->evaluator.schema();
     const auto found = schema.find(name);
-    if (!found)
-      fail(Status::not_found, "there is no control \"%s\"; the closest is \"%s\"", name,
-           std::string(schema.closest(name)).c_str());
+    if (!found) fail_unknown_control(schema, name);
     *index = static_cast<uint32_t>(*found);
   });
 }

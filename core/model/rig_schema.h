@@ -28,7 +28,8 @@ struct RigSchema {
 
   std::size_t control_count() const { return controls.size(); }
   std::optional<std::size_t> find(std::string_view control) const;
-  // The control name with the smallest edit distance to `misspelt`, for messages; "" if there are no controls.
+  // The control name with the smallest edit distance to `misspelt`, for messages, of as many as can be compared in a
+  // few milliseconds; "" if that is none.
   std::string_view closest(std::string_view misspelt) const;
   std::vector<float> rest_pose() const;
 };

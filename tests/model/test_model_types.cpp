@@ -63,4 +63,12 @@ TEST_CASE("a dense basis is cut into row blocks without columns of zeros") {
   CHECK_THROWS_AS(make_basis(rows, 3, dense), Error);
 }
 
+TEST_CASE("the closest name is looked for within a bound") {
+  RigSchema schema;
+  for (int i = 0; i < 300; ++i) schema.controls.push_back({std::to_string(i) + std::string(60000, 'n'), 0, 1, 0, ""});
+  schema.controls.push_back({"jaw_open", 0, 1, 0, ""});
+  CHECK(schema.closest("jaw_opne") == "jaw_open");
+  CHECK(schema.closest(std::string(60000, 'm')).size() <= 60003);  // in hours without a bound
+}
+
 }  // namespace fb
