@@ -29,7 +29,8 @@ TEST_CASE("a face is loaded from a stream") {
     stream.read(static_cast<char*>(to), static_cast<std::streamsize>(bytes));
     return stream.bad() ? -1 : stream.gcount();
   };
-  CHECK(facebaker::Model(read, &file).name() == "tiny");
+  const facebaker::Model model(read, &file);
+  CHECK(model.name() == "tiny");
 }
 
 TEST_CASE("errors are exceptions with a status") {
