@@ -25,10 +25,12 @@ struct CurveLimits {
 };
 
 struct ControlCurve {
-  SparseBlendshapes part;     // shapes and the features that weigh them; empty if the control moves nothing
-  double error = 0;           // largest distance at a sample, rig units
-  bool smooth = false;        // one polynomial over the whole range
-  std::vector<double> knots;  // positions between rest and the ends where the curve bends, the largest bend first
+  SparseBlendshapes part;      // shapes and the features that weigh them; empty if the control moves nothing
+  double error = 0;            // largest distance at a sample, rig units
+  bool smooth = false;         // one polynomial over the whole range
+  std::vector<double> knots;   // positions between rest and the ends where the curve bends, the largest bend first
+  bool steep = false;          // between two samples much steeper than beside them: the curve may jump there
+  std::vector<Feature> steps;  // of a curve that jumps, see curve_jumps.h; knots are then positions between jumps
 };
 
 // The control's value at a position, within its range.

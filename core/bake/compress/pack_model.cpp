@@ -55,9 +55,11 @@ PackedLayer pack_layer(const DenseLayer& layer, int bits) {
 PackedRegion pack_region(const Region& region, const PackOptions& options) {
   PackedRegion packed{region.name, region.features, {}, region.gate};
   for (std::size_t l = 0; l < region.layers.size(); ++l) {
-    const int bits = l + 1 == region.layers.size() ? options.output_bits
-                     : l == 0                      ? options.first_bits
-                                                   : options.hidden_bits;
+    // A single layer is a table of a curve: no training has learnt to live with its rounding.
+    const int bits = region.layers.size() == 1       ? 16
+                     : l + 1 == region.layers.size() ? options.output_bits
+                     : l == 0                        ? options.first_bits
+                                                     : options.hidden_bits;
     packed.layers.push_back(pack_layer(region.layers[l], bits));
   }
   return packed;

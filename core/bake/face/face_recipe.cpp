@@ -5,6 +5,7 @@
 
 #include "bake/compress/fit_target.h"
 #include "bake/face/assemble_basis.h"
+#include "bake/face/curve_tables.h"
 #include "bake/face/finish_face.h"
 #include "bake/face/network_inputs.h"
 #include "bake/face/train_region_networks.h"
@@ -84,23 +85,29 @@ std::vector<std::string> summary_notes(const Decomposition& face, double rms_err
 TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
-  const Decomposition parts = decompose(recipe, poses, rig, options, progress);
+  Decomposition parts = decompose(recipe, poses, rig, options, progress);
   const RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
   TrainedFace face;
+  face.additive = parts.regions.empty() && parts.analysis.correctives.empty();
   face.model.schema = poses.source().schema();
   face.model.rest = poses.source().rest();
   face.model.network.features = inputs.features;
+  std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
   RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
+  face.stats.notes = summary_notes(parts, networks.rms_error);
   face.model.network.regions = std::move(networks.regions);
+  for (CurveTable& table : tables) {
+    face.model.network.regions.push_back(std::move(table.network));
+    parts.regions.push_back(std::move(table.region));
+    parts.bases.push_back(std::move(table.basis));
+  }
   keep_live_features(face.model.network);
   face.model.basis = assemble_basis(face.model.rest.vertex_count(), parts.analysis.base, parts.regions, parts.bases);
   for (const LocalBasis& basis : parts.bases) face.covariance.push_back(coefficient_covariance(basis, poses.size()));
   face.rms_error = networks.rms_error;
-  face.additive = parts.regions.empty() && parts.analysis.correctives.empty();
   face.stats.regions = std::move(networks.stats);
   face.stats.rig_calls = parts.analysis.rig_calls;
-  face.stats.notes = summary_notes(parts, networks.rms_error);
   for (const std::string& note : face.stats.notes) progress.note(note);
   return face;
 }

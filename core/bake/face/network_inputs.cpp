@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "bake/analysis/curve_jumps.h"
+
 namespace fb::bake {
 namespace {
 
@@ -54,16 +56,22 @@ RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema,
     }
   for (const FaceRegion& region : regions) {
     std::set<std::uint32_t> region_features;
+    std::set<std::uint32_t> steps;
     Gate gate;
     for (const std::uint32_t control : region.controls) {
       region_features.insert(identity[control]);
       if (gated) gate.features.push_back(identity[control]);
     }
+    for (std::uint32_t f = 0; f < analysis.base.features.size(); ++f)
+      if (is_step(analysis.base.features[f]) &&
+          std::ranges::binary_search(region.controls, analysis.base.features[f].control))
+        steps.insert(f);
     for (const Corrective& corrective : analysis.correctives)
       if (region_features.size() < 2 * region.controls.size() &&
           std::includes(region.controls.begin(), region.controls.end(), corrective.controls.begin(),
                         corrective.controls.end()))
         region_features.insert(corrective.features.begin(), corrective.features.end());
+    region_features.merge(steps);
     inputs.of_region.emplace_back(region_features.begin(), region_features.end());
     inputs.gates.push_back(std::move(gate));
   }

@@ -36,7 +36,7 @@ struct BakeStats {
   std::vector<std::string> notes;       // sentences, such as what the analysis found
   std::size_t bones = 0;                // of the skeleton of a baseline that has one
   std::uint64_t rig_calls = 0;          // poses of a live rig evaluated besides the recorded ones
-  std::vector<RegionStats> regions;     // in the order of the model's regions
+  std::vector<RegionStats> regions;     // the first of the model's regions, in order
   std::vector<LearningPoint> learning;  // by ascending poses
   std::string coverage;                 // what training poses do not cover: sentences and Markdown tables
   std::vector<StageTime> stages;        // in order

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <optional>
 
 #include "bake/analysis/blendshape_parts.h"
 #include "bake/analysis/live/corrective_search.h"
+#include "bake/analysis/live/difficult_curves.h"
 #include "bake/analysis/live/excitation_curves.h"
 #include "bake/analysis/live/finite_differences.h"
 #include "base/status.h"
@@ -14,25 +16,33 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
          rig.schema().name.c_str());
   const EvaluationBudget budget(rig, options.rig_budget);
   RigAnalysis analysis;
-  const std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion, progress);
-  std::vector<const SparseBlendshapes*> parts;
-  for (const ControlCurve& curve : curves) {
-    parts.push_back(&curve.part);
-    analysis.linear_controls += curve.part.shapes.size() == 1;
-  }
-  append(analysis.base, parts);
+  std::vector<ControlCurve> curves = fit_excitations(rig, options, analysis.motion, progress);
   const DenseDifferences dense = evaluate_differences(rig, options.seed, progress);
   const std::vector<float> dense_motion = difference_motion(dense, {}, Statistic::largest, rig);
   for (std::size_t i = 0; i < dense_motion.size(); ++i)
     analysis.motion[i] = std::max(analysis.motion[i], dense_motion[i]);
-  analysis.curve_error = validate_curves(rig, curves, options.seed, progress);
-  CorrectiveSearch correctives(rig, options, curves, dense, analysis.base, progress);
-  if (options.max_pairs > 0) correctives.find(2, options.max_pairs);
-  if (options.max_triples > 0) {
-    correctives.find(3, options.max_triples);
-    correctives.find(4, options.max_triples / 4);
+  std::vector<double> errors = validate_curves(rig, curves, options.seed, progress);
+  refit_difficult_curves(rig, options, curves, errors, progress);
+  analysis.curve_error = *std::max_element(errors.begin(), errors.end());
+  std::vector<const SparseBlendshapes*> parts;
+  for (const ControlCurve& curve : curves) {
+    parts.push_back(&curve.part);
+    analysis.linear_controls += curve.part.shapes.size() == 1 && curve.steps.empty();
   }
-  analysis.correctives = correctives.prune();
+  append(analysis.base, parts);
+  std::optional<CorrectiveSearch> correctives(std::in_place, rig, options, curves, dense, analysis.base, progress);
+  if (options.max_pairs > 0) correctives->find(2, options.max_pairs);
+  if (add_joint_steps(rig, options, *correctives, curves, progress)) {
+    analysis.base = {};
+    append(analysis.base, parts);
+    correctives.emplace(rig, options, curves, dense, analysis.base, progress);
+    correctives->find(2, options.max_pairs);
+  }
+  if (options.max_triples > 0) {
+    correctives->find(3, options.max_triples);
+    correctives->find(4, options.max_triples / 4);
+  }
+  analysis.correctives = correctives->prune();
   analysis.residual_motion = difference_motion(dense, analysis.base, Statistic::root_mean_square, rig);
   analysis.rig_calls = budget.requested();
   return analysis;

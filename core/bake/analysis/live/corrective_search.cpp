@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "bake/analysis/blendshape_parts.h"
@@ -30,16 +31,17 @@ std::vector<std::uint32_t> without(const std::vector<std::uint32_t>& controls, s
 }
 
 // Features a control may enter a corrective as, the simplest first: across rest, each side, their squares, and tents at
-// the knots of its curve, or at the middle of the side.
+// the knots of its curve, or at the middle of the side. Those of a curve that jumps begin with its steps.
 std::vector<std::uint32_t> factors(std::vector<Feature>& features, const Control& control, std::uint32_t index,
                                    const ControlCurve& curve) {
   std::vector<std::uint32_t> list;
+  for (const Feature& step : curve.steps) list.push_back(add_feature(features, step));
   const auto square = [&](std::uint32_t f) {
     return add_feature(features, {Feature::Kind::product, 0, 1, 0, 0, f, f});
   };
   if (has_side(control, true) && has_side(control, false)) {
     list.push_back(add_feature(features, across(control, index)));
-    list.push_back(square(list[0]));
+    list.push_back(square(list.back()));
   }
   for (const bool up : {true, false}) {
     if (!has_side(control, up)) continue;
@@ -202,7 +204,7 @@ CorrectiveSearch::GridPoints CorrectiveSearch::range_ends(const Candidate& candi
 }
 
 CorrectiveSearch::GridPoints CorrectiveSearch::full_grid(const Candidate& candidate) const {
-  const std::size_t order = candidate.controls.size(), most = order == 2 ? 4 : order == 3 ? 3 : 2;
+  const std::size_t order = candidate.controls.size(), most = order == 2 ? 8 : order == 3 ? 3 : 2;
   std::vector<std::size_t> counts;
   for (const std::uint32_t c : candidate.controls) counts.push_back(std::min(most, curve_errors_[c].positions.size()));
   return combinations(counts);
@@ -322,6 +324,29 @@ void CorrectiveSearch::fit(Candidate& candidate, std::span<const GridPoint> poin
   const double tolerance = options_.corrective_tolerance * rig_.diagonal();
   candidate.part =
       fit_corrective(features, composed, poses, rig_.rest_pose(), differences, {tolerance, tolerance / 20});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto pose = std::span(poses).subspan(i * rig_.rest_pose().size(), rig_.rest_pose().size());
+    std::vector<float> off = differences[i];
+    candidate.part.add(pose, rig_.rest_pose(), 1, -1, off);
+    double worst = 0;
+    for (std::size_t k = 0; k < off.size(); k += 3) worst = std::max(worst, square_of(off.data() + k));
+    if (std::sqrt(worst) <= candidate.misfit) continue;
+    candidate.misfit = std::sqrt(worst);
+    candidate.misfit_pose.assign(pose.begin(), pose.end());
+  }
+}
+
+std::vector<CorrectiveSearch::Misfit> CorrectiveSearch::misfits(double least) const {
+  std::map<std::uint32_t, const Candidate*> worst;
+  for (const Candidate& corrective : found_)
+    for (const std::uint32_t c : corrective.controls) {
+      const Candidate*& of_control = worst[c];
+      if (corrective.misfit > (of_control ? of_control->misfit : least)) of_control = &corrective;
+    }
+  std::vector<Misfit> misfits;
+  for (const auto& [control, corrective] : worst)
+    if (corrective) misfits.push_back({control, corrective->misfit_pose});
+  return misfits;
 }
 
 void CorrectiveSearch::rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest) {

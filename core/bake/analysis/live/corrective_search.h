@@ -27,6 +27,14 @@ class CorrectiveSearch {
   // Adds at most `most` correctives of `order` controls, 2 first, then 3, then 4.
   void find(std::size_t order, std::size_t most);
 
+  // A control of a corrective, and the pose in which the corrective fitted is furthest from the rig.
+  struct Misfit {
+    std::uint32_t control = 0;
+    std::vector<float> pose;
+  };
+  // Every control with a corrective that is off by more than `least` at a vertex, rig units, in the worst such pose.
+  std::vector<Misfit> misfits(double least) const;
+
   // Removes correctives from the base that raise the error of dense poses. Returns the others, strongest first.
   std::vector<Corrective> prune();
 
@@ -35,6 +43,8 @@ class CorrectiveSearch {
     std::vector<std::uint32_t> controls;  // ascending
     double score = 0, energy = 0, distance = 0;
     SparseBlendshapes part;
+    double misfit = 0;  // largest distance of the part from the rig at a vertex, rig units
+    std::vector<float> misfit_pose;
   };
   // A point of a candidate's grid: for each control 0, at rest, or a knot position, numbered from 1.
   using GridPoint = std::vector<std::uint8_t>;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/analysis/blendshape_parts.h"
+#include "bake/analysis/curve_jumps.h"
 #include "base/random.h"
 #include "base/status.h"
 
@@ -12,8 +13,9 @@ namespace {
 
 constexpr std::size_t controls_at_once = 24;  // whose samples are in memory together, at most 24 a side
 constexpr int refinement_rounds = 5;
-constexpr int initial_samples = 8;  // of a side
-constexpr std::size_t most_knot_positions = 4;
+constexpr int initial_samples = 8;   // of a side
+constexpr int validation_draws = 3;  // of a side
+constexpr std::size_t most_knot_positions = 4, most_jumping_positions = 8;
 
 // One control away from rest.
 struct ControlPosition {
@@ -123,11 +125,15 @@ class ControlSampler {
 
 }  // namespace
 
+CurveLimits curve_limits(const AnalysisOptions& options, double diagonal) {
+  return {options.curve_tolerance * diagonal, 1e-6 * diagonal, options.max_knots};
+}
+
 std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptions& options, std::vector<float>& motion,
                                           Progress& progress) {
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), vertices = rig.coordinate_count() / 3;
-  const CurveLimits limits{options.curve_tolerance * rig.diagonal(), 1e-6 * rig.diagonal(), options.max_knots};
+  const CurveLimits limits = curve_limits(options, rig.diagonal());
   motion.assign(width * vertices, 0);
   std::vector<ControlCurve> curves(width);
   int per_side = initial_samples;
@@ -142,7 +148,9 @@ std::vector<ControlCurve> fit_excitations(RigEvaluator& rig, const AnalysisOptio
         ControlSampler(rig, limits, begin, end, progress).sample(per_side, reserved);
     parallel_for(rig.parallel(), end - begin, [&](std::size_t i, std::size_t) {
       if (samples[i].positions.empty()) return;
-      curves[begin + i] = fit_curve(schema.controls[begin + i], samples[i], limits);
+      const Control& control = schema.controls[begin + i];
+      curves[begin + i] = fit_curve(control, samples[i], limits);
+      curves[begin + i].steep = !positions_to_bisect(control, samples[i], least_jump * limits.tolerance).empty();
       raise_motion(std::span(motion).subspan((begin + i) * vertices, vertices), samples[i], rig.diagonal());
     });
   }
@@ -153,8 +161,9 @@ std::vector<double> knot_positions(const Control& control, const ControlCurve& c
   std::vector<double> positions;
   for (const bool up : {true, false})
     if (has_side(control, up)) positions.push_back(up ? 1 : -1);
+  const std::size_t most = curve.steps.empty() ? most_knot_positions : most_jumping_positions;
   const auto add = [&](double position) {
-    if (positions.size() < most_knot_positions && has_side(control, position > 0) &&
+    if (positions.size() < most && has_side(control, position > 0) &&
         std::find(positions.begin(), positions.end(), position) == positions.end())
       positions.push_back(position);
   };
@@ -186,16 +195,20 @@ std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<Con
   return errors;
 }
 
-double validate_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed,
-                       Progress& progress) {
+std::vector<double> validate_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curves, std::uint64_t seed,
+                                    Progress& progress) {
   const RigSchema& schema = rig.schema();
+  // A budget is better spent on correctives.
+  const int draws = rig.remaining() == UINT64_MAX ? validation_draws : 1;
   std::vector<ControlPosition> drawn;
   for (std::size_t c = 0; c < curves.size(); ++c)
     for (const bool up : {true, false}) {
       if (!has_side(schema.controls[c], up)) continue;
       Random random(seed, std::uint64_t{9} << 48 | (2 * c + up));
-      const double position = 0.02 + 0.96 * random.uniform();
-      drawn.push_back({c, up ? position : -position});
+      for (int k = 0; k < draws; ++k) {
+        const double position = 0.02 + 0.96 * random.uniform();
+        drawn.push_back({c, up ? position : -position});
+      }
     }
   if (drawn.size() > rig.remaining()) drawn.resize(rig.remaining());
   std::vector<double> distances(drawn.size());
@@ -204,9 +217,10 @@ double validate_curves(RigEvaluator& rig, const std::vector<ControlCurve>& curve
     for (std::size_t k = 0; k < error.size(); k += 3)
       distances[i] = std::max(distances[i], std::hypot(double(error[k]), error[k + 1], error[k + 2]));
   });
-  double largest = 0;
-  for (const double distance : distances) largest = std::max(largest, distance / rig.diagonal());
-  return largest;
+  std::vector<double> errors(curves.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    errors[drawn[i].control] = std::max(errors[drawn[i].control], distances[i] / rig.diagonal());
+  return errors;
 }
 
 }  // namespace fb::bake
