@@ -57,7 +57,7 @@ const std::map<std::string, Layers>& law() {
     may["bake/rig"] = with(nouns, {"public headers"});
     may["bake/dataset"] = with(may["bake/rig"], {"bake/rig"});
     may["bake/analysis"] = with(nouns, {"bake/linalg", "bake/rig"});
-    may["bake/sampling"] = with(nouns, data);
+    may["bake/sampling"] = with(with(nouns, data), {"bake/analysis"});
     may["bake/regions"] = with(nouns, {"bake/linalg", "bake/rig", "bake/analysis"});
     may["bake/train"] = with(nouns, {"bake/linalg"});
     may["bake/compress"] = with(written, {"bake/linalg"});

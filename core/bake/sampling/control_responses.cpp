@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/analysis/live/difficult_curves.h"
+#include "base/vector3.h"
+
 namespace fb::bake {
 namespace {
 
@@ -11,6 +14,10 @@ constexpr std::size_t most_vertices = 1000;
 
 // Directions with a cosine below this are opposed.
 constexpr double opposition = -0.5;
+
+// Jumps by more than five times this, over the diagonal, are looked for, where a change between two poses is so many
+// times that of its neighbours.
+constexpr double jump_tolerance = 2e-4, steep = 3;
 
 // Displacement of evenly spaced vertices, scaled to length 1; empty if they do not move.
 std::vector<float> direction(const std::vector<float>& rest, const float* points) {
@@ -60,6 +67,8 @@ ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diag
   const std::size_t width = schema.control_count(), size = rig.coordinate_count();
   motion_.resize(width);
   bend_.resize(width);
+  steep_.resize(width);
+  jumps_.resize(width);
   directions_.resize(2 * width);
   progress.begin("evaluating single controls", width);
   const std::size_t most = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
@@ -81,14 +90,34 @@ ControlResponses::ControlResponses(RigEvaluator& rig, Progress& progress) : diag
     }
     progress.step(first + count);
   }
+  const auto suspects = static_cast<std::uint64_t>(std::count(steep_.begin(), steep_.end(), 1));
+  if (suspects > 0 && rig.remaining() == UINT64_MAX) {
+    EvaluationStage stage(progress, "looking for jumps", suspects * 32);
+    for (std::size_t c = 0; c < width; ++c)
+      if (steep_[c]) find_jumps(rig, c, stage);
+  }
   find_groups(schema);
   find_opposed();
+}
+
+void ControlResponses::find_jumps(RigEvaluator& rig, std::size_t control, EvaluationStage& stage) {
+  const Control& c = rig.schema().controls[control];
+  for (const Jump& jump : find_jumps_alone(rig, static_cast<std::uint32_t>(control), jump_tolerance, stage))
+    jumps_[control].push_back({jump.inside == 0 ? c.rest : value_at(c, jump.inside), value_at(c, jump.outside)});
 }
 
 void ControlResponses::measure(const Source& rig, std::size_t control, const float* responses) {
   const std::vector<float>& rest = rig.rest().points;
   const std::size_t size = rest.size();
   const auto root_mean = [&](double squares) { return std::sqrt(3 * squares / static_cast<double>(size)) / diagonal_; };
+  std::array<double, values + 1> changes{};  // between the poses, 0 beyond the ends
+  for (std::size_t k = 0; k + 1 < values; ++k)
+    for (std::size_t i = 0; i < size; i += 3)
+      changes[k + 1] = std::max(changes[k + 1], double(length(vector_at(responses + (k + 1) * size + i, 0) -
+                                                              vector_at(responses + k * size + i, 0))));
+  for (std::size_t k = 1; k < values; ++k)
+    if (changes[k] > std::max(5 * jump_tolerance * diagonal_, steep * std::max(changes[k - 1], changes[k + 1])))
+      steep_[control] = 1;
   for (std::size_t k = 0; k < values; ++k) {
     const float* here = responses + k * size;
     double moved = 0, bent = 0;

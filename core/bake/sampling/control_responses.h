@@ -26,7 +26,8 @@ class ControlResponses {
  public:
   static constexpr std::size_t values = 5;
 
-  // Evaluates 5 poses of each control; notes controls that move nothing.
+  // Evaluates 5 poses of each control; notes controls that move nothing. Without a budget, also closes in on the jumps
+  // of controls that are much steeper between two of their poses than beside them.
   ControlResponses(RigEvaluator& rig, Progress& progress);
 
   const std::vector<ControlGroup>& groups() const { return groups_; }
@@ -34,6 +35,8 @@ class ControlResponses {
   double motion(std::size_t control) const { return motion_[control]; }
   // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range.
   const std::array<double, 3>& bend(std::size_t control) const { return bend_[control]; }
+  // Values between which the rig jumps, each pair as near as floats are: inside, nearer to rest, and outside.
+  const std::vector<std::array<float, 2>>& jumps(std::size_t control) const { return jumps_[control]; }
   // True if the two controls, moved from rest to these ends of their ranges, push the same vertices in opposite
   // directions. Known for controls of one group only; false otherwise.
   bool opposed(std::size_t a, bool a_up, std::size_t b, bool b_up) const {
@@ -42,12 +45,15 @@ class ControlResponses {
 
  private:
   void measure(const Source& rig, std::size_t control, const float* responses);
+  void find_jumps(RigEvaluator& rig, std::size_t control, EvaluationStage& stage);
   void find_groups(const RigSchema& schema);
   void find_opposed();
 
   std::vector<ControlGroup> groups_;
   std::vector<double> motion_;
   std::vector<std::array<double, 3>> bend_;
+  std::vector<std::uint8_t> steep_;  // controls that may jump
+  std::vector<std::vector<std::array<float, 2>>> jumps_;
   std::vector<std::vector<float>> directions_;  // displacement at both ends (2 c: minimum, 2 c + 1: maximum), length 1
   std::vector<std::uint8_t> opposed_;
   double diagonal_;

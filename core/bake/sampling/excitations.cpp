@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <queue>
 #include <tuple>
 
@@ -26,6 +27,7 @@ class Excitations {
   std::vector<float> make() {
     const std::size_t half = remaining_ / 2;
     add_ends();
+    add_jumps(half);
     const std::size_t end_poses = count() - schema_.control_count();
     if (half > end_poses) bisect(half - end_poses, [](const Interval& i) { return i.high - i.low; });
     bisect(remaining_, [this](const Interval& i) { return chord_error(i); });
@@ -33,10 +35,11 @@ class Excitations {
   }
 
  private:
-  double rest_position(std::size_t control) const {
+  double position_of(std::size_t control, float value) const {
     const Control& c = schema_.controls[control];
-    return (double(c.rest) - c.minimum) / (double(c.maximum) - c.minimum);
+    return (double(value) - c.minimum) / (double(c.maximum) - c.minimum);
   }
+  double rest_position(std::size_t control) const { return position_of(control, schema_.controls[control].rest); }
 
   std::size_t count() const {
     std::size_t count = 0;
@@ -58,6 +61,20 @@ class Excitations {
         --remaining_;
       }
     for (auto& positions : positions_) std::sort(positions.begin(), positions.end());
+  }
+
+  // Both sides of every jump, while there are more than so many poses left.
+  void add_jumps(std::size_t left) {
+    for (std::size_t c = 0; c < positions_.size(); ++c) {
+      for (const std::array<float, 2>& jump : responses_.jumps(c))
+        for (const float value : jump) {
+          const double position = position_of(c, value);
+          if (remaining_ <= left || std::ranges::count(positions_[c], position) > 0) continue;
+          positions_[c].push_back(position);
+          --remaining_;
+        }
+      std::sort(positions_[c].begin(), positions_[c].end());
+    }
   }
 
   // |f''| h^2 / 8 bounds the error of a chord; f'' is known from second differences a quarter of the range apart. The

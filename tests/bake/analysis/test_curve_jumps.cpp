@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "bake/analysis/rig_analysis.h"
+#include "bake/recipe/bake_options.h"
+#include "bake/sampling/pose_generators.h"
 #include "base/random.h"
 #include "memory_source.h"
 #include "model/feature_values.h"
@@ -133,6 +135,25 @@ TEST_CASE("controls that jump are found and modelled to the float before and aft
     // One float off at most, where offsets from rest are rounded.
     if (one.rest == 0) CHECK(worst(rig, analysis.base, values).error < 2e-4);
   }
+}
+
+TEST_CASE("excitations are sampled on both sides of jumps, which a recording of them shows") {
+  double (*const f)(float) = [](float c) { return 0.3 * c + 0.4 * (c > 0.1379f) - 0.3 * (c < -0.613f); };
+  MemorySource rig = rig_of(-1, 0, 1, f);
+  RigEvaluator evaluator(rig);
+  const ControlResponses responses(evaluator, silent_progress());
+  const std::vector<float> values = make_excitations(rig.schema(), responses, 40);
+  CHECK(values.size() == 40);
+  for (const float side : {0.1379f, std::nextafter(0.1379f, 1.0f), -0.613f, std::nextafter(-0.613f, -1.0f)})
+    CHECK(std::ranges::count(values, side) == 1);
+
+  MemorySource recording = rig_of(-1, 0, 1, f);
+  recording.add_clip("excitations", ClipKind::excitation, Split::train, values.size(), 1, 1);
+  recording.edit_clip(0).controls = values;
+  const PoseSet poses = training_poses(recording, Use::variant);
+  const RigAnalysis analysis = analyse_poses(poses, {}, {}, silent_progress());
+  CHECK(steps_of(analysis) == 2);
+  CHECK(worst(rig, analysis.base).error < 1e-5);
 }
 
 TEST_CASE("a control that oscillates gets the knots it needs") {

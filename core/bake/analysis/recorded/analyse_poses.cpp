@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
-#include "bake/analysis/activation_curve.h"
 #include "bake/analysis/blendshape_parts.h"
 #include "bake/analysis/holdout_set.h"
+#include "bake/analysis/jumping_curve.h"
 #include "bake/analysis/recorded/recorded_poses.h"
 #include "bake/analysis/rig_analysis.h"
 #include "base/status.h"
@@ -105,7 +106,9 @@ class RecordedAnalysis {
     for (std::size_t i = 0; i < controls.size(); ++i) {
       const std::uint32_t c = controls[i];
       const CurveSamples samples = read_alone(c);
-      curves_[c] = fit_curve(schema_.controls[c], samples, limits);
+      const std::vector<Jump> jumps = find_jumps(schema_.controls[c], samples, least_jump * limits.tolerance);
+      if (!jumps.empty()) curves_[c] = fit_jumping_curve(schema_.controls[c], samples, jumps, limits);
+      if (curves_[c].part.shapes.empty()) curves_[c] = fit_curve(schema_.controls[c], samples, limits);
       analysis_.curve_error = std::max(analysis_.curve_error, curves_[c].error / diagonal_);
       progress_.step(i + 1);
     }
@@ -127,10 +130,14 @@ class RecordedAnalysis {
       }
       const std::vector<std::pair<double, std::size_t>> all(at.begin(), at.end());
       const std::size_t count = std::min(most_alone, all.size());
-      for (std::size_t k = 0; k < count; ++k) {
-        const auto& [position, i] = all[count == 1 ? all.size() - 1 : k * (all.size() - 1) / (count - 1)];
-        samples.positions.push_back(position);
-        poses_.read_displacements(i, 1, samples.displacements.emplace_back(size_));
+      std::set<std::size_t> picked;
+      for (std::size_t k = 0; k < count; ++k)
+        picked.insert(count == 1 ? all.size() - 1 : k * (all.size() - 1) / (count - 1));
+      for (std::size_t k = 0; k + 1 < all.size() && picked.size() < 4 * most_alone; ++k)
+        if (touch(control, all[k].first, all[k + 1].first)) picked.insert({k, k + 1});  // both sides of a jump
+      for (const std::size_t k : picked) {
+        samples.positions.push_back(all[k].first);
+        poses_.read_displacements(all[k].second, 1, samples.displacements.emplace_back(size_));
       }
     }
     return samples;
