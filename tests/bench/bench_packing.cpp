@@ -62,6 +62,7 @@ struct Settings {
     const double value = std::atof(text.c_str() + equals + 1);
     const std::map<std::string, std::function<void()>> settings = {
         {"parameters", [&] { recipe.parameters = static_cast<std::size_t>(value); }},
+        {"parameters_per_linear", [&] { recipe.parameters_per_linear = static_cast<std::size_t>(value); }},
         {"layers", [&] { recipe.hidden_layers = static_cast<std::uint32_t>(value); }},
         {"training_flops", [&] { recipe.training_flops = value; }},
         {"corrective_bytes", [&] { recipe.corrective_bytes = value; }},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "bake/face/network_sizes.h"
@@ -47,8 +48,9 @@ double relative_error(const TrainedLayers& trained, const TrainingSet& set) {
 class RegionTraining {
  public:
   RegionTraining(const FaceRecipe& recipe, const BakeOptions& options, std::span<const LocalBasis> bases,
-                 const RegionInputs& inputs, const FeatureTable& table, std::span<const std::uint32_t> validation)
-      : recipe_(recipe), options_(options) {
+                 const RegionInputs& inputs, const FeatureTable& table, std::span<const std::uint32_t> validation,
+                 const Source& source)
+      : recipe_(recipe), options_(options), source_(source) {
     for (std::size_t r = 0; r < bases.size(); ++r) columns_.push_back(table.columns(inputs.of_region[r]));
     for (std::size_t r = 0; r < bases.size(); ++r) {
       energies.push_back(mean_energy(bases[r], table.poses));
@@ -85,9 +87,9 @@ class RegionTraining {
     const double poses = static_cast<double>(sets[0].poses);
     const double share =
         std::clamp(std::cbrt(poses / double(recipe_.full_size_poses)), recipe_.min_parameter_share, 1.0);
-    const std::size_t parameters = std::min(static_cast<std::size_t>(share * double(recipe_.parameters)),
-                                            recipe_.parameters_per_pose * sets[0].poses);
-    return network_widths(demands, recipe_.hidden_layers, recipe_.max_width, parameters);
+    const double parameters = std::min(
+        {share * double(recipe_.parameters), double(recipe_.parameters_per_pose) * poses, parameters_of_size()});
+    return network_widths(demands, recipe_.hidden_layers, recipe_.max_width, static_cast<std::size_t>(parameters));
   }
 
   std::vector<TrainedLayers> run(std::span<const std::uint32_t> widths, Progress& progress) const {
@@ -97,6 +99,16 @@ class RegionTraining {
   }
 
  private:
+  // What a face of this size may have, see FaceRecipe.
+  double parameters_of_size() const {
+    const Mesh& rest = source_.rest();
+    const double energy = std::accumulate(energies.begin(), energies.end(), 0.0);
+    const double residual = std::sqrt(energy / static_cast<double>(rest.vertex_count())) / rest.diagonal();
+    const double linear = static_cast<double>(rest.points.size() * source_.schema().control_count());
+    return double(recipe_.parameters_per_linear) * linear *
+           std::max(1.0, std::pow(residual / recipe_.basis.max_error, 4));
+  }
+
   // Epochs that `flops` suffice for.
   std::uint32_t affordable_epochs(std::span<const std::uint32_t> widths, double flops, std::uint32_t at_least) const {
     double weights = 0;
@@ -134,6 +146,7 @@ class RegionTraining {
 
   const FaceRecipe& recipe_;
   const BakeOptions& options_;
+  const Source& source_;
   std::vector<std::vector<std::uint32_t>> columns_;  // of the feature table, of each region
 };
 
@@ -146,12 +159,12 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
   if (regions.empty()) return networks;
   const FeatureTable table = feature_table(inputs, poses, options.parallel);
   const ValidationSplit split = validation_split(poses, validation_share, options.seed);
-  RegionTraining training(recipe, options, bases, inputs, table, split.validation);
+  const Mesh& rest = poses.source().rest();
+  RegionTraining training(recipe, options, bases, inputs, table, split.validation, poses.source());
   if (regions.size() > 1) training.run_pilot(progress);
   const std::vector<std::uint32_t> widths = training.widths();
   const std::vector<TrainedLayers> trained = training.run(widths, progress);
 
-  const Mesh& rest = poses.source().rest();
   double squares = 0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double error = relative_error(trained[r], training.sets[r]);
