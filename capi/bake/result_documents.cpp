@@ -195,6 +195,9 @@ std::string sample_json(const std::string& dataset, const SampleReport& report) 
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {
+  Json controls = Json::array();
+  for (const ControlError& error : baked.controls)
+    controls.push_back({{"name", error.name}, {"alone", error.alone}, {"among", error.among}});
   return json_text({{"archive", archive},
                     {"bytes", baked.archive.size()},
                     {"poses", baked.poses},
@@ -203,6 +206,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},
                     {"quantisation", figures(baked.quantisation)},
+                    {"controls", std::move(controls)},
                     {"repeatability", repeatability_of(baked.repeatability)},
                     {"warnings", baked.warnings}});
 }

@@ -72,17 +72,20 @@ void warn(Baked& baked, const std::optional<std::string>& warning, Progress& pro
   baked.stats.notes.push_back("warning: " + *warning);
 }
 
+// Whether the rig may evaluate so many poses more, to measure the face.
+bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint64_t poses) {
+  return options.rig_budget == 0 || rig.requested() + poses <= options.rig_budget;
+}
+
 // Measures the packed model: on training poses, and on independent ones if the rig budget allows for them; then whether
-// the rig repeats itself. `source` is what `data` was sampled from, or the same.
+// the rig repeats itself, and every control of it. `source` is what `data` was sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
   Baked& baked = face.baked;
   const PoseSet training = training_poses(data, options.use);
   baked.dependency = evaluate_model_on(face.model, training.subsampled(most_poses), options.parallel, progress);
   const PoseSet poses = independent_poses(source);
-  const bool over_budget =
-      source.live() && options.rig_budget > 0 && source.requested() + poses.size() > options.rig_budget;
-  if (poses.size() > 0 && !over_budget) {
+  if (poses.size() > 0 && (!source.live() || may_evaluate(source, options, poses.size()))) {
     const auto& clips = source.clips();
     if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
       baked.independent_split = Split::validation;
@@ -92,6 +95,9 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   warn(baked, worse_than_rest(face.model, training, options.parallel), progress);
   if (source.live()) baked.repeatability = repeatability_within(options.rig_budget, training, source, progress);
   if (baked.repeatability) warn(baked, repeatability_warning(*baked.repeatability), progress);
+  if (source.live() && may_evaluate(source, options, control_error_calls(source.schema().control_count())))
+    baked.controls = control_errors(face.model, source, options.seed, progress);
+  for (const ControlError& error : unlearnt_controls(baked.controls)) warn(baked, warning_of(error), progress);
 }
 
 // bake_face, of a face of ordinary size.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "archive/proof.h"
+#include "bake/measure/control_errors.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/repeatability.h"
 #include "bake/recipe/bake_options.h"
@@ -38,6 +39,7 @@ struct Baked {
   std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
                                           // none and where the rig's budget does not allow for them
   Split independent_split = Split::test;  // of those clips
+  std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
   std::optional<Repeatability> repeatability;  // of a live rig, where its budget allowed for it
   std::vector<std::string> warnings;           // what is wrong with the face or its rig; also in the certificate
@@ -46,7 +48,8 @@ struct Baked {
 // Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split
 // train. The certificate has errors on training poses and, where the rig budget allows for them, on independent_poses.
 // What is left of the budget shows whether the rig repeats itself. A face that is worse than its rest mesh, or of a rig
-// that does not repeat itself, is made all the same, as it may be the best there is; with a warning.
+// that does not repeat itself, or that does not reproduce some control, is made all the same, as it may be the best
+// there is; with a warning.
 // The evaluated model is the packed one, by the runtime. Fails with limit if BakeOptions::max_bytes or max_error cannot
 // be met, unless forced.
 Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);

@@ -1,0 +1,197 @@
+#include "bake/measure/control_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bake/measure/evaluate.h"
+#include "base/random.h"
+#include "base/status.h"
+#include "base/vector3.h"
+#include "runtime/evaluator.h"
+
+namespace fb::bake {
+namespace {
+
+constexpr std::size_t parts = 8, ends = 2, alone_values = parts + ends;
+constexpr std::size_t poses = 32;  // random ones
+constexpr std::size_t least_differences = 4, most_differences = 32, differences_of_all = 256;
+constexpr float active = 0.25f;
+// Errors over D beyond which a control is named, if they are this share of what it moves.
+constexpr double most_alone = 5e-3, most_among = 2e-2, most_share = 0.5;
+
+// Uses of the seed, one random stream for each item of a use.
+enum class Draw : std::uint64_t { value = 1, pose = 2, moved = 3 };
+
+Random open_stream(std::uint64_t seed, Draw use, std::size_t item) {
+  return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
+}
+
+float drawn_value(const Control& control, double low, double high, Random& random) {
+  const double t = low + (high - low) * random.uniform();
+  const double value = control.minimum * (1 - t) + control.maximum * t;
+  return std::clamp(static_cast<float>(value), control.minimum, control.maximum);
+}
+
+// Value k of those a control is moved to alone.
+float alone_value(const Control& control, std::size_t k, Random random) {
+  if (k >= parts) return k == parts ? control.minimum : control.maximum;
+  for (std::size_t i = 0; i < k; ++i) random.uniform();
+  return drawn_value(control, double(k) / parts, double(k + 1) / parts, random);
+}
+
+std::vector<float> drawn_pose(const RigSchema& schema, std::uint64_t seed, std::size_t number) {
+  Random random = open_stream(seed, Draw::pose, number);
+  std::vector<float> pose;
+  for (const Control& control : schema.controls) {
+    const bool on = random.uniform() < active;
+    const float value = drawn_value(control, 0, 1, random);
+    pose.push_back(on ? value : control.rest);
+  }
+  return pose;
+}
+
+// Largest distance of a vertex between two meshes, over `unit`.
+double distance(std::span<const float> a, std::span<const float> b, double unit) {
+  float worst = 0;
+  for (std::size_t v = 0; v < a.size() / 3; ++v)
+    worst = std::max(worst, length(vector_at(a.data(), v) - vector_at(b.data(), v)));
+  return worst / unit;
+}
+
+// Random poses that each control is moved in: more where controls are few.
+std::size_t difference_count(std::size_t controls) {
+  return std::clamp(differences_of_all / controls, least_differences, most_differences);
+}
+
+// Error and motion at a vertex, over D.
+struct Figure {
+  double error = 0, motion = 0;
+};
+
+// The largest of some figures; raises the motion to theirs.
+double largest_error(std::span<const Figure> figures, double& motion) {
+  double error = 0;
+  for (const Figure& figure : figures) {
+    error = std::max(error, figure.error);
+    motion = std::max(motion, figure.motion);
+  }
+  return error;
+}
+
+// Archive and rig side by side.
+class Comparison {
+ public:
+  Comparison(const PackedModel& model, RigEvaluator& rig, Progress& progress)
+      : rig_(rig), face_(model), stage_(progress, "measuring controls", control_error_calls(rig.rest_pose().size())) {
+    for (std::size_t w = 0; w < worker_count(rig.parallel()); ++w) work_.emplace_back(face_);
+  }
+
+  // use(i, archive minus rig, positions of the rig) for `count` poses, on several threads.
+  template <class Fill, class Use>
+  void run(std::size_t count, const Fill& fill, const Use& use) {
+    const std::size_t width = rig_.rest_pose().size(), size = rig_.coordinate_count();
+    for (std::size_t first = 0; first < count; first += poses_at_once) {
+      const std::size_t some = std::min(poses_at_once, count - first);
+      std::vector<float> controls, points(some * size);
+      for (std::size_t i = 0; i < some; ++i) {
+        controls.insert(controls.end(), rig_.rest_pose().begin(), rig_.rest_pose().end());
+        fill(first + i, std::span(controls).last(width));
+      }
+      rig_.evaluate_cached(controls, some, points);
+      parallel_for(rig_.parallel(), some, [&](std::size_t i, std::size_t worker) {
+        std::vector<float> error(size);
+        face_.evaluate(&controls[i * width], error.data(), work_[worker]);
+        for (std::size_t k = 0; k < size; ++k) error[k] -= points[i * size + k];
+        use(first + i, error, std::span<const float>(points).subspan(i * size, size));
+      });
+      stage_.advance(some);
+    }
+  }
+
+ private:
+  static constexpr std::size_t poses_at_once = 64;
+
+  RigEvaluator& rig_;
+  const runtime::Evaluator face_;
+  EvaluationStage stage_;
+  std::vector<runtime::Workspace> work_;  // one a worker
+};
+
+}  // namespace
+
+std::uint64_t control_error_calls(std::size_t controls) {
+  return poses + (alone_values + difference_count(controls)) * std::uint64_t{controls};
+}
+
+std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator& rig, std::uint64_t seed,
+                                         Progress& progress) {
+  if (!rig.live()) fail(Status::invalid_argument, "\"%s\" is no live rig", rig.schema().name.c_str());
+  check_same_face(model, rig);
+  const RigSchema& schema = rig.schema();
+  const std::size_t controls = schema.control_count(), differences = difference_count(controls);
+  const double diagonal = rig.diagonal();
+  Comparison comparison(model, rig, progress);
+
+  const std::vector<float> none(rig.coordinate_count());
+  std::vector<Figure> alone(controls * alone_values), among(controls * differences);
+  comparison.run(
+      alone.size(),
+      [&](std::size_t i, std::span<float> pose) {
+        const std::size_t c = i / alone_values;
+        pose[c] = alone_value(schema.controls[c], i % alone_values, open_stream(seed, Draw::value, c));
+      },
+      [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
+        alone[i] = {distance(error, none, diagonal), distance(points, rig.rest().points, diagonal)};
+      });
+
+  std::vector<std::vector<float>> drawn, errors(poses), positions(poses);
+  for (std::size_t p = 0; p < poses; ++p) drawn.push_back(drawn_pose(schema, seed, p));
+  comparison.run(
+      poses, [&](std::size_t p, std::span<float> pose) { std::copy(drawn[p].begin(), drawn[p].end(), pose.begin()); },
+      [&](std::size_t p, std::span<const float> error, std::span<const float> points) {
+        errors[p].assign(error.begin(), error.end());
+        positions[p].assign(points.begin(), points.end());
+      });
+  const auto pose_of = [&](std::size_t i) {
+    return (i / differences + i % differences * (poses / differences)) % poses;
+  };
+  comparison.run(
+      among.size(),
+      [&](std::size_t i, std::span<float> pose) {
+        const std::size_t c = i / differences;
+        std::copy(drawn[pose_of(i)].begin(), drawn[pose_of(i)].end(), pose.begin());
+        Random random = open_stream(seed, Draw::moved, i);
+        const Control& control = schema.controls[c];
+        pose[c] = pose[c] != control.rest ? control.rest : drawn_value(control, 0, 1, random);
+      },
+      [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
+        among[i] = {distance(error, errors[pose_of(i)], diagonal), distance(points, positions[pose_of(i)], diagonal)};
+      });
+
+  std::vector<ControlError> result;
+  for (std::size_t c = 0; c < controls; ++c) {
+    ControlError& error = result.emplace_back(ControlError{schema.controls[c].name});
+    error.alone = largest_error(std::span(alone).subspan(c * alone_values, alone_values), error.motion);
+    error.among = largest_error(std::span(among).subspan(c * differences, differences), error.motion);
+  }
+  return result;
+}
+
+std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors) {
+  const auto excess = [](const ControlError& e) {
+    const double least = most_share * e.motion;
+    return std::max(e.alone / std::max(most_alone, least), e.among / std::max(most_among, least));
+  };
+  std::erase_if(errors, [&](const ControlError& error) { return excess(error) <= 1; });
+  std::ranges::stable_sort(errors, [&](const auto& a, const auto& b) { return excess(a) > excess(b); });
+  return errors;
+}
+
+std::string warning_of(const ControlError& error) {
+  return format(
+      "control \"%s\" is not reproduced: alone it is off by up to %.2g %% of the diagonal, among "
+      "others by up to %.2g %%",
+      error.name.c_str(), 100 * error.alone, 100 * error.among);
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,39 @@
+// Errors by control: what each control of an archive moves, alone and among others, against the rig.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bake/rig/rig_evaluator.h"
+#include "base/progress.h"
+#include "model/packed_model.h"
+
+namespace fb::bake {
+
+// Largest distances at a vertex, over D.
+struct ControlError {
+  std::string name;
+  double alone = 0;   // error with all other controls at rest
+  double among = 0;   // error of what moving the control adds where others are active
+  double motion = 0;  // by which the control moves the rig, alone or among others
+};
+
+// Poses that control_errors evaluates on a rig.
+std::uint64_t control_error_calls(std::size_t controls);
+
+// Evaluates every control alone, at both ends of its range and at eight values drawn from equal parts of it, and in 4
+// to 32 (256 over the number of controls) of 32 random poses, in which a quarter of the controls are active, with the
+// control active and at rest. One for every control, in their order. Fails with invalid_argument on a recording, and as
+// check_same_face does.
+std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator& rig, std::uint64_t seed,
+                                         Progress& progress);
+
+// The controls that an archive does not reproduce, worst first: those off by more than 0.5 % of the diagonal alone or
+// 2 % among others, and by more than half of their motion.
+std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors);
+
+// A sentence that names the control and its errors.
+std::string warning_of(const ControlError& error);
+
+}  // namespace fb::bake
