@@ -1,9 +1,7 @@
 #include "base/file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <system_error>
 
@@ -11,6 +9,15 @@
 #include "base/status.h"
 
 namespace fb {
+namespace {
+
+constexpr const char* partial_suffix = ".facebaker-partial";
+
+std::filesystem::path parent_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+}  // namespace
 
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit) {
   std::vector<std::byte> bytes;
@@ -19,9 +26,24 @@ std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_
 }
 
 void make_folder(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> missing;
   std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) fail(Status::io, "%s: cannot be created: %s", path.c_str(), error.message().c_str());
+  for (auto folder = path; !folder.empty() && !std::filesystem::is_directory(folder, error);) {
+    missing.push_back(folder);
+    folder = folder.parent_path();
+  }
+  for (; !missing.empty(); missing.pop_back()) {
+    const std::filesystem::path& folder = missing.back();
+    const bool made = std::filesystem::create_directory(folder, error);
+    if (error) fail(Status::io, "%s: cannot be created: %s", path.c_str(), error.message().c_str());
+    if (made) sync_folder(parent_of(folder));
+  }
+}
+
+void remove_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::remove_all(path, error);
+  if (error) fail(Status::io, "%s: cannot be removed: %s", path.c_str(), error.message().c_str());
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
@@ -32,32 +54,38 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   if (std::filesystem::exists(existing) && !std::filesystem::is_regular_file(existing))
     fail(Status::io, "%s: cannot be written: is not a regular file", path_.c_str());
   partial_ = path_;
-  partial_ += ".partial-" + std::to_string(getpid());
-  file_ = std::fopen(partial_.c_str(), "wb");
-  if (!file_) fail(Status::io, "%s: cannot be written: %s", path_.c_str(), std::strerror(errno));
+  partial_ += partial_suffix;
+  file_ = LockedFile::open(partial_, LockedFile::Missing::create);
+  if (!file_) fail(Status::io, "%s: is being written by another process", path_.c_str());
+  if (!file_->empty()) file_->clear();
 }
 
 AtomicFile::~AtomicFile() {
-  if (!file_) return;
-  std::fclose(file_);
-  ::unlink(partial_.c_str());
-}
-
-void AtomicFile::fail_here(const char* what) {
-  fail(Status::io, "%s: %s: %s", path_.c_str(), what, std::strerror(errno));
+  if (file_) file_->remove();
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail_here("writing failed");
+  file_->write(bytes);
 }
 
 void AtomicFile::commit(const std::function<void(const std::filesystem::path&)>& check) {
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_here("writing failed");
+  file_->sync();
   if (check) check(partial_);
-  if (std::rename(partial_.c_str(), path_.c_str()) != 0) fail_here("cannot be renamed into place");
-  std::fclose(file_);
-  file_ = nullptr;
+  if (std::rename(partial_.c_str(), path_.c_str()) != 0)
+    fail(Status::io, "%s: cannot be renamed into place: %s", path_.c_str(), std::strerror(errno));
+  file_.reset();
+  sync_folder(parent_of(path_));
+}
+
+void remove_partial_files(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code gone;
+    if (!entry->path().native().ends_with(partial_suffix) || !entry->is_regular_file(gone)) continue;
+    auto file = LockedFile::open(entry->path(), LockedFile::Missing::leave);
+    if (file && file->exclusive()) file->remove();
+  }
+  if (error) fail(Status::io, "%s: cannot be read: %s", folder.c_str(), error.message().c_str());
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

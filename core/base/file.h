@@ -3,23 +3,29 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "base/locked_file.h"
 
 namespace fb {
 
 // The bytes of a regular file. Fails as InputFile does, with limit if it has more than `limit` bytes.
 std::vector<std::byte> read_file(const std::filesystem::path& path, std::uint64_t limit = UINT64_MAX);
 
-// Creates a folder and its missing parents. Fails with its path and the system's reason.
+// Creates a folder and its missing parents, durably. Fails with its path and the system's reason.
 void make_folder(const std::filesystem::path& path);
 
-// Writes to "<path>.partial-<pid>" beside the target and renames it on commit(); the destructor removes an uncommitted
-// file. Fails with the path and the system's reason (disk full, no such folder, no permission), and if the target
+// Removes a folder with everything in it. Fails with its path and the system's reason.
+void remove_folder(const std::filesystem::path& path);
+
+// Writes to "<path>.facebaker-partial" beside the target and renames it on commit(); the destructor removes an
+// uncommitted file. What a killed process left under that name is overwritten. Fails with the path and the system's
+// reason (disk full, no such folder, no permission), if another process is writing the same file, and if the target
 // exists and is not a regular file, such as a device.
 class AtomicFile {
  public:
@@ -29,15 +35,17 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
-  // Flushes to the disk, calls check(path of the temporary file), if given, and renames. If check throws, the target is
-  // unchanged.
+  // Flushes to the disk, calls check(path of the temporary file), if given, renames, and syncs the folder. If it fails
+  // before the rename, the target is unchanged.
   void commit(const std::function<void(const std::filesystem::path&)>& check = {});
 
  private:
-  [[noreturn]] void fail_here(const char* what);
   std::filesystem::path path_, partial_;
-  std::FILE* file_ = nullptr;
+  std::optional<LockedFile> file_;
 };
+
+// Removes the partial files of a folder that no running process is writing.
+void remove_partial_files(const std::filesystem::path& folder);
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file(const std::filesystem::path& path, const std::string& text);

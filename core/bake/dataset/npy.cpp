@@ -192,7 +192,9 @@ void NpyFile::parse_header(const std::string& header) {
   row_size_ = product(shape_, 1, name);
   const std::size_t row_bytes = checked_multiply(row_size_, width_, name);
   const std::size_t size = checked_add(data_, checked_multiply(rows(), row_bytes, name), name);
-  const std::size_t actual = std::filesystem::file_size(path_);
+  std::error_code error;
+  const std::size_t actual = std::filesystem::file_size(path_, error);
+  if (error) fail(Status::io, "%s: %s", name, error.message().c_str());
   if (actual < size)
     fail(Status::bad_data, "%s: is truncated: shape %s needs %zu bytes, there are %zu (the last whole row is %zu)",
          name, shape_text().c_str(), size, actual, actual < data_ || row_bytes == 0 ? 0 : (actual - data_) / row_bytes);
