@@ -1,6 +1,7 @@
 #include "bake/authoring.h"
 #include "bake/pipeline/repack.h"
 #include "base/file.h"
+#include "base/output_lock.h"
 
 using fb::fail;
 using fb::Status;
@@ -53,6 +54,8 @@ fb_status fb_pack(const fb_pack_desc* desc, fb_report** report) {
   return abi_guard([&] {
     require(desc, "desc");
     const fb_pack_desc known = read_struct(*desc, fb_pack_desc_init, "fb_pack_desc");
+    std::optional<fb::OutputLock> lock;
+    if (known.out) lock = fb::OutputLock::of_file(known.out);
     const std::vector<std::byte> bytes = bytes_of(known);
     const std::string name = known.path ? known.path : "memory";
     HostProgress progress(known.callbacks);

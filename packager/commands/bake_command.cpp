@@ -3,6 +3,7 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/status.h"
 #include "commands/command_options.h"
@@ -80,7 +81,8 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
 void BakeCommand::run() {
   std::vector<std::string> notes;
   const facebaker::Source source(sources, collect_notes(notes));
-  if (!report.empty()) claim_report_folder(report);
+  std::optional<OutputLock> lock;
+  if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;
   {
     ProgressBar progress;

@@ -2,8 +2,10 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "base/file.h"
+#include "base/output_lock.h"
 #include "base/random.h"
 #include "bench/speed.h"
 #include "commands/command_options.h"
@@ -63,6 +65,8 @@ std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) co
 
 void BenchCommand::run() const {
   const facebaker::Archive face(archive);
+  std::optional<OutputLock> lock;
+  if (!csv.empty()) lock = OutputLock::of_file(csv);
   const fb_archive_info info = face.info();
   const facebaker::Model model(info.bytes, info.byte_count);
   const std::vector<float> controls = sources.empty() ? synthetic_clip(model, poses) : recorded_clip(model);

@@ -128,9 +128,12 @@ void FigureOutputs::add_to(CLI::App& command) {
   add_report(command, report, ", and a page of pictures, curves and tables (index.html)");
 }
 
-void FigureOutputs::check() const {
-  if (!json.empty() && json != "-") const AtomicFile trial(json);
-  if (!report.empty()) claim_report_folder(report);
+void FigureOutputs::claim() {
+  if (!json.empty() && json != "-") {
+    json_lock_ = OutputLock::of_file(json);
+    const AtomicFile trial(json);
+  }
+  if (!report.empty()) report_lock_ = claim_report_folder(report);
 }
 
 void FigureOutputs::write(const std::string& name, const std::string& figures, const std::string& table) const {

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/output_lock.h"
 #include "base/parallel.h"
 
 namespace CLI {
@@ -44,10 +46,13 @@ struct FigureOutputs {
   std::string json, report;
 
   void add_to(CLI::App& command);
-  // Fails if either could not be written, before the work begins.
-  void check() const;
+  // Locks both, before the work begins. Fails if either could not be written.
+  void claim();
   // Writes the JSON and the report's NAME.json and NAME.md; prints the table, or with --json - the JSON.
   void write(const std::string& name, const std::string& figures, const std::string& table) const;
+
+ private:
+  std::optional<OutputLock> json_lock_, report_lock_;
 };
 
 // Writes name.json and name.md into a folder of claim_report_folder.

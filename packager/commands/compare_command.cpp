@@ -124,7 +124,7 @@ facebaker::Report CompareCommand::compare(const facebaker::Source& source, const
 void CompareCommand::run() {
   std::vector<std::string> notes;
   const facebaker::Source source(sources, collect_notes(notes));
-  outputs.check();
+  outputs.claim();
   std::string document;
   FaceFigures figures;
   {

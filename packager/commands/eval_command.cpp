@@ -50,7 +50,7 @@ void EvalCommand::run() {
   const facebaker::Archive face(archive);
   std::vector<std::string> notes;
   const facebaker::Source source(sources, collect_notes(notes));
-  outputs.check();
+  outputs.claim();
   fb_eval_desc desc;
   fb_eval_desc_init(&desc);
   desc.archive = face.get();

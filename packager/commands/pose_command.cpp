@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/output_lock.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -168,6 +169,7 @@ Poses PoseCommand::read_frames(const facebaker::Model& model) const {
 void PoseCommand::run() {
   check_options();
   const facebaker::Model model(archive);
+  const OutputLock lock = OutputLock::of_file(out);
   const Poses poses = read_frames(model);
   for (const std::string& note : poses.notes) std::fprintf(stderr, "facebaker pose: %s\n", note.c_str());
   PoseEvaluator evaluator(model, parallel);

@@ -1,5 +1,7 @@
 #include "report/face_report.h"
 
+#include <algorithm>
+
 #include "base/file.h"
 #include "base/status.h"
 #include "report/html.h"
@@ -18,13 +20,16 @@ bool is_report(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void claim_report_folder(const std::filesystem::path& folder) {
-  make_folder(folder);
-  if (is_report(folder)) return;
-  if (!std::filesystem::is_empty(folder)) fail(Status::io, "%s: holds something that is no report", folder.c_str());
+OutputLock claim_report_folder(const std::filesystem::path& folder) {
+  OutputLock lock = OutputLock::of_folder(folder);
+  if (is_report(folder)) return lock;
+  const std::filesystem::directory_iterator entries(folder);
+  if (!std::all_of(begin(entries), end(entries), [&](const auto& entry) { return entry.path() == lock.path(); }))
+    fail(Status::io, "%s: holds something that is no report", folder.c_str());
   Html page("Unfinished report");
   page.paragraph("Work is going on, or was stopped before there was anything to report.");
   write_file(folder / "index.html", page.page());
+  return lock;
 }
 
 std::string measured_on(const FaceFigures& figures) {

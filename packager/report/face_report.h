@@ -5,15 +5,16 @@
 #include <filesystem>
 #include <string>
 
+#include "base/output_lock.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "report/figures.h"
 
 namespace fb::tool {
 
-// Makes a folder for a report, with a page that says that work is going on. Fails with io unless the folder is missing,
-// empty or a report already.
-void claim_report_folder(const std::filesystem::path& folder);
+// Makes a folder for a report, with a page that says that work is going on, and locks it. Fails with io unless the
+// folder is missing, empty or a report already.
+[[nodiscard]] OutputLock claim_report_folder(const std::filesystem::path& folder);
 
 struct FaceReport {
   std::string title;

@@ -15,6 +15,7 @@
 #include "bake/rig/scaled_source.h"
 #include "base/file.h"
 #include "base/keep_asking.h"
+#include "base/output_lock.h"
 #include "base/random.h"
 #include "base/status.h"
 
@@ -174,11 +175,14 @@ Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) 
 }
 
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress) {
+  const OutputLock output = OutputLock::of_file(path);
   { const AtomicFile trial(path); }  // before hours of work
   const bool own_folder = options.work.empty();
   if (own_folder) (options.work = path) += ".work";
+  std::optional<OutputLock> work = OutputLock::of_folder(options.work);
   const auto remove_if_empty = [&] {
     std::error_code ignored;
+    work.reset();
     if (own_folder) std::filesystem::remove(options.work, ignored);
   };
   Baked baked;
@@ -194,7 +198,7 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
     throw;
   }
   keep_asking(progress, [&] { write_verified_archive(path, baked.archive); });
-  if (own_folder) std::filesystem::remove_all(options.work);
+  if (own_folder) remove_folder(options.work);
   return baked;
 }
 

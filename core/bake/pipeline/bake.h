@@ -56,7 +56,7 @@ Baked bake_face(Source& source, const BakeOptions& options, Progress& progress);
 
 // bake_face, then write_verified_archive; that the file can be written is tried first. Whatever fails, an old file
 // stays. Without a work folder it uses "<path>.work" and removes that once the archive is whole; after a failure, the
-// same bake goes on from there.
+// same bake goes on from there. Holds the locks of the file and of the work folder (OutputLock).
 Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOptions options, Progress& progress);
 
 // A trained and packed face, before it is written.

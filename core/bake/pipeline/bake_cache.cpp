@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/json_depth.h"
 #include "base/keep_asking.h"
+#include "base/output_lock.h"
 
 namespace fb::bake {
 
@@ -84,6 +85,7 @@ void save(const std::filesystem::path& folder, std::uint64_t key, const Baked& b
 }  // namespace
 
 Baked cached_bake(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
+  const OutputLock lock = OutputLock::of_folder(options.work);
   const std::uint64_t key = cache_key(data, rig, options);
   if (std::optional<Baked> earlier = load(options.work, key)) {
     progress.note("taken from " + options.work.string() + ", where it was baked before");

@@ -10,6 +10,7 @@
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/scaled_source.h"
+#include "base/output_lock.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -145,6 +146,7 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress) {
   check_methods(methods);
+  const OutputLock lock = OutputLock::of_folder(options.work);
   const int exponent = scale_exponent(source.rest());
   if (exponent == 0) return compare_ordinary(source, methods, options, progress);
   ScaledSource ordinary(source, exponent);

@@ -8,7 +8,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/sampling/coverage.h"
 #include "bake/sampling/pose_generators.h"
-#include "base/file.h"
+#include "base/output_lock.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -100,7 +100,7 @@ std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const
     if (subset.size() == training.size()) return errors_of(whole);
     BakeOptions part = options;
     part.work = options.work / ("learning." + std::to_string(subset.size()));
-    make_folder(part.work);
+    const OutputLock lock = OutputLock::of_folder(part.work);
     RecipeResult result = recipe.make(training.picked(subset), rig, part, progress);
     return errors_of(take_packed(result));
   };

@@ -11,6 +11,7 @@
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "base/file.h"
+#include "base/output_lock.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -135,6 +136,7 @@ RepackResult repack(std::span<const std::byte> archive, const RepackOptions& opt
 
 RepackResult repack_file(const std::filesystem::path& from, const std::filesystem::path& to,
                          const RepackOptions& options, Progress& progress) {
+  const OutputLock lock = OutputLock::of_file(to);
   const std::vector<std::byte> bytes = read_file(from);
   RepackResult result = with_path(from, [&] { return repack(bytes, options, progress); });
   write_verified_archive(to, result.archive);

@@ -11,6 +11,7 @@
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/pose_plan.h"
 #include "base/hash.h"
+#include "base/output_lock.h"
 
 namespace fb::bake {
 namespace {
@@ -160,6 +161,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     fail(Status::invalid_argument,
          "active sampling: %u rounds, %u candidates a pose and a first share of %g select nothing", active.rounds,
          active.pool, active.first_share);
+  const OutputLock lock = OutputLock::of_folder(directory);
   const EvaluationBudget budget(rig, options.rig_budget);
   std::optional<ControlResponses> evaluated;
   const auto responses = [&]() -> const ControlResponses& {

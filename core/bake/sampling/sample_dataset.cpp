@@ -10,6 +10,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/pose_plan.h"
 #include "base/file.h"
+#include "base/output_lock.h"
 
 namespace fs = std::filesystem;
 
@@ -313,6 +314,7 @@ SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& opt
 }
 
 SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const fs::path& directory, Progress& progress) {
+  const OutputLock lock = OutputLock::of_folder(directory);
   const EvaluationBudget counter(rig);
   std::optional<ControlResponses> responses;
   SampleReport report = sample_with_responses(
