@@ -333,7 +333,7 @@ TEST_CASE("unknown sources, failing rigs and a dataset without test clips are re
     CHECK(folder.names() == std::vector<std::string>{"rig.so"});
   }
   const ToolRun failing = run_tool({"sample", FB_FAULTY_RIG, "--out", dataset, "--poses", "200"},
-                                   {.environment = "FB_FAULT=fails on a pose"});
+                                   {.environment = {"FB_FAULT=fails on a pose"}});
   CAPTURE(failing.err);
   CHECK(failing.exit_code == 1);
   CHECK(failing.err.find("facebaker sample: ") != std::string::npos);

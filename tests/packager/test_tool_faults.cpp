@@ -1,8 +1,5 @@
-// However and whenever bake or pack ends, the output file is the old one or the complete new one.
+// However pack ends, the output file is the old one or the complete new one. tests/faults does more of this.
 #include <doctest/doctest.h>
-
-#include <algorithm>
-#include <chrono>
 
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
@@ -15,54 +12,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr int kills = 12;
-
-// Runs the tool with these arguments, which write `out`, killed at `kills` moments spread over its run time; out
-// is `old` before each. Returns how often the new file was complete.
-int kill_at_all_moments(const std::vector<std::string>& arguments, const std::string& out, const Bytes& old,
-                        const Bytes& fresh) {
-  const auto start = std::chrono::steady_clock::now();
-  REQUIRE(run_tool(arguments).exit_code == 0);
-  REQUIRE(fb::read_file(out) == fresh);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  int whole = 0;
-  for (int k = 0; k < kills; ++k) {
-    fb::write_file(out, old);
-    ToolSetting setting;
-    setting.kill_after_ms = static_cast<int>(1200 * seconds * k / kills);
-    run_tool(arguments, setting);
-    const Bytes now = fb::read_file(out);
-    CHECK((now == old || now == fresh));
-    whole += now == fresh;
-  }
-  REQUIRE(run_tool(arguments).exit_code == 0);  // files left behind do not disturb
-  CHECK(fb::read_file(out) == fresh);
-  return whole;
-}
-
 }  // namespace
-
-TEST_CASE("pack killed at any moment leaves the old file or the new one") {
-  const ScratchFolder folder;
-  const std::string in = folder / "in.fbk", out = folder / "out.fbk";
-  fb::PackedModel model = fb::tiny_packed_model();
-  fb::write_file(in, fb::archive::write_archive(model, fb::bake::make_proof(model, 1)));
-  model.schema.name = "old";
-  const Bytes old = fb::archive::write_archive(model, {});
-  CHECK(kill_at_all_moments({"pack", in, "--out", out}, out, old, fb::read_file(in)) < kills);
-}
-
-TEST_CASE("bake killed at any moment leaves the old file, and continues to the same bytes") {
-  const ScratchFolder folder;
-  const std::string out = folder / "out.fbk", first = folder / "first.fbk";
-  const auto bake = [&](const std::string& to, const std::string& work) {
-    return std::vector<std::string>{"bake",     FB_TOY_RIG, "--out",    to,       "--poses", "100",
-                                    "--epochs", "2",        "--recipe", "linear", "--work",  work};
-  };
-  REQUIRE(run_tool(bake(first, folder / "work-1")).exit_code == 0);
-  const Bytes old = fb::archive::write_archive(fb::tiny_packed_model(), {});
-  CHECK(kill_at_all_moments(bake(out, folder / "work-2"), out, old, fb::read_file(first)) < kills);
-}
 
 TEST_CASE("on a full disk pack fails, leaving the old file and nothing else") {
   if (!can_limit_files) return;
@@ -96,7 +46,7 @@ TEST_CASE("a truncated file is refused, and partial files do not disturb packing
     CHECK(!std::filesystem::exists(out));
   }
   fb::write_file(in, whole);
-  fb::write_file(folder / "out.fbk.partial-1", std::span(whole).first(10));
+  fb::write_file(folder / "out.fbk.facebaker-partial", std::span(whole).first(10));
   CHECK(run_tool({"pack", in, "--out", out}).exit_code == 0);
   CHECK(fb::read_file(out) == whole);
 }
@@ -112,7 +62,7 @@ TEST_CASE("a rig that throws or ends the program makes a bake fail with a messag
     CAPTURE(wrong.fault);
     const ScratchFolder folder;
     ToolSetting setting;
-    setting.environment = std::string("FB_FAULT=") + wrong.fault;
+    setting.environment = {std::string("FB_FAULT=") + wrong.fault};
     const ToolRun run = run_tool(
         {"bake", FB_HOSTILE_RIG, "--out", folder / "out.fbk", "--poses", "200", "--recipe", "linear"}, setting);
     CAPTURE(run.err);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -44,8 +45,7 @@ class Capture {
     const rlimit limit = {setting.largest_file, setting.largest_file};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
-  std::string variable = setting.environment;
-  if (!variable.empty()) putenv(variable.data());
+  for (const std::string& variable : setting.environment) putenv(strdup(variable.c_str()));
   execv(arguments[0], arguments.data());
   _exit(127);
 }
@@ -59,9 +59,18 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const Capture out, err;
+  // A signal that comes before the child has become the program must not meet a handler of this one.
+  sigset_t signals, before;
+  sigfillset(&signals);
+  pthread_sigmask(SIG_SETMASK, &signals, &before);
   const pid_t child = fork();
+  if (child == 0) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) signal(number, SIG_DFL);
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    become(pointers, out.descriptor(), err.descriptor(), setting);
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become(pointers, out.descriptor(), err.descriptor(), setting);
   if (!setting.interrupt_when_exists.empty()) {
     // Until the path is there or the child is gone, which is left for waitpid below to find.
     siginfo_t gone = {};
@@ -71,9 +80,9 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
     }
     kill(child, setting.signal);
   }
-  if (setting.kill_after_ms >= 0) {
-    usleep(static_cast<useconds_t>(setting.kill_after_ms) * 1000);
-    kill(child, SIGKILL);  // the child is still ours: nobody has waited for it
+  if (setting.signal_after_us >= 0) {
+    usleep(static_cast<useconds_t>(setting.signal_after_us));
+    kill(child, setting.signal);  // the child is still ours: nobody has waited for it
   }
   int status = 0;
   waitpid(child, &status, 0);

@@ -22,13 +22,13 @@ inline constexpr bool can_limit_files = true;
 #endif
 
 struct ToolSetting {
-  std::string standard_output = {};        // where it goes instead of ToolRun::out; empty: nowhere else
-  unsigned long largest_file = 0;          // bytes any file may grow to before writing fails; 0: no limit
-                                           // (see can_limit_files)
-  std::string environment = {};            // one variable more, "NAME=VALUE"
-  std::string interrupt_when_exists = {};  // Ctrl-C once this path is there
-  int signal = SIGINT;                     // in place of Ctrl-C
-  int kill_after_ms = -1;                  // SIGKILL after so many milliseconds; negative: never
+  std::string standard_output = {};           // where it goes instead of ToolRun::out; empty: nowhere else
+  unsigned long largest_file = 0;             // bytes any file may grow to before writing fails; 0: no limit
+                                              // (see can_limit_files)
+  std::vector<std::string> environment = {};  // more variables, "NAME=VALUE"
+  std::string interrupt_when_exists = {};     // Ctrl-C once this path is there
+  int signal = SIGINT;                        // in place of Ctrl-C
+  int signal_after_us = -1;                   // that signal after so many microseconds; negative: never
 };
 
 // Runs a program with these arguments and waits for it.

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 #include <stdio.h>
+#include <time.h>
 
 static fb_rig_control faulty_controls[controls];
 static fb_rig_clip faulty_clips[shots];
@@ -64,6 +65,14 @@ static fb_status bulge_more(void* user, uint64_t poses, const float* values, flo
   for (uint64_t p = 0; p < poses; ++p)
     if (values[p * controls + 1] != 0) positions[p * 3 * vertices] += 1;
   return FB_OK;
+}
+
+/* More than half a millisecond a pose, so that evaluations are kept in a file. */
+static fb_status evaluate_slowly(void* user, uint64_t poses, const float* values, float* positions, char* message,
+                                 uint32_t message_size) {
+  const clock_t start = clock();
+  while ((double)(clock() - start) < 0.0006 * CLOCKS_PER_SEC * (double)poses) continue;
+  return toy_evaluate(user, poses, values, positions, message, message_size);
 }
 
 /* Breaks when two threads are inside at once, which thread sanitizers see as well. */
@@ -181,6 +190,7 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("fails on blocks") rig->evaluate = fail_on_blocks;
   FAULT("nan on a pose") rig->evaluate = nan_on_marked;
   FAULT("first pose only") rig->evaluate = first_pose_only;
+  FAULT("slow") rig->evaluate = evaluate_slowly;
   FAULT("other shape") rig->evaluate = bulge_more;
   FAULT("one thread only") rig->flags = 0, rig->evaluate = count_calls;
   else {
