@@ -1,0 +1,36 @@
+#!/bin/sh
+# run.sh SECONDS [NAME...]: fuzzes each target (all without names) for SECONDS with libFuzzer under AddressSanitizer and
+# UndefinedBehaviorSanitizer (clang), one after the other at the lowest priority. What each finds stays in
+# build/fuzz/found/NAME and is where the next run goes on from. Prints executions, coverage and findings; fails if
+# anything was found, which then lies in build/fuzz/crashes/NAME.
+# run.sh keep [NAME...]: adds to tests/fuzz/corpus/NAME the inputs that cover what it does not, at most 4,096 bytes each.
+set -eu
+cd "$(dirname "$0")/../.."
+what=${1:?give seconds, or keep}
+shift
+[ $# -gt 0 ] || set -- archive migrate dataset npy gltf plugin work
+build=build/fuzz
+sanitizers=address,undefined,fuzzer-no-link
+CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DFB_FUZZ=ON -DFB_SANITIZE=$sanitizers \
+  -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1 -DNDEBUG" >/dev/null
+for name; do targets="${targets-} fuzz_$name"; done
+cmake --build $build --target $targets
+export OMP_NUM_THREADS=1
+failed=0
+for name; do
+  program=$build/bin/fuzz_$name
+  corpus=tests/fuzz/corpus/$name
+  found=$build/found/$name
+  mkdir -p "$found" "$build/crashes/$name"
+  if [ "$what" = keep ]; then
+    "$program" -merge=1 -max_len=4096 -rss_limit_mb=4096 "$corpus" "$found" 2>&1 | tail -1
+    continue
+  fi
+  seeds=tests/golden
+  [ "$name" = archive ] || [ "$name" = migrate ] || seeds=
+  echo "fuzz_$name:"
+  nice -n 19 "$program" -max_total_time="$what" -timeout=20 -rss_limit_mb=4096 -max_len=65536 -reload=0 \
+    -print_final_stats=1 -artifact_prefix=$build/crashes/"$name"/ "$found" "$corpus" $seeds >$build/"$name".log 2>&1 || failed=1
+  grep -E "^#.*DONE|number_of_executed_units|slowest_unit|peak_rss|SUMMARY|artifact_prefix" $build/"$name".log || true
+done
+exit $failed
