@@ -15,7 +15,7 @@ CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DFB_FUZZ=ON -DFB_SANITIZE=$s
   -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1 -DNDEBUG" >/dev/null
 for name; do targets="${targets-} fuzz_$name"; done
 cmake --build $build --target $targets
-export OMP_NUM_THREADS=1
+export OMP_NUM_THREADS=1 ASAN_OPTIONS=quarantine_size_mb=16:allocator_release_to_os_interval_ms=2000
 failed=0
 for name; do
   program=$build/bin/fuzz_$name
