@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "base/parallel.h"
@@ -73,9 +74,14 @@ TEST_CASE("progress is asked between items, and once it is cancelled no item beg
     if (threads == 1) CHECK(progress.asked == 300);
     Counting stopped;
     stopped.stop_at = 5;
-    std::atomic<int> calls{0};
+    std::atomic<int> calls{0}, first_worker{0};
     try {
-      parallel_for({.threads = threads, .progress = &stopped}, 100000, [&](std::size_t, std::size_t) { ++calls; });
+      // The others wait for the first worker, which is the one that asks.
+      parallel_for({.threads = threads, .progress = &stopped}, 100000, [&](std::size_t, std::size_t worker) {
+        ++calls;
+        if (worker == 0) ++first_worker;
+        while (worker != 0 && first_worker < 5) std::this_thread::yield();
+      });
       FAIL("it went on");
     } catch (const Error& error) {
       CHECK(error.status() == Status::interrupted);
