@@ -400,7 +400,7 @@ TEST_CASE("arrays that do not fit are refused by file") {
        "faces.npy: holds floats where integers are needed"},
       {[](const Folder& f) { std::filesystem::resize_file(f / "walk.points.npy", 300); },
        "walk.points.npy: is truncated: shape (6, 4, 3)"},
-      {[](const Folder& f) { std::filesystem::remove(f / "later.controls.npy"); }, "later.controls.npy)",
+      {[](const Folder& f) { std::filesystem::remove(f / "later.controls.npy"); }, "later.controls.npy: no such file",
        Status::not_found},
   };
   for (const auto& wrong : spoiled) {

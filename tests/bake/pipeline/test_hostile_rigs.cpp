@@ -70,12 +70,13 @@ TEST_CASE("a tiny or gigantic face is baked as well as one of an ordinary size, 
   for (const std::string recipe : {"linear", "hero", "paper"}) {
     CAPTURE(recipe);
     const auto sheet = open_hostile_rig("");
-    const double ordinary = errors_on(bake_quickly(*sheet, recipe).archive, *sheet).total.rms;
+    const Baked usual = bake_quickly(*sheet, recipe);
+    const double ordinary = errors_on(usual.archive, *sheet).total.rms;
     for (const char* fault : {"tiny", "gigantic"}) {
       CAPTURE(fault);
       const auto rig = open_hostile_rig(fault);
       const Baked baked = bake_quickly(*rig, recipe);
-      CHECK(baked.warnings.empty());
+      CHECK(baked.warnings.size() == usual.warnings.size());
       verify_archive(baked.archive);
       const PackedModel model = archive::read_archive(baked.archive).model;
       CHECK(model.rest.diagonal() == doctest::Approx(rig->rest().diagonal()).epsilon(1e-4));

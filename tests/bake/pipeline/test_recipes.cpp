@@ -1,7 +1,6 @@
 #include "bake/pipeline/bake.h"
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -103,8 +102,7 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
 
 TEST_CASE("what is written is what was verified, and a failure at the end keeps the old file and the work") {
   const WorkFolder folder;
-  const std::filesystem::path out = folder.path / "face.fbk",
-                              partial = out.string() + ".partial-" + std::to_string(getpid());
+  const std::filesystem::path out = folder.path / "face.fbk", partial = out.string() + ".facebaker-partial";
   MemorySource source(4, 20, linear_formula);
   source.add_clip("dense", ClipKind::dense, Split::train, 100, 0.3f, 1);
   source.add_clip("unseen", ClipKind::shot, Split::test, 20, 0.6f, 2);
