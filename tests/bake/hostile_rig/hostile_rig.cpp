@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -93,7 +94,8 @@ void build(Sheet& sheet) {
 }  // namespace
 
 extern "C" FB_API fb_status fb_rig_open(const char*, fb_rig* rig, char*, std::uint32_t) {
-  auto* const sheet = new Sheet;
+  auto owned = std::make_unique<Sheet>();
+  Sheet* const sheet = owned.get();
   if (const char* fault = std::getenv("FB_FAULT")) sheet->fault = fault;
   if (sheet->is("throws when opened")) throw "no licence";
   if (sheet->is("exits when opened")) std::exit(0);
@@ -111,7 +113,7 @@ extern "C" FB_API fb_status fb_rig_open(const char*, fb_rig* rig, char*, std::ui
   rig->polygon_count = sheet->is("no polygons") ? 0 : static_cast<std::uint32_t>(sheet->sizes.size());
   rig->polygon_sizes = sheet->is("no polygons") ? nullptr : sheet->sizes.data();
   rig->polygon_corners = sheet->is("no polygons") ? nullptr : sheet->corners.data();
-  rig->user = sheet;
+  rig->user = owned.release();
   rig->evaluate = evaluate;
   rig->destroy = destroy;
   return FB_OK;
