@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds, with warnings as errors, what the tests of CI do not run: everything with clang and without OpenMP, and the
+# Builds, with warnings as errors, what CI does not: everything with clang and without OpenMP, and the
 # runtime alone.
 #   tests/checks/build_variants.sh
 set -eu
