@@ -197,7 +197,8 @@ std::string sample_json(const std::string& dataset, const SampleReport& report) 
 std::string bake_json(const std::string& archive, const Baked& baked) {
   Json controls = Json::array();
   for (const ControlError& error : baked.controls)
-    controls.push_back({{"name", error.name}, {"alone", error.alone}, {"among", error.among}});
+    controls.push_back(
+        {{"name", error.name}, {"alone", error.alone}, {"among", error.among}, {"among_share", error.among_share}});
   return json_text({{"archive", archive},
                     {"bytes", baked.archive.size()},
                     {"poses", baked.poses},

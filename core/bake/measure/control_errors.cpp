@@ -16,7 +16,7 @@ constexpr std::size_t parts = 8, ends = 2, alone_values = parts + ends;
 constexpr std::size_t poses = 32;  // random ones
 constexpr std::size_t least_differences = 4, most_differences = 32, differences_of_all = 256;
 constexpr float active = 0.25f;
-// Errors over D beyond which a control is named, if they are this share of what it moves.
+// Errors over D beyond which a control is named, if they are more than this share of what it moves.
 constexpr double most_alone = 5e-3, most_among = 2e-2, most_share = 0.5;
 
 // Uses of the seed, one random stream for each item of a use.
@@ -68,14 +68,23 @@ struct Figure {
   double error = 0, motion = 0;
 };
 
-// The largest of some figures; raises the motion to theirs.
-double largest_error(std::span<const Figure> figures, double& motion) {
-  double error = 0;
+Figure largest(std::span<const Figure> figures) {
+  Figure all;
   for (const Figure& figure : figures) {
-    error = std::max(error, figure.error);
-    motion = std::max(motion, figure.motion);
+    all.error = std::max(all.error, figure.error);
+    all.motion = std::max(all.motion, figure.motion);
   }
-  return error;
+  return all;
+}
+
+// The rms of the errors over the rms of the motions.
+double error_share(std::span<const Figure> figures) {
+  double errors = 0, motions = 0;
+  for (const Figure& figure : figures) {
+    errors += figure.error * figure.error;
+    motions += figure.motion * figure.motion;
+  }
+  return motions > 0 ? std::sqrt(errors / motions) : 0;
 }
 
 // Archive and rig side by side.
@@ -170,17 +179,17 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
 
   std::vector<ControlError> result;
   for (std::size_t c = 0; c < controls; ++c) {
-    ControlError& error = result.emplace_back(ControlError{schema.controls[c].name});
-    error.alone = largest_error(std::span(alone).subspan(c * alone_values, alone_values), error.motion);
-    error.among = largest_error(std::span(among).subspan(c * differences, differences), error.motion);
+    const Figure worst = largest(std::span(alone).subspan(c * alone_values, alone_values));
+    const std::span<const Figure> added = std::span(among).subspan(c * differences, differences);
+    result.push_back({schema.controls[c].name, worst.error, worst.motion, largest(added).error, error_share(added)});
   }
   return result;
 }
 
 std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors) {
   const auto excess = [](const ControlError& e) {
-    const double least = most_share * e.motion;
-    return std::max(e.alone / std::max(most_alone, least), e.among / std::max(most_among, least));
+    return std::max(e.alone / std::max(most_alone, most_share * e.alone_motion),
+                    std::min(e.among / most_among, e.among_share / most_share));
   };
   std::erase_if(errors, [&](const ControlError& error) { return excess(error) <= 1; });
   std::ranges::stable_sort(errors, [&](const auto& a, const auto& b) { return excess(a) > excess(b); });

@@ -11,12 +11,13 @@
 
 namespace fb::bake {
 
-// Largest distances at a vertex, over D.
+// Distances are the largest at a vertex, over D.
 struct ControlError {
   std::string name;
-  double alone = 0;   // error with all other controls at rest
-  double among = 0;   // error of what moving the control adds where others are active
-  double motion = 0;  // by which the control moves the rig, alone or among others
+  double alone = 0;         // error with all other controls at rest
+  double alone_motion = 0;  // by which the control then moves the rig
+  double among = 0;         // error of what moving the control adds where others are active
+  double among_share = 0;   // rms of those errors over the rms of what moving the control adds; 0 to about 1
 };
 
 // Poses that control_errors evaluates on a rig.
@@ -29,8 +30,8 @@ std::uint64_t control_error_calls(std::size_t controls);
 std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator& rig, std::uint64_t seed,
                                          Progress& progress);
 
-// The controls that an archive does not reproduce, worst first: those off by more than 0.5 % of the diagonal alone or
-// 2 % among others, and by more than half of their motion.
+// The controls that an archive does not reproduce, worst first: those off by more than 0.5 % of the diagonal and half
+// of their motion alone, or by more than 2 % among others and, as an rms, half of what they add there.
 std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors);
 
 // A sentence that names the control and its errors.
