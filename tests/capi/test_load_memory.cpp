@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "archive/container/byte_writer.h"
+#include "archive/container/container_writer.h"
 #include "archive/geometry/corner_coding.h"
 #include "archive/geometry/geometry_reader.h"
 #include "archive/writer.h"
@@ -25,24 +26,31 @@ constexpr std::uint64_t mebibyte = 1 << 20;
 std::uint64_t spare_of(std::uint64_t limit) {
   return mebibyte + limit / 8;
 }
+// Large blocks have pages of their own, without free pieces.
+constexpr std::uint64_t spare_of_large_blocks = mebibyte;
 
 struct Outcome {
   int status = -1;
   unsigned long long grown = 0;  // by how many bytes the process grew at most
 };
 
-// Loads an archive in a process of its own that has no more memory than `limit`; 0: as much as it needs.
-Outcome load_within(const Bytes& archive, std::uint64_t limit) {
+// Loads an archive in a process of its own that has no more memory than `limit` and `spare`; limit 0: as much as it
+// needs.
+Outcome load_within(const Bytes& archive, std::uint64_t limit, std::uint64_t spare) {
   const test::Folder folder;
   write_file(folder.path() / "face.fbk", archive);
   const std::string command = format("%s %s %llu %llu", FB_LOAD_WITHIN, (folder.path() / "face.fbk").c_str(),
-                                     (unsigned long long)limit, (unsigned long long)spare_of(limit));
+                                     (unsigned long long)limit, (unsigned long long)spare);
   std::FILE* const child = ::popen(command.c_str(), "r");
   REQUIRE(child);
   Outcome outcome;
   const int numbers = std::fscanf(child, "%d %llu", &outcome.status, &outcome.grown);
   REQUIRE_MESSAGE((::pclose(child) == 0 && numbers == 2), command);
   return outcome;
+}
+
+Outcome load_within(const Bytes& archive, std::uint64_t limit) {
+  return load_within(archive, limit, spare_of(limit));
 }
 
 void check_bounded(const char* name, const Bytes& archive) {
@@ -58,8 +66,26 @@ void check_bounded(const char* name, const Bytes& archive) {
   CHECK_MESSAGE(load_within(archive, free.grown / 2 * 3).status == FB_OK, std::string(name));
 }
 
+// An archive of which nearly all is a few large blocks is refused at `limit`, and loaded at what it takes, without ever
+// exceeding either by more than spare_of_large_blocks.
+void check_bounded_closely(const char* name, const Bytes& archive, std::uint64_t limit) {
+  const Outcome free = load_within(archive, 0);
+  REQUIRE_MESSAGE(free.status == FB_OK, std::string(name));
+  MESSAGE(std::string(name), ": an archive of ", archive.size() >> 10, " KiB takes ", free.grown >> 10, " KiB");
+  CHECK(load_within(archive, limit, spare_of_large_blocks).status == FB_ERROR_LIMIT);
+  CHECK(load_within(archive, free.grown - spare_of_large_blocks, spare_of_large_blocks).status == FB_ERROR_LIMIT);
+  CHECK(load_within(archive, free.grown + spare_of_large_blocks, spare_of_large_blocks).status == FB_OK);
+}
+
 void check_bounded(const char* name, const PackedModel& model) {
   check_bounded(name, archive::write_archive(model, {}));
+}
+
+// Compresses the contents of a section.
+void deflate(ArchiveEditor::Section& section) {
+  archive::WrittenSection written = archive::compressed_section(section.name.c_str(), true, std::move(section.stored));
+  section.codec = static_cast<std::uint32_t>(written.codec);
+  section.stored = std::move(written.stored);
 }
 
 // The archive of a model with its first polygon, a quad, repeated: `count` more polygons of `turns` times its corners.
@@ -86,6 +112,7 @@ Bytes with_polygons(const PackedModel& model, std::uint32_t count, std::uint32_t
   out.number(static_cast<std::uint32_t>(archive::CornerCoding::deltas));
   out.planes(deltas);
   archive["polygons"].set(out.bytes);
+  deflate(archive["polygons"]);
   return archive.bytes();
 }
 
@@ -111,6 +138,18 @@ TEST_CASE("polygons take no more memory than allowed") {
   check_bounded("large polygons", with_polygons(model, 100, 750));
   give_uvs_by_vertex(model.rest);
   check_bounded("textured quads", with_polygons(model, 60000, 1));
+}
+
+TEST_CASE("a file of kilobytes that unpacks to hundreds of megabytes takes no more memory than allowed") {
+  check_bounded_closely("3 million quads", with_polygons(tiny_packed_model(), 3000000, 1), 94000000);
+  PackedModel model = tiny_packed_model();
+  for (int i = 0; i < 1500; ++i) {
+    Control control = model.schema.controls[0];
+    control.name = std::to_string(i) + std::string(65000, 'n');
+    control.group = std::string(65000, 'g');
+    model.schema.controls.push_back(control);
+  }
+  check_bounded_closely("195 MB of names", archive::write_archive(model, {}), 200000000);
 }
 
 TEST_CASE("vertices and row blocks take no more memory than allowed") {
