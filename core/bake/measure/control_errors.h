@@ -31,7 +31,7 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
                                          Progress& progress);
 
 // The controls that an archive does not reproduce, worst first: those off by more than 0.5 % of the diagonal and half
-// of their motion alone, or by more than 2 % among others and, as an rms, half of what they add there.
+// of their motion alone, or by more than 2 % among others and, as an rms, 70 % of what they add there.
 std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors);
 
 // A sentence that names the control and its errors.
