@@ -4,12 +4,15 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bake/dataset/open_source.h"
 #include "bake/sampling/active_sampling.h"
 #include "bake/sampling/sampling.h"
+#include "base/file.h"
 #include "base/status.h"
 #include "temporary_folder.h"
 
@@ -73,6 +76,14 @@ inline bake::SampleReport sample_actively(bake::Source& source, const bake::Samp
                                           const Parallel& parallel, Progress& progress) {
   bake::RigEvaluator rig(source, parallel);
   return bake::sample_actively(rig, options, choice, ensemble, folder, progress);
+}
+
+// The contents of all files of a folder, by name.
+inline std::map<std::string, std::vector<std::byte>> files_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::vector<std::byte>> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    files[entry.path().filename()] = read_file(entry.path());
+  return files;
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

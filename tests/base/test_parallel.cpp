@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/status.h"
+#include "watched_progress.h"
 
 namespace fb {
 namespace {
@@ -56,23 +57,11 @@ TEST_CASE("the exception of the lowest index is thrown, after the loop") {
 }
 
 TEST_CASE("progress is asked between items, and once it is cancelled no item begins") {
-  struct Counting final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
-    void update(std::uint64_t) override {}
-    bool cancelled() const override { return asked >= stop_at; }
-    void note(std::string_view) override {}
-    void ask() override {
-      ++asked;
-      Progress::ask();
-    }
-    std::atomic<int> asked{0};
-    int stop_at = 1 << 30;
-  };
   for (const int threads : {1, 3}) {
-    Counting progress;
+    test::Questions progress;
     parallel_for({.threads = threads, .progress = &progress}, 300, [](std::size_t, std::size_t) {});
     if (threads == 1) CHECK(progress.asked == 300);
-    Counting stopped;
+    test::Questions stopped;
     stopped.stop_at = 5;
     std::atomic<int> calls{0}, first_worker{0};
     try {

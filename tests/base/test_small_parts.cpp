@@ -15,6 +15,7 @@
 #include "base/random.h"
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "watched_progress.h"
 
 namespace fb {
 
@@ -82,12 +83,10 @@ TEST_CASE("failures carry a status and a message of any length") {
 }
 
 TEST_CASE("progress forwards steps and throws when cancelled") {
-  struct Recorder : Progress {
+  struct Recorder : test::QuietProgress {
     std::uint64_t last = 0, stop_at = 3;
-    void begin(std::string_view, std::uint64_t) override {}
     void update(std::uint64_t done) override { last = done; }
     bool cancelled() const override { return last >= stop_at; }
-    void note(std::string_view) override {}
   } recorder;
   recorder.step(2);
   CHECK(recorder.last == 2);
@@ -102,19 +101,7 @@ TEST_CASE("progress forwards steps and throws when cancelled") {
 }
 
 TEST_CASE("progress is asked while work goes on that cannot ask, and waits for its end") {
-  struct Counting final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
-    void update(std::uint64_t) override {}
-    bool cancelled() const override { return stop; }
-    void note(std::string_view) override {}
-    void ask() override {
-      ++asked;
-      Progress::ask();
-    }
-    std::atomic<int> asked{0};
-    std::atomic<bool> stop{false};
-  };
-  Counting progress;
+  test::Questions progress;
   const int result = ask_during(progress, [&] {
     while (progress.asked < 3) std::this_thread::yield();  // for ever if nobody asked
     return 42;
@@ -125,7 +112,7 @@ TEST_CASE("progress is asked while work goes on that cannot ask, and waits for i
   try {
     keep_asking(progress, [&] {
       const int before = progress.asked;
-      progress.stop = true;
+      progress.stop_at = before;
       while (progress.asked == before) std::this_thread::yield();
       ended = true;
     });

@@ -6,6 +6,7 @@
 
 #include "bake/analysis/rig_analysis.h"
 #include "memory_source.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -45,14 +46,6 @@ MemorySource make_recording(std::size_t alone, std::size_t together) {
   return source;
 }
 
-struct Notes final : Progress {
-  void begin(std::string_view, std::uint64_t) override {}
-  void update(std::uint64_t) override {}
-  bool cancelled() const override { return false; }
-  void note(std::string_view sentence) override { all += std::string(sentence) + "\n"; }
-  std::string all;
-};
-
 PoseSet training(MemorySource& source) {
   return PoseSet(source, [](const Clip& clip) { return clip.split == Split::train; });
 }
@@ -88,7 +81,7 @@ TEST_CASE("recordings of single controls are fitted exactly, and pairs are found
 
 TEST_CASE("controls never recorded alone are estimated, with a note") {
   MemorySource source = make_recording(2, 500);
-  Notes notes;
+  test::Notes notes;
   const RigAnalysis analysis = analyse_poses(training(source), {}, {}, notes);
   CHECK(worst_error(source, analysis.base, 0) < 1e-6);
   CHECK(worst_error(source, analysis.base, 2) < 5e-3);
@@ -128,7 +121,7 @@ TEST_CASE("residual motion is attributed to the controls that cause it") {
 TEST_CASE("few poses do no harm, and threads do not matter") {
   MemorySource source = make_recording(0, 12);
   source.edit_clip(1).controls[5] = 0;
-  Notes notes;
+  test::Notes notes;
   const RigAnalysis analysis = analyse_poses(training(source), {}, {.threads = 1}, notes);
   CHECK(worst_error(source, analysis.base, 2) < worst_error(source, {}, 2));
   const RigAnalysis two = analyse_poses(training(source), {}, {.threads = 2}, silent_progress());
@@ -140,7 +133,7 @@ TEST_CASE("few poses do no harm, and threads do not matter") {
 
 TEST_CASE("controls that never move are named") {
   MemorySource source = make_recording(1, 0);
-  Notes notes;
+  test::Notes notes;
   const RigAnalysis analysis = analyse_poses(training(source), {}, {}, notes);
   CHECK(notes.all.find("5 of 6 controls never leave rest in the recorded poses (\"control1\"") != std::string::npos);
   CHECK(worst_error(source, analysis.base, 0) < 1e-6);

@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "memory_source.h"
 #include "temporary_folder.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -67,14 +68,6 @@ double worst_error(MemorySource& rig, const SparseBlendshapes& base, const std::
     worst = std::max(worst, std::hypot(double(points[i]), points[i + 1], points[i + 2]));
   return worst / rig.rest().diagonal();
 }
-
-struct Notes final : Progress {
-  void begin(std::string_view, std::uint64_t) override {}
-  void update(std::uint64_t) override {}
-  bool cancelled() const override { return false; }
-  void note(std::string_view sentence) override { all += std::string(sentence) + "\n"; }
-  std::string all;
-};
 
 RigAnalysis analyse(Source& source, const AnalysisOptions& options = {}, Progress& progress = silent_progress()) {
   RigEvaluator rig(source);
@@ -190,11 +183,8 @@ TEST_CASE("an analysis is the same for any number of threads") {
 }
 
 TEST_CASE("an analysis of a slow rig that was interrupted evaluates no pose twice") {
-  struct Impatient final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
-    void update(std::uint64_t) override {}
+  struct Impatient final : test::QuietProgress {
     bool cancelled() const override { return rig->evaluated.size() > 200; }
-    void note(std::string_view) override {}
     const SlowRig* rig;
   };
   const test::Folder folder;
@@ -257,7 +247,7 @@ TEST_CASE("a budget is kept, and what it leaves out is noted") {
   const std::uint64_t plenty = analyse_formula({}).rig_calls;
   for (const std::uint64_t budget : {8u, 60u, 150u, 300u}) {
     MemorySource rig = make_rig();
-    Notes notes;
+    test::Notes notes;
     AnalysisOptions options;
     options.rig_budget = budget;
     const RigAnalysis analysis = analyse(rig, options, notes);

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "toy_faces.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::archive;
@@ -17,10 +18,8 @@ using namespace fb::bake;
 
 namespace {
 
-struct RecordedProgress final : Progress {
+struct RecordedProgress final : test::QuietProgress {
   void begin(std::string_view stage, std::uint64_t) override { stages += std::string(stage) + "; "; }
-  void update(std::uint64_t) override {}
-  bool cancelled() const override { return false; }
   void note(std::string_view sentence) override { notes += std::string(sentence) + "; "; }
   bool did(const char* stage) const { return stages.find(stage) != std::string::npos; }
   std::string stages, notes;

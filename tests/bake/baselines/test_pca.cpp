@@ -6,6 +6,7 @@
 
 #include "base/status.h"
 #include "memory_source.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -28,11 +29,8 @@ MemorySource three_shapes() {
 }
 
 // Counts the steps of subspace iteration.
-struct Passes final : Progress {
+struct Passes final : test::QuietProgress {
   void begin(std::string_view stage, std::uint64_t) override { count += stage == "finding blendshapes"; }
-  void update(std::uint64_t) override {}
-  bool cancelled() const override { return false; }
-  void note(std::string_view) override {}
   int count = 0;
 };
 

@@ -10,6 +10,7 @@
 
 #include "base/status.h"
 #include "compress/blockwise_toy.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -42,14 +43,11 @@ struct Made {
   }
 };
 
-class Notes : public Progress {
- public:
-  std::vector<std::string> sentences;
-  bool stop = false;
-  void begin(std::string_view, std::uint64_t) override {}
-  void update(std::uint64_t) override {}
+struct Sentences final : test::QuietProgress {
   bool cancelled() const override { return stop; }
   void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
+  std::vector<std::string> sentences;
+  bool stop = false;
 };
 
 }  // namespace
@@ -113,10 +111,10 @@ TEST_CASE("models are localized and packed to the target, and it is told what wa
   };
   // What the packed numbers move otherwise than the float ones.
   const auto error = [&](const PackedModel& packed) { return difference(model, unpacked(packed)).worst; };
-  const auto fit = [&](const FitTarget& target, Notes& notes) {
+  const auto fit = [&](const FitTarget& target, Sentences& notes) {
     return fit_target(model, covariance, target, error, bytes, {.threads = 2}, notes);
   };
-  Notes notes;
+  Sentences notes;
   const Fitted large = fit({.max_bytes = 100000}, notes), small = fit({.max_bytes = 30000}, notes);
   CHECK(notes.sentences.size() == 2);
   for (const Fitted& fitted : {large, small}) {

@@ -15,6 +15,7 @@
 #include "base/file.h"
 #include "base/status.h"
 #include "toy_faces.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::archive;
@@ -22,12 +23,11 @@ using namespace fb::bake;
 
 namespace {
 
-struct StopIn final : Progress {
+struct StopIn final : test::QuietProgress {
   explicit StopIn(std::string_view stage) : wanted(stage) {}
   void begin(std::string_view stage, std::uint64_t) override { inside = stage == wanted; }
   void update(std::uint64_t done) override { stopped = stopped || (inside && done > 10); }
   bool cancelled() const override { return stopped; }
-  void note(std::string_view) override {}
   std::string_view wanted;
   bool inside = false, stopped = false;
 };
@@ -53,13 +53,6 @@ TEST_CASE("linear blendshapes reproduce a linear face, asked or found in recordi
 }
 
 TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it reached") {
-  struct Notes final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
-    void update(std::uint64_t) override {}
-    bool cancelled() const override { return false; }
-    void note(std::string_view sentence) override { all += sentence; }
-    std::string all;
-  };
   const WorkFolder folder;
   MemorySource source(4, 20, linear_formula);
   source.add_clip("dense", ClipKind::dense, Split::train, 300, 0.3f, 1);
@@ -68,7 +61,7 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
   const Baked free = bake_face(source, options, silent_progress());
   const double error = evaluate_archive(free.archive, source, Split::test, {}, silent_progress()).total.max;
 
-  Notes notes;
+  test::Notes notes;
   options.max_bytes = free.archive.size() * 9 / 10;
   const Baked small = bake_face(source, options, notes);
   CHECK(small.archive.size() <= options.max_bytes);
@@ -112,14 +105,11 @@ TEST_CASE("what is written is what was verified, and a failure at the end keeps 
   write_file(out, std::string("old"));
   const auto old = read_file(out);
   // Occupies the name of the temporary file when the packed model is measured: the last step cannot write.
-  struct Occupy final : Progress {
+  struct Occupy final : test::QuietProgress {
     explicit Occupy(std::filesystem::path path) : path(std::move(path)) {}
     void begin(std::string_view stage, std::uint64_t) override {
       if (stage == "measuring") std::filesystem::create_directories(path);
     }
-    void update(std::uint64_t) override {}
-    bool cancelled() const override { return false; }
-    void note(std::string_view) override {}
     std::filesystem::path path;
   } occupy(partial);
   CHECK_THROWS_WITH(bake_to_file(source, out, options, occupy), doctest::Contains("cannot be written"));

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "memory_source.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -210,17 +211,6 @@ TEST_CASE("records that are cut off or damaged, and caches of another rig, are e
 }
 
 TEST_CASE("a slow rig is called with few poses at a time, so that Ctrl-C waits for a few, and loses none before them") {
-  struct Stopping final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
-    void update(std::uint64_t) override {}
-    bool cancelled() const override { return asked >= stop_at; }
-    void note(std::string_view) override {}
-    void ask() override {
-      ++asked;
-      Progress::ask();
-    }
-    int asked = 0, stop_at = 1 << 30;
-  };
   struct SlowRig final : CountingRig {
     void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
       std::this_thread::sleep_for(std::chrono::milliseconds(40 * count));
@@ -230,7 +220,7 @@ TEST_CASE("a slow rig is called with few poses at a time, so that Ctrl-C waits f
   const Folder folder;
   const std::vector<float> poses = random_poses(60), expected = truth(poses);
   std::vector<float> points(60 * size);
-  Stopping progress;
+  Questions progress;
   progress.stop_at = 8;
   SlowRig first;
   RigEvaluator stopped(first, {.threads = 1, .progress = &progress}, folder / "evaluations");

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
 #include <set>
 
 #include "bake/rig/pose_set.h"
 #include "bake_test_support.h"
 #include "memory_source.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -41,20 +40,9 @@ std::vector<float> random_pool(std::size_t poses) {
   return rig.clips()[0].controls;
 }
 
-std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(in), {});
-  }
-  return files;
-}
-
-struct StopAt final : Progress {
+struct StopAt final : QuietProgress {
   void begin(std::string_view, std::uint64_t) override { ++stages; }
-  void update(std::uint64_t) override {}
   bool cancelled() const override { return stages >= stop_at; }
-  void note(std::string_view) override {}
   std::size_t stages = 0, stop_at = SIZE_MAX;
 };
 

@@ -11,6 +11,7 @@
 #include "bake/sampling/mirror_partners.h"
 #include "bake_test_support.h"
 #include "memory_source.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -20,8 +21,7 @@ namespace {
 
 constexpr std::size_t width = 6;
 
-struct Recorder final : Progress {
-  void begin(std::string_view, std::uint64_t) override {}
+struct Recorder final : QuietProgress {
   void update(std::uint64_t done) override { last = done; }
   bool cancelled() const override { return last >= stop_at; }
   void note(std::string_view sentence) override { notes.emplace_back(sentence); }
@@ -56,15 +56,6 @@ double mean_active(const Clip& clip) {
 
 bool same(const Clip& a, const Clip& b) {
   return a.name == b.name && a.kind == b.kind && a.split == b.split && a.controls == b.controls;
-}
-
-std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    files[entry.path().filename()] = std::string(std::istreambuf_iterator<char>(in), {});
-  }
-  return files;
 }
 
 }  // namespace

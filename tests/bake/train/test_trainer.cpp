@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "base/status.h"
+#include "watched_progress.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -139,12 +140,10 @@ bool same(const std::vector<DenseLayer>& a, const std::vector<DenseLayer>& b) {
   return a.size() == b.size();
 }
 
-struct StopAfter final : Progress {
+struct StopAfter final : test::QuietProgress {
   explicit StopAfter(std::uint64_t steps) : steps(steps) {}
-  void begin(std::string_view, std::uint64_t) override {}
   void update(std::uint64_t done) override { stopped = done >= steps; }
   bool cancelled() const override { return stopped; }
-  void note(std::string_view) override {}
   std::uint64_t steps;
   bool stopped = false;
 };
