@@ -15,10 +15,12 @@ namespace {
 using Header = std::array<std::uint64_t, 2>;                    // format, rig
 constexpr std::uint64_t format_number = 0x3130'6c61'7665'6266;  // "fbeval01"
 
+// Reads values from byte `offset` on, which moves behind them. False at the end of the file.
 template <class Values>
-void read(std::ifstream& file, Values&& values) {
+bool read(const InputFile& file, std::uint64_t& offset, Values&& values) {
   const auto bytes = std::as_writable_bytes(std::span(values));
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  offset += bytes.size();
+  return file.read_at(offset - bytes.size(), bytes) == bytes.size();
 }
 
 template <class Values>
@@ -47,16 +49,16 @@ std::uint64_t EvaluationCache::record_hash(std::span<const float> controls, std:
 }
 
 void EvaluationCache::open_for_reading() {
-  reading_.open(path_, std::ios::binary);
-  if (!reading_.is_open()) return;
+  std::error_code error;
+  if (!std::filesystem::exists(path_, error)) return;
+  reading_.emplace(path_);
   Header header{};
-  read(reading_, header);
-  if (!reading_ || header != Header{format_number, rig_hash_}) return reading_.close();
-  record_count_ = (std::filesystem::file_size(path_) - sizeof header) / record_bytes();
+  std::uint64_t offset = 0;
+  if (!read(*reading_, offset, header) || header != Header{format_number, rig_hash_}) return reading_.reset();
+  record_count_ = (reading_->size() - sizeof header) / record_bytes();
   for (std::uint64_t record = 0; record < record_count_; ++record) {
-    reading_.seekg(static_cast<std::streamoff>(sizeof header + record * record_bytes() + sizeof(std::uint64_t)));
-    read(reading_, found_);
-    records_[hash64_of<float>(found_)] = record;
+    offset = sizeof header + record * record_bytes() + sizeof(std::uint64_t);
+    if (read(*reading_, offset, found_)) records_[hash64_of<float>(found_)] = record;
   }
 }
 
@@ -64,14 +66,10 @@ bool EvaluationCache::find(std::span<const float> controls, std::span<float> poi
   if (records_.empty()) return false;
   const auto known = records_.find(hash64_of(controls));
   if (known == records_.end()) return false;
-  if (!reading_.is_open()) reading_.open(path_, std::ios::binary);
-  std::uint64_t hash = 0;
-  reading_.clear();
-  reading_.seekg(static_cast<std::streamoff>(sizeof(Header) + known->second * record_bytes()));
-  read(reading_, std::span(&hash, 1));
-  read(reading_, found_);
-  read(reading_, points);
-  const bool whole = reading_ && hash == record_hash(found_, points);
+  if (!reading_) reading_.emplace(path_);
+  std::uint64_t hash = 0, offset = sizeof(Header) + known->second * record_bytes();
+  const bool whole = read(*reading_, offset, std::span(&hash, 1)) && read(*reading_, offset, found_) &&
+                     read(*reading_, offset, points) && hash == record_hash(found_, points);
   if (whole && std::equal(controls.begin(), controls.end(), found_.begin())) return true;
   if (!whole) records_.erase(known);
   return false;

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "bake/rig/source.h"
+#include "base/input_file.h"
 
 namespace fb::bake {
 
@@ -17,7 +19,8 @@ namespace fb::bake {
 // ignored. Private to one version of the program and one machine's byte order. Not thread-safe.
 class EvaluationCache {
  public:
-  // Reads the controls of all records of the file, if there is one; creates nothing.
+  // Reads the controls of all records of the file, if there is one; creates nothing. Fails as InputFile does with what
+  // is no regular file or cannot be read.
   EvaluationCache(std::filesystem::path path, const Source& rig);
 
   // Whether the pose is in the file; then its points are read into `points`.
@@ -39,7 +42,7 @@ class EvaluationCache {
   std::size_t width_, size_;                                  // floats of a pose's controls and points
   std::unordered_map<std::uint64_t, std::uint64_t> records_;  // by hash of controls; the last of equal ones
   std::uint64_t record_count_ = 0;
-  std::ifstream reading_;
+  std::optional<InputFile> reading_;
   std::ofstream writing_;
   std::vector<float> found_;  // controls of the record that was read last
 };

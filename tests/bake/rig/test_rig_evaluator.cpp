@@ -1,5 +1,7 @@
 #include "bake/rig/rig_evaluator.h"
 
+#include <sys/stat.h>
+
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -178,6 +180,14 @@ TEST_CASE("the cache of a slow rig is keyed by pose and outlives the evaluator")
   CHECK(found == truth(twice));
   CHECK(rig.evaluated() == 45);
   for (const auto& [pose, count] : rig.times) CHECK(count == 1);
+}
+
+TEST_CASE("a cache that is a pipe is refused at once, not waited for") {
+  const Folder folder;
+  const std::filesystem::path pipe = folder / "evaluations";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  CountingRig rig(true);
+  CHECK(contains(failure(Status::io, [&] { RigEvaluator(rig, {}, pipe); }), "is no regular file"));
 }
 
 TEST_CASE("records that are cut off or damaged, and caches of another rig, are evaluated anew") {
