@@ -19,6 +19,8 @@ std::span<const std::byte> decompress(const StoredSection& section, MemoryBudget
                                       std::pmr::vector<std::byte>& raw) {
   if (section.codec != Codec::zstd) return section.contents(budget, raw);
   const std::string where = section.where();
+  if (section.info.raw_bytes > UINT32_MAX)
+    fail(Status::limit, "%s is compressed and larger than 4 GiB", where.c_str());
   raw.resize(section.info.raw_bytes);
   const std::size_t size = ZSTD_decompress(raw.data(), raw.size(), section.stored.data(), section.stored.size());
   if (ZSTD_isError(size) || size != raw.size()) fail(Status::corrupt, "%s cannot be decompressed", where.c_str());
