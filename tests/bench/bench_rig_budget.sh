@@ -36,8 +36,8 @@ row() {
     return
   fi
   "$tool" eval "$face.fbk" "$rig" 2> /dev/null | awk -F'|' -v row="$recipe | $source | $poses" \
-    -v calls="$(awk -F'|' '/rig calls/ {gsub(/ /, "", $3); print $3}' "$face.log")" \
-    -v seconds="$(awk -F'|' '/training, seconds/ {gsub(/ /, "", $3); print $3}' "$face.log")" '
+    -v calls="$(awk -F'|' '/^. rig calls/ {gsub(/ /, "", $3); print $3}' "$face.log")" \
+    -v seconds="$(awk -F'|' '/^. training, seconds/ {gsub(/ /, "", $3); print $3}' "$face.log")" '
     { gsub(/ /, "") }
     $2 == "talking" || $2 == "expressive" || $2 == "random" { mse[$2] = $6 }
     END { print "| " row " | " mse["talking"] " | " mse["expressive"] " | " mse["random"] " | " calls " | " seconds " |" }'
