@@ -1,9 +1,11 @@
 #include "runtime/vertex_normals.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/checked.h"
+#include "model/mesh_scale.h"
 #include "runtime/float_mode.h"
 
 namespace fb::runtime {
@@ -101,7 +103,8 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> ba
       polygon_blocks_(memory),
       dependencies_(memory),
       always_moved_(block_rows.size() - 1, &memory),
-      at_rest_(mesh.points.size(), &memory) {
+      at_rest_(mesh.points.size(), &memory),
+      scale_(std::ldexp(1.0f, std::clamp(scale_exponent(mesh), -126, 126))) {
   vertex_offsets_.reserve(block_rows.size());
   for (const std::uint32_t row : block_rows) vertex_offsets_.push_back((row + 2) / 3);
   const Blocks blocks(mesh.vertex_count(), block_rows, heap);
@@ -194,16 +197,22 @@ void VertexNormals::compute_rest(const Mesh& mesh, std::span<const std::uint32_t
 }
 
 void VertexNormals::compute_areas(std::size_t block, const float* rows, float* areas) const {
-  const auto area_of = [&](const Quad& quad) {
-    const auto at = [&](int k) { return load(rows + 3 * std::size_t(quad.corner[k])); };
-    return rotated_cross(at(2) - at(0), at(3) - at(1));
+  const auto compute = [&](auto&& distance) {
+    const auto area_of = [&](const Quad& quad) {
+      const auto at = [&](int k) { return load(rows + 3 * std::size_t(quad.corner[k])); };
+      return rotated_cross(distance(at(2), at(0)), distance(at(3), at(1)));
+    };
+    for (std::uint32_t p = polygon_offsets_[block]; p < polygon_offsets_[block + 1]; ++p)
+      store(areas + 4 * std::size_t(p), area_of(polygons_[p]));
+    for (std::uint32_t f = fan_offsets_[block]; f < fan_offsets_[block + 1]; ++f) {
+      float* area = areas + 4 * std::size_t(fan_quads_[f].polygon);
+      store(area, load(area) + area_of(fan_quads_[f].quad));
+    }
   };
-  for (std::uint32_t p = polygon_offsets_[block]; p < polygon_offsets_[block + 1]; ++p)
-    store(areas + 4 * std::size_t(p), area_of(polygons_[p]));
-  for (std::uint32_t f = fan_offsets_[block]; f < fan_offsets_[block + 1]; ++f) {
-    float* area = areas + 4 * std::size_t(fan_quads_[f].polygon);
-    store(area, load(area) + area_of(fan_quads_[f].quad));
-  }
+  if (scale_ == 1)
+    compute([](Vector a, Vector b) { return a - b; });
+  else
+    compute([&](Vector a, Vector b) { return (a - b) * scale_; });
 }
 
 // Always adds four polygons a vertex: most vertices have four, and a branch on the count would be unpredictable.

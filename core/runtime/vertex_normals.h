@@ -97,6 +97,7 @@ class VertexNormals {
   CsrTable<std::uint32_t> dependencies_;            // by row block: the row blocks with corners of those polygons
   std::pmr::vector<std::uint8_t> always_moved_;     // by row block: has a polygon too large to track its dependencies
   std::pmr::vector<float> at_rest_;
+  float scale_;  // of distances whose products are computed; 1 for faces of an ordinary size
 };
 
 }  // namespace fb::runtime

@@ -200,6 +200,29 @@ TEST_CASE("normals are those of the posed mesh, independent of earlier poses") {
                 [&](const Posed& posed) { return polygon_normals(model.rest, posed.positions); });
 }
 
+TEST_CASE("faces of any size have the same normals and tangents") {
+  PackedModel ordinary = triangulated(banded_model());
+  give_uvs(ordinary.rest);
+  Random random(3);
+  const std::vector<float> pose = random_pose(ordinary.schema, random);
+  const auto posed_at = [&](int exponent) {
+    PackedModel model = ordinary;
+    for (float& value : model.rest.points) value = std::ldexp(value, exponent);
+    for (PackedRowBlock& block : model.row_blocks)
+      for (PackedColumn& column : block.columns) column.scale = std::ldexp(column.scale, exponent);
+    const Evaluator evaluator(model);
+    std::vector<Workspace> work = workspaces(evaluator, 1);
+    return evaluate(evaluator, pose, work);
+  };
+  const Posed expected = posed_at(0);
+  for (const int exponent : {-89, -40, -20, 20, 40, 77}) {  // a diagonal of 50 becomes about 1e-25 to 1e25
+    CAPTURE(exponent);
+    const Posed posed = posed_at(exponent);
+    CHECK(same_bits(posed.normals, expected.normals));
+    CHECK(same_bits(posed.tangents, expected.tangents));
+  }
+}
+
 TEST_CASE("a mesh without polygons has null normals") {
   PackedModel model = tiny_packed_model();
   model.rest.polygon_sizes.clear();

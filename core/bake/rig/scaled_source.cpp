@@ -6,18 +6,11 @@
 namespace fb::bake {
 namespace {
 
-constexpr int least_exponent = -10, largest_exponent = 20;  // of an ordinary diagonal
-
 void scale(std::span<float> values, int exponent) {
   for (float& value : values) value = std::ldexp(value, exponent);
 }
 
 }  // namespace
-
-int scale_exponent(const Mesh& rest) {
-  const int exponent = std::ilogb(rest.diagonal());
-  return exponent >= least_exponent && exponent < largest_exponent ? 0 : -exponent;
-}
 
 Mesh scaled(Mesh mesh, int exponent) {
   scale(mesh.points, exponent);

@@ -1,18 +1,15 @@
-// Faces of extraordinary size, scaled to an ordinary one before anything is computed from them, so that squares of
-// distances and products of three of them are normal floats.
+// Faces of extraordinary size, scaled to an ordinary one (see scale_exponent) before anything is computed from them, so
+// that squares of distances and products of three of them are normal floats.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "bake/rig/source.h"
+#include "model/mesh_scale.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
-
-// The power of two by which points of a face are scaled: 0 while its diagonal is 2^-10 to 2^20, which is what faces in
-// any usual unit have; else that which makes the diagonal 1 to 2.
-int scale_exponent(const Mesh& rest);
 
 // A mesh and a face with all positions times 2^exponent, which is exact.
 Mesh scaled(Mesh mesh, int exponent);
