@@ -3,13 +3,14 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::capi {
 
 TemporaryFolder::TemporaryFolder() {
   std::string pattern = (std::filesystem::temp_directory_path() / "facebaker-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) fail(Status::io, "%s: cannot be made", pattern.c_str());
+  if (!mkdtemp(pattern.data())) fail(Status::io, "%s: cannot be made", shown(pattern).c_str());
   path_ = pattern;
 }
 

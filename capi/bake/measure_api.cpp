@@ -1,6 +1,7 @@
 #include <array>
 
 #include "bake/authoring.h"
+#include "base/shown_path.h"
 
 using fb::fail;
 using fb::Status;
@@ -70,7 +71,7 @@ fb_status fb_verify(const fb_archive* archive, fb_report** report) {
   return abi_guard([&] {
     require(archive, "archive");
     const fb::bake::VerifyReport verified = fb::with_context(
-        archive->name, [&] { return fb::bake::verify_archive(archive->contents, archive->bytes.size()); });
+        fb::shown(archive->name), [&] { return fb::bake::verify_archive(archive->contents, archive->bytes.size()); });
     auto made = std::make_unique<fb_report>();
     made->json = verify_json(archive->name, verified);
     made->verify = fb_verify_result{0, 0, verified.bytes, verified.poses, verified.vertices};

@@ -2,6 +2,7 @@
 #include "bake/pipeline/repack.h"
 #include "base/file.h"
 #include "base/output_lock.h"
+#include "base/shown_path.h"
 
 using fb::fail;
 using fb::Status;
@@ -60,7 +61,7 @@ fb_status fb_pack(const fb_pack_desc* desc, fb_report** report) {
     const std::string name = known.path ? known.path : "memory";
     HostProgress progress(known.callbacks);
     fb::bake::RepackResult repacked =
-        fb::with_context(name, [&] { return fb::bake::repack(bytes, options_of(known), progress); });
+        fb::with_context(fb::shown(name), [&] { return fb::bake::repack(bytes, options_of(known), progress); });
     if (known.out) fb::bake::write_verified_archive(known.out, repacked.archive);
     auto made = std::make_unique<fb_report>();
     made->packed = std::move(repacked.archive);

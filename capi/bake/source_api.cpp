@@ -4,6 +4,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "base/checked.h"
+#include "base/shown_path.h"
 
 using fb::fail;
 using fb::Status;
@@ -81,9 +82,9 @@ fb::bake::NpyFile open_clip_file(const char* path, std::uint32_t control_count) 
   require(path, "path");
   fb::bake::NpyFile file(path);
   if (file.shape().size() != 2 || file.shape()[1] != control_count)
-    fail(Status::bad_data, "%s: shape %s is not frames x %u, the number of controls", path, file.shape_text().c_str(),
-         control_count);
-  if (file.rows() == 0) fail(Status::bad_data, "%s: no frames", path);
+    fail(Status::bad_data, "%s: shape %s is not frames x %u, the number of controls", fb::shown(path).c_str(),
+         file.shape_text().c_str(), control_count);
+  if (file.rows() == 0) fail(Status::bad_data, "%s: no frames", fb::shown(path).c_str());
   return file;
 }
 
@@ -196,8 +197,8 @@ fb_status fb_clip_file_read(const char* path, uint32_t control_count, uint64_t f
     require(controls, "controls");
     const fb::bake::NpyFile file = open_clip_file(path, control_count);
     if (first > file.rows() || count > file.rows() - first)
-      fail(Status::invalid_argument, "%s: has %zu frames, not %llu from frame %llu on", path, file.rows(),
-           static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
+      fail(Status::invalid_argument, "%s: has %zu frames, not %llu from frame %llu on", fb::shown(path).c_str(),
+           file.rows(), static_cast<unsigned long long>(count), static_cast<unsigned long long>(first));
     file.read(first, count, {controls, count * control_count});
   });
 }

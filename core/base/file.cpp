@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/input_file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb {
@@ -35,7 +36,7 @@ void make_folder(const std::filesystem::path& path) {
   for (; !missing.empty(); missing.pop_back()) {
     const std::filesystem::path& folder = missing.back();
     const bool made = std::filesystem::create_directory(folder, error);
-    if (error) fail(Status::io, "%s: cannot be created: %s", path.c_str(), error.message().c_str());
+    if (error) fail(Status::io, "%s: cannot be created: %s", shown(path).c_str(), error.message().c_str());
     if (made) sync_folder(parent_of(folder));
   }
 }
@@ -43,20 +44,20 @@ void make_folder(const std::filesystem::path& path) {
 void remove_folder(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove_all(path, error);
-  if (error) fail(Status::io, "%s: cannot be removed: %s", path.c_str(), error.message().c_str());
+  if (error) fail(Status::io, "%s: cannot be removed: %s", shown(path).c_str(), error.message().c_str());
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code unreadable;
   const auto existing = std::filesystem::status(path_, unreadable);
-  if (std::filesystem::is_directory(existing)) fail(Status::io, "%s: is a directory, not a file", path_.c_str());
+  if (std::filesystem::is_directory(existing)) fail(Status::io, "%s: is a directory, not a file", shown(path_).c_str());
   // Renaming would replace a device by a file.
   if (std::filesystem::exists(existing) && !std::filesystem::is_regular_file(existing))
-    fail(Status::io, "%s: cannot be written: is not a regular file", path_.c_str());
+    fail(Status::io, "%s: cannot be written: is not a regular file", shown(path_).c_str());
   partial_ = path_;
   partial_ += partial_suffix;
   file_ = LockedFile::open(partial_, LockedFile::Missing::create);
-  if (!file_) fail(Status::io, "%s: is being written by another process", path_.c_str());
+  if (!file_) fail(Status::io, "%s: is being written by another process", shown(path_).c_str());
   if (!file_->empty()) file_->clear();
 }
 
@@ -72,7 +73,7 @@ void AtomicFile::commit(const std::function<void(const std::filesystem::path&)>&
   file_->sync();
   if (check) check(partial_);
   if (std::rename(partial_.c_str(), path_.c_str()) != 0)
-    fail(Status::io, "%s: cannot be renamed into place: %s", path_.c_str(), std::strerror(errno));
+    fail(Status::io, "%s: cannot be renamed into place: %s", shown(path_).c_str(), std::strerror(errno));
   file_.reset();
   sync_folder(parent_of(path_));
 }
@@ -85,7 +86,7 @@ void remove_partial_files(const std::filesystem::path& folder) {
     auto file = LockedFile::open(entry->path(), LockedFile::Missing::leave);
     if (file && file->exclusive()) file->remove();
   }
-  if (error) fail(Status::io, "%s: cannot be read: %s", folder.c_str(), error.message().c_str());
+  if (error) fail(Status::io, "%s: cannot be read: %s", shown(folder).c_str(), error.message().c_str());
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {

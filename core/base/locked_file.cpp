@@ -9,6 +9,7 @@
 #include <cstring>
 #include <utility>
 
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb {
@@ -35,11 +36,11 @@ std::optional<LockedFile> LockedFile::open(const std::filesystem::path& path, Mi
   for (int i = 0; i < tries; ++i) {
     const int descriptor = ::open(path.c_str(), flags, 0666);
     if (descriptor < 0 && errno == ENOENT && missing == Missing::leave) return std::nullopt;
-    if (descriptor < 0) fail(Status::io, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
+    if (descriptor < 0) fail(Status::io, "%s: cannot be written: %s", shown(path).c_str(), std::strerror(errno));
     LockedFile file(path, descriptor, true);
     struct stat open;
     if (::fstat(descriptor, &open) != 0) file.fail_here("cannot be written");
-    if (!S_ISREG(open.st_mode)) fail(Status::io, "%s: cannot be written: is not a regular file", path.c_str());
+    if (!S_ISREG(open.st_mode)) fail(Status::io, "%s: cannot be written: is not a regular file", shown(path).c_str());
     const Lock lock = try_lock(descriptor);
     if (lock == Lock::held) return std::nullopt;
     file.exclusive_ = lock == Lock::taken;
@@ -68,7 +69,7 @@ bool LockedFile::empty() const {
 }
 
 void LockedFile::fail_here(const char* what) const {
-  fail(Status::io, "%s: %s: %s", path_.c_str(), what, std::strerror(errno));
+  fail(Status::io, "%s: %s: %s", shown(path_).c_str(), what, std::strerror(errno));
 }
 
 void LockedFile::clear() {
@@ -96,11 +97,11 @@ void LockedFile::remove() noexcept {
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0 && errno == EACCES) return;  // may be written, not read
-  if (descriptor < 0) fail(Status::io, "%s: cannot be opened: %s", folder.c_str(), std::strerror(errno));
+  if (descriptor < 0) fail(Status::io, "%s: cannot be opened: %s", shown(folder).c_str(), std::strerror(errno));
   const int error = ::fsync(descriptor) == 0 ? 0 : errno;
   ::close(descriptor);
   if (error != 0 && error != EINVAL && error != ENOTSUP)
-    fail(Status::io, "%s: cannot be synced to the disk: %s", folder.c_str(), std::strerror(error));
+    fail(Status::io, "%s: cannot be synced to the disk: %s", shown(folder).c_str(), std::strerror(error));
 }
 
 }  // namespace fb

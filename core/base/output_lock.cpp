@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb {
@@ -50,9 +51,9 @@ LockedFile lock_or_fail(const std::filesystem::path& output, const std::filesyst
   if (!held) return std::move(*file);
   const std::string holder = first_line(lock);
   const std::string remedy =
-      file ? ". The file system has no locks: if that process has ended, remove " + lock.string() : "";
-  fail(Status::io, "%s: is being written by %s%s", output.c_str(), holder.empty() ? "another process" : holder.c_str(),
-       remedy.c_str());
+      file ? ". The file system has no locks: if that process has ended, remove " + shown(lock) : "";
+  fail(Status::io, "%s: is being written by %s%s", shown(output).c_str(),
+       holder.empty() ? "another process" : holder.c_str(), remedy.c_str());
 }
 
 std::filesystem::path in_folder(const std::filesystem::path& folder) {

@@ -21,7 +21,7 @@ std::string shown(std::string_view text) {
 }
 
 void fail_on(const std::filesystem::path& path, Status status, const std::string& reason) {
-  const std::string place = " (" + shown(path.native()) + ")";
+  const std::string place = " (" + shown(path) + ")";
   throw Error(status, reason.ends_with(place) ? reason : reason + place);
 }
 

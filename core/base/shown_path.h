@@ -1,6 +1,7 @@
 // Paths and other long texts in messages: a message has room for its reason whatever it names.
 #pragma once
 
+#include <concepts>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,6 +13,10 @@ namespace fb {
 // The text itself, or if it has more than 240 bytes its beginning and end with "..." between them. UTF-8 characters
 // stay whole.
 std::string shown(std::string_view text);
+template <std::same_as<std::filesystem::path> Path>
+std::string shown(const Path& path) {
+  return shown(std::string_view(path.native()));
+}
 
 // Fails with a message about a file: the reason, then the path as shown.
 [[noreturn]] void fail_on(const std::filesystem::path& path, Status status, const std::string& reason);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/output_lock.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -65,7 +66,7 @@ Resolution resolution_from(const std::string& size) {
   if (std::sscanf(size.c_str(), "%5dx%5d%n", &resolution.width, &resolution.height, &read) != 2 ||
       read != static_cast<int>(size.size()) || std::min(resolution.width, resolution.height) < 16 ||
       std::max(resolution.width, resolution.height) > 8192)
-    fail(Status::invalid_argument, "--size %s: give WIDTHxHEIGHT, each from 16 to 8192", size.c_str());
+    fail(Status::invalid_argument, "--size %s: give WIDTHxHEIGHT, each from 16 to 8192", shown(size).c_str());
   return resolution;
 }
 
@@ -82,7 +83,7 @@ facebaker::Source open_reference(const std::string& path, const facebaker::Model
   try {
     facebaker::SourceView(source).check_model(model);
   } catch (const facebaker::Error& error) {
-    fail(Status(error.status()), "%s beside %s: %s", archive.c_str(), path.c_str(), error.what());
+    fail(Status(error.status()), "%s beside %s: %s", shown(archive).c_str(), shown(path).c_str(), error.what());
   }
   return source;
 }
@@ -149,7 +150,7 @@ void PoseCommand::print(const Poses& poses) const {
 void PoseCommand::check_options() const {
   const bool picture = out.ends_with(".png");
   if (!out.ends_with(".glb") && !picture && !out.ends_with(".obj"))
-    fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", out.c_str());
+    fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", shown(out).c_str());
   if (!beside.empty() && !picture) fail(Status::invalid_argument, "--beside needs a picture: --out NAME.png");
   if (frame && request.clip.empty()) fail(Status::invalid_argument, "--frame needs --clip");
 }
@@ -158,7 +159,7 @@ Poses PoseCommand::read_frames(const facebaker::Model& model) const {
   Poses poses = read_poses(request, model);
   if (!frame) return poses;
   if (*frame >= poses.frames)
-    fail(Status::invalid_argument, "--frame %zu: %s has frames 0 to %zu", *frame, request.clip.c_str(),
+    fail(Status::invalid_argument, "--frame %zu: %s has frames 0 to %zu", *frame, shown(request.clip).c_str(),
          poses.frames - 1);
   const auto first = poses.controls.begin() + static_cast<std::ptrdiff_t>(*frame * model.control_count());
   poses.controls = std::vector<float>(first, first + model.control_count());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <facebaker/facebaker_bake.hpp>
 
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::tool {
@@ -18,12 +19,12 @@ struct Setting {
 Setting parse_setting(const std::string& text, const facebaker::Model& model) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos || equals == 0)
-    fail(Status::invalid_argument, "--set %s: give NAME=VALUE", text.c_str());
+    fail(Status::invalid_argument, "--set %s: give NAME=VALUE", shown(text).c_str());
   Setting setting{model.find(text.substr(0, equals)), 0};
   const char *first = text.data() + equals + 1, *last = text.data() + text.size();
   const auto parsed = std::from_chars(first, last, setting.value);
   if (parsed.ec != std::errc() || parsed.ptr != last || !std::isfinite(setting.value))
-    fail(Status::invalid_argument, "--set %s: \"%s\" is not a number", text.c_str(), first);
+    fail(Status::invalid_argument, "--set %s: \"%s\" is not a number", shown(text).c_str(), shown(first).c_str());
   return setting;
 }
 
@@ -31,8 +32,8 @@ std::vector<float> read_clip_controls(const std::string& path, const std::vector
   const std::vector<float> values = facebaker::read_clip_file(path, static_cast<std::uint32_t>(controls.size()));
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i]))
-      fail(Status::not_finite, "%s: frame %zu, control \"%s\" is not a number", path.c_str(), i / controls.size(),
-           controls[i % controls.size()].name);
+      fail(Status::not_finite, "%s: frame %zu, control \"%s\" is not a number", shown(path).c_str(),
+           i / controls.size(), controls[i % controls.size()].name);
   return values;
 }
 

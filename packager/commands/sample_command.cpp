@@ -3,6 +3,7 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -31,7 +32,7 @@ struct ClipFile {
 ClipFile read_clip(const std::string& option, std::uint32_t control_count) {
   const std::size_t equals = option.find('=');
   if (equals == 0 || equals == std::string::npos)
-    fail(Status::invalid_argument, "--clip %s: give NAME=controls.npy", option.c_str());
+    fail(Status::invalid_argument, "--clip %s: give NAME=controls.npy", shown(option).c_str());
   return {option.substr(0, equals), facebaker::read_clip_file(option.substr(equals + 1), control_count)};
 }
 
@@ -40,7 +41,7 @@ void SampleCommand::run() {
   const facebaker::SourceView rig(opened);
   if (!rig.live())
     fail(Status::invalid_argument, "%s: a recording has no new poses; give a rig plugin, a glTF file or \"sample\"",
-         source.c_str());
+         shown(source).c_str());
   const std::uint32_t control_count = rig.info().control_count;
   std::vector<ClipFile> files;
   for (const std::string& clip : clips) files.push_back(read_clip(clip, control_count));

@@ -10,6 +10,7 @@
 
 #include "base/checked.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "base/surface.h"
 #include "export/uv_seams.h"
@@ -229,12 +230,12 @@ void write_glb(const std::filesystem::path& path, const GlbScene& scene) {
 
   // A .glb counts its bytes in 32 bits.
   if (model.buffers[0].data.size() > 0xf0000000u)
-    fail(Status::limit, "%s: %zu bytes of animation are more than a .glb holds; write fewer frames", path.c_str(),
-         model.buffers[0].data.size());
+    fail(Status::limit, "%s: %zu bytes of animation are more than a .glb holds; write fewer frames",
+         shown(path).c_str(), model.buffers[0].data.size());
   std::ostringstream stream;
   tinygltf::TinyGLTF writer;
   if (!writer.WriteGltfSceneToStream(&model, stream, false, true))
-    fail(Status::internal, "%s: tinygltf refused to write it", path.c_str());
+    fail(Status::internal, "%s: tinygltf refused to write it", shown(path).c_str());
   write_file(path, stream.str());
 }
 

@@ -6,6 +6,7 @@
 #include <stb/stb_image_write.h>
 
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::tool {
@@ -29,7 +30,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
                                              image.width * static_cast<int>(sizeof(Rgb)));
   if (sink.failure) std::rethrow_exception(sink.failure);
   if (!written)
-    fail(Status::out_of_memory, "%s: no memory for an image of %d x %d", path.c_str(), image.width, image.height);
+    fail(Status::out_of_memory, "%s: no memory for an image of %d x %d", shown(path).c_str(), image.width,
+         image.height);
   file.commit();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "report/html.h"
 #include "report/report_view.h"
@@ -25,7 +26,7 @@ OutputLock claim_report_folder(const std::filesystem::path& folder) {
   if (is_report(folder)) return lock;
   const std::filesystem::directory_iterator entries(folder);
   if (!std::all_of(begin(entries), end(entries), [&](const auto& entry) { return entry.path() == lock.path(); }))
-    fail(Status::io, "%s: holds something that is no report", folder.c_str());
+    fail(Status::io, "%s: holds something that is no report", shown(folder).c_str());
   Html page("Unfinished report");
   page.paragraph("Work is going on, or was stopped before there was anything to report.");
   write_file(folder / "index.html", page.page());

@@ -1,6 +1,8 @@
 /* What the commands eval, inspect, verify, pack, pose and bench of the tool do, through the C interface alone. */
 #include "authoring_fixture.h"
 
+#include <sys/stat.h>
+
 /* ---- eval ---- */
 
 static void an_archive_is_measured_against_its_rig(void** state) {
@@ -299,6 +301,46 @@ static void a_clip_from_a_file_is_posed(void** state) {
   fb_release(tiny);
 }
 
+/* ---- Messages ---- */
+
+static void assert_refused_shortly(fb_status status, fb_status expected, const char* reason) {
+  assert_refused(status, expected, reason);
+  assert_contains(fb_last_error(), "...");
+  assert_true(strlen(fb_last_error()) < 500);
+}
+
+static void messages_keep_their_reason_however_long_a_path(void** state) {
+  (void)state;
+  char deep[3700], inside[3800];
+  size_t length = (size_t)snprintf(deep, sizeof deep, "%s", folder);
+  while (length < 3400) {
+    deep[length++] = '/';
+    memset(deep + length, 'd', 200);
+    deep[length += 200] = '\0';
+    assert_int_equal(mkdir(deep, 0700), 0);
+  }
+  snprintf(inside, sizeof inside, "%s/none/file", deep);
+
+  fb_pack_desc pack;
+  fb_pack_desc_init(&pack);
+  pack.path = FB_FIXTURE;
+  pack.out = inside;
+  assert_refused_shortly(fb_pack(&pack, NULL), FB_ERROR_IO, "cannot be written: No such file");
+  pack.out = deep;
+  assert_refused_shortly(fb_pack(&pack, NULL), FB_ERROR_IO, "is a directory");
+  const char* path = inside;
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.paths = &path;
+  desc.path_count = 1;
+  fb_source* source = NULL;
+  assert_refused_shortly(fb_source_open(&desc, &source), FB_ERROR_NOT_FOUND, "no such file or folder");
+  path = deep;
+  assert_refused_shortly(fb_source_open(&desc, &source), FB_ERROR_NOT_FOUND, "is no dataset folder");
+  uint64_t frames = 0;
+  assert_refused_shortly(fb_clip_file_frames(inside, controls, &frames), FB_ERROR_NOT_FOUND, "no such file");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_archive_is_measured_against_its_rig),
@@ -307,6 +349,7 @@ int main(void) {
       cmocka_unit_test(an_archive_is_verified),
       cmocka_unit_test(an_archive_is_packed_again),
       cmocka_unit_test(a_clip_from_a_file_is_posed),
+      cmocka_unit_test(messages_keep_their_reason_however_long_a_path),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -4,6 +4,7 @@
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
 #include "base/file.h"
+#include "base/output_lock.h"
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
@@ -11,6 +12,14 @@
 namespace {
 
 using Bytes = std::vector<std::byte>;
+
+// A new folder below another, with a path of more than 900 bytes.
+std::string deep_folder(const ScratchFolder& folder) {
+  const std::string part(225, 'd');
+  const std::string deep = folder / (part + "/" + part + "/" + part + "/" + part);
+  fb::make_folder(deep);
+  return deep + "/";
+}
 
 }  // namespace
 
@@ -70,5 +79,49 @@ TEST_CASE("a rig that throws or ends the program makes a bake fail with a messag
     CHECK(run.err.find("facebaker bake: ") != std::string::npos);
     CHECK(run.err.find(wrong.word) != std::string::npos);
     CHECK_FALSE(std::filesystem::exists(folder / "out.fbk"));
+  }
+}
+
+TEST_CASE("messages about files with long paths give the reason and a part of the path") {
+  const ScratchFolder folder;
+  const std::string deep = deep_folder(folder), face = folder / "face.fbk", toy = FB_TOY_RIG, out = folder / "out";
+  write_tiny_archive(face);
+  for (const char* name : {"text.fbk", "text.npy", "text.so", "text.glb", "text.txt", "bad/dataset.json"}) {
+    fb::make_folder(std::filesystem::path(deep + name).parent_path());
+    fb::write_file(deep + name, std::string("no such thing"));
+  }
+  const fb::OutputLock lock = fb::OutputLock::of_file(deep + "held.fbk");
+  const struct {
+    std::vector<std::string> arguments;
+    const char* reason;
+  } refused[] = {
+      {{"pack", face, "--out", deep + "none/face.fbk"}, "cannot be written: No such file"},
+      {{"pack", face, "--out", deep}, "is a directory"},
+      {{"pack", face, "--out", deep + "held.fbk"}, "is being written by process"},
+      {{"pack", deep + "none.fbk", "--out", out}, "no such file"},
+      {{"verify", deep + "text.fbk"}, "not an .fbk archive"},
+      {{"inspect", deep}, "is a directory"},
+      {{"bake", deep + "none", "--out", out}, "no such file or folder"},
+      {{"bake", deep, "--out", out}, "is no dataset folder"},
+      {{"bake", deep + "bad", "--out", out}, "is no JSON"},
+      {{"bake", deep + "text.txt", "--out", out}, "neither a dataset folder"},
+      {{"bake", deep + "text.so", "--out", out}, "cannot be loaded as a rig plugin"},
+      {{"bake", deep + "text.glb", "--out", out}, "is no whole glTF file"},
+      {{"bake", toy, "--out", deep + "held.fbk"}, "is being written by process"},
+      {{"sample", toy, "--out", deep + "text.txt"}, "cannot be created"},
+      {{"sample", toy, "--out", out, "--clip", "a=" + deep + "text.npy"}, "is no NumPy array"},
+      {{"eval", face, deep + "none"}, "no such file or folder"},
+      {{"eval", face, toy, "--report", deep}, "holds something that is no report"},
+      {{"pose", face, "--out", deep + "text.txt"}, "must end in"},
+      {{"pose", face, "--out", deep + "none/face.obj"}, "cannot be written: No such file"},
+      {{"pose", face, "--clip", deep + "text.npy", "--out", folder / "a.obj"}, "is no NumPy array"},
+      {{"pose", face, "--beside", deep + "none", "--out", folder / "a.png"}, "no such file or folder"},
+      {{"bench", face, "--csv", deep + "none/a.csv"}, "cannot be written: No such file"},
+  };
+  for (const auto& wrong : refused) {
+    const ToolRun run = run_tool(wrong.arguments);
+    CHECK(run.exit_code == 1);
+    CHECK_MESSAGE(is_error_line(run.err, wrong.arguments[0], {wrong.reason, "..."}), run.err);
+    CHECK_MESSAGE(run.err.size() < 900, run.err);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/json_depth.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fs = std::filesystem;
@@ -22,7 +23,7 @@ constexpr int format_version = 1;
 // A JSON value and the path to it, with which messages begin: "dataset.json: clips[2] fps".
 class Field {
  public:
-  Field(const json& root, const fs::path& file) : value_(root), where_(file.string()), inside_(": ") {}
+  Field(const json& root, const fs::path& file) : value_(root), where_(shown(file)), inside_(": ") {}
 
   [[noreturn]] void refuse(const std::string& why, Status status = Status::bad_data) const {
     fail(status, "%s: %s", where_.c_str(), why.c_str());
@@ -181,8 +182,8 @@ fs::path path_inside(const fs::path& folder, const std::string& name) {
   const fs::path relative = fs::weakly_canonical(file).lexically_relative(fs::canonical(folder));
   const bool outside = fs::path(name).is_absolute() || relative.empty() || *relative.begin() == "..";
   if (outside)
-    fail(Status::bad_data, "%s: names \"%s\", which does not lie in its folder", (folder / dataset_file).c_str(),
-         name.c_str());
+    fail(Status::bad_data, "%s: names \"%s\", which does not lie in its folder", shown(folder / dataset_file).c_str(),
+         shown(name).c_str());
   return file;
 }
 
@@ -190,19 +191,19 @@ DatasetIndex read_dataset_index(const fs::path& folder) {
   const fs::path path = folder / dataset_file;
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 28);
   const char* text = reinterpret_cast<const char*>(bytes.data());
-  with_context(path.string(), [&] { check_json_depth({text, bytes.size()}); });
+  with_context(shown(path), [&] { check_json_depth({text, bytes.size()}); });
   json root;
   try {
     root = json::parse(text, text + bytes.size());
   } catch (const json::exception& error) {
     const std::string why = error.what();  // "[json.exception...] parse error at line 3, ..."
-    fail(Status::bad_data, "%s: is no JSON: %s", path.c_str(), why.substr(why.find("] ") + 2).c_str());
+    fail(Status::bad_data, "%s: is no JSON: %s", shown(path).c_str(), why.substr(why.find("] ") + 2).c_str());
   }
   DatasetIndex index = read_index(Field(root, path));
   try {
     check(index.schema);
   } catch (const Error& error) {
-    fail(error.status(), "%s: %s", path.c_str(), error.what());
+    fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
   }
   return index;
 }
@@ -246,7 +247,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
   try {
     write_file(folder / dataset_file, root.dump(1) + "\n");
   } catch (const json::exception& error) {
-    fail(Status::bad_data, "%s: a name is not UTF-8: %s", (folder / dataset_file).c_str(), error.what());
+    fail(Status::bad_data, "%s: a name is not UTF-8: %s", shown(folder / dataset_file).c_str(), error.what());
   }
 }
 
@@ -271,14 +272,15 @@ std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std:
   const fs::path whole = path_inside(folder, names.at(0));
   if (fs::exists(whole)) {
     if (!files.empty())
-      fail(Status::bad_data, "%s: is there whole and in shards, such as %s: remove one", whole.c_str(),
-           files[0].filename().c_str());
+      fail(Status::bad_data, "%s: is there whole and in shards, such as %s: remove one", shown(whole).c_str(),
+           shown(files[0].filename()).c_str());
     return {whole};
   }
   if (files.empty())
-    fail(Status::not_found, "%s: no such file, and no shard %s", whole.c_str(), shard(0).filename().c_str());
+    fail(Status::not_found, "%s: no such file, and no shard %s", shown(whole).c_str(),
+         shown(shard(0).filename()).c_str());
   if (fs::exists(shard(files.size() + 1)))
-    fail(Status::not_found, "%s: no such file, but the next shard is there", shard(files.size()).c_str());
+    fail(Status::not_found, "%s: no such file, but the next shard is there", shown(shard(files.size())).c_str());
   return files;
 }
 

@@ -6,6 +6,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 
@@ -14,9 +15,9 @@ ShardedArray::ShardedArray(const std::vector<std::filesystem::path>& files, cons
   for (const std::filesystem::path& path : files) {
     NpyFile file(path);
     if (!std::equal(file.shape().begin() + 1, file.shape().end(), row.begin(), row.end()))
-      fail(Status::bad_data, "%s: shape %s where %s is needed", path.c_str(), file.shape_text().c_str(), need);
-    if (file.rows() == 0) fail(Status::bad_data, "%s: has no frames", path.c_str());
-    ends_.push_back(checked_add(rows(), file.rows(), path.c_str()));
+      fail(Status::bad_data, "%s: shape %s where %s is needed", shown(path).c_str(), file.shape_text().c_str(), need);
+    if (file.rows() == 0) fail(Status::bad_data, "%s: has no frames", shown(path).c_str());
+    ends_.push_back(checked_add(rows(), file.rows(), shown(path).c_str()));
     shards_.push_back(std::move(file));
   }
 }
@@ -56,7 +57,7 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
     for (std::size_t i = 0; i < clip.controls.size(); ++i)
       if (!std::isfinite(clip.controls[i]))
         fail(Status::not_finite, "%s: clip \"%s\", frame %zu: control \"%s\" is not finite",
-             controls.file_of(i / width).c_str(), clip.name.c_str(), i / width,
+             shown(controls.file_of(i / width)).c_str(), clip.name.c_str(), i / width,
              schema_.controls[i % width].name.c_str());
     note_range(clip);
     ShardedArray points;
@@ -65,16 +66,16 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
         for (const std::string& name : entry.points)
           if (!std::filesystem::exists(path_inside(folder, name)))
             fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
-                 (folder / name).c_str());
+                 shown(folder / name).c_str());
       points = ShardedArray(shard_files(folder, entry.points), {rest_.vertex_count(), 3}, points_need.c_str());
       if (points.rows() != clip.frames)
-        fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of points", folder.c_str(),
-             clip.name.c_str(), clip.frames, points.rows());
+        fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of points",
+             shown(folder).c_str(), clip.name.c_str(), clip.frames, points.rows());
     }
     clips_.push_back(std::move(clip));
     points_.push_back(std::move(points));
   }
-  with_context((folder / dataset_file).string(), [&] {
+  with_context(shown(folder / dataset_file), [&] {
     check_source(schema_, rest_);
     check_clips(clips_);
   });
@@ -108,8 +109,8 @@ void DatasetSource::note_range(const Clip& clip) {
 void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count, std::span<float> points) {
   const Clip& clip = clips_.at(index);
   if (!readable(index))
-    fail(Status::invalid_argument, "%s: clip \"%s\" is a plan: it has controls but no points yet", folder_.c_str(),
-         clip.name.c_str());
+    fail(Status::invalid_argument, "%s: clip \"%s\" is a plan: it has controls but no points yet",
+         shown(folder_).c_str(), clip.name.c_str());
   if (first > clip.frames || count > clip.frames - first)
     fail(Status::invalid_argument, "clip \"%s\" has no frames %zu..%zu, only %zu", clip.name.c_str(), first,
          first + count, clip.frames);
@@ -119,7 +120,7 @@ void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count
          points.size(), count * size);
   points_[index].read(first, count, points);
   if (const auto fault = find_point_fault(points, rest_, diagonal_))
-    fail(fault->status, "%s: clip \"%s\", frame %zu: %s", points_[index].file_of(first + fault->pose).c_str(),
+    fail(fault->status, "%s: clip \"%s\", frame %zu: %s", shown(points_[index].file_of(first + fault->pose)).c_str(),
          clip.name.c_str(), first + fault->pose, fault->what.c_str());
 }
 

@@ -155,7 +155,7 @@ void convert(const std::vector<std::byte>& bytes, To* to) {
 
 NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
   const InputFile file(path_);
-  const std::string text_of_path = shown(path_.native());
+  const std::string text_of_path = shown(path_);
   const char* name = text_of_path.c_str();
   unsigned char start[12] = {};
   const std::size_t got = file.read_at(0, std::as_writable_bytes(std::span(start)));
@@ -176,7 +176,7 @@ NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
 }
 
 void NpyFile::parse_header(const std::string& header) {
-  const std::string text_of_path = shown(path_.native());
+  const std::string text_of_path = shown(path_);
   const char* name = text_of_path.c_str();
   const HeaderParser::Fields fields = HeaderParser(header, name).parse();
   const std::string& type = fields.type;
@@ -210,21 +210,21 @@ std::vector<std::byte> NpyFile::read_bytes(std::size_t first, std::size_t count)
   const InputFile file(path_);
   std::vector<std::byte> bytes(count * row_size_ * width_);
   if (file.read_at(data_ + first * row_size_ * width_, bytes) != bytes.size())
-    fail(Status::io, "%s: became shorter while it was read", shown(path_.native()).c_str());
+    fail(Status::io, "%s: became shorter while it was read", shown(path_).c_str());
   return bytes;
 }
 
 void NpyFile::read(std::size_t first, std::size_t count, std::span<float> values) const {
   if (first > rows() || count > rows() - first)
-    fail(Status::invalid_argument, "%s: has no rows %zu..%zu, only %zu", shown(path_.native()).c_str(), first,
-         first + count, rows());
+    fail(Status::invalid_argument, "%s: has no rows %zu..%zu, only %zu", shown(path_).c_str(), first, first + count,
+         rows());
   if (values.size() != count * row_size_)
-    fail(Status::invalid_argument, "%s: room for %zu numbers where %zu are read", shown(path_.native()).c_str(),
-         values.size(), count * row_size_);
+    fail(Status::invalid_argument, "%s: room for %zu numbers where %zu are read", shown(path_).c_str(), values.size(),
+         count * row_size_);
   if (kind_ == 'f' && width_ == 4) {
     const InputFile file(path_);
     if (file.read_at(data_ + first * row_size_ * width_, std::as_writable_bytes(values)) != values.size_bytes())
-      fail(Status::io, "%s: became shorter while it was read", shown(path_.native()).c_str());
+      fail(Status::io, "%s: became shorter while it was read", shown(path_).c_str());
     return;
   }
   const std::vector<std::byte> bytes = read_bytes(first, count);
@@ -234,7 +234,7 @@ void NpyFile::read(std::size_t first, std::size_t count, std::span<float> values
 }
 
 std::vector<std::int32_t> NpyFile::read_integers() const {
-  if (!integer()) fail(Status::bad_data, "%s: holds floats where integers are needed", path_.c_str());
+  if (!integer()) fail(Status::bad_data, "%s: holds floats where integers are needed", shown(path_).c_str());
   const std::vector<std::byte> bytes = read_bytes(0, rows());
   std::vector<std::int32_t> values(bytes.size() / width_);
   if (width_ == 4) {
@@ -245,7 +245,7 @@ std::vector<std::int32_t> NpyFile::read_integers() const {
   convert<std::int64_t>(bytes, wide.data());
   for (std::size_t i = 0; i < wide.size(); ++i) {
     if (wide[i] < INT32_MIN || wide[i] > INT32_MAX)
-      fail(Status::bad_data, "%s: value %zu, %lld, does not fit 32 bits", path_.c_str(), i,
+      fail(Status::bad_data, "%s: value %zu, %lld, does not fit 32 bits", shown(path_).c_str(), i,
            static_cast<long long>(wide[i]));
     values[i] = static_cast<std::int32_t>(wide[i]);
   }
@@ -253,7 +253,7 @@ std::vector<std::int32_t> NpyFile::read_integers() const {
 }
 
 NpyWriter::NpyWriter(const std::filesystem::path& path, const std::vector<std::size_t>& shape)
-    : file_(path), missing_(product(shape, 0, path.c_str())) {
+    : file_(path), missing_(product(shape, 0, shown(path).c_str())) {
   const std::string header = header_bytes("<f4", shape);
   file_.write(std::as_bytes(std::span(header)));
 }
@@ -278,8 +278,9 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
 
 void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>& shape,
                std::span<const std::int32_t> values) {
-  if (values.size() != product(shape, 0, path.c_str()))
-    fail(Status::internal, "%s: %zu numbers in shape %s", path.c_str(), values.size(), tuple_text(shape).c_str());
+  if (values.size() != product(shape, 0, shown(path).c_str()))
+    fail(Status::internal, "%s: %zu numbers in shape %s", shown(path).c_str(), values.size(),
+         tuple_text(shape).c_str());
   const std::string header = header_bytes("<i4", shape);
   AtomicFile file(path);
   file.write(std::as_bytes(std::span(header)));

@@ -3,6 +3,7 @@
 
 #include "bake/dataset/rest_mesh.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -63,9 +64,10 @@ struct ObjLine {
 Mesh read_obj(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::string name = shown(path);
   Mesh mesh;
   for (std::size_t number = 1; !text.empty(); ++number) {
-    ObjLine line{path.c_str(), number, text.substr(0, text.find('\n'))};
+    ObjLine line{name.c_str(), number, text.substr(0, text.find('\n'))};
     text.remove_prefix(std::min(line.rest.size() + 1, text.size()));
     const std::string_view keyword = take_word(line.rest);
     if (keyword == "v") {
@@ -76,7 +78,7 @@ Mesh read_obj(const std::filesystem::path& path) {
     } else if (keyword == "f") {
       std::uint32_t size = 0;
       for (std::string_view word; !(word = take_word(line.rest)).empty(); ++size) line.corner(word, mesh);
-      if (size < 3) fail(Status::bad_data, "%s, line %zu: a face of %u corners", path.c_str(), number, size);
+      if (size < 3) fail(Status::bad_data, "%s, line %zu: a face of %u corners", name.c_str(), number, size);
       mesh.polygon_sizes.push_back(size);
     }
   }

@@ -11,6 +11,7 @@
 #include "bake/dataset/merged_source.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
+#include "base/shown_path.h"
 
 namespace fs = std::filesystem;
 
@@ -47,7 +48,7 @@ OpenedSource open_sample() {
   for (const fs::path& folder : rig_folders()) {
     const fs::path file = folder / "librig_sample.so";
     if (fs::is_regular_file(file)) return open_rig_plugin(file.string());
-    looked += "\n  " + folder.string();
+    looked += "\n  " + shown(folder);
   }
   fail(Status::not_found, "the sample face (librig_sample.so) is in none of%s", looked.c_str());
 }
@@ -57,17 +58,17 @@ OpenedSource open_sample() {
 OpenedSource open_source(const std::string& source) {
   if (source == "sample") return open_sample();
   const fs::path path(source);
-  if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", source.c_str());
+  if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", shown(source).c_str());
   if (fs::is_directory(path)) {
     if (!fs::exists(path / dataset_file))
-      fail(Status::not_found, "%s: is no dataset folder: it holds no %s", source.c_str(), dataset_file);
+      fail(Status::not_found, "%s: is no dataset folder: it holds no %s", shown(source).c_str(), dataset_file);
     return std::make_unique<DatasetSource>(path);
   }
   const std::string extension = path.extension().string();
   if (extension == ".glb" || extension == ".gltf") return open_gltf_rig(source);
   if (extension == ".so") return open_rig_plugin(source);
   fail(Status::invalid_argument, "%s: neither a dataset folder, a rig plugin (.so) nor a glTF file (.glb, .gltf)",
-       source.c_str());
+       shown(source).c_str());
 }
 
 OpenedSource open_sources(const std::vector<std::string>& sources) {

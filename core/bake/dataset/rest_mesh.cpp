@@ -9,6 +9,7 @@
 #include "bake/rig/gltf_file.h"
 #include "base/checked.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -18,7 +19,7 @@ void check_as(const Mesh& mesh, const std::filesystem::path& path) {
   try {
     check(mesh);
   } catch (const Error& error) {
-    fail(error.status(), "%s: %s", path.c_str(), error.what());
+    fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
   }
 }
 
@@ -26,7 +27,7 @@ void check_as(const Mesh& mesh, const std::filesystem::path& path) {
 std::vector<float> read_rows(const std::filesystem::path& path, std::size_t width, const char* need) {
   const NpyFile file(path);
   if (file.shape().size() != 2 || file.shape()[1] != width)
-    fail(Status::bad_data, "%s: shape %s where %s is needed", path.c_str(), file.shape_text().c_str(), need);
+    fail(Status::bad_data, "%s: shape %s where %s is needed", shown(path).c_str(), file.shape_text().c_str(), need);
   std::vector<float> values(file.rows() * width);
   file.read(0, file.rows(), values);
   return values;
@@ -40,7 +41,7 @@ struct Faces {
 Faces read_faces(const std::filesystem::path& path, const char* what) {
   const NpyFile file(path);
   if (file.shape().size() != 2 || file.shape()[1] < 3)
-    fail(Status::bad_data, "%s: shape %s where (faces, corners), at least 3 corners, is needed", path.c_str(),
+    fail(Status::bad_data, "%s: shape %s where (faces, corners), at least 3 corners, is needed", shown(path).c_str(),
          file.shape_text().c_str());
   Faces faces;
   const std::vector<std::int32_t> corners = file.read_integers();
@@ -50,9 +51,9 @@ Faces read_faces(const std::filesystem::path& path, const char* what) {
                end = row + static_cast<std::ptrdiff_t>(width);
     const auto pad = std::find(row, end, -1);
     if (std::find_if(pad, end, [](std::int32_t corner) { return corner != -1; }) != end)
-      fail(Status::bad_data, "%s: face %zu goes on after a -1", path.c_str(), face);
+      fail(Status::bad_data, "%s: face %zu goes on after a -1", shown(path).c_str(), face);
     for (auto corner = row; corner != pad; ++corner) {
-      if (*corner < 0) fail(Status::bad_data, "%s: face %zu names %s %d", path.c_str(), face, what, *corner);
+      if (*corner < 0) fail(Status::bad_data, "%s: face %zu names %s %d", shown(path).c_str(), face, what, *corner);
       faces.corners.push_back(static_cast<std::uint32_t>(*corner));
     }
     faces.sizes.push_back(static_cast<std::uint32_t>(pad - row));
@@ -79,7 +80,7 @@ void write_faces(const std::filesystem::path& path, const std::vector<std::uint3
 Mesh read_mesh(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension != ".obj" && extension != ".glb")
-    fail(Status::bad_data, "%s: a rest mesh is read from .obj or .glb", path.c_str());
+    fail(Status::bad_data, "%s: a rest mesh is read from .obj or .glb", shown(path).c_str());
   const Mesh mesh = extension == ".obj" ? read_obj(path) : read_glb(path);
   check_as(mesh, path);
   return mesh;
@@ -87,7 +88,7 @@ Mesh read_mesh(const std::filesystem::path& path) {
 
 Mesh read_glb(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
-  return with_context(path.string(), [&] {
+  return with_context(shown(path), [&] {
     const GltfFile file(bytes);
     const auto& meshes = file.model().meshes;
     if (meshes.size() != 1)
@@ -107,8 +108,8 @@ Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files)
     mesh.uvs = read_rows(inside(files.uvs), 2, "(texture coordinates, 2)");
     Faces of_uvs = read_faces(inside(files.uv_faces), "texture coordinate");
     if (of_uvs.sizes != mesh.polygon_sizes)
-      fail(Status::bad_data, "%s: its faces are not those of %s", (folder / files.uv_faces).c_str(),
-           files.faces.c_str());
+      fail(Status::bad_data, "%s: its faces are not those of %s", shown(folder / files.uv_faces).c_str(),
+           shown(files.faces).c_str());
     mesh.uv_corners = std::move(of_uvs.corners);
   }
   check_as(mesh, folder);

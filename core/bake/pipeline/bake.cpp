@@ -17,6 +17,7 @@
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
 #include "base/random.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -192,7 +193,7 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
     remove_if_empty();
     if (error.status() != Status::limit || !has_target(options)) throw;
     throw Error(Status::limit, std::string(error.what()) + ". What was sampled and trained stays in " +
-                                   options.work.string() + ": the same bake with another target uses it");
+                                   shown(options.work) + ": the same bake with another target uses it");
   } catch (...) {
     remove_if_empty();
     throw;

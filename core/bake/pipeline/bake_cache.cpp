@@ -11,6 +11,7 @@
 #include "base/json_depth.h"
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 
@@ -51,7 +52,7 @@ std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key
     return std::nullopt;
   const std::vector<std::byte> text = read_file(folder / figures_name);
   const std::string_view words(reinterpret_cast<const char*>(text.data()), text.size());
-  with_context((folder / figures_name).string(), [&] { check_json_depth(words); });
+  with_context(shown(folder / figures_name), [&] { check_json_depth(words); });
   try {
     const Json json = Json::parse(words);
     Baked baked;
@@ -88,7 +89,7 @@ Baked cached_bake(Source& data, RigEvaluator* rig, const BakeOptions& options, P
   const OutputLock lock = OutputLock::of_folder(options.work);
   const std::uint64_t key = cache_key(data, rig, options);
   if (std::optional<Baked> earlier = load(options.work, key)) {
-    progress.note("taken from " + options.work.string() + ", where it was baked before");
+    progress.note("taken from " + shown(options.work) + ", where it was baked before");
     return std::move(*earlier);
   }
   PackedFace face = train_and_pack(data, rig, options, progress);

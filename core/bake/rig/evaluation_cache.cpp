@@ -7,6 +7,7 @@
 #include "bake/rig/content_hash.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -102,7 +103,7 @@ void EvaluationCache::flush() {
 }
 
 void EvaluationCache::fail_writing() const {
-  fail(Status::io, "%s: the rig's evaluations cannot be written", path_.string().c_str());
+  fail(Status::io, "%s: the rig's evaluations cannot be written", shown(path_).c_str());
 }
 
 }  // namespace fb::bake

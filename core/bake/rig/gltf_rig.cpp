@@ -11,6 +11,7 @@
 #include "bake/rig/rig_source.h"
 #include "base/checked.h"
 #include "base/file.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 namespace {
@@ -52,7 +53,7 @@ fb_status evaluate_block(void* user, std::uint64_t poses, const float* controls,
   return FB_OK;
 }
 
-const char* shown(const std::string& name) {
+const char* name_of(const std::string& name) {
   return name.empty() ? "(unnamed)" : name.c_str();
 }
 
@@ -89,11 +90,11 @@ class GltfRigReader {
       for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
         if (mesh.primitives[p].targets.size() != target_count(mesh))
           fail(Status::bad_data, "mesh \"%s\": primitive %zu has %zu morph targets, primitive 0 has %zu",
-               shown(mesh.name), p, mesh.primitives[p].targets.size(), target_count(mesh));
+               name_of(mesh.name), p, mesh.primitives[p].targets.size(), target_count(mesh));
       if (target_count(mesh) == 0) continue;
       mesh_ = m;
       ++several;
-      found += format("%s\"%s\"", found.empty() ? "" : ", ", shown(mesh.name));
+      found += format("%s\"%s\"", found.empty() ? "" : ", ", name_of(mesh.name));
     }
     if (several == 0) fail(Status::bad_data, "holds no mesh with morph targets, which are the controls of such a rig");
     if (several > 1)
@@ -106,11 +107,11 @@ class GltfRigReader {
   void find_node() {
     for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
       if (model_.nodes[n].mesh != static_cast<int>(mesh_)) continue;
-      if (node_ >= 0) fail(Status::unsupported, "mesh \"%s\" is placed by several nodes", shown(mesh().name));
+      if (node_ >= 0) fail(Status::unsupported, "mesh \"%s\" is placed by several nodes", name_of(mesh().name));
       node_ = static_cast<int>(n);
       if (model_.nodes[n].skin >= 0)
         fail(Status::unsupported, "node \"%s\" has a skin, which is not read: export morph targets only",
-             shown(model_.nodes[n].name));
+             name_of(model_.nodes[n].name));
     }
   }
 
@@ -180,7 +181,7 @@ class GltfRigReader {
     const tinygltf::Value& names = mesh().extras.Get("targetNames");
     if (!names.IsArray() || names.ArrayLen() != count())
       fail(Status::bad_data, "mesh \"%s\": extras.targetNames holds %zu names for %zu morph targets",
-           shown(mesh().name), names.ArrayLen(), count());
+           name_of(mesh().name), names.ArrayLen(), count());
     for (std::size_t t = 0; t < count(); ++t) {
       const tinygltf::Value& name = names.Get(static_cast<int>(t));
       if (!name.IsString()) fail(Status::bad_data, "extras.targetNames: the name of target %zu is no text", t);
@@ -201,7 +202,7 @@ class GltfRigReader {
     }
     if (taken < animation.channels.size())
       rig_->notes.push_back(
-          format("animation \"%s\" moves other things than the weights, which is left out", shown(animation.name)));
+          format("animation \"%s\" moves other things than the weights, which is left out", name_of(animation.name)));
   }
 
   void read_clip(const tinygltf::Animation& animation, int index, const std::string& name) {
@@ -229,7 +230,7 @@ class GltfRigReader {
     const auto& of_node = node_ < 0 ? mesh().weights : model_.nodes[static_cast<std::size_t>(node_)].weights;
     const std::vector<double>& defaults = of_node.empty() ? mesh().weights : of_node;
     if (!defaults.empty() && defaults.size() != count())
-      fail(Status::bad_data, "mesh \"%s\" has %zu default weights for %zu morph targets", shown(mesh().name),
+      fail(Status::bad_data, "mesh \"%s\" has %zu default weights for %zu morph targets", name_of(mesh().name),
            defaults.size(), count());
     std::size_t resting_elsewhere = 0, widened = 0;
     for (std::size_t t = 0; t < count(); ++t) {
@@ -295,7 +296,7 @@ class GltfRigReader {
 
 OpenedSource open_gltf_rig(const std::string& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
-  return with_context(path, [&] {
+  return with_context(shown(path), [&] {
     const auto rig = GltfRigReader(bytes).read(std::filesystem::path(path).stem().string());
     return std::make_unique<RigSource>(rig->rig, rig, rig->notes);
   });

@@ -7,6 +7,7 @@
 #include "bake/rig/foreign_call.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/rig_source.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 namespace {
@@ -42,24 +43,28 @@ OpenedSource open_rig_plugin(const std::string& path) {
   auto plugin = std::make_shared<Plugin>();
   // NODELETE: threads the plugin started, such as OpenMP's, may still run its code when it is closed.
   plugin->library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!plugin->library) fail(Status::rig, "%s: cannot be loaded as a rig plugin: %s", path.c_str(), dlerror());
+  if (!plugin->library) {
+    const std::string why = dlerror(), place = file + ": ";
+    fail(Status::rig, "%s: cannot be loaded as a rig plugin: %s", shown(path).c_str(),
+         why.c_str() + (why.starts_with(place) ? place.size() : 0));
+  }
   const auto open = reinterpret_cast<fb_rig_open_function>(dlsym(plugin->library, FB_RIG_OPEN_SYMBOL));
-  if (!open) fail(Status::rig, "%s: is no rig plugin: it does not export %s", path.c_str(), FB_RIG_OPEN_SYMBOL);
+  if (!open) fail(Status::rig, "%s: is no rig plugin: it does not export %s", shown(path).c_str(), FB_RIG_OPEN_SYMBOL);
   std::array<char, 512> message{};
-  const fb_status status = with_context(path, [&] {
+  const fb_status status = with_context(shown(path), [&] {
     return foreign_call(FB_RIG_OPEN_SYMBOL, [&] {
       return open(file.c_str(), &plugin->rig, message.data(), static_cast<std::uint32_t>(message.size()));
     });
   });
   message.back() = '\0';
   if (status != FB_OK)
-    fail(Status::rig, "%s: the rig cannot be opened: %s", path.c_str(),
+    fail(Status::rig, "%s: the rig cannot be opened: %s", shown(path).c_str(),
          message[0] ? message.data() : format("status %d without a message", status).c_str());
   plugin->opened = true;
   try {
     return std::make_unique<RigSource>(plugin->rig, plugin);
   } catch (const Error& error) {
-    fail(error.status(), "%s: %s", path.c_str(), error.what());
+    fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
   }
 }
 

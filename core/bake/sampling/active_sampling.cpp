@@ -12,6 +12,7 @@
 #include "bake/sampling/pose_plan.h"
 #include "base/hash.h"
 #include "base/output_lock.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 namespace {
@@ -138,7 +139,7 @@ bool is_recorded(const Source& recorded, const std::string& name, std::size_t co
   if (existing == recorded.clips().end()) return false;
   if (existing->frames != count)
     fail(Status::invalid_argument, "%s: holds poses selected with other options; sample into a new folder",
-         directory.c_str());
+         shown(directory).c_str());
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/pose_plan.h"
+#include "base/shown_path.h"
 
 namespace fb::bake {
 namespace {
@@ -160,10 +161,10 @@ std::vector<float> draw_candidates(const RigSchema& schema, const ControlRespons
 }
 
 Clip read_clip(const std::string& name, const std::filesystem::path& path, const RigSchema& schema) {
-  if (name.empty()) fail(Status::invalid_argument, "%s: the clip has no name", path.c_str());
+  if (name.empty()) fail(Status::invalid_argument, "%s: the clip has no name", shown(path).c_str());
   const NpyFile file(path);
   if (file.shape().size() != 2 || file.row_size() != schema.control_count())
-    fail(Status::bad_data, "%s: shape %s where (frames, %zu) is needed", path.c_str(), file.shape_text().c_str(),
+    fail(Status::bad_data, "%s: shape %s where (frames, %zu) is needed", shown(path).c_str(), file.shape_text().c_str(),
          schema.control_count());
   Clip clip{name, ClipKind::shot, Split::train, 30, file.rows(), {}};
   clip.controls.resize(file.rows() * file.row_size());

@@ -11,6 +11,7 @@
 #include "bake/sampling/pose_plan.h"
 #include "base/file.h"
 #include "base/output_lock.h"
+#include "base/shown_path.h"
 
 namespace fs = std::filesystem;
 
@@ -112,7 +113,7 @@ class DatasetWriter {
       const std::size_t clips = existing.clips.size();
       if (!existing.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != existing.sampling->plan)
         fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
-             folder_.c_str());
+             shown(folder_).c_str());
       index_ = make_index(rig_, plan_, {existing.sampling->request, hash, existing.sampling->shard_frames});
       if (clips < plan_.size()) {  // controls first, so that the plan is readable wherever this is interrupted
         write_plan();
@@ -197,7 +198,7 @@ class DatasetWriter {
              "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder, unless "
              "it "
              "gives other points each time",
-             path.c_str(), i / 3, plan_[clip].name.c_str(), first + frame);
+             shown(path).c_str(), i / 3, plan_[clip].name.c_str(), first + frame);
   }
 
   void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
@@ -269,7 +270,7 @@ PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& fo
   const DatasetIndex index = read_dataset_index(folder);
   if (!index.sampling || (index.sampling->request != request && index.sampling->request != 0))
     fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
-         folder.c_str());
+         shown(folder).c_str());
   try {
     PosePlan plan = read_plan(folder, index);
     if (index.sampling->request == request && hash_of_plan(rig, plan, plan.size()) == index.sampling->plan) return plan;
@@ -295,7 +296,7 @@ SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, c
     if (there == plan.end())
       plan.push_back(clip);
     else if (there->controls != clip.controls)
-      fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", directory.c_str(),
+      fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", shown(directory).c_str(),
            clip.name.c_str());
   }
   return write_samples(rig, plan, 0, directory, progress);
