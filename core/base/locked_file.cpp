@@ -17,8 +17,8 @@ namespace {
 
 enum class Lock { taken, held, unsupported };
 
-Lock try_lock(int descriptor) {
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return Lock::taken;
+Lock try_lock(int descriptor, int kind) {
+  if (::flock(descriptor, kind | LOCK_NB) == 0) return Lock::taken;
   return errno == EWOULDBLOCK ? Lock::held : Lock::unsupported;
 }
 
@@ -41,12 +41,22 @@ std::optional<LockedFile> LockedFile::open(const std::filesystem::path& path, Mi
     struct stat open;
     if (::fstat(descriptor, &open) != 0) file.fail_here("cannot be written");
     if (!S_ISREG(open.st_mode)) fail(Status::io, "%s: cannot be written: is not a regular file", shown(path).c_str());
-    const Lock lock = try_lock(descriptor);
+    const Lock lock = try_lock(descriptor, LOCK_EX);
     if (lock == Lock::held) return std::nullopt;
     file.exclusive_ = lock == Lock::taken;
     if (names(path, open)) return file;
   }
   return std::nullopt;
+}
+
+LockedFile::Held LockedFile::held(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0 && errno == ENOENT) return Held::no;
+  if (descriptor < 0) fail(Status::io, "%s: cannot be read: %s", shown(path).c_str(), std::strerror(errno));
+  const LockedFile file(path, descriptor, false);
+  const Lock lock = try_lock(descriptor, LOCK_SH);  // shared: two that look are not in each other's way
+  if (lock == Lock::held) return Held::yes;
+  return lock == Lock::unsupported && !file.empty() ? Held::perhaps : Held::no;
 }
 
 LockedFile::LockedFile(LockedFile&& other) noexcept

@@ -18,6 +18,10 @@ class LockedFile {
   // Nothing if another has it or, with Missing::leave, if it is not there. Contents are kept. Fails with io, naming
   // the path, where it cannot be opened for writing or is no regular file; links are not followed.
   static std::optional<LockedFile> open(const std::filesystem::path& path, Missing missing);
+  // Whether another has it; perhaps: the file system has no locks, and the file is not empty. Needs no right to write
+  // it; no if it is not there. Fails with io where it cannot be read.
+  enum class Held { no, yes, perhaps };
+  static Held held(const std::filesystem::path& path);
 
   LockedFile(LockedFile&& other) noexcept;
   LockedFile& operator=(LockedFile&& other) noexcept;

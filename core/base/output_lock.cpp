@@ -45,15 +45,19 @@ std::string this_process() {
   return text.substr(0, longest_holder - 1) + "\n";
 }
 
-LockedFile lock_or_fail(const std::filesystem::path& output, const std::filesystem::path& lock) {
-  std::optional<LockedFile> file = LockedFile::open(lock, LockedFile::Missing::create);
-  const bool held = !file || (!file->exclusive() && !file->empty());
-  if (!held) return std::move(*file);
+[[noreturn]] void fail_on_holder(const std::filesystem::path& output, const std::filesystem::path& lock,
+                                 bool has_locks) {
   const std::string holder = first_line(lock);
   const std::string remedy =
-      file ? ". The file system has no locks: if that process has ended, remove " + shown(lock) : "";
+      has_locks ? "" : ". The file system has no locks: if that process has ended, remove " + shown(lock);
   fail(Status::io, "%s: is being written by %s%s", shown(output).c_str(),
        holder.empty() ? "another process" : holder.c_str(), remedy.c_str());
+}
+
+LockedFile lock_or_fail(const std::filesystem::path& output, const std::filesystem::path& lock) {
+  std::optional<LockedFile> file = LockedFile::open(lock, LockedFile::Missing::create);
+  if (!file || (!file->exclusive() && !file->empty())) fail_on_holder(output, lock, !file);
+  return std::move(*file);
 }
 
 std::filesystem::path in_folder(const std::filesystem::path& folder) {
@@ -84,6 +88,12 @@ OutputLock OutputLock::of_folder(const std::filesystem::path& folder) {
   OutputLock lock(folder, in_folder(folder));
   remove_partial_files(folder);
   return lock;
+}
+
+void OutputLock::refuse_if_written(const std::filesystem::path& folder) {
+  const std::filesystem::path lock = folder / lock_suffix;
+  const LockedFile::Held held = LockedFile::held(lock);
+  if (held != LockedFile::Held::no) fail_on_holder(folder, lock, held == LockedFile::Held::yes);
 }
 
 OutputLock::~OutputLock() {

@@ -17,6 +17,8 @@ class OutputLock {
   static OutputLock of_file(const std::filesystem::path& path);
   // Creates the folder and its parents if need be, and removes partial files (see AtomicFile) of killed processes.
   static OutputLock of_folder(const std::filesystem::path& folder);
+  // For those that read a folder, and take no lock: fails with io, naming the holder, if a run is writing it.
+  static void refuse_if_written(const std::filesystem::path& folder);
 
   OutputLock(OutputLock&&) = default;
   OutputLock& operator=(OutputLock&&) = default;

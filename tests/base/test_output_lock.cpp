@@ -88,6 +88,19 @@ TEST_CASE("the lock of another process holds until it is killed") {
   CHECK(folder.entries() == 0);
 }
 
+TEST_CASE("a folder that is being written is refused to readers, until its writer ends") {
+  test::Folder folder;
+  OutputLock::refuse_if_written(folder.path());
+  Child child([&] { return OutputLock::of_folder(folder.path()); });
+  const std::string message =
+      format("%s: is being written by process %d on ", folder.path().c_str(), static_cast<int>(child.process()));
+  for (int i = 0; i < 2; ++i)
+    CHECK_THROWS_WITH_AS(OutputLock::refuse_if_written(folder.path()), doctest::Contains(message.c_str()), Error);
+  child.end();
+  OutputLock::refuse_if_written(folder.path());
+  CHECK(folder.entries() == 1);  // left for the next writer
+}
+
 TEST_CASE("partial files of killed processes are removed, those of running ones are not") {
   test::Folder folder;
   const auto begin = [&](const char* name) {

@@ -35,6 +35,25 @@ TEST_CASE("no command writes what another process is writing") {
   }
 }
 
+TEST_CASE("no command reads a dataset that another process is sampling") {
+  const ScratchFolder folder;
+  const std::string poses = folder / "poses", face = folder / "face.fbk";
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", poses, "--poses", "60"}).exit_code == 0);
+  const std::vector<std::vector<std::string>> readers = {{"bake", poses, "--out", face, "--recipe", "linear"},
+                                                         {"eval", face, poses, "--split", "all"}};
+  for (const auto& reader : readers) CHECK(run_tool(reader).exit_code == 0);
+  const std::string holder = poses + ": is being written by process " + std::to_string(getpid()) + " on ";
+  {
+    const fb::OutputLock lock = fb::OutputLock::of_folder(poses);
+    for (const auto& reader : readers) {
+      const ToolRun run = run_tool(reader);
+      CHECK(run.exit_code == 1);
+      CHECK_MESSAGE(is_error_line(run.err, reader[0], {holder}), run.err);
+    }
+  }
+  for (const auto& reader : readers) CHECK(run_tool(reader).exit_code == 0);
+}
+
 TEST_CASE("without locks of the file system commands work, and a leftover must be removed by hand") {
   const faults::Workbench bench;
   const faults::Command& bake = bench.commands().at(1);

@@ -51,7 +51,8 @@ static inline void fb_source_desc_init(fb_source_desc* to) {
 
 /** Opens a source and checks everything it declares; a rig's rest pose is evaluated once. *source is owned by the
  * caller. Fails with NOT_FOUND, IO, BAD_DATA, NOT_FINITE, RIG or UNSUPPORTED and a message that names the file, field,
- * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. */
+ * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. A dataset that is being
+ * sampled at that moment is refused with IO, naming the process. */
 FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
 /** Null is allowed. No call may be using the source. */
 FB_API void fb_source_close(fb_source* source);

@@ -11,6 +11,7 @@
 #include "bake/dataset/merged_source.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
+#include "base/output_lock.h"
 #include "base/shown_path.h"
 
 namespace fs = std::filesystem;
@@ -60,6 +61,7 @@ OpenedSource open_source(const std::string& source) {
   const fs::path path(source);
   if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", shown(source).c_str());
   if (fs::is_directory(path)) {
+    OutputLock::refuse_if_written(path);
     if (!fs::exists(path / dataset_file))
       fail(Status::not_found, "%s: is no dataset folder: it holds no %s", shown(source).c_str(), dataset_file);
     return std::make_unique<DatasetSource>(path);

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-#include "bake/dataset/open_source.h"
+#include "bake/dataset/dataset_source.h"
 #include "bake/sampling/coverage.h"
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/pose_plan.h"
@@ -180,12 +180,12 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     const std::size_t count = others * (round + 1) / active.rounds - others * round / active.rounds;
     const std::string name = format("chosen_%u", round);
     if (count == 0) continue;
-    const auto recorded = open_source(directory.string());
-    if (is_recorded(*recorded, name, count, directory)) continue;
+    DatasetSource recorded(directory);  // whose lock is this call's
+    if (is_recorded(recorded, name, count, directory)) continue;
     const std::uint64_t seed = open_stream(options.seed, Stream::choice, round + 1).next();
     const std::vector<float> pool = draw_candidates(rig.schema(), responses(), options.mix, seed, count * active.pool);
     const std::vector<std::uint32_t> selected =
-        select_poses(rig.schema(), pool, count, active.random_share, ensemble(*recorded, round), seed);
+        select_poses(rig.schema(), pool, count, active.random_share, ensemble(recorded, round), seed);
     const Clip clip = clip_of(name, pool, selected, rig.schema().control_count());
     const SampleReport extended = extend_dataset(rig, {clip}, directory, progress);
     report.poses = extended.poses;
