@@ -93,7 +93,7 @@ TEST_CASE("a step is 0 up to a value and 1 from the next on, for any range, rest
         double outside = inside;
         while (value_at(control, outside) - rest == before - rest) outside += up ? 1e-9 : -1e-9;
         const Feature feature = step(control, 0, inside, outside);
-        const auto value = [&](float c) { return control_feature(feature, c, rest); };
+        const auto value = [&, rest = rest](float c) { return control_feature(feature, c, rest); };
         CHECK(value(rest) == 0);
         CHECK(value(before) == 0);
         CHECK(value(value_at(control, outside)) == 1);

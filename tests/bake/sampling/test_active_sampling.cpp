@@ -168,8 +168,9 @@ TEST_CASE("rounds of selection extend a dataset within the rig budget, and conti
   CHECK(attempts > 2);
   const auto expected = files_of(whole.path()), files = files_of(stopped.path());
   CHECK(files.size() == expected.size());
-  for (const auto& [name, bytes] : files)  // but for dataset.json, which says how fast the rig was
-    if (name != "dataset.json") CHECK_MESSAGE((expected.count(name) && expected.at(name) == bytes), name);
+  for (const auto& file : files)  // but for dataset.json, which says how fast the rig was
+    if (file.first != "dataset.json")
+      CHECK_MESSAGE((expected.count(file.first) && expected.at(file.first) == file.second), file.first);
   CHECK(contains(failure(Status::invalid_argument,
                          [&] {
                            sample_actively(rig, options, {.rounds = 2, .first_share = 0.4}, ensemble, whole.path(), {},
@@ -192,8 +193,8 @@ TEST_CASE("a dataset is extended by clips and keeps its shards") {
   CHECK(report.evaluated == 35);
   CHECK(report.rig_calls == 36);
   const auto after = files_of(folder.path());
-  for (const auto& [name, bytes] : before)
-    if (name != "dataset.json") CHECK_MESSAGE(after.at(name) == bytes, name);
+  for (const auto& file : before)
+    if (file.first != "dataset.json") CHECK_MESSAGE(after.at(file.first) == file.second, file.first);
   const auto recorded = open_source(folder.path());
   REQUIRE(recorded->clips().size() == 2);
   CHECK(recorded->clips()[1].controls == more.controls);
