@@ -1,12 +1,18 @@
 #!/bin/sh
-# Builds, with warnings as errors, what CI does not: everything with clang and without OpenMP, and the
-# runtime alone.
+# Builds, with warnings as errors, what the tests of CI leave out: everything with clang and without OpenMP, and the
+# runtime alone with gcc. Neither optimised nor with debug information, because nothing of it is run.
 #   tests/checks/build_variants.sh
 set -eu
 cd "$(dirname "$0")/../.."
 samples/setup.sh --tsan
-cmake --preset no-openmp -B build/clang -DCMAKE_BUILD_TYPE=Debug -DCMAKE_COMPILE_WARNING_AS_ERROR=ON \
-  -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++
-cmake --build build/clang --parallel "$(nproc)"
-cmake --preset runtime-only -DCMAKE_COMPILE_WARNING_AS_ERROR=ON
-cmake --build --preset runtime-only --parallel "$(nproc)"
+
+# build NAME OPTION...: configures and builds build/NAME.
+build() {
+  folder=build/$1
+  shift
+  cmake "$@" -B "$folder" -DCMAKE_COMPILE_WARNING_AS_ERROR=ON \
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG=-O0 -DCMAKE_CXX_FLAGS_DEBUG=-O0
+  cmake --build "$folder" --parallel "$(nproc)"
+}
+build clang --preset no-openmp -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++
+build runtime-debug --preset runtime-only
