@@ -46,13 +46,22 @@ struct Loop {
 #ifdef _OPENMP
 
 // A child made by fork() has none of the threads that OpenMP keeps from earlier loops, and would wait for them for
-// ever.
+// ever, or for locks of OpenMP that other threads held.
 std::atomic<bool> loops_ran{false}, threads_lost{false};
+std::atomic<int> asking{0};  // threads within default_workers()
 #ifdef _WIN32
 constexpr bool forks_are_noticed = true;  // there are none
 #else
-const bool forks_are_noticed = pthread_atfork(nullptr, nullptr, [] { threads_lost = loops_ran.load(); }) == 0;
+const bool forks_are_noticed = pthread_atfork(nullptr, nullptr, [] { threads_lost = loops_ran || asking > 0; }) == 0;
 #endif
+
+std::size_t default_workers() {
+  if (threads_lost) return 1;
+  ++asking;
+  const int threads = omp_get_max_threads();
+  --asking;
+  return static_cast<std::size_t>(std::max(1, threads));
+}
 
 // A thread that only waits. It takes nothing from the heap, which would set aside address space for it.
 struct TrialThread {
@@ -100,7 +109,7 @@ std::size_t count_possible_threads(std::size_t wanted) {
 std::size_t possible_workers(std::size_t wanted) {
   thread_local std::size_t kept = 1;
   loops_ran = true;
-  if (threads_lost || !forks_are_noticed) return 1;
+  if (threads_lost || !forks_are_noticed || omp_in_parallel()) return 1;
   if (wanted > kept) {
     // One more, so that there is memory left beside the threads.
     const std::size_t more = count_possible_threads(wanted - kept + 1);
@@ -109,13 +118,19 @@ std::size_t possible_workers(std::size_t wanted) {
   return kept = wanted;
 }
 
+// On its own, because clang calls OpenMP at the beginning of a function that has a pragma.
+[[gnu::noinline]] void run_with_openmp(Loop& loop, std::size_t count, std::size_t workers) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(workers))
+  for (std::size_t index = 0; index < count; ++index) loop.run(index, omp_get_thread_num());
+}
+
 #endif
 
 }  // namespace
 
 std::size_t worker_count(const Parallel& parallel) {
 #ifdef _OPENMP
-  if (parallel.threads <= 0) return parallel.host ? 1 : std::max(1, omp_get_max_threads());
+  if (parallel.threads <= 0) return parallel.host ? 1 : default_workers();
   return parallel.threads;
 #else
   return parallel.host && parallel.threads > 0 ? parallel.threads : 1;
@@ -126,7 +141,7 @@ void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
   Loop loop{body, parallel.progress, {}, SIZE_MAX, nullptr};
   [[maybe_unused]] std::size_t workers = std::min(worker_count(parallel), count);
 #ifdef _OPENMP
-  if (workers > 1 && !parallel.host) workers = omp_in_parallel() ? 1 : possible_workers(workers);
+  if (workers > 1 && !parallel.host) workers = possible_workers(workers);
 #endif
   if (workers > 1 && parallel.host) {
     if (count > UINT32_MAX) fail(Status::limit, "a parallel loop of %zu items", count);
@@ -138,8 +153,7 @@ void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
         &loop);
 #ifdef _OPENMP
   } else if (workers > 1) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(static_cast <int>(workers))
-    for (std::size_t index = 0; index < count; ++index) loop.run(index, omp_get_thread_num());
+    run_with_openmp(loop, count, workers);
 #endif
   } else {
     for (std::size_t index = 0; index < count; ++index) loop.run(index, 0);
