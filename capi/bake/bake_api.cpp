@@ -30,9 +30,9 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, fb::Progress& progres
 
 // Within what the bake left of the rig's budget.
 void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bake::BakeOptions& options,
-                      std::uint64_t rig_calls, fb::Progress& progress) {
+                      std::uint64_t asked, fb::Progress& progress) {
   const std::uint64_t left =
-      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, rig_calls) : UINT64_MAX;
+      options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, asked) : UINT64_MAX;
   const auto locality = fb::bake::locality_within(left, source.schema().control_count());
   if (!locality || !source.live()) return;
   fb::bake::MethodReport& face = report.faces.methods[0];
@@ -99,9 +99,9 @@ fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
     HostProgress progress(known.callbacks);
     const fb::bake::BakeOptions options = options_of(known, progress);
     fb::bake::Baked baked = fb::bake::bake_to_file(source, known.archive, options, progress);
-    const std::uint64_t rig_calls = baked.rig_calls;
+    const std::uint64_t asked = baked.asked;
     auto made = report_of(known, std::move(baked), source);
-    if (known.measure & FB_MEASURE_LOCALITY) measure_locality(*made, source, options, rig_calls, progress);
+    if (known.measure & FB_MEASURE_LOCALITY) measure_locality(*made, source, options, asked, progress);
     hand_over(std::move(made), report);
   });
 }

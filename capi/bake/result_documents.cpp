@@ -191,7 +191,8 @@ std::string sample_json(const std::string& dataset, const SampleReport& report) 
   return json_text({{"dataset", dataset},
                     {"poses", report.poses},
                     {"evaluated", report.evaluated},
-                    {"rig_calls", report.rig_calls}});
+                    {"rig_calls", report.rig_calls},
+                    {"asked", report.asked}});
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {
@@ -203,6 +204,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"bytes", baked.archive.size()},
                     {"poses", baked.poses},
                     {"rig_calls", baked.rig_calls},
+                    {"asked", baked.asked},
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},

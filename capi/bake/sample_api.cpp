@@ -72,7 +72,7 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
         fb::bake::sample(rig, options_of(known, source.schema().control_count()), known.directory, progress);
     auto made = std::make_unique<fb_report>();
     made->json = sample_json(known.directory, sampled);
-    made->sample = fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls};
+    made->sample = fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls, sampled.asked};
     hand_over(std::move(made), report);
   });
 }

@@ -39,6 +39,7 @@ std::string bake_text(const std::string& document) {
   table.add({"bytes", count("bytes")});
   table.add({"poses trained on", count("poses")});
   table.add({"rig calls", count("rig_calls")});
+  if (figures.at("asked") > 0) table.add({"poses asked to learn", count("asked")});
   table.add({"coefficients", count("coefficients")});
   table.add({"trained numbers", count("parameters")});
   table.add({"training, seconds", format("%.1f", figures.at("train_seconds").get<double>())});

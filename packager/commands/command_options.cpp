@@ -39,8 +39,8 @@ void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budge
   command
       .add_option(
           "--rig-budget", rig_budget,
-          "Poses of the rig to evaluate at most, for whatever reason: analysis, its own clips, tests; --poses is "
-          "reduced to what remains, and is all of it if not given")
+          "Different poses to ask of the rig at most in order to learn, at least two a control; its own clips, tests "
+          "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
       ->check(count)
       ->type_name("N");
   command.parse_complete_callback([given, &poses, &rig_budget] {

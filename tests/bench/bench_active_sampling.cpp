@@ -20,8 +20,8 @@ constexpr std::size_t steps = 6000, unseen = 1000;
 const Parallel parallel{1};
 
 struct Bench {
-  explicit Bench(RigEvaluator& rig) : method(rig, 200), responses(rig, silent_progress()), schema(rig.schema()) {
-    add("poses of the mix", draw_candidates(schema, responses, "dense", 999, unseen));
+  explicit Bench(RigEvaluator& rig) : method(rig, 200), responses(rig, 0, silent_progress()), schema(rig.schema()) {
+    add("poses of the mix", draw_candidates(schema, responses, {}, 999, unseen));
     std::vector<float> shots;
     for (const Clip& clip : rig.clips())
       if (clip.split == Split::train && clip.kind == ClipKind::shot)
@@ -92,7 +92,7 @@ int main(int argc, char** argv) try {
   const std::size_t poses = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 4000;
   const Bench bench(rig);
   const std::size_t width = bench.method.width();
-  const std::vector<float> drawn = draw_candidates(bench.schema, bench.responses, "dense", 1, 4 * poses);
+  const std::vector<float> drawn = draw_candidates(bench.schema, bench.responses, {}, 1, 4 * poses);
   const std::vector<float> drawn_residuals = bench.method.residuals_of(drawn);
   // The parts of a drawn set lie one after the other: take evenly.
   const auto evenly = [&](std::size_t count, const std::vector<float>& values) {
@@ -120,7 +120,7 @@ int main(int argc, char** argv) try {
                 correlation_of_logs(variance(mix.controls, 0),
                                     bench.squared_difference(bench.method.predict(one, mix.controls), mix.truth)));
     std::fflush(stdout);
-    const std::vector<float> pool = draw_candidates(bench.schema, bench.responses, "dense", 100 + round, 6 * first);
+    const std::vector<float> pool = draw_candidates(bench.schema, bench.responses, {}, 100 + round, 6 * first);
     for (const std::uint32_t pose :
          select_poses(bench.schema, pool, first, ActiveSamplingOptions().random_share, variance, round)) {
       const auto at = pool.begin() + static_cast<std::ptrdiff_t>(pose * width);

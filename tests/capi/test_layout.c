@@ -276,11 +276,12 @@ static void layout_of_results(void** state) {
   assert_at(fb_failure, name, 8);
   assert_at(fb_failure, reason, 16);
 
-  assert_int_equal(sizeof(fb_sample_result), 32);
+  assert_int_equal(sizeof(fb_sample_result), 40);
   assert_at(fb_sample_result, struct_size, 0);
   assert_at(fb_sample_result, poses, 8);
   assert_at(fb_sample_result, evaluated, 16);
   assert_at(fb_sample_result, rig_calls, 24);
+  assert_at(fb_sample_result, asked, 32);
 
   assert_int_equal(sizeof(fb_verify_result), 32);
   assert_at(fb_verify_result, struct_size, 0);

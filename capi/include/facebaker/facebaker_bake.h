@@ -152,8 +152,9 @@ typedef struct fb_sample_desc {
   uint64_t poses;           /**< new training poses; default 20,000 */
   uint64_t seed;            /**< default 1 */
   const char* mix;          /**< how poses are spread over the kinds: "dense" (default) or "paper" */
-  uint64_t rig_budget;      /**< poses evaluated at most, for whatever reason; `poses` is cut to what it leaves. 0
-                               (default): no limit */
+  uint64_t rig_budget;      /**< different poses asked for at most in order to learn, at least two a control; `poses` is
+                               cut to that. Clips, test poses and poses evaluated again do not count. 0 (default): no
+                               limit */
   uint32_t shots;           /**< 1 (default): also the rig's own clips */
   uint32_t clip_count;      /**< of clips */
   const fb_rig_clip* clips; /**< more clips to evaluate; values beyond their range are clamped */
@@ -177,6 +178,7 @@ typedef struct fb_sample_result {
   uint64_t poses;     /**< in the dataset */
   uint64_t evaluated; /**< of those, in this call */
   uint64_t rig_calls; /**< poses evaluated in this call, for whatever reason */
+  uint64_t asked; /**< different poses asked for in order to learn, what rig_budget limits: by interrupted calls too */
 } fb_sample_result;
 
 FB_API void fb_sample_result_fill(fb_sample_result* to, uint32_t struct_size);
@@ -211,14 +213,15 @@ typedef struct fb_bake_desc {
   uint32_t epochs;     /**< passes over the training poses; 0 (default): the recipe's own */
   uint64_t poses;      /**< sampled from a live source; default 20,000 */
   const char* mix;     /**< of those: "dense" (default) or "paper" */
-  uint64_t rig_budget; /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
+  uint64_t rig_budget; /**< different poses asked for at most in order to learn, see fb_sample_desc; measuring besides
+                          the rig's own clips takes what is left. 0 (default): no limit */
   uint64_t seed;       /**< of everything random; default 1 */
   uint64_t max_bytes;  /**< of the archive: as precise as they allow; 0 (default): the recipe's precision */
   double max_error;    /**< largest distance of a vertex on validation poses, over the diagonal: in as few bytes as it
                           allows; 0 (default): none; max_bytes comes first */
   uint32_t force;      /**< 1: write a face that meets neither max_bytes nor max_error; 0 (default): fail with LIMIT */
   uint32_t measure;    /**< FB_MEASURE_..., for the report: on clips of the split test, or of validation where there is
-                          none; both within what rig_budget leaves. Default 0 */
+                          none, if they are no more frames than rig_budget; locality within what it leaves. Default 0 */
   uint32_t learning_curve; /**< 1: bake on parts of the poses too, for the report; takes about as long again */
   uint32_t reserved;
   const char* licence; /**< text that goes into the archive; null (default): none */
@@ -251,7 +254,8 @@ typedef struct fb_compare_desc {
   uint32_t epochs;            /**< passes over the training poses; 0 (default): each recipe's own */
   uint64_t poses;             /**< sampled from a live source; default 20,000 */
   const char* mix;            /**< of those: "dense" (default) or "paper" */
-  uint64_t rig_budget;        /**< poses evaluated at most, for whatever reason; 0 (default): no limit */
+  uint64_t rig_budget;        /**< different poses asked for at most in order to learn, see fb_sample_desc; 0
+                                 (default): no limit */
   uint64_t seed;              /**< default 1 */
   uint32_t learning_curve;    /**< 1: bake on parts of the poses too */
   uint32_t reserved;

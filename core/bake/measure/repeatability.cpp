@@ -15,11 +15,8 @@ constexpr double tolerance = 1e-5;  // over D
 
 }  // namespace
 
-std::optional<Repeatability> repeatability_within(std::uint64_t budget, const PoseSet& recorded, RigEvaluator& rig,
-                                                  Progress& progress) {
-  const std::uint64_t left = budget == 0 ? UINT64_MAX : budget - std::min(budget, rig.requested());
-  const PoseSet poses = recorded.subsampled(std::min<std::uint64_t>(most_poses, left));
-  if (poses.size() == 0) return std::nullopt;
+Repeatability measure_repeatability(const PoseSet& recorded, RigEvaluator& rig, Progress& progress) {
+  const PoseSet poses = recorded.subsampled(most_poses);
   const std::size_t size = rig.coordinate_count(), width = rig.rest_pose().size();
   const std::vector<float> controls = poses.controls();
   std::vector<float> before(size), now(size);
@@ -27,12 +24,12 @@ std::optional<Repeatability> repeatability_within(std::uint64_t budget, const Po
   EvaluationStage stage(progress, "evaluating poses again", poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses.read_points(i, 1, before);
-    rig.evaluate(std::span(controls).subspan(i * width, width), 1, now);
+    rig.evaluate_apart(std::span(controls).subspan(i * width, width), 1, now);
     sums.add_frame(now, before);
     stage.advance(1);
   }
   const Errors errors = sums.figures(rig.diagonal());
-  return Repeatability{poses.size(), errors.rms, errors.max};
+  return {poses.size(), errors.rms, errors.max};
 }
 
 std::optional<std::string> repeatability_warning(const Repeatability& repeatability) {

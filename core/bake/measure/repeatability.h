@@ -17,10 +17,8 @@ struct Repeatability {
   double rms = 0, max = 0;
 };
 
-// Evaluates at most 16 recorded poses once more, evenly spaced, whatever the cache holds, within what `budget` leaves
-// after all that was requested of the rig (0: no limit); nothing if it leaves none.
-std::optional<Repeatability> repeatability_within(std::uint64_t budget, const PoseSet& recorded, RigEvaluator& rig,
-                                                  Progress& progress);
+// Evaluates at most 16 recorded poses once more, evenly spaced, whatever the cache holds. Counts against no budget.
+Repeatability measure_repeatability(const PoseSet& recorded, RigEvaluator& rig, Progress& progress);
 
 // A warning that says which errors the rig's own differences bound; nothing while they are within 1e-5 of the diagonal,
 // which is what a rest pose is held to.

@@ -79,7 +79,8 @@ bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint
   return options.rig_budget == 0 || rig.requested() + poses <= options.rig_budget;
 }
 
-// Measures the packed model: on training poses, and on independent ones if the rig budget allows for them; then whether
+// Measures the packed model: on training poses, and on independent ones if they are no more than the rig budget, which
+// does not count them; then whether
 // the rig repeats itself, and every control of it. `source` is what `data` was sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
@@ -87,7 +88,13 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   const PoseSet training = training_poses(data, options.use);
   baked.dependency = evaluate_model_on(face.model, training.subsampled(most_poses), options.parallel, progress);
   const PoseSet poses = independent_poses(source);
-  if (poses.size() > 0 && (!source.live() || may_evaluate(source, options, poses.size()))) {
+  const bool affordable = !source.live() || options.rig_budget == 0 || poses.size() <= options.rig_budget;
+  if (!affordable)
+    progress.note(
+        format("the rig's own clips have %zu frames that were not trained on, more than its budget: the face "
+               "is not measured on them",
+               poses.size()));
+  if (poses.size() > 0 && affordable) {
     const auto& clips = source.clips();
     if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
       baked.independent_split = Split::validation;
@@ -95,7 +102,7 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
         evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
   }
   warn(baked, worse_than_rest(face.model, training, options.parallel), progress);
-  if (source.live()) baked.repeatability = repeatability_within(options.rig_budget, training, source, progress);
+  if (source.live()) baked.repeatability = measure_repeatability(training, source, progress);
   if (baked.repeatability) warn(baked, repeatability_warning(*baked.repeatability), progress);
   if (source.live() && may_evaluate(source, options, control_error_calls(source.schema().control_count())))
     baked.controls = control_errors(face.model, source, options.seed, progress);
@@ -125,6 +132,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
   baked.rig_calls = evaluator.evaluated();
+  baked.asked = evaluator.requested();
   return baked;
 }
 

@@ -30,6 +30,7 @@ struct Baked {
   std::vector<std::byte> archive;
   std::size_t poses = 0;         // trained on
   std::uint64_t rig_calls = 0;   // poses a live rig evaluated in this call
+  std::uint64_t asked = 0;       // different poses asked of it in order to learn: what the rig budget limits
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
@@ -41,7 +42,7 @@ struct Baked {
   Split independent_split = Split::test;  // of those clips
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
-  std::optional<Repeatability> repeatability;  // of a live rig, where its budget allowed for it
+  std::optional<Repeatability> repeatability;  // of a live rig
   std::vector<std::string> warnings;           // what is wrong with the face or its rig; also in the certificate
 };
 

@@ -131,10 +131,8 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
   if (report.methods.empty() && first_failure) std::rethrow_exception(first_failure);
   if (source.live()) {
     add_locality(report, evaluator, options, progress);
-    report.repeatability =
-        repeatability_within(options.rig_budget, training_poses(data, Use::backlot), evaluator, progress);
-    const auto warning = report.repeatability ? repeatability_warning(*report.repeatability) : std::nullopt;
-    if (warning) progress.note("warning: " + *warning);
+    report.repeatability = measure_repeatability(training_poses(data, Use::backlot), evaluator, progress);
+    if (const auto warning = repeatability_warning(*report.repeatability)) progress.note("warning: " + *warning);
   }
   report.rig_calls = evaluator.evaluated();
   report.recorded = std::move(recorded);

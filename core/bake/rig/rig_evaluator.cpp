@@ -44,21 +44,28 @@ RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> ba
       backend_(std::move(backend)),
       rest_pose_(source.schema().rest_pose()),
       diagonal_(source.rest().diagonal()) {
+  known_.insert(hash64_of<float>(rest_pose_));
   if (source.live() && !cache.empty()) cache_.emplace(cache, source);
 }
 
-void RigEvaluator::spend(std::size_t poses) {
+void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {
   if (!source_.live()) return;
-  const std::uint64_t before = requested_.fetch_add(poses);
+  const std::size_t width = rest_pose_.size();
+  const std::lock_guard lock(requesting_);
+  std::vector<std::uint64_t> fresh;
+  for (std::size_t i = 0; i < poses; ++i)
+    if (const std::uint64_t hash = hash64_of(controls.subspan(i * width, width)); known_.insert(hash).second)
+      fresh.push_back(hash);
   for (const EvaluationBudget* budget = budget_; budget; budget = budget->outer_) {
-    const std::uint64_t used = before - budget->requested_before_;
-    if (budget->poses_ == 0 || used + poses <= budget->poses_) continue;
-    requested_ -= poses;
+    const std::uint64_t used = requested_ - budget->requested_before_;
+    if (budget->poses_ == 0 || used + fresh.size() <= budget->poses_) continue;
+    for (const std::uint64_t hash : fresh) known_.erase(hash);
     fail(Status::invalid_argument,
          "rig \"%s\": evaluating %zu poses more than the %llu so far would pass the rig budget of %llu",
-         schema().name.c_str(), poses, static_cast<unsigned long long>(used),
+         schema().name.c_str(), fresh.size(), static_cast<unsigned long long>(used),
          static_cast<unsigned long long>(budget->poses_));
   }
+  requested_ += fresh.size();
 }
 
 std::uint64_t RigEvaluator::remaining() const {
@@ -86,7 +93,6 @@ void RigEvaluator::call_rig(std::size_t poses, const Call& call) {
 }
 
 void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  spend(count);
   if (source_.live()) evaluated_ += count;
   const std::size_t size = coordinate_count();
   for (std::size_t done = 0; done < count;) {
@@ -96,16 +102,22 @@ void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, 
   }
 }
 
-void RigEvaluator::request(std::span<const float> controls, std::size_t count, std::span<const float> points) {
+void RigEvaluator::check_sizes(std::span<const float> controls, std::size_t count,
+                               std::span<const float> points) const {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   if (controls.size() != count * width || points.size() != count * size)
     fail(Status::invalid_argument, "%zu poses need %zu control values and %zu coordinates, not %zu and %zu", count,
          count * width, count * size, controls.size(), points.size());
-  spend(count);
 }
 
 void RigEvaluator::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  request(controls, count, points);
+  check_sizes(controls, count, points);
+  spend(controls, count);
+  run_backend(controls, count, points);
+}
+
+void RigEvaluator::evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  check_sizes(controls, count, points);
   run_backend(controls, count, points);
 }
 
@@ -138,7 +150,8 @@ void RigEvaluator::run_backend(std::span<const float> controls, std::size_t coun
 }
 
 void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  request(controls, count, points);
+  check_sizes(controls, count, points);
+  spend(controls, count);
   if (!cache_) return run_backend(controls, count, points);
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   const auto pose = [&](std::size_t i) { return controls.subspan(i * width, width); };

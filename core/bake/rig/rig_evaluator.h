@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "bake/rig/evaluation_backend.h"
@@ -39,10 +41,11 @@ class EvaluationStage {
 
 // A source whose evaluations are counted, kept within budgets, spread over a backend and, where the rig is slow, kept
 // in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
-// only `read` works, and nothing is counted.
+// only `read` works, and nothing is counted. What counts against budgets are different poses: a pose asked for again
+// is free, whether it is kept or, of a quick rig, evaluated again. Frames of the rig's own clips are counted apart.
 //
-// Where Parallel::progress is given, it is asked several times a second, in so far as a single pose does not take longer:
-// a slow rig is called with few poses at a time.
+// Where Parallel::progress is given, it is asked several times a second, in so far as a single pose does not take
+// longer: a slow rig is called with few poses at a time.
 //
 // A block in which a pose fails is evaluated once more, since what a rig depends on (files, a licence server) may fail
 // now and then; then PoseError is thrown with the number of the pose within the call.
@@ -69,9 +72,16 @@ class RigEvaluator final : public Source {
   // not allow for the poses.
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
 
-  // The same, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose, equal
-  // poses of the call are evaluated once and what is evaluated is added to the cache; evaluating a pose of a quicker rig
-  // takes no longer than reading it.
+  // The same for frames of clips, which count against no budget.
+  void evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points);
+
+  // Counts poses as requested that were evaluated before this object was made, such as those of a dataset. Fails as
+  // evaluate does if a budget does not allow for them.
+  void recall(std::span<const float> controls) { spend(controls, controls.size() / rest_pose_.size()); }
+
+  // evaluate, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose,
+  // equal poses of the call are evaluated once and what is evaluated is added to the cache; evaluating a pose of a
+  // quicker rig takes no longer than reading it.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;
@@ -81,10 +91,10 @@ class RigEvaluator final : public Source {
   // rest mesh, which it may change. Fails naming the controls of a pose that cannot be evaluated.
   void evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit);
 
-  // Poses requested so far, failed and cached ones included: what counts against budgets, so that a bake that was
-  // interrupted and goes on has the same result.
+  // Different poses requested so far besides rest, failed and cached ones included: what counts against budgets, so
+  // that a bake that was interrupted and goes on has the same result.
   std::uint64_t requested() const { return requested_; }
-  // Poses the rig has evaluated, or tried to.
+  // Poses the rig has evaluated, or tried to, and frames read of its clips.
   std::uint64_t evaluated() const { return evaluated_; }
   // Poses the budgets leave; UINT64_MAX where there are none.
   std::uint64_t remaining() const;
@@ -97,8 +107,8 @@ class RigEvaluator final : public Source {
  private:
   friend class EvaluationBudget;
 
-  void request(std::span<const float> controls, std::size_t count, std::span<const float> points);
-  void spend(std::size_t poses);
+  void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
+  void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
   std::size_t poses_at_once() const;
   template <class Call>
@@ -110,15 +120,18 @@ class RigEvaluator final : public Source {
   const std::unique_ptr<EvaluationBackend> backend_;
   std::optional<EvaluationCache> cache_;
   const EvaluationBudget* budget_ = nullptr;  // the innermost
+  std::mutex requesting_;
+  std::unordered_set<std::uint64_t> known_;  // hashes of the poses requested so far, and of the rest pose
   std::atomic<std::uint64_t> requested_{0}, evaluated_{0};
-  std::atomic<double> pose_seconds_{0};  // of the last call of the rig; 0: none yet
+  std::atomic<double> pose_seconds_{0};                  // of the last call of the rig; 0: none yet
   std::chrono::steady_clock::duration missing_time_{0};  // spent on poses that were not in the cache
   std::uint64_t missing_poses_ = 0;
   const std::vector<float> rest_pose_;
   const double diagonal_;
 };
 
-// Limits the poses requested of an evaluator while it lives, and counts them. Budgets nest like scopes, and each holds.
+// Limits the different poses requested of an evaluator while it lives, and counts them. Budgets nest like scopes, and
+// each holds.
 class EvaluationBudget {
  public:
   // `poses`: requested at most; 0: no limit.

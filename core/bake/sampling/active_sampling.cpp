@@ -166,14 +166,14 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
   const EvaluationBudget budget(rig, options.rig_budget);
   std::optional<ControlResponses> evaluated;
   const auto responses = [&]() -> const ControlResponses& {
-    return evaluated ? *evaluated : evaluated.emplace(rig, progress);
+    return evaluated ? *evaluated : evaluated.emplace(rig, options.rig_budget, progress);
   };
   SamplingOptions first = options;
-  // Each round evaluates one recorded pose again, to see that the rig is still the same.
-  if (options.rig_budget > 0) first.rig_budget -= std::min<std::uint64_t>(active.rounds, options.rig_budget - 1);
-  const std::size_t poses = poses_to_draw(rig, first);
-  first.rig_budget = 0;
-  first.poses = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(poses) * active.first_share));
+  const std::size_t poses = poses_to_draw(rig, options);
+  const std::size_t answered =
+      options.rig_budget > 0 ? std::min(poses, ControlResponses::poses_within(rig.schema(), options.rig_budget)) : 0;
+  first.poses = std::max<std::uint64_t>(
+      1, answered + static_cast<std::uint64_t>(static_cast<double>(poses - answered) * active.first_share));
   SampleReport report = sample_with_responses(rig, first, responses, directory, progress);
   const std::size_t others = poses - first.poses;
   for (std::uint32_t round = 0; round < active.rounds; ++round) {
@@ -183,7 +183,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     DatasetSource recorded(directory);  // whose lock is this call's
     if (is_recorded(recorded, name, count, directory)) continue;
     const std::uint64_t seed = open_stream(options.seed, Stream::choice, round + 1).next();
-    const std::vector<float> pool = draw_candidates(rig.schema(), responses(), options.mix, seed, count * active.pool);
+    const std::vector<float> pool = draw_candidates(rig.schema(), responses(), options, seed, count * active.pool);
     const std::vector<std::uint32_t> selected =
         select_poses(rig.schema(), pool, count, active.random_share, ensemble(recorded, round), seed);
     const Clip clip = clip_of(name, pool, selected, rig.schema().control_count());
@@ -192,6 +192,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     report.evaluated += extended.evaluated;
   }
   report.rig_calls = budget.evaluated();
+  report.asked = budget.requested();
   return report;
 }
 

@@ -27,7 +27,7 @@ std::vector<std::uint32_t> select_poses(const RigSchema& schema, std::span<const
 
 struct ActiveSamplingOptions {
   std::uint32_t rounds = 4;   // after the first poses, which are drawn without an ensemble
-  double first_share = 0.5;   // of the new poses that are drawn so
+  double first_share = 0.5;   // of the new poses that are drawn so, beyond those of single controls within a budget
   double random_share = 0.1;  // of every round
   std::uint32_t pool = 4;     // candidates of a round for each pose selected
 };

@@ -20,20 +20,27 @@ struct ControlGroup {
 // The groups of a rig's controls in the order they first occur, with equal shares of energy.
 std::vector<ControlGroup> control_groups(const RigSchema& schema);
 
-// How a rig responds to each control alone: at 0, 1/4, ... 1 of its range, the others at rest. All distances are root
-// mean squares over (at most a thousand) vertices, over the diagonal.
+// How a rig responds to each control alone: at 0, 1/4, ... 1 of its range, the others at rest; where the rig's budget
+// is below 8 poses a control, at both ends only. All distances are root mean squares over (at most a thousand)
+// vertices, over the diagonal.
 class ControlResponses {
  public:
-  static constexpr std::size_t values = 5;
+  static constexpr std::size_t most_values = 5;
 
-  // Evaluates 5 poses of each control; notes controls that move nothing. Without a budget, also closes in on the jumps
-  // of controls that are much steeper between two of their poses than beside them.
-  ControlResponses(RigEvaluator& rig, Progress& progress);
+  // Evaluates 5 or 2 poses of each control; notes controls that move nothing. `budget`: poses of the rig that sampling
+  // may ask for; 0: no limit. Without one, also closes in on the jumps of controls that are much steeper between two of
+  // their poses than beside them.
+  ControlResponses(RigEvaluator& rig, std::uint64_t budget, Progress& progress);
+
+  // Where the rig has a budget, the answers are data: the values of each control that were evaluated. Else none.
+  const std::vector<float>& answered(std::size_t control) const { return answered_[control]; }
+  // How many values of all controls are evaluated, besides rest, within a budget (0: no limit).
+  static std::size_t poses_within(const RigSchema& schema, std::uint64_t budget);
 
   const std::vector<ControlGroup>& groups() const { return groups_; }
   // The largest distance of the mesh from rest.
   double motion(std::size_t control) const { return motion_[control]; }
-  // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range.
+  // The second difference |f(t-1/4) - 2 f(t) + f(t+1/4)| at t = 1/4, 1/2, 3/4 of the range; 0 where it is not known.
   const std::array<double, 3>& bend(std::size_t control) const { return bend_[control]; }
   // Values between which the rig jumps, each pair as near as floats are: inside, nearer to rest, and outside.
   const std::vector<std::array<float, 2>>& jumps(std::size_t control) const { return jumps_[control]; }
@@ -49,6 +56,8 @@ class ControlResponses {
   void find_groups(const RigSchema& schema);
   void find_opposed();
 
+  std::size_t values_;  // evaluated of each control
+  std::vector<std::vector<float>> answered_;
   std::vector<ControlGroup> groups_;
   std::vector<double> motion_;
   std::vector<std::array<double, 3>> bend_;

@@ -26,6 +26,7 @@ class Excitations {
 
   std::vector<float> make() {
     const std::size_t half = remaining_ / 2;
+    add_answered();
     add_ends();
     add_jumps(half);
     const std::size_t end_poses = count() - schema_.control_count();
@@ -47,6 +48,16 @@ class Excitations {
     return count;
   }
 
+  // What is known already.
+  void add_answered() {
+    for (std::size_t c = 0; c < positions_.size(); ++c)
+      for (const float value : responses_.answered(c)) {
+        if (remaining_ == 0) return;
+        positions_[c].push_back(position_of(c, value));
+        --remaining_;
+      }
+  }
+
   // Every control starts with its rest position, which needs no pose, and the ends of its range.
   void add_ends() {
     std::vector<std::size_t> order(positions_.size());
@@ -56,7 +67,7 @@ class Excitations {
     for (const std::size_t c : order) positions_[c].push_back(rest_position(c));
     for (const double end : {1.0, 0.0})
       for (const std::size_t c : order) {
-        if (rest_position(c) == end || remaining_ == 0) continue;
+        if (rest_position(c) == end || remaining_ == 0 || std::ranges::count(positions_[c], end) > 0) continue;
         positions_[c].push_back(end);
         --remaining_;
       }

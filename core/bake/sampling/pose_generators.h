@@ -25,15 +25,16 @@ enum class Stream : std::uint64_t {
   candidates,
   choice,
   learning_curve,
+  amplitude,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {
   return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
 }
 
-// One control active at a time: first the ends of all ranges and both sides of jumps, then half of the poses spread
-// evenly over each range, the other half where chords between the poses so far differ most from the rig. Sorted by
-// control and value. Where there are fewer poses than ends, the controls that move most come first.
+// One control active at a time: first what is answered, the ends of all ranges and both sides of jumps, then half of
+// the poses spread evenly over each range, the other half where chords between the poses so far differ most from the
+// rig. Sorted by control and value. Where there are fewer poses than ends, the controls that move most come first.
 std::vector<float> make_excitations(const RigSchema& schema, const ControlResponses& responses, std::size_t poses);
 
 // Regional expressions: one to four control groups at once, together about 14 controls.

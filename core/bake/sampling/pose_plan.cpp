@@ -77,18 +77,43 @@ std::span<const MixPart> mix_named(const std::string& name) {
   fail(Status::invalid_argument, "\"%s\" is no mix of poses; there are paper, dense", name.c_str());
 }
 
-// Spreads poses over parts by their shares; the last part takes the rest.
+// Draws how strong each pose is: moves all controls toward rest by a common factor. Where poses are few, those in which
+// many controls are at their ends say little about what shots do: see docs/measuring.md, "A slow rig".
+void draw_amplitudes(std::vector<float>& poses, const RigSchema& schema, std::uint64_t seed, std::size_t part) {
+  constexpr float least = 0.2f;
+  const std::size_t width = schema.control_count();
+  for (std::size_t p = 0; p < poses.size() / width; ++p) {
+    const float amplitude = open_stream(seed, Stream::amplitude, part << 32 | p).uniform(least, 1);
+    for (std::size_t c = 0; c < width; ++c) {
+      float& value = poses[p * width + c];
+      const Control& control = schema.controls[c];
+      value = std::clamp(control.rest + amplitude * (value - control.rest), control.minimum, control.maximum);
+    }
+  }
+}
+
+// Spreads poses over parts by their shares; the last part takes the rest. Within a rig budget (0: none), excitations
+// hold all that was asked of single controls, and poses of many controls are drawn in different amplitudes.
 void add_parts(PosePlan& plan, std::span<const MixPart> parts, const RigSchema& schema,
-               const ControlResponses& responses, std::uint64_t seed, std::size_t poses) {
+               const ControlResponses& responses, std::uint64_t seed, std::size_t poses, std::uint64_t budget) {
+  const std::size_t answered = budget > 0 ? ControlResponses::poses_within(schema, budget) : 0;
   double shares = 0;
   for (const MixPart& part : parts) shares += part.share;
-  std::size_t left = poses;
+  std::size_t left = poses, shared = poses;
   for (const MixPart& part : parts) {
     const bool last = &part == &parts.back();
-    const double wanted = static_cast<double>(poses) * part.share / shares;
+    double wanted = static_cast<double>(shared) * part.share / shares;
+    if (part.kind == ClipKind::excitation && wanted < static_cast<double>(answered)) {
+      wanted = static_cast<double>(answered);
+      shared -= std::min(shared, answered);
+      shares -= part.share;
+    }
     const std::size_t count = last ? left : std::min(left, static_cast<std::size_t>(std::llround(wanted)));
     left -= count;
-    add(plan, {part.name, part.kind, Split::train, 30, count, part.make(schema, responses, seed, count)});
+    Clip clip{part.name, part.kind, Split::train, 30, count, part.make(schema, responses, seed, count)};
+    if (budget > 0 && part.kind == ClipKind::dense)
+      draw_amplitudes(clip.controls, schema, seed, static_cast<std::size_t>(&part - parts.data()));
+    add(plan, std::move(clip));
   }
 }
 
@@ -107,25 +132,20 @@ bool is_included(const Clip& clip, const SamplingOptions& options) {
 std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options) {
   if (options.poses == 0) fail(Status::invalid_argument, "the number of poses is zero");
   if (options.rig_budget == 0) return options.poses;
-  const std::uint64_t responses = ControlResponses::values * rig.schema().control_count() + timed_poses;
-  std::uint64_t frames = 0;
-  for (const Clip& clip : rig.clips())
-    if (is_included(clip, options)) frames += clip.frames;
-  for (const Clip& clip : options.extra) frames += clip.frames;
-  if (needs_test_poses(rig, options))
-    for (const Clip& clip : make_test_poses(rig.schema(), options.seed)) frames += clip.frames;
-  if (responses + frames >= options.rig_budget)
-    fail(Status::invalid_argument,
-         "a rig budget of %llu leaves no new poses: the responses of \"%s\" to single controls take %llu rig calls and "
-         "its clips have %llu frames",
-         static_cast<unsigned long long>(options.rig_budget), rig.schema().name.c_str(),
-         static_cast<unsigned long long>(responses), static_cast<unsigned long long>(frames));
-  return std::min(options.poses, options.rig_budget - responses - frames);
+  const std::uint64_t least = ControlResponses::poses_within(rig.schema(), 1) + 1;
+  if (options.rig_budget < least)
+    fail(
+        Status::invalid_argument,
+        "a rig budget of %llu leaves no new poses: \"%s\" with its %zu controls needs %llu at least, for every control "
+        "at the ends of its range",
+        static_cast<unsigned long long>(options.rig_budget), rig.schema().name.c_str(), rig.schema().control_count(),
+        static_cast<unsigned long long>(least));
+  return std::min(options.poses, options.rig_budget);
 }
 
 PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& progress) {
   check_options(rig, options);
-  return make_plan(rig, ControlResponses(rig, progress), options, progress);
+  return make_plan(rig, ControlResponses(rig, options.rig_budget, progress), options, progress);
 }
 
 void check_options(const Source& rig, const SamplingOptions& options) {
@@ -139,7 +159,8 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
                    Progress& progress) {
   const RigSchema& schema = rig.schema();
   PosePlan plan;
-  add_parts(plan, mix_named(options.mix), schema, responses, options.seed, poses_to_draw(rig, options));
+  add_parts(plan, mix_named(options.mix), schema, responses, options.seed, poses_to_draw(rig, options),
+            options.rig_budget);
   for (const Clip& clip : rig.clips())
     if (is_included(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
@@ -148,13 +169,13 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
   return plan;
 }
 
-std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses, const std::string& mix,
-                                   std::uint64_t seed, std::size_t poses) {
+std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses,
+                                   const SamplingOptions& options, std::uint64_t seed, std::size_t poses) {
   std::vector<MixPart> parts;
-  for (const MixPart& part : mix_named(mix))
+  for (const MixPart& part : mix_named(options.mix))
     if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
   PosePlan plan;
-  add_parts(plan, parts, schema, responses, open_stream(seed, Stream::candidates, 0).next(), poses);
+  add_parts(plan, parts, schema, responses, open_stream(seed, Stream::candidates, 0).next(), poses, options.rig_budget);
   std::vector<float> all;
   for (const Clip& clip : plan) all.insert(all.end(), clip.controls.begin(), clip.controls.end());
   return all;

@@ -19,8 +19,8 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
                    Progress& progress);
 
 // Poses of the mix that active sampling selects from: no excitations, no calisthenics.
-std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses, const std::string& mix,
-                                   std::uint64_t seed, std::size_t poses);
+std::vector<float> draw_candidates(const RigSchema& schema, const ControlResponses& responses,
+                                   const SamplingOptions& options, std::uint64_t seed, std::size_t poses);
 
 // sample, with responses that are evaluated where they are first needed.
 SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& options,

@@ -140,7 +140,7 @@ class DatasetWriter {
       const std::size_t frames = std::min(count, clip.frames);
       std::vector<float> points(frames * size_);
       const double start = seconds_now();
-      evaluate(clip, 0, 0, frames, points);
+      evaluate(Answers::fresh, clip, 0, 0, frames, points);
       seconds = (seconds_now() - start) / static_cast<double>(frames);
     }
     const double by_time = shard_seconds / std::max(seconds, 1e-9);
@@ -173,6 +173,7 @@ class DatasetWriter {
         const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
         const fs::path path = folder_ / name;
         if (resuming && is_array(path, {frames, size_ / 3, 3})) {
+          if (!is_apart(plan_[i])) rig_.recall(std::span(plan_[i].controls).subspan(first * width_, frames * width_));
           if (!checked) check_rig_unchanged(path, i, done, first, frames / 2);
           checked = true;
         } else {
@@ -190,7 +191,7 @@ class DatasetWriter {
                            std::size_t frame) {
     std::vector<float> before(size_), now(size_);
     NpyFile(path).read(frame, 1, before);
-    evaluate(plan_[clip], done + frame, first + frame, 1, now);
+    evaluate(Answers::fresh, plan_[clip], done + frame, first + frame, 1, now);
     const double tolerance = 1e-5 * rig_.rest().diagonal();
     for (std::size_t i = 0; i < size_; ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
@@ -207,7 +208,7 @@ class DatasetWriter {
       const std::size_t count = std::min(batch_, frames - frame);
       points_.resize(count * size_);
       const double start = seconds_now();
-      evaluate(plan_[clip], done + frame, first + frame, count, points_);
+      evaluate(Answers::cached, plan_[clip], done + frame, first + frame, count, points_);
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
       const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
       batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
@@ -219,10 +220,26 @@ class DatasetWriter {
     writer.commit();
   }
 
+  // Whether a clip was not planned in order to learn, but is the rig's own, the user's, or a test.
+  bool is_apart(const Clip& clip) const {
+    return clip.kind == ClipKind::shot || clip.split == Split::test ||
+           std::ranges::count(rig_.clips(), clip.name, &Clip::name) > 0;
+  }
+
+  // Whether the rig is asked in any case: to measure it, not to learn.
+  enum class Answers { cached, fresh };
+
   // `done`: number of the first pose within the plan.
-  void evaluate(const Clip& clip, std::size_t done, std::size_t first, std::size_t count, std::span<float> points) {
+  void evaluate(Answers answers, const Clip& clip, std::size_t done, std::size_t first, std::size_t count,
+                std::span<float> points) {
+    const std::span<const float> controls = std::span(clip.controls).subspan(first * width_, count * width_);
     try {
-      rig_.evaluate(std::span(clip.controls).subspan(first * width_, count * width_), count, points);
+      if (is_apart(clip))
+        rig_.evaluate_apart(controls, count, points);
+      else if (answers == Answers::cached)
+        rig_.evaluate_cached(controls, count, points);
+      else
+        rig_.evaluate(controls, count, points);
     } catch (const PoseError& error) {
       fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s", done + error.pose(), clip.name.c_str(),
            first + error.pose(), error.reason().c_str());
@@ -261,6 +278,7 @@ SampleReport write_samples(RigEvaluator& rig, const PosePlan& plan, std::uint64_
   const EvaluationBudget counter(rig);
   SampleReport report = DatasetWriter(rig, plan, folder, progress).run(request);
   report.rig_calls = counter.evaluated();
+  report.asked = counter.requested();
   return report;
 }
 
@@ -316,11 +334,13 @@ SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& opt
 
 SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const fs::path& directory, Progress& progress) {
   const OutputLock lock = OutputLock::of_folder(directory);
-  const EvaluationBudget counter(rig);
+  const EvaluationBudget counter(rig, options.rig_budget);
   std::optional<ControlResponses> responses;
   SampleReport report = sample_with_responses(
-      rig, options, [&]() -> const ControlResponses& { return responses.emplace(rig, progress); }, directory, progress);
+      rig, options, [&]() -> const ControlResponses& { return responses.emplace(rig, options.rig_budget, progress); },
+      directory, progress);
   report.rig_calls = counter.evaluated();
+  report.asked = counter.requested();
   return report;
 }
 

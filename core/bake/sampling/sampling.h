@@ -17,12 +17,13 @@ struct SamplingOptions {
   // How new poses are spread over the kinds.
   // "paper": 25 % excitations, 55 % regional expressions, 20 % calisthenics, about a dozen controls at once.
   // "dense": 5 % excitations, 5 % calisthenics, 25 % all groups at once, 20 % heavy in one group, 45 % performances:
-  // expressions on both sides of the face with many controls strongly active together.
+  // expressions on both sides of the face with many controls strongly active together. Within a rig budget, all
+  // that was asked of single controls are excitations, and poses of many controls have amplitudes from 0.2 to 1.
   std::string mix = "dense";
   bool shots = true;       // include the rig's own clips, with their splits
   bool test_poses = true;  // include poses to test with: the rig's own clips of split test, else make_test_poses
-  // Poses evaluated at most, those of responses, timing and clips included; `poses` is cut to what they leave. 0: no
-  // limit. Continuing a dataset evaluates one pose of each of its clips again.
+  // Different poses asked for at most in order to learn; `poses` is cut to that. The rig's own clips, those of the user
+  // and test poses do not count, nor does a pose that is evaluated again. 0: no limit.
   std::uint64_t rig_budget = 0;
   std::vector<Clip> extra = {};  // clips of the user; values outside their range are clamped and noted
 };
@@ -46,6 +47,7 @@ struct SampleReport {
   std::size_t poses = 0;        // of the whole plan
   std::size_t evaluated = 0;    // of those, in this call; the others were on the disk already
   std::uint64_t rig_calls = 0;  // poses the rig evaluated in this call, for whatever reason
+  std::uint64_t asked = 0;  // different poses asked for in order to learn, by an interrupted call too: see rig_budget
 };
 
 // Writes a dataset folder: dataset.json and all controls first, then points in shards, each complete or absent. Shards

@@ -141,7 +141,7 @@ TEST_CASE("excitations are sampled on both sides of jumps, which a recording of 
   double (*const f)(float) = [](float c) { return 0.3 * c + 0.4 * (c > 0.1379f) - 0.3 * (c < -0.613f); };
   MemorySource rig = rig_of(-1, 0, 1, f);
   RigEvaluator evaluator(rig);
-  const ControlResponses responses(evaluator, silent_progress());
+  const ControlResponses responses(evaluator, 0, silent_progress());
   const std::vector<float> values = make_excitations(rig.schema(), responses, 40);
   CHECK(values.size() == 40);
   for (const float side : {0.1379f, std::nextafter(0.1379f, 1.0f), -0.613f, std::nextafter(-0.613f, -1.0f)})
