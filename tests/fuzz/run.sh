@@ -3,7 +3,8 @@
 # UndefinedBehaviorSanitizer (clang), one after the other at the lowest priority. What each finds stays in
 # build/fuzz/found/NAME and is where the next run goes on from. Prints executions, coverage and findings; fails if
 # anything was found, which then lies in build/fuzz/crashes/NAME.
-# run.sh keep [NAME...]: adds to tests/fuzz/corpus/NAME the inputs that cover what it does not, at most 4,096 bytes each.
+# run.sh keep [NAME...]: adds to tests/fuzz/corpus/NAME the inputs of at most 1,024 bytes that reach code which it does
+# not reach.
 set -eu
 cd "$(dirname "$0")/../.."
 what=${1:?give seconds, or keep}
@@ -23,7 +24,7 @@ for name; do
   found=$build/found/$name
   mkdir -p "$found" "$build/crashes/$name"
   if [ "$what" = keep ]; then
-    "$program" -merge=1 -max_len=4096 -rss_limit_mb=4096 "$corpus" "$found" 2>&1 | tail -1
+    "$program" -merge=1 -use_counters=0 -max_len=1024 -rss_limit_mb=4096 "$corpus" "$found" 2>&1 | tail -1
     continue
   fi
   seeds=tests/golden
