@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "base/file.h"
 #include "base/shown_path.h"
@@ -47,7 +49,12 @@ std::string this_process() {
 
 [[noreturn]] void fail_on_holder(const std::filesystem::path& output, const std::filesystem::path& lock,
                                  bool has_locks) {
-  const std::string holder = first_line(lock);
+  std::string holder = first_line(lock);
+  // Who has just taken the lock writes its name next.
+  for (int tries = 0; holder.empty() && tries < 20; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    holder = first_line(lock);
+  }
   const std::string remedy =
       has_locks ? "" : ". The file system has no locks: if that process has ended, remove " + shown(lock);
   fail(Status::io, "%s: is being written by %s%s", shown(output).c_str(),
