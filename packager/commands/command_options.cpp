@@ -37,10 +37,10 @@ void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budge
                                  ->type_name("N")
                                  ->capture_default_str();
   command
-      .add_option(
-          "--rig-budget", rig_budget,
-          "Different poses to ask of the rig at most in order to learn, at least two a control; its own clips, tests "
-          "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
+      .add_option("--rig-budget", rig_budget,
+                  "Different poses to ask of the rig at most in order to learn, at least the ends of all ranges; its "
+                  "own clips, tests "
+                  "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
       ->check(count)
       ->type_name("N");
   command.parse_complete_callback([given, &poses, &rig_budget] {

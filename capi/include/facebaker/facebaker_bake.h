@@ -152,9 +152,9 @@ typedef struct fb_sample_desc {
   uint64_t poses;           /**< new training poses; default 20,000 */
   uint64_t seed;            /**< default 1 */
   const char* mix;          /**< how poses are spread over the kinds: "dense" (default) or "paper" */
-  uint64_t rig_budget;      /**< different poses asked for at most in order to learn, at least two a control; `poses` is
-                               cut to that. Clips, test poses and poses evaluated again do not count. 0 (default): no
-                               limit */
+  uint64_t rig_budget;      /**< different poses asked for at most in order to learn, at least the ends of all
+                               ranges; `poses` is cut to that. Clips, test poses and poses evaluated again do not count. 0
+                               (default): no limit */
   uint32_t shots;           /**< 1 (default): also the rig's own clips */
   uint32_t clip_count;      /**< of clips */
   const fb_rig_clip* clips; /**< more clips to evaluate; values beyond their range are clamped */

@@ -80,8 +80,8 @@ bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint
 }
 
 // Measures the packed model: on training poses, and on independent ones if they are no more than the rig budget, which
-// does not count them; then whether
-// the rig repeats itself, and every control of it. `source` is what `data` was sampled from, or the same.
+// does not count them; then whether the rig repeats itself, and every control of it. `source` is what `data` was
+// sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   constexpr std::size_t most_poses = 4000;
   Baked& baked = face.baked;

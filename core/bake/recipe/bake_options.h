@@ -23,7 +23,7 @@ struct BakeOptions {
   std::uint64_t seed = 1;
   std::uint64_t poses = 20000;  // sampled when the source is a live rig
   std::string mix = "dense";    // of those poses: "dense" or "paper"
-  // Poses requested of a live rig at most, analysis and clips included; `poses` is cut to what that leaves. 0: no
+  // Different poses asked of a live rig at most in order to learn, see SamplingOptions; `poses` is cut to that. 0: no
   // limit. A recipe finds here what is left for it, at least 1.
   std::uint64_t rig_budget = 0;
   std::uint32_t epochs = 0;  // passes over the training poses; 0: the recipe's own

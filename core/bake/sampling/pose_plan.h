@@ -8,9 +8,6 @@
 
 namespace fb::bake {
 
-// Poses evaluated to choose the length of a new dataset's shards, at most.
-inline constexpr std::size_t timed_poses = 1 + 8 + 64;
-
 // Fails on options that allow for no plan. Evaluates nothing.
 void check_options(const Source& rig, const SamplingOptions& options);
 

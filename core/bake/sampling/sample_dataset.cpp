@@ -136,7 +136,7 @@ class DatasetWriter {
   std::size_t frames_per_shard() {
     const Clip& clip = plan_.at(0);
     double seconds = 0;
-    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {  // timed_poses in all
+    for (std::size_t count = 1; count <= 64 && seconds < 0.05; count *= 8) {
       const std::size_t frames = std::min(count, clip.frames);
       std::vector<float> points(frames * size_);
       const double start = seconds_now();
