@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "bake/documents.h"
@@ -8,7 +9,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using namespace fb::bake;
 
-constexpr std::size_t leaks_listed = 10, worst_frames_listed = 16;
+constexpr std::size_t leaks_listed = 10;
 
 void add_figures(Json& to, const Errors& errors) {
   to["frames"] = errors.frames;
@@ -19,6 +20,7 @@ void add_figures(Json& to, const Errors& errors) {
   to["max"] = errors.max;
   to["mfm"] = errors.mfm;
   to["worst_frame"] = errors.worst_frame;
+  to["worst_vertex"] = errors.worst_vertex;
 }
 
 Json figures(const Errors& errors) {
@@ -45,25 +47,52 @@ Json touched(const BytesRead& bytes) {
           {"all", bytes.runtime_bytes}};
 }
 
-Json part_list(const std::vector<PartErrors>& parts, const char* count) {
+Json region_list(const Quality& quality) {
   Json list = Json::array();
-  for (const PartErrors& part : parts)
-    list.push_back({{"name", part.name}, {count, part.count}, {"mse", part.mse}, {"max", part.max}});
+  for (const PartErrors& region : quality.regions) {
+    const FaceParts& parts = quality.parts;
+    const auto index =
+        static_cast<std::size_t>(std::find(parts.names.begin(), parts.names.end(), region.name) - parts.names.begin());
+    list.push_back({{"name", region.name},
+                    {"title", parts.titles.at(index)},
+                    {"movers", parts.movers.at(index)},
+                    {"vertices", region.count},
+                    {"mse", region.mse},
+                    {"max", region.max}});
+  }
+  return list;
+}
+
+Json control_list(const Quality& quality) {
+  Json list = Json::array();
+  for (const ControlQuality& control : quality.controls)
+    list.push_back(
+        {{"name", control.all.name},
+         {"frames", control.all.count},
+         {"mse", control.all.mse},
+         {"max", control.all.max},
+         {"vertices", control.vertices},
+         {"combined",
+          {{"frames", control.combined.count}, {"mse", control.combined.mse}, {"max", control.combined.max}}}});
+  return list;
+}
+
+Json kind_list(const EvalReport& report) {
+  Json list = Json::array();
+  for (const KindErrors& kind : report.kinds) {
+    Json json = {{"kind", name_of(kind.kind)}};
+    add_figures(json, kind.errors);
+    list.push_back(std::move(json));
+  }
   return list;
 }
 
 Json quality_of(const EvalReport& report) {
   if (!report.quality) return nullptr;
   const Quality& q = *report.quality;
-  return {{"normal_degrees_rms", q.normal_rms},
-          {"normal_degrees_p99", q.normal_p99},
-          {"jitter", q.jitter},
-          {"jitter_frames", q.jitter_frames},
-          {"border_jump", q.border_jump},
-          {"inside_jump", q.inside_jump},
-          {"border_edges", q.border_edges},
-          {"regions", part_list(q.regions, "vertices")},
-          {"controls", part_list(q.controls, "frames")}};
+  return {{"normal_degrees_rms", q.normal_rms}, {"normal_degrees_p99", q.normal_p99}, {"jitter", q.jitter},
+          {"jitter_frames", q.jitter_frames},   {"border_jump", q.border_jump},       {"inside_jump", q.inside_jump},
+          {"border_edges", q.border_edges},     {"regions", region_list(q)},          {"controls", control_list(q)}};
 }
 
 Json locality_of(const std::optional<Locality>& locality) {
@@ -91,6 +120,7 @@ Json method_of(const MethodReport& method) {
           {"use", name_of(method.use)},
           {"total", figures(method.independent.total)},
           {"clips", clip_list(method.independent)},
+          {"kinds", kind_list(method.independent)},
           {"dependency", figures(method.dependency)},
           {"bytes", method.bytes},
           {"touched_bytes", touched(method.independent.bytes_read)},
@@ -123,21 +153,14 @@ void add_frames(Json& clips, const EvalReport& report) {
   }
 }
 
-Json kind_list(const EvalReport& report) {
-  Json list = Json::array();
-  for (const KindErrors& kind : report.kinds) {
-    Json json = {{"kind", name_of(kind.kind)}};
-    add_figures(json, kind.errors);
-    list.push_back(std::move(json));
-  }
-  return list;
-}
-
 Json worst_frame_list(const EvalReport& report) {
   Json list = Json::array();
-  for (const FrameOfClip& frame : worst_frames(report, worst_frames_listed))
-    list.push_back(
-        {{"clip", frame.clip}, {"frame", frame.frame}, {"mse", frame.errors.mse}, {"max", frame.errors.max}});
+  for (const FrameOfClip& frame : report.worst)
+    list.push_back({{"clip", frame.clip},
+                    {"frame", frame.frame},
+                    {"mse", frame.errors.mse},
+                    {"max", frame.errors.max},
+                    {"vertex", frame.errors.worst_vertex}});
   return list;
 }
 
@@ -170,7 +193,6 @@ Json stats_of(const BakeStats& stats) {
 Json detailed_method(const MethodReport& method) {
   Json json = method_of(method);
   add_frames(json["clips"], method.independent);
-  json["kinds"] = kind_list(method.independent);
   if (const auto& quality = method.independent.quality) {
     json["quality"]["vertex_rms"] = quality->vertex_rms;
     json["quality"]["vertex_region"] = quality->parts.labels;
@@ -219,6 +241,7 @@ std::string eval_json(const std::string& archive, const EvalReport& report, cons
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"clips", clip_list(report)},
+                    {"kinds", kind_list(report)},
                     {"total", figures(report.total)},
                     {"touched_bytes", touched(report.bytes_read)},
                     {"quality", quality_of(report)},

@@ -8,6 +8,7 @@ namespace fb::bake {
 void ErrorSums::add_frame(std::span<const float> predicted, std::span<const float> truth) {
   const std::size_t vertices = truth.size() / 3;
   double squares = 0, distances = 0, worst = 0;
+  std::uint32_t worst_vertex = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
     double squared = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -16,13 +17,17 @@ void ErrorSums::add_frame(std::span<const float> predicted, std::span<const floa
     }
     squares += squared;
     distances += std::sqrt(squared);
-    worst = std::max(worst, squared);
+    if (squared > worst) {
+      worst = squared;
+      worst_vertex = static_cast<std::uint32_t>(v);
+    }
     histogram_.add(static_cast<float>(squared));
   }
   worst = std::sqrt(worst);
   if (worst > worst_) {
     worst_ = worst;
     worst_frame_ = frames_;
+    worst_vertex_ = worst_vertex;
   }
   squares_ += squares;
   distances_ += distances;
@@ -37,6 +42,7 @@ void ErrorSums::append(const ErrorSums& later) {
   if (later.worst_ > worst_) {
     worst_ = later.worst_;
     worst_frame_ = frames_ + later.worst_frame_;
+    worst_vertex_ = later.worst_vertex_;
   }
   squares_ += later.squares_;
   distances_ += later.distances_;
@@ -55,6 +61,7 @@ Errors ErrorSums::figures(double diagonal) const {
   errors.max = worst_ / diagonal;
   errors.mfm = frame_worsts_ / static_cast<double>(frames_) / diagonal;
   errors.worst_frame = worst_frame_;
+  errors.worst_vertex = worst_vertex_;
   errors.p99 = std::min(std::sqrt(histogram_.p99()) / diagonal, errors.max);
   return errors;
 }

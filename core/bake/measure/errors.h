@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "bake/measure/histogram.h"
@@ -19,6 +20,7 @@ struct Errors {
   double max = 0;   // largest e / D
   double mfm = 0;   // mean over frames of the frame's largest e / D
   std::size_t worst_frame = 0;
+  std::uint32_t worst_vertex = 0;  // of that frame
 };
 
 // Sums errors frame by frame. Partial sums of consecutive blocks of frames are joined with `append`, in order: the
@@ -32,6 +34,7 @@ class ErrorSums {
 
  private:
   std::size_t frames_ = 0, vertices_ = 0, worst_frame_ = 0;
+  std::uint32_t worst_vertex_ = 0;
   double squares_ = 0, distances_ = 0, frame_worsts_ = 0, worst_ = 0;
   Histogram histogram_;  // of e^2
 };

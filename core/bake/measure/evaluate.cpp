@@ -6,15 +6,20 @@
 #include "archive/reader.h"
 #include "bake/rig/scaled_source.h"
 #include "base/status.h"
+#include "base/vector3.h"
 #include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t block_frames = 16;     // unit of work of a thread
-constexpr std::size_t blocks_at_once = 32;   // between two reports of progress
-constexpr std::size_t warm_up_frames = 2;    // evaluated before a block, for the second difference of jitter
-constexpr std::size_t frames_apart = 12;     // of worst frames
+constexpr std::size_t block_frames = 16;    // unit of work of a thread
+constexpr std::size_t blocks_at_once = 32;  // between two reports of progress
+constexpr std::size_t warm_up_frames = 2;   // evaluated before a block, for the second difference of jitter
+constexpr std::size_t frames_apart = 12;    // of worst frames
+constexpr double pose_share = 0.5;          // of the farther pose's distance from rest, by which they differ
+constexpr double places_apart = 0.05;       // over D: of their worst vertices
+constexpr float bad_share = 0.25;           // of the largest error, for a frame to be shown for its place
+constexpr std::size_t worst_frames_kept = 16;
 constexpr std::size_t part_poses = 256;      // that vertices are assigned to regions by
 constexpr std::size_t compared_poses = 256;  // with the rest mesh
 constexpr double negligible = 1e-5;          // over D: of rms errors, where nothing moves
@@ -75,6 +80,54 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
   return sums;
 }
 
+// Whether frames of a report show the same.
+class FrameDifference {
+ public:
+  FrameDifference(const EvalReport& report, const Source& source) : source_(source), diagonal_(report.diagonal) {
+    for (const ClipErrors& clip : report.clips)
+      for (const Clip& other : source.clips())
+        if (other.name == clip.name) clips_.push_back(&other);
+  }
+
+  // Near in time, or nearly the same pose.
+  bool alike(const FrameOfClip& a, const FrameOfClip& b) const {
+    if (a.clip == b.clip && std::max(a.frame, b.frame) - std::min(a.frame, b.frame) < frames_apart) return true;
+    const std::size_t controls = source_.schema().control_count();
+    const float *one = &clips_[a.clip]->controls[a.frame * controls],
+                *other = &clips_[b.clip]->controls[b.frame * controls];
+    double apart = 0, far = 0, near = 0;
+    for (std::size_t c = 0; c < controls; ++c) {
+      const Control& control = source_.schema().controls[c];
+      const double x = (one[c] - control.rest) / control.reach(), y = (other[c] - control.rest) / control.reach();
+      apart += (x - y) * (x - y);
+      far += x * x;
+      near += y * y;
+    }
+    return apart <= pose_share * pose_share * std::max(far, near);
+  }
+
+  bool same_place(const FrameOfClip& a, const FrameOfClip& b) const {
+    const float* points = source_.rest().points.data();
+    return length(vector_at(points, a.errors.worst_vertex) - vector_at(points, b.errors.worst_vertex)) <
+           places_apart * diagonal_;
+  }
+
+ private:
+  const Source& source_;
+  const double diagonal_;
+  std::vector<const Clip*> clips_;  // of the report's clips
+};
+
+// What Detail::quality measures by.
+QualityBasis quality_basis(const PackedModel& model, const PoseSet& poses, const Parallel& parallel) {
+  const FaceMap map(model, parallel);
+  FaceParts parts = face_parts(model, poses.subsampled(part_poses).controls());
+  describe(parts, map, model.schema);
+  std::vector<std::vector<std::uint32_t>> moved;
+  for (std::size_t c = 0; c < model.schema.control_count(); ++c) moved.push_back(map.moved_by(c));
+  return QualityBasis(model.rest, model.schema, std::move(parts), std::move(moved));
+}
+
 }  // namespace
 
 void check_same_face(const PackedModel& model, const Source& source) {
@@ -110,8 +163,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
     fail(Status::bad_data, "\"%s\" has no clip%s%s to measure on", source.schema().name.c_str(),
          split ? " of the split " : "", split ? name_of(*split) : "");
   std::optional<QualityBasis> basis;
-  if (detail == Detail::quality)
-    basis.emplace(model.rest, model.schema, face_parts(model, all.subsampled(part_poses).controls()));
+  if (detail == Detail::quality) basis.emplace(quality_basis(model, all, parallel));
   const QualityBasis* by = basis ? &*basis : nullptr;
 
   EvalReport report;
@@ -134,7 +186,10 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
   }
   for (const auto& [kind, sums] : kinds) report.kinds.push_back({kind, sums.figures(report.diagonal)});
   report.total = total.errors.figures(report.diagonal);
-  if (total.quality) report.quality = total.quality->figures();
+  if (total.quality) {
+    report.quality = total.quality->figures();
+    report.worst = worst_frames(report, source, worst_frames_kept);
+  }
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
   report.bytes_read = bytes_read_per_pose(model, shots.size() > 0 ? shots : PoseSet(source, wanted));
   return report;
@@ -166,20 +221,23 @@ std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseS
       some.size(), of_face, of_rest);
 }
 
-std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count) {
-  std::vector<FrameOfClip> all, worst;
+std::vector<FrameOfClip> worst_frames(const EvalReport& report, const Source& source, std::size_t count) {
+  std::vector<FrameOfClip> all;
   for (std::size_t c = 0; c < report.clips.size(); ++c)
     for (std::size_t f = 0; f < report.clips[c].frames.size(); ++f) all.push_back({c, f, report.clips[c].frames[f]});
   std::stable_sort(all.begin(), all.end(),
                    [](const FrameOfClip& a, const FrameOfClip& b) { return a.errors.max > b.errors.max; });
-  for (const FrameOfClip& frame : all) {
-    if (worst.size() == count) break;
-    const bool near = std::any_of(worst.begin(), worst.end(), [&](const FrameOfClip& other) {
-      return other.clip == frame.clip &&
-             std::max(other.frame, frame.frame) - std::min(other.frame, frame.frame) < frames_apart;
-    });
-    if (!near) worst.push_back(frame);
-  }
+  const FrameDifference difference(report, source);
+  std::vector<FrameOfClip> worst;
+  for (const bool elsewhere : {true, false})
+    for (const FrameOfClip& frame : all) {
+      if (worst.size() == count) break;
+      const bool known = std::any_of(worst.begin(), worst.end(), [&](const FrameOfClip& other) {
+        return difference.alike(frame, other) || (elsewhere && difference.same_place(frame, other));
+      });
+      const bool bad = !elsewhere || frame.errors.max >= bad_share * all[0].errors.max;
+      if (bad && !known) worst.push_back(frame);
+    }
   return worst;
 }
 

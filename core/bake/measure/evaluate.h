@@ -32,6 +32,12 @@ struct KindErrors {
   Errors errors;
 };
 
+struct FrameOfClip {
+  std::size_t clip = 0;  // in EvalReport::clips
+  std::size_t frame = 0;
+  FrameErrors errors;
+};
+
 struct EvalReport {
   std::string units;
   double diagonal = 0;
@@ -40,6 +46,7 @@ struct EvalReport {
   Errors total;                        // over the frames of all clips
   BytesRead bytes_read;                // by poses of those clips that are shots, or of all if none is
   std::optional<Quality> quality;      // of the same clips, with Detail::quality
+  std::vector<FrameOfClip> worst;      // see worst_frames; with Detail::quality
 };
 
 // What is measured: errors alone, or normals, jitter, seams, regions and controls too, which takes longer.
@@ -64,14 +71,11 @@ std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseS
 EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, std::optional<Split> split,
                             const Parallel& parallel, Progress& progress, Detail detail = Detail::errors);
 
-struct FrameOfClip {
-  std::size_t clip = 0;  // in EvalReport::clips
-  std::size_t frame = 0;
-  FrameErrors errors;
-};
-
-// The frames with the largest errors of a vertex, largest first, at least half a second (12 frames) apart in a clip.
-// Empty without Detail::quality.
-std::vector<FrameOfClip> worst_frames(const EvalReport& report, std::size_t count);
+// Up to `count` of the frames with the largest errors of a vertex, that differ from each other: at least half a second
+// (12 frames) apart in a clip, and poses further apart than half the way from rest to the farther of the two, in units
+// of the controls' reach. First those with at least a quarter of the largest error whose worst vertices also lie at
+// least 5 % of the diagonal apart, largest error first; then others, in the same order. `source`: has the clips of the
+// report, which has Detail::quality.
+std::vector<FrameOfClip> worst_frames(const EvalReport& report, const Source& source, std::size_t count);
 
 }  // namespace fb::bake

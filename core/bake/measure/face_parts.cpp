@@ -1,5 +1,8 @@
 #include "bake/measure/face_parts.h"
 
+#include <map>
+#include <set>
+
 #include "base/checked.h"
 #include "runtime/evaluator.h"
 
@@ -47,6 +50,33 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
       }
   }
   return parts;
+}
+
+void describe(FaceParts& parts, const FaceMap& map, const RigSchema& schema) {
+  constexpr std::size_t most_movers = 5;
+  std::vector<std::vector<std::uint32_t>> vertices(parts.names.size());
+  for (std::uint32_t v = 0; v < parts.labels.size(); ++v)
+    if (parts.labels[v] < vertices.size()) vertices[parts.labels[v]].push_back(v);
+  std::map<std::string, std::vector<std::uint32_t>> of_group;
+  std::map<std::string, int> parts_of_group;
+  for (const std::vector<std::uint32_t>& part : vertices) {
+    const std::string group = map.group_of(part);
+    of_group[group].insert(of_group[group].end(), part.begin(), part.end());
+    parts_of_group[group] += !part.empty();
+  }
+  std::set<std::string> taken;
+  for (const std::vector<std::uint32_t>& part : vertices) {
+    std::string& title = parts.titles.emplace_back();
+    std::vector<std::string>& movers = parts.movers.emplace_back();
+    if (part.empty()) continue;
+    const std::string group = map.group_of(part);
+    const bool only = group.empty() || parts_of_group[group] == 1;
+    const std::string place = map.place_in(only ? map.moving_part() : map.box_of(of_group[group]), part);
+    const std::string name = group.empty() ? place : group + ", " + place;
+    title = name;
+    for (int number = 2; !taken.insert(title).second; ++number) title = name + " " + std::to_string(number);
+    for (const std::uint32_t c : map.movers(part, most_movers)) movers.push_back(schema.controls[c].name);
+  }
 }
 
 }  // namespace fb::bake

@@ -9,6 +9,9 @@
 namespace fb::bake {
 namespace {
 
+// Of a control's reach: from where its frames are counted, and from where it is off rest.
+constexpr float active_share = 0.5f, off_rest_share = 0.01f;
+
 // predicted - truth, over D.
 std::vector<float> error_of(std::span<const float> predicted, std::span<const float> truth, double diagonal) {
   std::vector<float> error(truth.size());
@@ -32,8 +35,14 @@ double mean(double sum, double count) {
 
 }  // namespace
 
-QualityBasis::QualityBasis(const Mesh& rest, const RigSchema& rig, FaceParts of_face)
-    : schema(rig), diagonal(rest.diagonal()), parts(std::move(of_face)), triangles(rest.triangles()) {
+QualityBasis::QualityBasis(const Mesh& rest, const RigSchema& rig, FaceParts of_face,
+                           std::vector<std::vector<std::uint32_t>> moved_by)
+    : schema(rig),
+      diagonal(rest.diagonal()),
+      parts(std::move(of_face)),
+      moved(std::move(moved_by)),
+      triangles(rest.triangles()) {
+  moved.resize(schema.control_count());
   const SurfaceGraph graph(rest, {});
   for (std::uint32_t v = 0; v < graph.size(); ++v)
     for (const SurfaceGraph::Edge& edge : graph.edges(v)) {
@@ -71,25 +80,66 @@ FrameErrors QualitySums::add_vertices(const std::vector<float>& error) {
   const std::size_t vertices = error.size() / 3;
   vertex_squares_.resize(vertices);
   vertex_worst_.resize(vertices);
+  squares_.resize(vertices);
   double squares = 0, worst = 0;
+  std::uint32_t worst_vertex = 0;
   for (std::size_t v = 0; v < vertices; ++v) {
     const double squared = square(vector_at(error.data(), v));
     vertex_squares_[v] += squared;
     vertex_worst_[v] = std::max(vertex_worst_[v], static_cast<float>(squared));
+    squares_[v] = static_cast<float>(squared);
     squares += squared;
-    worst = std::max(worst, squared);
+    if (squared <= worst) continue;
+    worst = squared;
+    worst_vertex = static_cast<std::uint32_t>(v);
   }
-  return {static_cast<float>(mean(squares, static_cast<double>(vertices))), static_cast<float>(std::sqrt(worst))};
+  return {static_cast<float>(mean(squares, static_cast<double>(vertices))), static_cast<float>(std::sqrt(worst)),
+          worst_vertex};
+}
+
+// Of the vertices that a control moves.
+FrameErrors QualitySums::errors_where_moved(std::size_t control, const FrameErrors& frame) const {
+  const std::vector<std::uint32_t>& vertices = basis_->moved[control];
+  if (vertices.empty()) return frame;
+  double sum = 0;
+  float worst = 0;
+  for (const std::uint32_t v : vertices) {
+    sum += squares_[v];
+    worst = std::max(worst, squares_[v]);
+  }
+  return {static_cast<float>(sum / static_cast<double>(vertices.size())), std::sqrt(worst)};
+}
+
+void QualitySums::Part::add(double mse, double max) {
+  ++frames;
+  squares += mse;
+  worst = std::max(worst, max);
+}
+
+void QualitySums::Part::append(const Part& later) {
+  frames += later.frames;
+  squares += later.squares;
+  worst = std::max(worst, later.worst);
+}
+
+PartErrors QualitySums::Part::errors(const std::string& name) const {
+  return {name, frames, mean(squares, static_cast<double>(frames)), worst};
 }
 
 void QualitySums::add_controls(std::span<const float> controls, const FrameErrors& frame) {
   controls_.resize(controls.size());
-  for (std::size_t c = 0; c < controls.size(); ++c) {
+  const auto beyond = [&](std::size_t c, float share) {
     const Control& control = basis_->schema.controls[c];
-    if (std::abs(controls[c] - control.rest) <= 0.5f * control.reach()) continue;
-    ++controls_[c].frames;
-    controls_[c].squares += frame.mse;
-    controls_[c].worst = std::max<double>(controls_[c].worst, frame.max);
+    return std::abs(controls[c] - control.rest) > share * control.reach();
+  };
+  std::size_t off_rest = 0;
+  for (std::size_t c = 0; c < controls.size(); ++c) off_rest += beyond(c, off_rest_share);
+  for (std::size_t c = 0; c < controls.size(); ++c) {
+    if (!beyond(c, active_share)) continue;
+    controls_[c].all.add(frame.mse, frame.max);
+    if (off_rest < 2) continue;
+    const FrameErrors moved = errors_where_moved(c, frame);
+    controls_[c].combined.add(moved.mse, moved.max);
   }
 }
 
@@ -144,9 +194,8 @@ void QualitySums::append(const QualitySums& later) {
   }
   controls_.resize(later.controls_.size());
   for (std::size_t c = 0; c < controls_.size(); ++c) {
-    controls_[c].frames += later.controls_[c].frames;
-    controls_[c].squares += later.controls_[c].squares;
-    controls_[c].worst = std::max(controls_[c].worst, later.controls_[c].worst);
+    controls_[c].all.append(later.controls_[c].all);
+    controls_[c].combined.append(later.controls_[c].combined);
   }
 }
 
@@ -164,10 +213,13 @@ Quality QualitySums::figures() const {
   quality.inside_jump = root_mean(inside_squares_, frames_.size());
   quality.border_edges = basis_->borders.size();
   quality.parts = basis_->parts;
-  for (std::size_t c = 0; c < controls_.size(); ++c)
-    if (const Part& part = controls_[c]; part.frames > 0)
-      quality.controls.push_back(
-          {basis_->schema.controls[c].name, part.frames, part.squares / static_cast<double>(part.frames), part.worst});
+  for (std::size_t c = 0; c < controls_.size(); ++c) {
+    const std::string& name = basis_->schema.controls[c].name;
+    const std::size_t moved = basis_->moved[c].size();
+    if (controls_[c].all.frames > 0)
+      quality.controls.push_back({controls_[c].all.errors(name), moved > 0 ? moved : vertex_squares_.size(),
+                                  controls_[c].combined.errors(name)});
+  }
   std::vector<PartErrors> regions;
   for (const std::string& name : basis_->parts.names) regions.push_back({name});
   for (std::size_t v = 0; v < vertex_squares_.size(); ++v) {

@@ -18,6 +18,7 @@ namespace fb::bake {
 // Errors of one frame, over D^2 and D (see Errors).
 struct FrameErrors {
   float mse = 0, max = 0;
+  std::uint32_t worst_vertex = 0;
 };
 
 // Errors of a part of all measured vertices or frames, over D^2 and D.
@@ -25,6 +26,14 @@ struct PartErrors {
   std::string name;
   std::size_t count = 0;  // vertices or frames
   double mse = 0, max = 0;
+};
+
+// Errors of the frames in which a control is beyond half its reach: of the whole face, and, where others are off rest
+// too, of what the control moves.
+struct ControlQuality {
+  PartErrors all;            // count: those frames
+  std::size_t vertices = 0;  // that the control alone moves, see FaceMap; all, if it alone moves none
+  PartErrors combined;       // of those vertices, in the frames in which another control is off rest
 };
 
 // With e the error vector of a vertex, predicted - true, over D, the rest mesh's bounding-box diagonal.
@@ -40,19 +49,22 @@ struct Quality {
   // a border_jump above inside_jump. Without border edges inside_jump is over all edges inside parts.
   double border_jump = 0, inside_jump = 0;
   std::size_t border_edges = 0;
-  std::vector<PartErrors> regions;   // parts of the face that have vertices
-  std::vector<PartErrors> controls;  // frames with the control beyond half its reach; controls with such frames
-  std::vector<float> vertex_rms;     // one a vertex
+  std::vector<PartErrors> regions;       // parts of the face that have vertices
+  std::vector<ControlQuality> controls;  // those that are beyond half their reach in some frame
+  std::vector<float> vertex_rms;         // one a vertex
   FaceParts parts;
 };
 
 // What all frames share.
 struct QualityBasis {
-  QualityBasis(const Mesh& rest, const RigSchema& schema, FaceParts parts);
+  // `moved`: the vertices that each control moves alone; all of them where the list is empty or missing.
+  QualityBasis(const Mesh& rest, const RigSchema& schema, FaceParts parts,
+               std::vector<std::vector<std::uint32_t>> moved = {});
 
   RigSchema schema;
   double diagonal;
   FaceParts parts;
+  std::vector<std::vector<std::uint32_t>> moved;
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 2>> borders, insides;  // edges between parts, and inside one
   std::vector<double>
@@ -77,8 +89,16 @@ class QualitySums {
   struct Part {
     std::size_t frames = 0;
     double squares = 0, worst = 0;
+
+    void add(double mse, double max);
+    void append(const Part& later);
+    PartErrors errors(const std::string& name) const;
+  };
+  struct ControlPart {
+    Part all, combined;
   };
   FrameErrors add_vertices(const std::vector<float>& error);
+  FrameErrors errors_where_moved(std::size_t control, const FrameErrors& frame) const;
   void add_controls(std::span<const float> controls, const FrameErrors& frame);
   void add_jumps(const std::vector<float>& error);
   void add_normals(std::span<const float> predicted, std::span<const float> truth);
@@ -91,7 +111,8 @@ class QualitySums {
   std::vector<FrameErrors> frames_;
   std::vector<double> vertex_squares_;
   std::vector<float> vertex_worst_;
-  std::vector<Part> controls_;
+  std::vector<float> squares_;  // by vertex, of the frame added last
+  std::vector<ControlPart> controls_;
   std::vector<std::vector<float>> past_;  // error vectors of up to two frames before
 };
 
