@@ -34,9 +34,14 @@ void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bak
   const std::uint64_t left =
       options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, asked) : UINT64_MAX;
   const auto locality = fb::bake::locality_within(left, source.schema().control_count());
-  if (!locality || !source.live()) return;
   fb::bake::MethodReport& face = report.faces.methods[0];
   const std::array<std::span<const std::byte>, 1> archives = {face.archive};
+  if (!source.live()) {
+    for (auto& recorded : fb::bake::recorded_locality(archives, source, options.parallel, progress))
+      face.locality = std::move(recorded);
+    return;
+  }
+  if (!locality) return;
   fb::bake::RigEvaluator rig(source, options.parallel);
   face.locality = fb::bake::measure_locality(archives, rig, *locality, progress).at(0);
 }

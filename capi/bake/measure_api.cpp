@@ -56,10 +56,12 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
                           fb::bake::evaluate_archive(archive.bytes, source, split, parallel, progress,
                                                      quality ? fb::bake::Detail::quality : fb::bake::Detail::errors));
     fb::bake::MethodReport& face = made->faces.methods[0];
-    if ((known.measure & FB_MEASURE_LOCALITY) && source.live()) {
+    if (known.measure & FB_MEASURE_LOCALITY) {
       const std::array<std::span<const std::byte>, 1> archives = {archive.bytes};
       fb::bake::RigEvaluator rig(source, parallel);
-      face.locality = fb::bake::measure_locality(archives, rig, {}, progress).at(0);
+      auto measured = source.live() ? fb::bake::measure_locality(archives, rig, {}, progress)
+                                    : fb::bake::recorded_locality(archives, source, parallel, progress);
+      if (!measured.empty()) face.locality = std::move(measured[0]);
     }
     made->measured.split = split;
     made->json = eval_json(archive.name, face.independent, face.locality);

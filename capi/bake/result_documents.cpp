@@ -102,12 +102,22 @@ Json locality_of(const std::optional<Locality>& locality) {
     if (leak.leak == 0 || worst.size() == leaks_listed) break;
     worst.push_back({{"control", leak.control}, {"leak", leak.leak}, {"vertex", leak.vertex}});
   }
+  Json alone = Json::array();
+  for (const ControlLeak& control : locality->leaks)
+    alone.push_back({{"name", control.control},
+                     {"poses", control.alone_poses},
+                     {"unseen_poses", control.unseen_poses},
+                     {"max", control.alone_error},
+                     {"motion", control.alone_motion}});
   return {{"largest", locality->largest},
           {"share_above", locality->above},
           {"tolerance", locality->options.tolerance},
           {"still", locality->options.still},
           {"poses", locality->options.poses},
-          {"worst", std::move(worst)}};
+          {"recorded_poses", locality->recorded_poses},
+          {"controls", locality->leaks.size()},
+          {"worst", std::move(worst)},
+          {"alone", std::move(alone)}};
 }
 
 Json repeatability_of(const std::optional<Repeatability>& repeatability) {

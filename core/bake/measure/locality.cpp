@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t moves_at_once = 64;  // controls moved in one call of the rig
 constexpr std::size_t rest_poses = 2;      // poses in which controls are moved from rest; the others are random
+constexpr std::size_t single_poses_a_control = 16;
+constexpr double off_rest_least = 1e-6;  // of a control's reach: a recorded value no further from rest is at rest
 
 // The pose from which controls are moved.
 std::vector<float> pose_of(const RigSchema& schema, const LocalityOptions& options, std::size_t number) {
@@ -45,6 +47,13 @@ void raise(std::span<float> most, std::span<const float> from, std::span<const f
   }
 }
 
+double largest_distance(std::span<const float> a, std::span<const float> b) {
+  float largest = 0;
+  for (std::size_t v = 0; v < a.size() / 3; ++v)
+    largest = std::max(largest, length(vector_at(a.data(), v) - vector_at(b.data(), v)));
+  return largest;
+}
+
 // Largest displacement of each vertex by moving each control: controls x vertices, over D.
 using Motion = std::vector<float>;
 
@@ -52,6 +61,7 @@ struct Candidate {
   // `exponent`: of the archive's positions to the rig's, see scaled_source.h.
   Candidate(std::span<const std::byte> archive, int exponent, const Source& rig, const Parallel& parallel)
       : face(model_of(archive, exponent, rig)), motion(rig.schema().control_count() * rig.rest().vertex_count()) {
+    for (const Control& control : rig.schema().controls) alone.push_back({control.name});
     for (std::size_t w = 0; w < worker_count(parallel); ++w) work.emplace_back(face);
   }
   static PackedModel model_of(std::span<const std::byte> archive, int exponent, const Source& rig) {
@@ -59,9 +69,21 @@ struct Candidate {
     check_same_face(model, rig);
     return model;
   }
+  // Counts a pose of one control alone.
+  void add_alone(std::size_t control, std::span<const float> truth, std::span<const float> posed, const Mesh& rest,
+                 bool unseen) {
+    ControlLeak& mine = alone[control];
+    const double diagonal = rest.diagonal();
+    ++mine.alone_poses;
+    mine.unseen_poses += unseen;
+    mine.alone_error = std::max(mine.alone_error, largest_distance(truth, posed) / diagonal);
+    mine.alone_motion = std::max(mine.alone_motion, largest_distance(truth, rest.points) / diagonal);
+  }
+
   runtime::Evaluator face;
   std::vector<runtime::Workspace> work;  // one a worker
   Motion motion;
+  std::vector<ControlLeak> alone;  // one a control
 };
 
 // Poses that differ from one pose in one control each.
@@ -90,14 +112,16 @@ void raise_by(Motion& motion, const Moves& moves, const std::vector<float>& poin
   });
 }
 
-Locality locality_of(const Motion& rig, const Motion& archive, const RigSchema& schema,
+// `alone`: one a control, with what was measured of it alone; controls without poses are left out.
+Locality locality_of(const Motion& rig, const Motion& archive, const std::vector<ControlLeak>& alone,
                      const LocalityOptions& options) {
   Locality locality;
   locality.options = options;
-  const std::size_t controls = schema.control_count(), vertices = rig.size() / controls;
+  const std::size_t controls = alone.size(), vertices = rig.size() / controls;
   std::size_t above = 0;
   for (std::size_t c = 0; c < controls; ++c) {
-    ControlLeak leak{schema.controls[c].name};
+    if (alone[c].alone_poses == 0) continue;
+    ControlLeak leak = alone[c];
     for (std::uint32_t v = 0; v < vertices; ++v)
       if (rig[c * vertices + v] <= options.still && archive[c * vertices + v] > leak.leak) {
         leak.leak = archive[c * vertices + v];
@@ -109,7 +133,7 @@ Locality locality_of(const Motion& rig, const Motion& archive, const RigSchema& 
   std::stable_sort(locality.leaks.begin(), locality.leaks.end(),
                    [](const ControlLeak& a, const ControlLeak& b) { return a.leak > b.leak; });
   locality.largest = locality.leaks.at(0).leak;
-  locality.above = static_cast<double>(above) / static_cast<double>(controls);
+  locality.above = static_cast<double>(above) / static_cast<double>(locality.leaks.size());
   return locality;
 }
 
@@ -127,12 +151,15 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
     const std::vector<float> pose = pose_of(rig.schema(), options, p);
     for (std::size_t first = 0; first < controls; first += moves_at_once) {
       const Moves moves = moves_from(rig.schema(), pose, p, first, std::min(moves_at_once, controls - first));
-      std::vector<float> points((moves.count + 1) * width);
-      rig.evaluate_cached(moves.poses, moves.count + 1, points);
-      raise_by(truth, moves, points, diagonal, parallel);
+      std::vector<float> expected((moves.count + 1) * width), points(expected.size());
+      rig.evaluate_cached(moves.poses, moves.count + 1, expected);
+      raise_by(truth, moves, expected, diagonal, parallel);
       for (Candidate& candidate : candidates) {
         parallel_for(parallel, moves.count + 1, [&](std::size_t i, std::size_t worker) {
-          candidate.face.evaluate(&moves.poses[i * controls], &points[i * width], candidate.work[worker]);
+          const std::span<float> posed = std::span(points).subspan(i * width, width);
+          candidate.face.evaluate(&moves.poses[i * controls], posed.data(), candidate.work[worker]);
+          if (p < rest_poses && i > 0 && moves.poses[i * controls + first + i - 1] != pose[first + i - 1])
+            candidate.add_alone(first + i - 1, std::span(expected).subspan(i * width, width), posed, rig.rest(), true);
         });
         raise_by(candidate.motion, moves, points, diagonal, parallel);
       }
@@ -141,7 +168,75 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
   }
   std::vector<Locality> localities;
   for (const Candidate& candidate : candidates)
-    localities.push_back(locality_of(truth, candidate.motion, rig.schema(), options));
+    localities.push_back(locality_of(truth, candidate.motion, candidate.alone, options));
+  return localities;
+}
+
+// A recorded pose in which one control is off rest.
+struct SinglePose {
+  std::size_t control = 0, clip = 0, frame = 0;
+  double distance = 0;  // from rest, in units of the control's reach
+};
+
+std::vector<SinglePose> single_poses(const Source& recording) {
+  const RigSchema& schema = recording.schema();
+  std::vector<std::vector<SinglePose>> of_control(schema.control_count());
+  for (std::size_t k = 0; k < recording.clips().size(); ++k) {
+    const Clip& clip = recording.clips()[k];
+    for (std::size_t f = 0; recording.readable(k) && f < clip.frames; ++f) {
+      SinglePose single{0, k, f};
+      std::size_t off_rest = 0;
+      for (std::size_t c = 0; c < schema.control_count() && off_rest < 2; ++c) {
+        const Control& control = schema.controls[c];
+        const double distance =
+            std::abs(double(clip.controls[f * schema.control_count() + c]) - control.rest) / control.reach();
+        if (distance <= off_rest_least) continue;
+        ++off_rest;
+        single.control = c;
+        single.distance = distance;
+      }
+      if (off_rest == 1) of_control[single.control].push_back(single);
+    }
+  }
+  std::vector<SinglePose> singles;
+  for (std::vector<SinglePose>& mine : of_control) {
+    std::stable_sort(mine.begin(), mine.end(),
+                     [](const SinglePose& a, const SinglePose& b) { return a.distance > b.distance; });
+    mine.resize(std::min(mine.size(), single_poses_a_control));
+    singles.insert(singles.end(), mine.begin(), mine.end());
+  }
+  return singles;
+}
+
+std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte>> archives, int exponent,
+                                       Source& recording, const Parallel& parallel, Progress& progress) {
+  const std::vector<SinglePose> singles = single_poses(recording);
+  if (singles.empty()) return {};
+  std::list<Candidate> candidates;
+  for (const auto& archive : archives) candidates.emplace_back(archive, exponent, recording, parallel);
+  const Mesh& rest = recording.rest();
+  const std::size_t controls = recording.schema().control_count(), vertices = rest.vertex_count();
+  const double diagonal = rest.diagonal();
+  Motion truth(controls * vertices);
+  std::vector<float> expected(rest.points.size()), posed(rest.points.size());
+  progress.begin("measuring locality", singles.size());
+  for (std::size_t i = 0; i < singles.size(); ++i) {
+    const SinglePose& single = singles[i];
+    const Clip& clip = recording.clips()[single.clip];
+    recording.read(single.clip, single.frame, 1, expected);
+    raise(std::span(truth).subspan(single.control * vertices, vertices), rest.points, expected, diagonal);
+    for (Candidate& candidate : candidates) {
+      candidate.face.evaluate(&clip.controls[single.frame * controls], posed.data(), candidate.work[0]);
+      raise(std::span(candidate.motion).subspan(single.control * vertices, vertices), rest.points, posed, diagonal);
+      candidate.add_alone(single.control, expected, posed, rest, clip.split != Split::train);
+    }
+    progress.step(i + 1);
+  }
+  std::vector<Locality> localities;
+  for (const Candidate& candidate : candidates) {
+    localities.push_back(locality_of(truth, candidate.motion, candidate.alone, {}));
+    localities.back().recorded_poses = singles.size();
+  }
   return localities;
 }
 
@@ -165,6 +260,14 @@ std::vector<Locality> measure_locality(std::span<const std::span<const std::byte
   ScaledSource ordinary(rig, exponent);
   RigEvaluator evaluator(ordinary, rig.parallel());
   return measure_scaled(archives, exponent, evaluator, options, progress);
+}
+
+std::vector<Locality> recorded_locality(std::span<const std::span<const std::byte>> archives, Source& recording,
+                                        const Parallel& parallel, Progress& progress) {
+  const int exponent = scale_exponent(recording.rest());
+  if (exponent == 0) return measure_recorded(archives, 0, recording, parallel, progress);
+  ScaledSource ordinary(recording, exponent);
+  return measure_recorded(archives, exponent, ordinary, parallel, progress);
 }
 
 }  // namespace fb::bake

@@ -25,13 +25,19 @@ struct ControlLeak {
   std::string control;
   double leak = 0;           // largest displacement by the archive of a vertex that the rig does not move, over D
   std::uint32_t vertex = 0;  // the vertex with it
+  // With all other controls at rest: the poses, those of them of clips that are not trained on, the largest error of a
+  // vertex and how far the rig moves one, over D.
+  std::size_t alone_poses = 0, unseen_poses = 0;
+  double alone_error = 0, alone_motion = 0;
 };
 
 struct Locality {
   LocalityOptions options;
   double largest = 0;              // leak of any control
   double above = 0;                // share of the controls whose leak is over the tolerance
-  std::vector<ControlLeak> leaks;  // of all controls, largest first
+  std::vector<ControlLeak> leaks;  // of all controls measured, largest first
+  // Recorded poses with one control off rest that this was measured on; 0: a live rig was.
+  std::size_t recorded_poses = 0;
 };
 
 // Poses that measure_locality evaluates on a rig.
@@ -46,5 +52,10 @@ std::optional<LocalityOptions> locality_within(std::uint64_t calls, std::size_t 
 // number of archives; fails with invalid_argument on a recording, and as check_same_face does.
 std::vector<Locality> measure_locality(std::span<const std::span<const std::byte>> archives, RigEvaluator& rig,
                                        const LocalityOptions& options, Progress& progress);
+
+// The same from recorded poses in which a single control is off rest, of clips of any split: up to 16 a control, those
+// furthest from rest. Only controls with such poses are measured; empty if there is none.
+std::vector<Locality> recorded_locality(std::span<const std::span<const std::byte>> archives, Source& recording,
+                                        const Parallel& parallel, Progress& progress);
 
 }  // namespace fb::bake

@@ -75,6 +75,14 @@ void add_locality(CompareReport& report, RigEvaluator& rig, const BakeOptions& o
   for (std::size_t m = 0; m < all.size(); ++m) report.methods[m].locality = std::move(all[m]);
 }
 
+// The same from the single poses of a recording, if it has any.
+void add_recorded_locality(CompareReport& report, Source& recording, const Parallel& parallel, Progress& progress) {
+  std::vector<std::span<const std::byte>> archives;
+  for (const MethodReport& method : report.methods) archives.push_back(method.archive);
+  std::vector<Locality> all = recorded_locality(archives, recording, parallel, progress);
+  for (std::size_t m = 0; m < all.size(); ++m) report.methods[m].locality = std::move(all[m]);
+}
+
 // Whether a use is compared: a backlot only if it trains on more than a variant.
 bool is_compared(Source& data, Use use, Progress& progress) {
   const std::size_t variant = training_poses(data, Use::variant).size();
@@ -133,6 +141,8 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
     add_locality(report, evaluator, options, progress);
     report.repeatability = measure_repeatability(training_poses(data, Use::backlot), evaluator, progress);
     if (const auto warning = repeatability_warning(*report.repeatability)) progress.note("warning: " + *warning);
+  } else {
+    add_recorded_locality(report, data, options.parallel, progress);
   }
   report.rig_calls = evaluator.evaluated();
   report.recorded = std::move(recorded);

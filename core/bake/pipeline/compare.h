@@ -23,7 +23,7 @@ struct MethodReport {
   double train_seconds = 0;
   std::vector<std::byte> archive;
   BakeStats stats;
-  std::optional<Locality> locality;  // only with a live rig
+  std::optional<Locality> locality;  // of a live rig within its budget, or of a recording with single poses
 };
 
 // A method that could not be baked or measured.

@@ -75,6 +75,10 @@ TEST_CASE("a leak is found where it was planted, and only there") {
   CHECK(both[0].largest <= 0.2501);
   CHECK(both[0].largest >= 0.125);
   CHECK(both[0].leaks[1].leak < rounding);
+  CHECK(both[0].leaks[0].alone_poses == 2);
+  CHECK(both[0].leaks[0].alone_error == doctest::Approx(0.25).epsilon(1e-3));
+  CHECK(both[0].leaks[0].alone_motion == doctest::Approx(1 / diagonal));
+  CHECK(both[1].leaks[0].alone_error < rounding);
   CHECK(both[0].above == doctest::Approx(1.0 / 3));
   CHECK(both[1].largest < rounding);
   CHECK(both[1].above == 0);
@@ -102,4 +106,37 @@ TEST_CASE("a budget of rig calls is kept, with fewer poses or none") {
   CHECK(locality_within(UINT64_MAX, controls)->poses == options.poses);
   CHECK(locality_within(2 * (controls + 1) + 1, controls)->poses == 2);
   CHECK_FALSE(locality_within(controls, controls));
+}
+
+TEST_CASE("a recording's single poses show leaks and errors of the controls that have them") {
+  MemorySource rig = columns_rig(false);
+  rig.add_clip("singles", ClipKind::excitation, Split::train, 20, 0, 1);
+  rig.add_clip("more", ClipKind::dense, Split::test, 3, 0, 1);
+  for (std::size_t f = 1; f < 20; ++f) rig.edit_clip(0).controls[controls * f] = 0.05f * float(f);  // control 0, alone
+  rig.edit_clip(1).controls = {0, 0.5f, 0, /* control 1 alone */ 0, 0.5f, 0.5f, 0, 0, 0};
+  const std::size_t vertex = 2 * side + 4;  // no control's
+  const auto leaky = archive_of(rig, 1, vertex, 0.25f), sound = archive_of(rig, 0, 0, 0);
+  const std::array<std::span<const std::byte>, 2> archives = {leaky, sound};
+  const std::vector<Locality> both = recorded_locality(archives, rig, {}, silent_progress());
+  REQUIRE(both.size() == 2);
+  const double diagonal = rig.rest().diagonal();
+  CHECK(both[0].recorded_poses == 17);  // 16 of 19, and 1
+  REQUIRE(both[0].leaks.size() == 2);   // control 2 is never alone
+  CHECK(both[0].above == 0.5);
+  const ControlLeak& worst = both[0].leaks[0];
+  CHECK(worst.control == "control1");
+  CHECK(worst.vertex == vertex);
+  CHECK(worst.leak == doctest::Approx(0.125 / diagonal).epsilon(1e-3));
+  CHECK(worst.alone_poses == 1);
+  CHECK(worst.unseen_poses == 1);
+  CHECK(worst.alone_error == doctest::Approx(0.125 / diagonal).epsilon(1e-3));
+  CHECK(worst.alone_motion == doctest::Approx(0.5 / diagonal));
+  CHECK(both[0].leaks[1].alone_poses == 16);
+  CHECK(both[0].leaks[1].unseen_poses == 0);
+  CHECK(both[0].leaks[1].alone_motion == doctest::Approx(0.95 / diagonal));
+  CHECK(both[1].largest < rounding);
+
+  rig.edit_clip(0).controls.assign(20 * controls, 0.5f);
+  rig.edit_clip(1).controls.assign(3 * controls, 0.0f);
+  CHECK(recorded_locality(archives, rig, {}, silent_progress()).empty());
 }
