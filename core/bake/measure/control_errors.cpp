@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/measure/evaluate.h"
+#include "bake/measure/face_map.h"
 #include "base/random.h"
 #include "base/status.h"
 #include "base/vector3.h"
@@ -50,12 +51,18 @@ std::vector<float> drawn_pose(const RigSchema& schema, std::uint64_t seed, std::
   return pose;
 }
 
-// Largest distance of a vertex between two meshes, over `unit`.
-double distance(std::span<const float> a, std::span<const float> b, double unit) {
-  float worst = 0;
-  for (std::size_t v = 0; v < a.size() / 3; ++v)
-    worst = std::max(worst, length(vector_at(a.data(), v) - vector_at(b.data(), v)));
-  return worst / unit;
+// The vertex that lies furthest apart in two meshes, and its distance.
+struct Furthest {
+  float distance = 0;
+  std::uint32_t vertex = 0;
+};
+Furthest furthest(std::span<const float> a, std::span<const float> b) {
+  Furthest worst;
+  for (std::uint32_t v = 0; v < a.size() / 3; ++v) {
+    const float distance = length(vector_at(a.data(), v) - vector_at(b.data(), v));
+    if (distance > worst.distance) worst = {distance, v};
+  }
+  return worst;
 }
 
 // Random poses that each control is moved in: more where controls are few.
@@ -66,12 +73,23 @@ std::size_t difference_count(std::size_t controls) {
 // Error and motion at a vertex, over D.
 struct Figure {
   double error = 0, motion = 0;
+  std::uint32_t vertex = 0;  // of the error
 };
+
+// error: archive minus rig; points: of the rig; each against another mesh.
+Figure figure_of(std::span<const float> error, std::span<const float> other_error, std::span<const float> points,
+                 std::span<const float> other_points, double diagonal) {
+  const Furthest worst = furthest(error, other_error);
+  return {worst.distance / diagonal, furthest(points, other_points).distance / diagonal, worst.vertex};
+}
 
 Figure largest(std::span<const Figure> figures) {
   Figure all;
   for (const Figure& figure : figures) {
-    all.error = std::max(all.error, figure.error);
+    if (figure.error > all.error) {
+      all.error = figure.error;
+      all.vertex = figure.vertex;
+    }
     all.motion = std::max(all.motion, figure.motion);
   }
   return all;
@@ -155,7 +173,7 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
         pose[c] = alone_value(schema.controls[c], i % alone_values, open_stream(seed, Draw::value, c));
       },
       [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
-        alone[i] = {distance(error, none, diagonal), distance(points, rig.rest().points, diagonal)};
+        alone[i] = figure_of(error, none, points, rig.rest().points, diagonal);
       });
 
   std::vector<std::vector<float>> drawn, errors(poses), positions(poses);
@@ -179,14 +197,18 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
         pose[c] = pose[c] != control.rest ? control.rest : drawn_value(control, 0, 1, random);
       },
       [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
-        among[i] = {distance(error, errors[pose_of(i)], diagonal), distance(points, positions[pose_of(i)], diagonal)};
+        among[i] = figure_of(error, errors[pose_of(i)], points, positions[pose_of(i)], diagonal);
       });
 
+  const FaceMap map(model, rig.parallel());
   std::vector<ControlError> result;
   for (std::size_t c = 0; c < controls; ++c) {
     const Figure worst = largest(std::span(alone).subspan(c * alone_values, alone_values));
     const std::span<const Figure> added = std::span(among).subspan(c * differences, differences);
-    result.push_back({schema.controls[c].name, worst.error, worst.motion, largest(added).error, error_share(added)});
+    const Figure worst_added = largest(added);
+    const Figure& place = worst_added.error > worst.error ? worst_added : worst;
+    result.push_back({schema.controls[c].name, worst.error, worst.motion, worst_added.error, error_share(added),
+                      format("vertex %u (%s)", place.vertex, map.name_of(place.vertex).c_str())});
   }
   return result;
 }
@@ -202,15 +224,16 @@ std::vector<ControlError> unlearnt_controls(std::vector<ControlError> errors) {
 
 std::string warning_of(const ControlError& error) {
   const char* const name = error.name.c_str();
+  const std::string place = error.place.empty() ? "" : ", most at " + error.place;
   if (excess_alone(error) > 1)
     return format(
         "control \"%s\" is not reproduced: alone it is off by up to %.2g %% of the diagonal, among others by "
-        "up to %.2g %%",
-        name, 100 * error.alone, 100 * error.among);
+        "up to %.2g %%%s",
+        name, 100 * error.alone, 100 * error.among, place.c_str());
   return format(
       "control \"%s\" is reproduced alone, but not among many others: where a quarter of all controls are on, "
-      "what it adds is off by up to %.2g %% of the diagonal",
-      name, 100 * error.among);
+      "what it adds is off by up to %.2g %% of the diagonal%s",
+      name, 100 * error.among, place.c_str());
 }
 
 }  // namespace fb::bake

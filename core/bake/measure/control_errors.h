@@ -18,6 +18,7 @@ struct ControlError {
   double alone_motion = 0;  // by which the control then moves the rig
   double among = 0;         // error of what moving the control adds where others are active
   double among_share = 0;   // rms of those errors over the rms of what moving the control adds; 0 to about 1
+  std::string place = {};   // of the vertex with the largest of these errors, see FaceMap::name_of
 };
 
 // Poses that control_errors evaluates on a rig.

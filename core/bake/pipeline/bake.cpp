@@ -8,7 +8,9 @@
 #include "archive/writer.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
+#include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/learning_curve.h"
+#include "bake/pipeline/overfitting.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
@@ -74,6 +76,21 @@ void warn(Baked& baked, const std::optional<std::string>& warning, Progress& pro
   baked.stats.notes.push_back("warning: " + *warning);
 }
 
+// Of those trained on, at most.
+constexpr std::size_t measured_poses = 4000;
+
+// A hint for whoever bakes, of where the face is weak. No part of the certificate, which has the figures.
+void warn_of_worst_vertex(PackedFace& face, Source& data, Source& source, const BakeOptions& options,
+                          Progress& progress) {
+  const auto& independent = face.baked.independent;
+  const auto unseen = independent ? std::optional<Errors>(independent->total) : std::nullopt;
+  const PoseSet training = training_poses(data, options.use).subsampled(measured_poses);
+  warn(face.baked,
+       worst_vertex_warning(face.model, training, face.baked.dependency, independent_poses(source), unseen,
+                            options.parallel),
+       progress);
+}
+
 // Whether the rig may evaluate so many poses more, to measure the face.
 bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint64_t poses) {
   return options.rig_budget == 0 || rig.requested() + poses <= options.rig_budget;
@@ -83,10 +100,9 @@ bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint
 // does not count them; then whether the rig repeats itself, and every control of it. `source` is what `data` was
 // sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
-  constexpr std::size_t most_poses = 4000;
   Baked& baked = face.baked;
   const PoseSet training = training_poses(data, options.use);
-  baked.dependency = evaluate_model_on(face.model, training.subsampled(most_poses), options.parallel, progress);
+  baked.dependency = evaluate_model_on(face.model, training.subsampled(measured_poses), options.parallel, progress);
   const PoseSet poses = independent_poses(source);
   const bool affordable = !source.live() || options.rig_budget == 0 || poses.size() <= options.rig_budget;
   if (!affordable)
@@ -125,9 +141,11 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   if (options.learning_curve)
     face.baked.stats.learning = measure_learning_curve(training, independent, face.model, rig, options, progress);
   measure(face, data, evaluator, options, progress);
+  const std::vector<std::string> certified = face.baked.warnings;
+  warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
   const std::string measured =
-      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation, baked.warnings);
+      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation, certified);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
@@ -155,6 +173,10 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   baked.poses = poses.size();
   baked.coefficients = result.model.basis.columns;
   baked.parameters = result.model.network.parameter_count();
+  if (const auto note = overfitting_note(baked.stats, baked.poses)) {
+    progress.note(*note);
+    baked.stats.notes.push_back(*note);
+  }
 
   progress.begin("packing", 2);
   face.model = ask_during(progress, [&] { return take_packed(result); });

@@ -43,7 +43,8 @@ struct Baked {
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
   std::optional<Repeatability> repeatability;  // of a live rig
-  std::vector<std::string> warnings;           // what is wrong with the face or its rig; also in the certificate
+  // What is wrong with the face or its rig, also in the certificate; then where the face is furthest off, which is not.
+  std::vector<std::string> warnings;
 };
 
 // Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split

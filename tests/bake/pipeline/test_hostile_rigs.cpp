@@ -151,5 +151,5 @@ TEST_CASE("a face that is worse than its rest mesh is written with a warning in 
   CHECK(mentions(baked.warnings, "the face is worse than its rest mesh"));
   CHECK(contains(archive::read_archive(baked.archive).text.certificate, "worse than its rest mesh"));
   const auto sheet = open_hostile_rig("");
-  CHECK(bake_quickly(*sheet, "linear").warnings.empty());
+  CHECK_FALSE(mentions(bake_quickly(*sheet, "linear").warnings, "rest mesh"));
 }

@@ -1,0 +1,76 @@
+#include "bake/measure/worst_vertex.h"
+
+#include <doctest/doctest.h>
+
+#include "archive/reader.h"
+#include "toy_faces.h"
+
+using namespace fb;
+using namespace fb::bake;
+
+namespace {
+
+// A sheet whose lower left corner goes where no face can follow when control 0 acts, by more with control 1.
+void jumping_corner(const float* c, std::span<float> points) {
+  linear_formula(c, points);
+  const std::size_t corner = 7;
+  points[3 * corner + 2] += 0.2f * std::sin(3000 * c[0]) * (1 + c[3]);
+}
+
+MemorySource face_with_clips(const MemorySource::Formula& formula) {
+  MemorySource source = face_of(formula);
+  source.edit_schema().controls[0].group = "mouth";
+  source.add_clip("trained", ClipKind::dense, Split::train, 300, 0.6f, 1);
+  source.add_clip("unseen", ClipKind::shot, Split::test, 60, 0.5f, 4);
+  return source;
+}
+
+bool contains(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("a bake names the worst vertex by frame, place and controls, and its certificate does not") {
+  MemorySource source = face_with_clips(jumping_corner);
+  const WorkFolder folder;
+  const Baked baked = bake_face(source, options_in(folder, "linear"), silent_progress());
+  REQUIRE(baked.independent);
+  REQUIRE(baked.warnings.size() == 1);
+  const std::string& warning = baked.warnings[0];
+  CAPTURE(warning);
+  const Errors& unseen = baked.independent->total;
+  CHECK(unseen.worst_vertex == 7);
+  CHECK(contains(warning, "the worst vertex of unseen poses is off by"));
+  CHECK(contains(warning, format("frame %zu of \"unseen\" at vertex 7 (", unseen.worst_frame).c_str()));
+  CHECK(contains(warning, "lower left"));
+  CHECK(contains(warning, "), where \"control"));
+  CHECK(contains(warning, "More poses"));
+  CHECK(contains(warning, "of poses trained on is off by") == (baked.dependency.max > unseen.max));
+  CHECK_FALSE(contains(archive::read_archive(baked.archive).text.certificate, "worst vertex"));
+}
+
+TEST_CASE("a face that is right everywhere has no worst vertex to name") {
+  MemorySource source = face_with_clips(linear_formula);
+  const WorkFolder folder;
+  BakeOptions options = options_in(folder, "compact");
+  options.epochs = 2;
+  const Baked baked = bake_face(source, options, silent_progress());
+  CHECK(baked.independent->total.max < worst_vertex_bound);
+  CHECK(baked.warnings.empty());
+}
+
+TEST_CASE("controls are named by what they do to the vertex in that pose") {
+  MemorySource source = face_with_clips(curved_formula);
+  const WorkFolder folder;
+  const Baked baked = bake_face(source, options_in(folder, "linear"), silent_progress());
+  const PackedModel model = archive::read_archive(baked.archive).model;
+  const FaceMap map(model, {});
+  std::copy_n(source.schema().rest_pose().begin(), 4, source.edit_clip(1).controls.begin());
+  source.edit_clip(1).controls[3] = 0.5f;
+  const PoseSet poses(source, [](const Clip& clip) { return clip.split == Split::test; });
+  const std::string one = describe_worst(model, map, poses, {0.01, 0, 12});
+  CHECK(contains(one, "frame 0 of \"unseen\""));
+  CHECK(contains(one, "where \"control3\" act"));
+  CHECK_FALSE(contains(one, "control0"));
+}
