@@ -125,6 +125,17 @@ Json repeatability_of(const std::optional<Repeatability>& repeatability) {
   return {{"poses", repeatability->poses}, {"rms", repeatability->rms}, {"max", repeatability->max}};
 }
 
+Json held_back_of(const HeldBackErrors& errors) {
+  if (errors.total.frames == 0) return nullptr;
+  Json json = figures(errors.total);
+  json["kinds"] = Json::array();
+  for (const KindErrors& kind : errors.kinds) {
+    Json& of_kind = json["kinds"].emplace_back(Json{{"kind", name_of(kind.kind)}});
+    of_kind.update(figures(kind.errors));
+  }
+  return json;
+}
+
 Json method_of(const MethodReport& method) {
   return {{"name", method.name},
           {"use", name_of(method.use)},
@@ -240,6 +251,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},
+                    {"held_back", held_back_of(baked.held_back)},
                     {"quantisation", figures(baked.quantisation)},
                     {"controls", std::move(controls)},
                     {"repeatability", repeatability_of(baked.repeatability)},

@@ -43,6 +43,8 @@ std::string bake_text(const std::string& document) {
   table.add({"coefficients", count("coefficients")});
   table.add({"trained numbers", count("parameters")});
   table.add({"training, seconds", format("%.1f", figures.at("train_seconds").get<double>())});
+  if (const nlohmann::json& held = figures.at("held_back"); held.is_object())
+    table.add({"poses held back, mse", format("%.2e", held.at("mse").get<double>())});
   table.add({"rounding, mse", format("%.2e", quantisation.at("mse").get<double>())});
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())

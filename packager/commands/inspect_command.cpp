@@ -70,6 +70,9 @@ std::string certificate_text(const Json& certificate) {
   if (!certificate.is_object()) return "";
   Table table({"errors over the diagonal", "frames", "mse", "rms", "mean", "p99", "max", "mfm"});
   add_errors(table, "trained on", certificate.value("dependency", Json()));
+  const Json held_back = certificate.value("held_back", Json());
+  add_errors(table, "held back", held_back);
+  if (held_back.is_object()) add_error_list(table, "  kind ", held_back, "kinds", "kind");
   const Json unseen = certificate.value("independent", Json());
   add_errors(table, "unseen", unseen);
   if (unseen.is_object()) {

@@ -10,6 +10,7 @@
 #include "bake/face/network_inputs.h"
 #include "bake/face/train_region_networks.h"
 #include "bake/linalg/gemm.h"
+#include "bake/sampling/validation_split.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -38,11 +39,12 @@ struct Decomposition {
 Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                         Progress& progress) {
   Decomposition face;
+  const PoseSet fitted = poses.picked(held_back(poses, options.seed).training);
   AnalysisOptions analysis = recipe.analysis;
   analysis.seed = options.seed;
   analysis.rig_budget = options.rig_budget;
   face.analysis =
-      rig ? analyse_rig(*rig, analysis, progress) : analyse_poses(poses, analysis, options.parallel, progress);
+      rig ? analyse_rig(*rig, analysis, progress) : analyse_poses(fitted, analysis, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
   const std::size_t dropped =
@@ -54,7 +56,8 @@ Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvalu
   region_options.seed = options.seed;
   face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
   const Residual residual(poses, face.analysis.base);
-  face.bases = local_bases(residual, face.regions, recipe.basis, options.parallel, progress);
+  face.bases = local_bases(Residual(fitted, face.analysis.base), residual, face.regions, recipe.basis, options.parallel,
+                           progress);
   // Regions without residual need no network.
   for (std::size_t r = face.regions.size(); r-- > 0;)
     if (face.bases[r].count == 0 || face.regions[r].controls.empty()) {
@@ -132,6 +135,7 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   RecipeResult result =
       finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.max_bytes_read);
   result.stats = std::move(face.stats);
+  result.held_back = held_back(poses, options.seed).validation;
   return result;
 }
 

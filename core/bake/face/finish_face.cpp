@@ -17,14 +17,13 @@
 namespace fb::bake {
 namespace {
 
-constexpr double validation_share = 0.05;
 constexpr std::size_t measured_poses = 500, size_poses = 2000;
 constexpr std::uint64_t text_bytes = 4096;  // of provenance and certificate, which are written last
 constexpr double largest_factor = 64;       // of thresholds and steps, to keep within the bytes read per pose
 constexpr int bisections = 5;               // of the factor: to 2 % between neighbouring powers of 2
 
 PoseSet validation_poses(const PoseSet& poses, std::uint64_t seed) {
-  const ValidationSplit split = validation_split(poses, validation_share, seed);
+  const ValidationSplit split = held_back(poses, seed);
   return (split.validation.empty() ? poses : poses.picked(split.validation)).subsampled(measured_poses);
 }
 
@@ -117,7 +116,7 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   };
   Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error, options.force}, error, bytes,
                              options.parallel, progress, sizes);
-  return {std::move(fitted.model), std::move(fitted.packing), {}, std::move(fitted.packed)};
+  return {std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
 }
 
 }  // namespace fb::bake

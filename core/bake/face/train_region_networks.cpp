@@ -14,7 +14,6 @@ namespace fb::bake {
 namespace {
 
 constexpr std::uint32_t min_epochs = 6, max_epochs = 200;
-constexpr double validation_share = 0.05;  // of the poses
 
 // See TrainingPlan. In the prototype, on the mouth of the synthetic rig, the warmup-stable-decay schedule left an mse
 // of 5.3e-7 where a cosine left 6.3e-7, and a rate of 5e-3 4.7e-7 where 2e-3 left 6.3e-7.
@@ -158,7 +157,7 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
   RegionNetworks networks;
   if (regions.empty()) return networks;
   const FeatureTable table = feature_table(inputs, poses, options.parallel);
-  const ValidationSplit split = validation_split(poses, validation_share, options.seed);
+  const ValidationSplit split = held_back(poses, options.seed);
   const Mesh& rest = poses.source().rest();
   RegionTraining training(recipe, options, bases, inputs, table, split.validation, poses.source());
   if (regions.size() > 1) training.run_pilot(progress);

@@ -1,7 +1,9 @@
 #include "bake/measure/certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/hash.h"
@@ -39,11 +41,24 @@ std::optional<double> figure(const Json& part, const char* key) {
   return part[key].get<double>();
 }
 
-// Key of the errors that stand for the face: on unseen poses, on training poses where those are missing, else null.
+// Keys of the errors that may stand for the face, the best first: on unseen poses, on poses held back, on those trained
+// on.
+constexpr std::array<const char*, 3> measured_parts = {"independent", "held_back", "dependency"};
+
+// The first of them that there is, else null.
 const char* measured_part(const Json& certificate) {
-  for (const char* part : {"independent", "dependency"})
+  for (const char* part : measured_parts)
     if (figure(certificate.value(part, Json()), "max")) return part;
   return nullptr;
+}
+
+Json kind_list(const std::vector<KindErrors>& kinds) {
+  Json list = Json::array();
+  for (const KindErrors& kind : kinds) {
+    Json& figures = list.emplace_back(Json{{"kind", name_of(kind.kind)}});
+    add(figures, kind.errors);
+  }
+  return list;
 }
 
 Json independent_errors(const EvalReport& report, Split split) {
@@ -54,11 +69,7 @@ Json independent_errors(const EvalReport& report, Split split) {
     add(figures, clip.errors);
     json["clips"].push_back(std::move(figures));
   }
-  for (const KindErrors& kind : report.kinds) {
-    Json figures = {{"kind", name_of(kind.kind)}};
-    add(figures, kind.errors);
-    json["kinds"].push_back(std::move(figures));
-  }
+  json["kinds"] = kind_list(report.kinds);
   if (!report.quality) return json;
   for (const PartErrors& part : report.quality->regions)
     json["regions"].push_back(
@@ -70,10 +81,15 @@ Json independent_errors(const EvalReport& report, Split split) {
 
 }  // namespace
 
-std::string certificate(const Errors& dependency, const std::optional<EvalReport>& independent, Split split,
-                        const Errors& quantisation, const std::vector<std::string>& warnings) {
+std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
+                        const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
+                        const std::vector<std::string>& warnings) {
   Json json;
   add(json["dependency"], dependency);
+  if (held_back.total.frames > 0) {
+    add(json["held_back"], held_back.total);
+    json["held_back"]["kinds"] = kind_list(held_back.kinds);
+  }
   json["independent"] = independent ? independent_errors(*independent, split) : Json();
   add(json["quantisation"], quantisation);
   if (!warnings.empty()) json["warnings"] = warnings;
@@ -102,7 +118,7 @@ std::optional<CertifiedErrors> certified_errors(const std::string& certificate) 
   const Json json = parsed(certificate);
   if (!measured_part(json)) return std::nullopt;
   CertifiedErrors errors;
-  for (const char* part : {"independent", "dependency"})
+  for (const char* part : measured_parts)
     errors.largest = std::max(errors.largest, figure(json.value(part, Json()), "max").value_or(0));
   errors.repacked = figure(json.value("repacked", Json()), "max").value_or(0);
   return errors;
@@ -117,10 +133,10 @@ std::string certificate_summary(const std::string& certificate) {
       text += format("%s: rms %.3g, max %.3g of the diagonal\n", what, figure(figures, "rms").value_or(0), *max);
   };
   const char* const measured = measured_part(json);
-  if (measured)
-    add(std::string_view(measured) == "independent" ? "certified error on unseen poses"
-                                                    : "certified error on training poses",
-        measured);
+  const std::map<std::string_view, const char*> names = {{"independent", "certified error on unseen poses"},
+                                                         {"held_back", "certified error on poses held back"},
+                                                         {"dependency", "certified error on training poses"}};
+  if (measured) add(names.at(measured), measured);
   add("displaced by repacking", "repacked");
   add("bound of the error since", "bound");
   for (const Json& warning : json.value("warnings", Json::array()))

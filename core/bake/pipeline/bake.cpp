@@ -103,6 +103,8 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   Baked& baked = face.baked;
   const PoseSet training = training_poses(data, options.use);
   baked.dependency = evaluate_model_on(face.model, training.subsampled(measured_poses), options.parallel, progress);
+  baked.held_back = held_back_errors(face.model, training.picked(face.held_back), options.parallel, progress);
+  if (baked.held_back.total.frames > 0) progress.note(text_of(baked.held_back));
   const PoseSet poses = independent_poses(source);
   const bool affordable = !source.live() || options.rig_budget == 0 || poses.size() <= options.rig_budget;
   if (!affordable)
@@ -144,8 +146,8 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   const std::vector<std::string> certified = face.baked.warnings;
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
-  const std::string measured =
-      certificate(baked.dependency, baked.independent, baked.independent_split, baked.quantisation, certified);
+  const std::string measured = certificate(baked.dependency, baked.held_back, baked.independent,
+                                           baked.independent_split, baked.quantisation, certified);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
@@ -170,6 +172,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   RecipeResult result = recipe.make(poses, rig, options, progress);
   baked.train_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   baked.stats = std::move(result.stats);
+  face.held_back = std::move(result.held_back);
   baked.poses = poses.size();
   baked.coefficients = result.model.basis.columns;
   baked.parameters = result.model.network.parameter_count();

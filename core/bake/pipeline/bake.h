@@ -17,6 +17,7 @@
 #include "archive/proof.h"
 #include "bake/measure/control_errors.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/held_back_errors.h"
 #include "bake/measure/repeatability.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
@@ -37,6 +38,7 @@ struct Baked {
   Errors quantisation;           // of the packed model against the float model, on training and random poses
   // What bake_face measured of the packed model, as the certificate has it.
   Errors dependency;                      // on training poses
+  HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
   std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
                                           // none and where the rig's budget does not allow for them
   Split independent_split = Split::test;  // of those clips
@@ -63,9 +65,10 @@ Baked bake_to_file(Source& source, const std::filesystem::path& path, BakeOption
 
 // A trained and packed face, before it is written.
 struct PackedFace {
-  PackedModel model;     // with provenance
-  archive::Proof proof;  // its reference poses
-  Baked baked;           // without archive
+  PackedModel model;                     // with provenance
+  archive::Proof proof;                  // its reference poses
+  Baked baked;                           // without archive
+  std::vector<std::uint32_t> held_back;  // poses of the training poses that nothing was fitted to
 };
 
 // Trains and packs a face from recorded poses. `rig` evaluates new poses for recipes that need them; may be null.

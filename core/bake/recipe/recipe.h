@@ -19,6 +19,7 @@ struct RecipeResult {
   FaceModel model;
   PackOptions packing = {};
   BakeStats stats = {};
+  std::vector<std::uint32_t> held_back = {};  // poses of the set that nothing was fitted to, ascending
   std::optional<PackedModel> packed = {};  // pack_model(model, packing), if the recipe packed it to choose `packing`
 };
 

@@ -301,15 +301,15 @@ void check(const std::vector<FaceRegion>& regions, std::size_t vertices) {
 
 }  // namespace
 
-std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<FaceRegion>& regions,
+std::vector<LocalBasis> local_bases(const PoseRows& to_fit, const PoseRows& all, const std::vector<FaceRegion>& regions,
                                     const LocalBasisOptions& options, const Parallel& parallel, Progress& progress) {
-  check(regions, residual.rows() / 3);
-  if (options.max_components == 0 || options.max_fit_poses == 0 || residual.size() == 0)
+  check(regions, all.rows() / 3);
+  if (options.max_components == 0 || options.max_fit_poses == 0 || to_fit.size() == 0)
     fail(Status::invalid_argument, "%zu components cannot be fitted to %zu of %zu poses", options.max_components,
-         options.max_fit_poses, residual.size());
+         options.max_fit_poses, to_fit.size());
   if (regions.empty()) return {};
-  const std::unique_ptr<PoseRows> to_fit = residual.subsampled(options.max_fit_poses);
-  const PoseRows& fitted = *to_fit;
+  const std::unique_ptr<PoseRows> some = to_fit.subsampled(options.max_fit_poses);
+  const PoseRows& fitted = *some;
   const std::size_t width = std::min(options.max_components + oversampling, fitted.size());
   // The random projection needs a few times `width` poses only; the iteration corrects it with all.
   const std::unique_ptr<PoseRows> projected = fitted.subsampled(std::max(4 * width, fitted.size() / 4));
@@ -320,7 +320,7 @@ std::vector<LocalBasis> local_bases(const PoseRows& residual, const std::vector<
   iterate_subspaces(fitted, regions, subspaces, parallel, progress);
   std::vector<LocalBasis> bases = truncate(fitted, regions, options, subspaces, parallel, progress);
   subspaces.clear();
-  project_poses(residual, regions, bases, parallel, progress);
+  project_poses(all, regions, bases, parallel, progress);
   return bases;
 }
 

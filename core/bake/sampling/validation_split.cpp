@@ -107,4 +107,6 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
   return split;
 }
 
+ValidationSplit held_back(const PoseSet& poses, std::uint64_t seed) { return validation_split(poses, 0.05, seed); }
+
 }  // namespace fb::bake

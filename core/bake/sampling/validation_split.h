@@ -21,4 +21,7 @@ struct ValidationSplit {
 // half gives none. Fails with invalid_argument on a share outside its range or a set with frames of a test clip.
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed);
 
+// The split that recipes, and what measures their faces, agree on: with a twentieth of the poses held back.
+ValidationSplit held_back(const PoseSet& poses, std::uint64_t seed);
+
 }  // namespace fb::bake

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "bake/measure/evaluate.h"
+#include "bake/rig/pose_set.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "model/packed_model.h"
+
+namespace fb::bake {
+
+// Errors of a packed face on poses of its training data that nothing was fitted to: what to expect of unseen poses of
+// the same kinds.
+struct HeldBackErrors {
+  Errors total;
+  std::vector<KindErrors> kinds;  // in the order of ClipKind, those that there are
+};
+
+// Of at most 4,000 poses of a kind, evenly spaced; 0 frames without poses.
+HeldBackErrors held_back_errors(const PackedModel& model, const PoseSet& held_back, const Parallel& parallel,
+                                Progress& progress);
+
+// "on 448 poses held back from every fit, the rms error is 5.6e-04 of the diagonal (shots 4.1e-04, dense 6.2e-04)".
+std::string text_of(const HeldBackErrors& errors);
+
+}  // namespace fb::bake
