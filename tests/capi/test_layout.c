@@ -88,7 +88,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 152);
+  assert_int_equal(sizeof(fb_rig), 160);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -112,6 +112,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, uv_count, 128);
   assert_at(fb_rig, uvs, 136);
   assert_at(fb_rig, uv_corners, 144);
+  assert_at(fb_rig, preferred_block, 152);
 }
 
 static void layout_of_sources(void** state) {

@@ -92,6 +92,12 @@ typedef struct fb_rig {
   uint32_t reserved_uv;       /**< 0 */
   const float* uvs;           /**< 2 x uv_count: u and v interleaved, v growing upwards */
   const uint32_t* uv_corners; /**< for each of polygon_corners its pair of uvs, < uv_count */
+  uint32_t preferred_block;   /**< poses that a call of evaluate should have, for a rig that works on several at once,
+                                 such as several processes behind one plugin; more than 4,096 are 4,096. Calls have as
+                                 many while there are, even if they then take seconds; a user can stop the work only
+                                 between them. 0, or a struct_size that ends before it: any number will do, and calls
+                                 of slow rigs take a fifth of a second */
+  uint32_t reserved_block;    /**< 0 */
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */

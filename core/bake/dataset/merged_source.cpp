@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/rig/evaluation_backend.h"
+
 namespace fb::bake {
 namespace {
 
@@ -70,6 +72,15 @@ bool MergedSource::readable(std::size_t clip) const {
 
 bool MergedSource::thread_safe() const {
   return std::all_of(sources_.begin(), sources_.end(), [](const auto& source) { return source->thread_safe(); });
+}
+
+// The points that another rig than live_ gives for its clips are its own.
+bool MergedSource::recorded(std::size_t clip) const {
+  return origins_.at(clip).source != live_ || live_->recorded(origins_[clip].clip);
+}
+
+std::unique_ptr<EvaluationBackend> MergedSource::make_backend(const Parallel& parallel) {
+  return live_ ? live_->make_backend(parallel) : Source::make_backend(parallel);
 }
 
 void MergedSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {

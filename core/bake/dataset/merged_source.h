@@ -25,6 +25,10 @@ class MergedSource final : public Source {
   bool live() const override { return live_ != nullptr; }
   bool thread_safe() const override;
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+  std::size_t preferred_block() const override { return live_ ? live_->preferred_block() : 0; }
+  std::string version() const override { return live_ ? live_->version() : ""; }
+  bool recorded(std::size_t clip) const override;
+  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 
  private:
   struct Origin {

@@ -36,14 +36,15 @@ class ContentHash {
         .add(clip.frames)
         .add(clip.controls);
   }
-  // Schema and rest mesh of a rig, without its clips.
+  // Schema, rest mesh and version of a rig, without its clips.
   ContentHash& add(const Source& rig) {
     add(rig.schema().name);
     for (const Control& c : rig.schema().controls)
       add(c.name).add(c.group).add(std::vector<float>{c.minimum, c.maximum, c.rest});
     add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
-    if (rig.rest().uvs.empty()) return *this;
-    return add(rig.rest().uvs).add(rig.rest().uv_corners);
+    if (!rig.rest().uvs.empty()) add(rig.rest().uvs).add(rig.rest().uv_corners);
+    if (const std::string version = rig.version(); !version.empty()) add(version);
+    return *this;
   }
 
   std::uint64_t value = 0;

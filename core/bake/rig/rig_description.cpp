@@ -1,12 +1,16 @@
 #include "bake/rig/rig_description.h"
 
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
 
 #include "bake/rig/source_rules.h"
 
 namespace fb::bake {
 namespace {
+
+// Size of an fb_rig that ends with what the rig prefers, and with texture coordinates.
+constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
+                      rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -84,7 +88,7 @@ struct Reader {
     }
     mesh.polygon_sizes.assign(sizes, sizes + rig.polygon_count);
     mesh.polygon_corners.assign(corners, corners + corner_count);
-    if (rig.struct_size >= sizeof(fb_rig) && rig.uv_count > 0) {
+    if (rig.struct_size >= rig_with_uvs && rig.uv_count > 0) {
       const float* uvs = array(rig.uvs, rig.uv_count, "uvs", "uv_count");
       const std::uint32_t* of_corners = array(rig.uv_corners, rig.uv_count, "uv_corners", "uv_count");
       mesh.uvs.assign(uvs, uvs + std::size_t{2} * rig.uv_count);
@@ -107,14 +111,7 @@ struct Reader {
     clip.fps = from.fps;
     clip.frames = from.frames;
     clip.controls.assign(from.controls, from.controls + clip.frames * schema.control_count());
-    for (std::size_t i = 0; i < clip.controls.size(); ++i) {
-      const Control& control = schema.controls[i % schema.control_count()];
-      const float value = clip.controls[i];
-      if (!(value >= control.minimum && value <= control.maximum))
-        fail(std::isfinite(value) ? Status::rig : Status::not_finite,
-             "%s: clip \"%s\", frame %zu: control \"%s\" is %g, outside its range %g..%g", label.c_str(), name,
-             i / schema.control_count(), control.name.c_str(), value, control.minimum, control.maximum);
-    }
+    with_context(label, [&] { check_values(clip, schema); });
     return clip;
   }
 };
@@ -141,6 +138,8 @@ RigDescription describe(const fb_rig& rig) {
   for (std::uint32_t i = 0; i < rig.clip_count; ++i)
     description.clips.push_back(reader.clip(element(rig.clips, rig.clip_stride, i), i, description.schema));
   reader.check_rules([&] { check_clips(description.clips); });
+  if (rig.struct_size >= rig_with_block)
+    description.preferred_block = std::min<std::size_t>(rig.preferred_block, most_preferred_poses);
   return description;
 }
 

@@ -18,6 +18,8 @@ struct RigDescription {
   RigSchema schema;
   Mesh rest;
   std::vector<Clip> clips;
+  std::size_t preferred_block = 0;  // poses, see Source::preferred_block
+  std::string version = {};         // see Source::version
 };
 
 // Copies and checks everything a rig declares; evaluates nothing. Fails with status rig, naming the field, control,

@@ -10,8 +10,8 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t poses_in_memory = 128;  // 9 MB of 6,000 vertices
+constexpr std::size_t bytes_in_memory = std::size_t{1} << 28;
 constexpr std::chrono::microseconds slow_pose{500};
-constexpr double call_seconds = 0.2;  // of one call of the rig, where the progress is asked between calls
 
 std::vector<float> gathered(std::span<const float> controls, std::size_t width, std::span<const std::size_t> poses) {
   std::vector<float> some;
@@ -31,11 +31,12 @@ std::string describe_pose(const RigSchema& schema, std::span<const float> pose) 
   for (std::size_t c = 0; c < pose.size(); ++c)
     if (pose[c] != schema.controls[c].rest && active++ < most_named)
       text += format("%s\"%s\" at %g", text.empty() ? "" : ", ", schema.controls[c].name.c_str(), double(pose[c]));
+  if (active == 0) return "all controls at rest";
   return active > most_named ? text + format(" and %zu more", active - most_named) : text;
 }
 
 RigEvaluator::RigEvaluator(Source& source, const Parallel& parallel, const std::filesystem::path& cache)
-    : RigEvaluator(source, std::make_unique<ThreadBackend>(source, parallel), parallel, cache) {}
+    : RigEvaluator(source, source.make_backend(parallel), parallel, cache) {}
 
 RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel,
                            const std::filesystem::path& cache)
@@ -75,30 +76,35 @@ std::uint64_t RigEvaluator::remaining() const {
   return least;
 }
 
-// Poses of one call of the rig: all, unless somebody wants to be asked in between; then what takes `call_seconds`.
-std::size_t RigEvaluator::poses_at_once() const {
+std::size_t RigEvaluator::block_poses() const {
   if (!parallel_.progress || !source_.live()) return SIZE_MAX;
-  const double seconds = pose_seconds_;
-  return seconds > 0 ? static_cast<std::size_t>(std::clamp(call_seconds / seconds, 1.0, 1e6)) : 1;
+  const double seconds = pose_seconds_, poses = seconds > 0 ? std::min(backend_->block_seconds() / seconds, 1e6) : 0;
+  return std::max(static_cast<std::size_t>(poses), backend_->least_poses());
 }
 
-// Calls call(), which evaluates so many poses, and asks the progress.
-template <class Call>
-void RigEvaluator::call_rig(std::size_t poses, const Call& call) {
+void RigEvaluator::run_block(const EvaluationBlock& block) {
   const auto start = std::chrono::steady_clock::now();
-  call();
+  backend_->evaluate_block(block);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  pose_seconds_ = std::max(took.count() / static_cast<double>(poses), 1e-9);
+  pose_seconds_ = std::max(took.count() / static_cast<double>(block.count), 1e-9);
   if (parallel_.progress) parallel_.progress->ask();
 }
 
 void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  if (source_.live()) evaluated_ += count;
-  const std::size_t size = coordinate_count();
-  for (std::size_t done = 0; done < count;) {
-    const std::size_t poses = std::min(poses_at_once(), count - done);
-    call_rig(poses, [&] { source_.read(clip, first + done, poses, points.subspan(done * size, poses * size)); });
-    done += poses;
+  if (source_.recorded(clip)) {
+    if (source_.live()) frames_read_ += count;
+    source_.read(clip, first, count, points);
+    if (parallel_.progress) parallel_.progress->ask();
+    return;
+  }
+  const Clip& from = clips().at(clip);
+  const std::size_t width = rest_pose_.size();
+  const std::span<const float> controls = frames_of(from, first, count, width);
+  try {
+    evaluate_apart(controls, count, points);
+  } catch (const PoseError& error) {
+    fail(error.status(), "clip \"%s\", frame %zu: %s (%s)", from.name.c_str(), first + error.pose(),
+         error.reason().c_str(), describe_pose(schema(), controls.subspan(error.pose() * width, width)).c_str());
   }
 }
 
@@ -123,27 +129,15 @@ void RigEvaluator::evaluate_apart(std::span<const float> controls, std::size_t c
 
 void RigEvaluator::run_backend(std::span<const float> controls, std::size_t count, std::span<float> points) {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  std::vector<char> answered;
   for (std::size_t first = 0; first < count;) {
-    const std::size_t poses = std::min(poses_at_once(), count - first);
-    const auto evaluate_block = [&] {
-      evaluated_ += poses;
-      call_rig(poses, [&] {
-        backend_->evaluate_block(controls.subspan(first * width, poses * width), poses,
-                                 points.subspan(first * size, poses * size));
-      });
-    };
-    const auto again = [&](const PoseError& error) {
-      return PoseError(error.status(), first + error.pose(), error.reason());
-    };
+    const std::size_t poses = std::min(block_poses(), count - first);
+    answered.assign(poses, 0);
     try {
-      evaluate_block();
+      run_block({controls.subspan(first * width, poses * width), poses, points.subspan(first * size, poses * size),
+                 answered});
     } catch (const PoseError& error) {
-      if (error.status() == Status::invalid_argument) throw again(error);
-      try {
-        evaluate_block();
-      } catch (const PoseError& second) {
-        throw again(second);
-      }
+      throw PoseError(error.status(), first + error.pose(), error.reason());
     }
     first += poses;
   }
@@ -178,28 +172,43 @@ void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t 
 void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing,
                                     std::span<float> points) {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  std::vector<float> some_controls, some_points;
+  std::vector<char> answered;
   for (std::span<const std::size_t> left = missing; !left.empty();) {
-    const std::span<const std::size_t> some = left.first(std::min(poses_at_once(), left.size()));
+    const std::span<const std::size_t> some = left.first(std::min(block_poses(), left.size()));
     left = left.subspan(some.size());
+    some_controls = gathered(controls, width, some);
+    some_points.resize(some.size() * size);
+    answered.assign(some.size(), 0);
     const auto start = std::chrono::steady_clock::now();
-    if (some.size() * width == controls.size()) {
-      run_backend(controls, some.size(), points);
-    } else {
-      std::vector<float> evaluated(some.size() * size);
-      try {
-        run_backend(gathered(controls, width, some), some.size(), evaluated);
-      } catch (const PoseError& error) {
-        throw PoseError(error.status(), some[error.pose()], error.reason());
-      }
+    const auto keep = [&] {
       for (std::size_t k = 0; k < some.size(); ++k)
-        std::copy_n(evaluated.data() + k * size, size, points.data() + some[k] * size);
+        if (answered[k]) std::copy_n(some_points.data() + k * size, size, points.data() + some[k] * size);
+      keep_slow(std::chrono::steady_clock::now() - start, {some_controls, some.size(), some_points, answered});
+    };
+    try {
+      run_block({some_controls, some.size(), some_points, answered});
+    } catch (const PoseError& error) {
+      keep();
+      throw PoseError(error.status(), some[error.pose()], error.reason());
+    } catch (...) {
+      keep();
+      throw;
     }
-    missing_time_ += std::chrono::steady_clock::now() - start;
-    missing_poses_ += some.size();
-    if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) continue;
-    for (const std::size_t i : some) cache_->store(controls.subspan(i * width, width), points.subspan(i * size, size));
-    cache_->flush();
+    keep();
   }
+}
+
+// Adds the answered poses of a block to the cache, if the rig is slow.
+void RigEvaluator::keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block) {
+  missing_time_ += took;
+  missing_poses_ += block.count;
+  if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return;
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
+  for (std::size_t i = 0; i < block.count; ++i)
+    if (block.answered[i])
+      cache_->store(block.controls.subspan(i * width, width), block.points.subspan(i * size, size));
+  cache_->flush();
 }
 
 void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {
@@ -207,8 +216,10 @@ void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, cons
   const std::size_t width = rest_pose_.size(), size = rest_points.size();
   std::vector<float> controls, points;
   const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
-  for (std::size_t first = 0; first < count; first += poses_in_memory) {
-    const std::size_t poses = std::min(poses_in_memory, count - first);
+  // More than poses_in_memory only where the rig wants more at once, and then not many bytes.
+  const std::size_t most = std::max(poses_in_memory, std::min(backend_->least_poses(), bytes_in_memory / (4 * size)));
+  for (std::size_t first = 0; first < count; first += most) {
+    const std::size_t poses = std::min(most, count - first);
     controls.clear();
     for (std::size_t i = 0; i < poses; ++i) controls.insert(controls.end(), rest_pose_.begin(), rest_pose_.end());
     for (std::size_t i = 0; i < poses; ++i) fill(first + i, pose(i));

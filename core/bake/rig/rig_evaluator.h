@@ -44,16 +44,15 @@ class EvaluationStage {
 // only `read` works, and nothing is counted. What counts against budgets are different poses: a pose asked for again
 // is free, whether it is kept or, of a quick rig, evaluated again. Frames of the rig's own clips are counted apart.
 //
-// Where Parallel::progress is given, it is asked several times a second, in so far as a single pose does not take
-// longer: a slow rig is called with few poses at a time.
+// Where Parallel::progress is given, it is asked several times a second, in so far as a single pose, or the block that
+// the rig prefers, does not take longer: a slow rig is called with few poses at a time.
 //
-// A block in which a pose fails is evaluated once more, since what a rig depends on (files, a licence server) may fail
-// now and then; then PoseError is thrown with the number of the pose within the call.
+// A pose that fails twice, see EvaluationBackend, is told by PoseError with its number within the call.
 //
 // `read` and `evaluate` may be called by several threads if the source is thread-safe; the others by one.
 class RigEvaluator final : public Source {
  public:
-  // Evaluates on threads of this process. `source` must outlive this. `cache`: file for evaluations, see
+  // Evaluates by the source's own backend. `source` must outlive this. `cache`: file for evaluations, see
   // evaluate_cached; empty: none.
   explicit RigEvaluator(Source& source, const Parallel& parallel = {}, const std::filesystem::path& cache = {});
   RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel = {},
@@ -66,6 +65,9 @@ class RigEvaluator final : public Source {
   std::vector<std::string> notes() const override { return source_.notes(); }
   bool live() const override { return source_.live(); }
   bool thread_safe() const override { return source_.thread_safe(); }
+  std::size_t preferred_block() const override { return source_.preferred_block(); }
+  std::string version() const override { return source_.version(); }
+  bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
 
   // Evaluates every pose, whatever the cache holds. Fails with invalid_argument, evaluating nothing, if a budget does
@@ -81,7 +83,8 @@ class RigEvaluator final : public Source {
 
   // evaluate, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose,
   // equal poses of the call are evaluated once and what is evaluated is added to the cache; evaluating a pose of a
-  // quicker rig takes no longer than reading it.
+  // quicker rig takes no longer than reading it. What was evaluated of a call that fails or is interrupted is added
+  // too.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;
@@ -95,9 +98,13 @@ class RigEvaluator final : public Source {
   // that a bake that was interrupted and goes on has the same result.
   std::uint64_t requested() const { return requested_; }
   // Poses the rig has evaluated, or tried to, and frames read of its clips.
-  std::uint64_t evaluated() const { return evaluated_; }
+  std::uint64_t evaluated() const { return backend_->evaluated() + frames_read_; }
   // Poses the budgets leave; UINT64_MAX where there are none.
   std::uint64_t remaining() const;
+
+  // Poses that one call should have where it can choose: enough for all that evaluates them to have work, few enough to
+  // be able to interrupt between two calls. SIZE_MAX where nobody wants to interrupt.
+  std::size_t block_poses() const;
 
   const Parallel& parallel() const { return parallel_; }
   const std::vector<float>& rest_pose() const { return rest_pose_; }
@@ -110,9 +117,8 @@ class RigEvaluator final : public Source {
   void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
   void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
-  std::size_t poses_at_once() const;
-  template <class Call>
-  void call_rig(std::size_t poses, const Call& call);
+  void run_block(const EvaluationBlock& block);
+  void keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block);
   void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points);
 
   Source& source_;
@@ -122,9 +128,9 @@ class RigEvaluator final : public Source {
   const EvaluationBudget* budget_ = nullptr;  // the innermost
   std::mutex requesting_;
   std::unordered_set<std::uint64_t> known_;  // hashes of the poses requested so far, and of the rest pose
-  std::atomic<std::uint64_t> requested_{0}, evaluated_{0};
-  std::atomic<double> pose_seconds_{0};                  // of the last call of the rig; 0: none yet
-  std::chrono::steady_clock::duration missing_time_{0};  // spent on poses that were not in the cache
+  std::atomic<std::uint64_t> requested_{0}, frames_read_{0};  // frames: of recorded clips
+  std::atomic<double> pose_seconds_{0};                       // of the last call of the rig; 0: none yet
+  std::chrono::steady_clock::duration missing_time_{0};       // spent on poses that were not in the cache
   std::uint64_t missing_poses_ = 0;
   const std::vector<float> rest_pose_;
   const double diagonal_;
@@ -151,7 +157,8 @@ class EvaluationBudget {
   const std::uint64_t poses_, requested_before_, evaluated_before_;
 };
 
-// The controls of a pose that are away from rest, for messages: "jawOpen" at 1, "smile" at 0.5 and 3 more.
+// The controls of a pose that are away from rest, for messages: "jawOpen" at 1, "smile" at 0.5 and 3 more; of the rest
+// pose that all controls are at rest.
 std::string describe_pose(const RigSchema& schema, std::span<const float> pose);
 
 }  // namespace fb::bake

@@ -26,9 +26,9 @@ class RigSource final : public Source {
   bool live() const override { return true; }
   bool thread_safe() const override { return (rig_.flags & FB_RIG_THREAD_SAFE) != 0; }
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+  std::size_t preferred_block() const override { return description_.preferred_block; }
 
  private:
-  void check_rest_pose();
   void evaluate_block(const float* controls, std::size_t first, std::size_t count, float* points) const;
 
   fb_rig rig_;

@@ -3,12 +3,41 @@
 #include <cmath>
 #include <utility>
 
+#include "bake/rig/evaluation_backend.h"
+
 namespace fb::bake {
 namespace {
 
 void scale(std::span<float> values, int exponent) {
   for (float& value : values) value = std::ldexp(value, exponent);
 }
+
+// What another backend evaluates, scaled.
+class ScaledBackend final : public EvaluationBackend {
+ public:
+  ScaledBackend(std::unique_ptr<EvaluationBackend> backend, int exponent)
+      : backend_(std::move(backend)), exponent_(exponent) {}
+  void evaluate_block(const EvaluationBlock& block) override {
+    const std::uint64_t before = backend_->evaluated();
+    const auto finish = [&] {
+      evaluated_ += backend_->evaluated() - before;
+      scale(block.points, exponent_);
+    };
+    try {
+      backend_->evaluate_block(block);
+    } catch (...) {
+      finish();
+      throw;
+    }
+    finish();
+  }
+  double block_seconds() const override { return backend_->block_seconds(); }
+  std::size_t least_poses() const override { return backend_->least_poses(); }
+
+ private:
+  const std::unique_ptr<EvaluationBackend> backend_;
+  const int exponent_;
+};
 
 }  // namespace
 
@@ -38,6 +67,10 @@ void ScaledSource::read(std::size_t clip, std::size_t first, std::size_t count, 
 void ScaledSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
   source_.evaluate(controls, count, points);
   scale(points, exponent_);
+}
+
+std::unique_ptr<EvaluationBackend> ScaledSource::make_backend(const Parallel& parallel) {
+  return std::make_unique<ScaledBackend>(source_.make_backend(parallel), exponent_);
 }
 
 }  // namespace fb::bake

@@ -31,6 +31,10 @@ class ScaledSource final : public Source {
   bool live() const override { return source_.live(); }
   bool thread_safe() const override { return source_.thread_safe(); }
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+  std::size_t preferred_block() const override { return source_.preferred_block(); }
+  std::string version() const override { return source_.version(); }
+  bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
+  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 
  private:
   const std::unique_ptr<Source> owned_;

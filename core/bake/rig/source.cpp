@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "bake/rig/evaluation_backend.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -34,6 +35,17 @@ ClipKind clip_kind_from(std::string_view name) {
 }
 Split split_from(std::string_view name) {
   return static_cast<Split>(position(splits, name, "split"));
+}
+
+std::span<const float> frames_of(const Clip& clip, std::size_t first, std::size_t count, std::size_t width) {
+  if (first > clip.frames || count > clip.frames - first)
+    fail(Status::invalid_argument, "clip \"%s\" has no frames %zu..%zu, only %zu", clip.name.c_str(), first,
+         first + count, clip.frames);
+  return std::span(clip.controls).subspan(first * width, count * width);
+}
+
+std::unique_ptr<EvaluationBackend> Source::make_backend(const Parallel& parallel) {
+  return std::make_unique<ThreadBackend>(*this, parallel);
 }
 
 void Source::evaluate(std::span<const float>, std::size_t, std::span<float>) {

@@ -10,11 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/status.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
 namespace fb::bake {
+
+class EvaluationBackend;
 
 // Same numbers as FB_CLIP_... and FB_SPLIT_... in facebaker_rig.h.
 enum class ClipKind : std::int32_t { shot = 0, excitation = 1, regional = 2, calisthenics = 3, dense = 4 };
@@ -34,6 +37,10 @@ struct Clip {
   std::size_t frames = 0;
   std::vector<float> controls;  // frames x controls
 };
+
+// Controls of frames [first, first + count) of a clip: count x `width` floats. Fails with invalid_argument unless the
+// clip has them.
+std::span<const float> frames_of(const Clip& clip, std::size_t first, std::size_t count, std::size_t width);
 
 // Thrown by evaluate for the first pose that cannot be evaluated: its number within the call, and the reason.
 class PoseError : public Error {
@@ -71,7 +78,19 @@ class Source {
   // Points of new poses (count x controls -> count x 3 x vertices), on the calling thread; see RigEvaluator. Fails with
   // invalid_argument unless live or on a control outside its range, and with PoseError when a pose cannot be evaluated.
   virtual void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points);
+
+  // Poses that a call of evaluate should have, at most most_preferred_poses, for a rig that works on several at once;
+  // 0: any number will do.
+  virtual std::size_t preferred_block() const { return 0; }
+  // A text that changes when the rig's deformation does; "" where the rig has none.
+  virtual std::string version() const { return {}; }
+  // Whether `read` gives recorded points of a clip; otherwise it evaluates the clip's controls.
+  virtual bool recorded(std::size_t) const { return !live(); }
+  // What evaluates blocks of poses for a RigEvaluator: by default a ThreadBackend. This source must outlive it.
+  virtual std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel);
 };
+
+inline constexpr std::size_t most_preferred_poses = 4096;
 
 // What opening a source returns. Clips, schema and mesh are the source's own, so only a source with a name can be asked
 // for them: open(...)->clips() does not compile.

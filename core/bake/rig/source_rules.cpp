@@ -53,4 +53,58 @@ std::optional<PointFault> find_point_fault(std::span<const float> points, const 
   return std::nullopt;
 }
 
+void check_values(const Clip& clip, const RigSchema& schema) {
+  for (std::size_t i = 0; i < clip.controls.size(); ++i) {
+    const Control& control = schema.controls[i % schema.control_count()];
+    const float value = clip.controls[i];
+    if (!(value >= control.minimum && value <= control.maximum))
+      fail(std::isfinite(value) ? Status::rig : Status::not_finite,
+           "clip \"%s\", frame %zu: control \"%s\" is %g, outside its range %g..%g", clip.name.c_str(),
+           i / schema.control_count(), control.name.c_str(), value, control.minimum, control.maximum);
+  }
+}
+
+void check_poses(std::span<const float> controls, const RigSchema& schema) {
+  const std::size_t width = schema.control_count();
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    const Control& control = schema.controls[i % width];
+    if (!(controls[i] >= control.minimum && controls[i] <= control.maximum))
+      throw PoseError(Status::invalid_argument, i / width,
+                      format("control \"%s\" is %g, outside its range %g..%g", control.name.c_str(), controls[i],
+                             control.minimum, control.maximum));
+  }
+}
+
+void check_rest_pose(Source& rig) {
+  const std::vector<float> one = rig.schema().rest_pose();
+  std::vector<float> controls = one;
+  controls.insert(controls.end(), one.begin(), one.end());
+  const std::size_t size = rig.rest().points.size();
+  std::vector<float> points(2 * size, NAN);
+  try {
+    rig.evaluate(controls, 2, points);
+  } catch (const PoseError& error) {
+    fail(error.status(), "the rest pose cannot be evaluated: %s", error.reason().c_str());
+  }
+  double worst = 0;
+  std::size_t worst_vertex = 0;
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double d = double(points[i + axis]) - rig.rest().points[i % size + axis];
+      squared += d * d;
+    }
+    if (squared > worst) {
+      worst = squared;
+      worst_vertex = i % size / 3;
+    }
+  }
+  const double share = std::sqrt(worst) / rig.rest().diagonal();
+  if (share > 1e-5)
+    fail(Status::rig,
+         "rig \"%s\": its rest pose is not its rest mesh: vertex %zu is %g %s away (%.2g of the diagonal, 1e-05 "
+         "allowed)",
+         rig.schema().name.c_str(), worst_vertex, std::sqrt(worst), rig.schema().units.c_str(), share);
+}
+
 }  // namespace fb::bake

@@ -27,6 +27,16 @@ void check_source(const RigSchema& schema, const Mesh& rest);
 // Fails on a clip without name or frames, with a name that occurs twice, or a frame rate that is not above zero.
 void check_clips(std::span<const Clip> clips);
 
+// Fails with rig, or not_finite, naming clip, frame and control, on a value outside the range of its control.
+void check_values(const Clip& clip, const RigSchema& schema);
+
+// Throws PoseError(invalid_argument) for the first pose with a control outside its range.
+void check_poses(std::span<const float> controls, const RigSchema& schema);
+
+// Evaluates the rest pose twice in one call, so that a rig which fills only the first pose of a call is found. Fails
+// with rig unless it is the rest mesh, to 1e-5 of the diagonal.
+void check_rest_pose(Source& rig);
+
 // A pose that breaks the rules: its number, and the rest of a sentence about its vertex: "vertex 17 is not finite".
 struct PointFault {
   std::size_t pose;

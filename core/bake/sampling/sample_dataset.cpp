@@ -204,13 +204,14 @@ class DatasetWriter {
 
   void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
     NpyWriter writer(path, {frames, size_ / 3, 3});
+    const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
     for (std::size_t frame = 0; frame < frames;) {
-      const std::size_t count = std::min(batch_, frames - frame);
+      const std::size_t wanted = rig_.parallel().progress ? std::max(batch_, rig_.block_poses()) : batch_;
+      const std::size_t count = std::min({wanted, most, frames - frame});
       points_.resize(count * size_);
       const double start = seconds_now();
       evaluate(Answers::cached, plan_[clip], done + frame, first + frame, count, points_);
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
-      const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
       batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
       writer.append(points_);
       frame += count;
@@ -241,8 +242,9 @@ class DatasetWriter {
       else
         rig_.evaluate(controls, count, points);
     } catch (const PoseError& error) {
-      fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s", done + error.pose(), clip.name.c_str(),
-           first + error.pose(), error.reason().c_str());
+      fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s (%s)", done + error.pose(), clip.name.c_str(),
+           first + error.pose(), error.reason().c_str(),
+           describe_pose(rig_.schema(), controls.subspan(error.pose() * width_, width_)).c_str());
     }
   }
 

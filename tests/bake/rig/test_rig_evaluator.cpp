@@ -98,11 +98,11 @@ TEST_CASE("points come in the order of the poses, whatever threads, pieces and c
 
 TEST_CASE("a backend evaluates whole blocks, and the source nothing") {
   struct Backend final : EvaluationBackend {
-    void evaluate_block(std::span<const float> poses, std::size_t count, std::span<float> points) override {
-      blocks.push_back(count);
-      const std::vector<float> made = truth(poses);
-      std::copy(made.begin(), made.end(), points.begin());
+    void evaluate_block(const EvaluationBlock& block) override {
+      blocks.push_back(block.count);
+      std::ranges::copy(truth(block.controls), block.points.begin());
     }
+    std::size_t least_poses() const override { return 7; }
     std::vector<std::size_t> blocks;
   };
   CountingRig rig;
@@ -116,6 +116,50 @@ TEST_CASE("a backend evaluates whole blocks, and the source nothing") {
   CHECK(blocks == std::vector<std::size_t>{300});
   CHECK(rig.evaluated() == 0);
   CHECK(contains(failure(Status::invalid_argument, [&] { evaluator.evaluate(poses, 299, points); }), "299 poses need"));
+}
+
+TEST_CASE("a block has the poses that a rig prefers, even if they take long, and more of a quick one") {
+  struct ManyRig final : CountingRig {
+    using CountingRig::CountingRig;
+    std::size_t preferred_block() const override { return 12; }
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      if (slow) std::this_thread::sleep_for(std::chrono::milliseconds(30 * count));
+      calls.push_back(count);
+      MemorySource::evaluate(poses, count, points);
+    }
+    std::vector<std::size_t> calls;
+  };
+  const std::vector<float> poses = random_poses(60);
+  std::vector<float> points(60 * size);
+  Questions progress;
+  ManyRig rig(true);
+  RigEvaluator(rig, {.progress = &progress})
+      .evaluate(std::span(poses).first(30 * width), 30, std::span(points).first(30 * size));
+  CHECK(rig.calls == std::vector<std::size_t>{12, 12, 6});
+  CHECK(progress.asked >= 3);
+  ManyRig quick;
+  RigEvaluator(quick, {.progress = &progress}).evaluate(poses, 60, points);
+  CHECK(quick.calls == std::vector<std::size_t>{12, 12, 12, 12, 12});
+  CHECK(points == truth(poses));
+}
+
+TEST_CASE("what was evaluated of a call that fails is kept") {
+  const Folder folder;
+  FlakyRig rig;
+  rig.slow = true;
+  rig.most = 2;
+  std::vector<float> poses = random_poses(16, 8), points(16 * size);
+  for (std::size_t i = 0; i < 16; ++i) poses[i * width] = i == 4 ? 0.95f : 0.01f * float(i);
+  {
+    RigEvaluator evaluator(rig, {}, folder / "evaluations");
+    failure(Status::rig, [&] { evaluator.evaluate_cached(poses, 16, points); });
+  }
+  const std::size_t before = rig.evaluated();
+  CHECK(before == 14);  // all but the piece of two poses that failed
+  RigEvaluator evaluator(rig, {}, folder / "evaluations");
+  evaluator.evaluate_cached(poses, 16, points);
+  CHECK(points == truth(poses));
+  CHECK(rig.evaluated() == before + 2);
 }
 
 TEST_CASE("budgets count different poses, nest, and refuse what would pass them") {
@@ -151,7 +195,7 @@ TEST_CASE("budgets count different poses, nest, and refuse what would pass them"
   evaluate(48, 7);
   CHECK(evaluator.remaining() == 0);
   CHECK(evaluator.evaluated() == 5 + 40 + 45 + 6 + 12 + 7);
-  CHECK(rig.evaluated() == 5 + 40 + 45 + 6 + 7);  // the clip's frames are read
+  CHECK(rig.evaluated() == evaluator.evaluated());
 }
 
 TEST_CASE("the cache of a slow rig is keyed by pose and outlives the evaluator") {
@@ -271,8 +315,8 @@ TEST_CASE("a block in which poses fail is evaluated again, and a pose that fails
   RigEvaluator evaluator(once);
   evaluator.evaluate(poses, 200, points);
   CHECK(points == truth(poses));
-  CHECK(evaluator.requested() == 2);  // different ones besides rest
-  CHECK(evaluator.evaluated() == 400);
+  CHECK(evaluator.requested() == 2);    // different ones besides rest
+  CHECK(evaluator.evaluated() == 250);  // in pieces of 25, of which two failed
   FlakyRig twice;
   twice.most = 2;
   RigEvaluator failing(twice);
