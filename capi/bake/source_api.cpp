@@ -3,6 +3,7 @@
 #include "bake/dataset/open_source.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
+#include "bake/rig_process/rig_host.h"
 #include "base/checked.h"
 #include "base/shown_path.h"
 
@@ -19,7 +20,14 @@ std::unique_ptr<fb::bake::Source> open_rig(const fb_rig& given) {
   return std::make_unique<fb::bake::RigSource>(rig);
 }
 
-std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc) {
+fb::bake::RigRunning running_of(const fb_source_desc& desc, fb::Progress& progress) {
+  if (desc.workers > 256) fail(Status::invalid_argument, "fb_source_desc: %u workers, more than 256", desc.workers);
+  if (!(desc.pose_seconds > 0 && desc.pose_seconds <= 1e6))
+    fail(Status::invalid_argument, "fb_source_desc: pose_seconds is %g", desc.pose_seconds);
+  return {desc.workers, desc.host ? desc.host : "facebaker", desc.pose_seconds, &progress};
+}
+
+std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress& progress) {
   if (desc.rig && desc.path_count > 0)
     fail(Status::invalid_argument, "fb_source_desc: either a rig or paths, not both");
   if (desc.rig) return open_rig(*desc.rig);
@@ -30,7 +38,7 @@ std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc) {
     require(desc.paths[p], "fb_source_desc: one of paths");
     paths.emplace_back(desc.paths[p]);
   }
-  return fb::bake::open_sources(paths);
+  return fb::bake::open_sources(paths, running_of(desc, progress));
 }
 
 fb_source_info info_of(const fb::bake::Source& source) {
@@ -93,7 +101,9 @@ fb::bake::NpyFile open_clip_file(const char* path, std::uint32_t control_count) 
 extern "C" {
 
 void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size) {
-  fill_struct(to, struct_size, {});
+  fb_source_desc defaults = {};
+  defaults.pose_seconds = fb::bake::RigRunning().pose_seconds;
+  fill_struct(to, struct_size, defaults);
 }
 
 fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
@@ -101,8 +111,8 @@ fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
     require(desc, "desc");
     require(source, "source");
     const fb_source_desc known = read_struct(*desc, fb_source_desc_init, "fb_source_desc");
-    auto opened = std::make_unique<fb_source>(fb_source{open(known)});
     HostProgress progress(known.callbacks);
+    auto opened = std::make_unique<fb_source>(fb_source{open(known, progress)});
     for (const std::string& note : opened->source->notes()) progress.note(note);
     *source = opened.release();
   });
@@ -110,6 +120,21 @@ fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
 
 void fb_source_close(fb_source* source) {
   delete source;
+}
+
+fb_status fb_source_serve(const fb_source_desc* desc, int32_t requests, int32_t answers) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    const fb_source_desc known = read_struct(*desc, fb_source_desc_init, "fb_source_desc");
+    HostProgress progress(known.callbacks);
+    std::unique_ptr<fb::bake::Source> rig;
+    try {
+      rig = open(known, progress);
+    } catch (const fb::Error& error) {
+      return fb::bake::refuse_to_serve(error.what(), answers);
+    }
+    fb::bake::serve_rig(*rig, requests, answers);
+  });
 }
 
 void fb_source_info_fill(fb_source_info* to, uint32_t struct_size) {

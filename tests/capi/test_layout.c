@@ -122,12 +122,15 @@ static void layout_of_sources(void** state) {
   assert_at(fb_callbacks, progress, 8);
   assert_at(fb_callbacks, note, 16);
 
-  assert_int_equal(sizeof(fb_source_desc), 48);
+  assert_int_equal(sizeof(fb_source_desc), 72);
   assert_at(fb_source_desc, struct_size, 0);
   assert_at(fb_source_desc, path_count, 4);
   assert_at(fb_source_desc, paths, 8);
   assert_at(fb_source_desc, rig, 16);
   assert_at(fb_source_desc, callbacks, 24);
+  assert_at(fb_source_desc, workers, 48);
+  assert_at(fb_source_desc, host, 56);
+  assert_at(fb_source_desc, pose_seconds, 64);
 
   assert_int_equal(sizeof(fb_source_info), 104);
   assert_at(fb_source_info, struct_size, 0);

@@ -55,7 +55,8 @@ const std::map<std::string, Layers>& law() {
     const Layers data = {"bake/rig", "bake/dataset"};
     may["bake/linalg"] = nouns;
     may["bake/rig"] = with(nouns, {"public headers"});
-    may["bake/dataset"] = with(may["bake/rig"], {"bake/rig"});
+    may["bake/rig_process"] = with(nouns, {"bake/rig"});
+    may["bake/dataset"] = with(may["bake/rig"], {"bake/rig", "bake/rig_process"});
     may["bake/analysis"] = with(nouns, {"bake/linalg", "bake/rig"});
     may["bake/sampling"] = with(with(nouns, data), {"bake/analysis"});
     may["bake/regions"] = with(nouns, {"bake/linalg", "bake/rig", "bake/analysis"});
@@ -70,7 +71,8 @@ const std::map<std::string, Layers>& law() {
 
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
-    may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline"});
+    may["authoring C ABI"] =
+        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process"});
     may["packager"] = {"base", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -38,6 +38,8 @@ class Source {
     desc.callbacks = callbacks;
     check(fb_source_open(&desc, &handle_));
   }
+  /** What a description says, such as how rigs run in child processes; see fb_source_desc. */
+  explicit Source(const fb_source_desc& desc) { check(fb_source_open(&desc, &handle_)); }
   /** Takes the source over. */
   Source(Source&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
   /** Swaps the sources. */

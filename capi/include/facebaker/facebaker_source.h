@@ -19,8 +19,8 @@ extern "C" {
  * struct is part of others and never changes. */
 typedef struct fb_callbacks {
   void* user; /**< passed to both */
-  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0, and 0 may come more than
-   * once. Called at least twice a second, but for the time that a single call of the rig takes. Return non-zero to
+  /** `done` of `total` steps of a stage ("training") are complete; a stage begins with done = 0, and 0 may come more
+   * than once. Called at least twice a second, but for the time that a single call of the rig takes. Return non-zero to
    * stop: the call ends with FB_ERROR_INTERRUPTED at the next point where nothing is lost, and the same call goes on
    * from there where a work folder or dataset keeps what is done. */
   int32_t (*progress)(void* user, const char* stage, uint64_t done, uint64_t total);
@@ -37,11 +37,20 @@ typedef struct fb_source fb_source;
 typedef struct fb_source_desc {
   uint32_t struct_size;
   uint32_t path_count;      /**< of paths; 0 with a rig */
-  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, or "sample" for the
-                               built-in face; several are one character: same controls, same rest mesh */
+  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, "exec:COMMAND" for a
+                               program that speaks the rig protocol (docs/rig-protocol.md), run by /bin/sh, or "sample"
+                               for the built-in face; several are one character: same controls, same rest mesh */
   const fb_rig* rig;        /**< in place of paths: a rig that the host filled. Borrowed until fb_source_close, which
                                does not call destroy. */
-  fb_callbacks callbacks;   /**< note: what was found while opening */
+  fb_callbacks callbacks;   /**< note: what was found while opening; progress: while child processes start */
+  uint32_t workers; /**< at most 256 child processes that run the rigs of paths at once, to be killed and started
+                       again where they crash or hang; results do not depend on it. 0 (default): rigs run in
+                       this process, a command in one child */
+  uint32_t reserved;
+  const char* host;    /**< with workers: the program that serves a rig in a child, run as `HOST rig-host SOURCE`; null
+                          (default): "facebaker", found in PATH */
+  double pose_seconds; /**< a pose that takes a child longer hangs; starting may take five times as long. Above 0;
+                          default 60 */
 } fb_source_desc;
 
 FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
@@ -51,11 +60,19 @@ static inline void fb_source_desc_init(fb_source_desc* to) {
 
 /** Opens a source and checks everything it declares; a rig's rest pose is evaluated once. *source is owned by the
  * caller. Fails with NOT_FOUND, IO, BAD_DATA, NOT_FINITE, RIG or UNSUPPORTED and a message that names the file, field,
- * control, clip or frame. Files may come from anyone; a plugin is code that runs in this process. A dataset that is being
+ * control, clip or frame; with INTERRUPTED where progress stops it. Files may come from anyone; a plugin is code that
+ * runs in this process, a command one that runs as this user. Children lead process groups of their own, print on
+ * standard error, and end when the source is closed. A dataset that is being
  * sampled at that moment is refused with IO, naming the process. */
 FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
 /** Null is allowed. No call may be using the source. */
 FB_API void fb_source_close(fb_source* source);
+
+/** Opens a live source and serves it as a child process over the rig protocol (docs/rig-protocol.md): answers what comes
+ * on the descriptor `requests` on the descriptor `answers`, until the parent says bye or closes its end. Where it cannot
+ * be opened, the parent is told why instead, and the call succeeds. Fails with RIG on what is no request, and IO. A
+ * program whose main() calls this is a source for another process: "exec:PROGRAM". */
+FB_API fb_status fb_source_serve(const fb_source_desc* desc, int32_t requests, int32_t answers);
 
 #define FB_SOURCE_LIVE 2u /**< new poses can be evaluated; without it the source is a recording */
 

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include "bake/dataset/merged_source.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
+#include "bake/rig_process/process_source.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 
@@ -54,9 +56,20 @@ OpenedSource open_sample() {
   fail(Status::not_found, "the sample face (librig_sample.so) is in none of%s", looked.c_str());
 }
 
+// A rig in children: a command, or what `host` serves.
+OpenedSource open_in_children(const std::string& source, std::vector<std::string> arguments,
+                              const RigRunning& running) {
+  RigCommand command{source, std::move(arguments), std::max<std::size_t>(running.workers, 1), running.pose_seconds};
+  return std::make_unique<ProcessSource>(std::move(command), running.progress);
+}
+
 }  // namespace
 
-OpenedSource open_source(const std::string& source) {
+OpenedSource open_source(const std::string& source, const RigRunning& running) {
+  if (source.starts_with(command_prefix))
+    return open_in_children(source, {"/bin/sh", "-c", source.substr(std::string_view(command_prefix).size())}, running);
+  if (running.workers > 0 && !fs::is_directory(source))
+    return open_in_children(source, {running.host, "rig-host", source}, running);
   if (source == "sample") return open_sample();
   const fs::path path(source);
   if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", shown(source).c_str());
@@ -69,15 +82,16 @@ OpenedSource open_source(const std::string& source) {
   const std::string extension = path.extension().string();
   if (extension == ".glb" || extension == ".gltf") return open_gltf_rig(source);
   if (extension == ".so") return open_rig_plugin(source);
-  fail(Status::invalid_argument, "%s: neither a dataset folder, a rig plugin (.so) nor a glTF file (.glb, .gltf)",
+  fail(Status::invalid_argument,
+       "%s: neither a dataset folder, a rig plugin (.so), a glTF file (.glb, .gltf) nor a command (exec:COMMAND)",
        shown(source).c_str());
 }
 
-OpenedSource open_sources(const std::vector<std::string>& sources) {
+OpenedSource open_sources(const std::vector<std::string>& sources, const RigRunning& running) {
   if (sources.empty()) fail(Status::invalid_argument, "no source is given");
-  if (sources.size() == 1) return open_source(sources[0]);
+  if (sources.size() == 1) return open_source(sources[0], running);
   std::vector<std::unique_ptr<Source>> opened;
-  for (const std::string& source : sources) opened.push_back(open_source(source));
+  for (const std::string& source : sources) opened.push_back(open_source(source, running));
   return std::make_unique<MergedSource>(std::move(opened), sources);
 }
 

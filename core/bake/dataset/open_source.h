@@ -5,15 +5,25 @@
 #include <vector>
 
 #include "bake/rig/source.h"
+#include "base/progress.h"
 
 namespace fb::bake {
 
+// How live rigs are run.
+struct RigRunning {
+  std::size_t workers = 0;         // child processes at once; 0: this process, and one child of a command
+  std::string host = "facebaker";  // the program that serves a rig in a child (`HOST rig-host SOURCE`)
+  double pose_seconds = 60;        // see RigCommand
+  Progress* progress = nullptr;    // asked while children start; null: nobody is
+};
+
 // Opens what the command line calls SOURCE: a dataset folder, a rig plugin (.so), a .glb or .gltf with
-// morph targets, or "sample" for the built-in face. Fails with io, naming the holder of its lock, for a folder that is
-// being sampled: it may lack poses without lacking a file.
-OpenedSource open_source(const std::string& source);
+// morph targets, "exec:COMMAND" for a child process that speaks the rig protocol, or "sample" for the built-in face.
+// Fails with io, naming the holder of its lock, for a folder that is being sampled: it may lack poses without lacking a
+// file.
+OpenedSource open_source(const std::string& source, const RigRunning& running = {});
 
 // Several datasets of one character as one source; fails unless controls and rest meshes agree. Needs at least one.
-OpenedSource open_sources(const std::vector<std::string>& sources);
+OpenedSource open_sources(const std::vector<std::string>& sources, const RigRunning& running = {});
 
 }  // namespace fb::bake

@@ -1,14 +1,18 @@
 // A small sheet with six controls that does one thing which no rig should, named by the environment variable FB_FAULT:
-// it throws, ends the process, or gives points that are far away, tiny, huge or different each time.
+// it throws, prints, crashes, hangs, ends the process, or gives points that are far away, tiny, huge or different each
+// time.
 #include <facebaker/facebaker_rig.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -60,10 +64,14 @@ void spoil(Sheet& sheet, const float* pose, float* points) {
 fb_status evaluate(void* user, std::uint64_t poses, const float* pose, float* points, char*, std::uint32_t) {
   Sheet& sheet = *static_cast<Sheet*>(user);
   for (std::uint64_t p = 0; p < poses; ++p, pose += controls, points += 3 * vertices) {
-    const bool active = pose[2] > 0.25f;
+    const bool active = pose[2] > 0.25f, combined = pose[2] > 0.6f && pose[3] > 0.6f;
     if (active && sheet.is("throws a number")) throw 42;
     if (active && sheet.is("throws an exception")) throw std::runtime_error("the brow is missing");
     if (active && sheet.is("exits")) std::exit(0);
+    if (combined && sheet.is("crashes")) std::raise(SIGSEGV);
+    if (combined && sheet.is("hangs")) std::this_thread::sleep_for(std::chrono::hours(1));
+    if (sheet.is("is slow")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (sheet.is("prints")) std::printf("the sheet evaluates a pose\n");
     if (active && sheet.is("exits quickly")) std::quick_exit(0);
     std::memcpy(points, sheet.rest.data(), sheet.rest.size() * sizeof(float));
     deform(sheet, pose, points);
@@ -97,6 +105,7 @@ extern "C" FB_API fb_status fb_rig_open(const char*, fb_rig* rig, char*, std::ui
   auto owned = std::make_unique<Sheet>();
   Sheet* const sheet = owned.get();
   if (const char* fault = std::getenv("FB_FAULT")) sheet->fault = fault;
+  if (sheet->is("prints")) std::printf("the sheet is opened\n");
   if (sheet->is("throws when opened")) throw "no licence";
   if (sheet->is("exits when opened")) std::exit(0);
   if (sheet->is("tiny")) sheet->scale = 1e-20f;

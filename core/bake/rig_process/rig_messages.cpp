@@ -1,0 +1,333 @@
+#include "bake/rig_process/rig_messages.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "bake/rig/source_rules.h"
+#include "base/checked.h"
+#include "base/json_depth.h"
+#include "base/shown_path.h"
+
+namespace fb::bake {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "messages are written in the byte order of memory");
+
+constexpr std::array<char, 4> signature = {'F', 'B', 'R', '1'};
+constexpr std::size_t header_size = 16;
+constexpr std::uint32_t most_text = 1u << 26;
+
+RigMessage message_of(const ordered_json& fields) {
+  return {fields.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n", {}};
+}
+
+template <class T>
+void append(std::vector<std::byte>& data, std::span<const T> values) {
+  const auto bytes = std::as_bytes(values);
+  data.insert(data.end(), bytes.begin(), bytes.end());
+}
+
+// Bytes from anyone, for a message: what cannot be printed is a dot.
+std::string quoted(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) {
+    const char c = static_cast<char>(byte);
+    text += c >= ' ' && c <= '~' ? c : '.';
+  }
+  return '"' + text + '"';
+}
+
+// The JSON object of a message or one inside it; failures name the field.
+class Fields {
+ public:
+  explicit Fields(const RigMessage& message) {
+    check_json_depth(message.text);
+    root_ = json::parse(message.text, nullptr, false);
+    if (!root_.is_object())
+      fail(Status::rig, "the text of a message is no JSON object: %s", shown(message.text).c_str());
+  }
+  Fields(const json& object, std::string where) : root_(object), where_(std::move(where)) {
+    if (!root_.is_object()) fail(Status::rig, "%sis no object", where_.c_str());
+  }
+
+  bool has(const char* key) const { return root_.contains(key); }
+  std::string text(const char* key) const {
+    const json& value = at(key);
+    if (!value.is_string()) refuse(key, "is no string");
+    return value.get<std::string>();
+  }
+  std::string text_or(const char* key, const char* otherwise) const { return has(key) ? text(key) : otherwise; }
+  std::uint64_t count(const char* key) const {
+    const json& value = at(key);
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() > UINT32_MAX)
+      refuse(key, "is no whole number from 0 to 4294967295");
+    return value.get<std::uint64_t>();
+  }
+  std::uint64_t count_or_zero(const char* key) const { return has(key) ? count(key) : 0; }
+  double number(const char* key) const {
+    const json& value = at(key);
+    if (!value.is_number()) refuse(key, "is no number");
+    return value.get<double>();
+  }
+  std::vector<Fields> objects(const char* key) const {
+    std::vector<Fields> found;
+    if (!at(key).is_array()) refuse(key, "is no list");
+    for (const json& item : at(key)) found.emplace_back(item, format("%s[%zu] ", key, found.size()));
+    return found;
+  }
+
+ private:
+  [[noreturn]] void refuse(const char* key, const char* why) const {
+    fail(Status::rig, "%s\"%s\" %s", where_.c_str(), key, why);
+  }
+  const json& at(const char* key) const {
+    const auto found = root_.find(key);
+    if (found == root_.end()) refuse(key, "is missing");
+    return *found;
+  }
+
+  json root_;
+  std::string where_;
+};
+
+// The data of a message, number after number.
+class Numbers {
+ public:
+  explicit Numbers(const RigMessage& message) : left_(message.data) {}
+  template <class T>
+  std::vector<T> take(std::size_t count, const char* what) {
+    if (count > left_.size() / sizeof(T))
+      fail(Status::rig, "the data end within the %s: %zu numbers are needed, %zu bytes left", what, count,
+           left_.size());
+    std::vector<T> values(count);
+    if (count > 0) std::memcpy(values.data(), left_.data(), count * sizeof(T));
+    left_ = left_.subspan(count * sizeof(T));
+    return values;
+  }
+  void finish() const {
+    if (!left_.empty()) fail(Status::rig, "%zu bytes of data are left over", left_.size());
+  }
+
+ private:
+  std::span<const std::byte> left_;
+};
+
+void check_version(const Fields& fields) {
+  if (const std::uint64_t version = fields.count("version"); version != rig_protocol_version)
+    fail(Status::rig, "version %llu of the rig protocol, where %llu is spoken",
+         static_cast<unsigned long long>(version), static_cast<unsigned long long>(rig_protocol_version));
+}
+
+Mesh read_mesh(const Fields& fields, Numbers& numbers) {
+  Mesh mesh;
+  mesh.points = numbers.take<float>(3 * fields.count("vertices"), "rest mesh");
+  mesh.polygon_sizes = numbers.take<std::uint32_t>(fields.count_or_zero("polygons"), "sizes of polygons");
+  std::size_t corners = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) corners += size;
+  mesh.polygon_corners = numbers.take<std::uint32_t>(corners, "corners of polygons");
+  if (const std::size_t uvs = fields.count_or_zero("uvs")) {
+    mesh.uvs = numbers.take<float>(2 * uvs, "texture coordinates");
+    mesh.uv_corners = numbers.take<std::uint32_t>(corners, "texture coordinates of corners");
+  }
+  return mesh;
+}
+
+std::vector<Clip> read_clips(const Fields& fields, Numbers& numbers, std::size_t controls) {
+  std::vector<Clip> clips;
+  if (!fields.has("clips")) return clips;
+  for (const Fields& from : fields.objects("clips")) {
+    Clip clip;
+    clip.name = from.text("name");
+    clip.kind = clip_kind_from(from.text_or("kind", name_of(ClipKind::shot)));
+    clip.split = split_from(from.text_or("split", name_of(Split::train)));
+    clip.fps = from.number("fps");
+    clip.frames = from.count("frames");
+    clip.controls = numbers.take<float>(checked_multiply(clip.frames, controls, "frames x controls"), "clips");
+    clips.push_back(std::move(clip));
+  }
+  return clips;
+}
+
+}  // namespace
+
+std::vector<std::byte> bytes_of(const RigMessage& message) {
+  const std::uint32_t text = checked_u32(message.text.size(), "a message's text");
+  const std::uint64_t data = message.data.size();
+  std::vector<std::byte> bytes(header_size + text + data);
+  std::memcpy(bytes.data(), signature.data(), 4);
+  std::memcpy(bytes.data() + 4, &text, sizeof text);
+  std::memcpy(bytes.data() + 8, &data, sizeof data);
+  std::ranges::copy(std::as_bytes(std::span(message.text)), bytes.begin() + header_size);
+  std::ranges::copy(message.data, bytes.begin() + header_size + text);
+  return bytes;
+}
+
+std::size_t MessageReader::wanted() const {
+  if (header_bytes_ < header_.size()) return header_.size() - header_bytes_;
+  return text_size_ + data_size_ - message_.text.size() - message_.data.size();
+}
+
+void MessageReader::take(std::span<const std::byte> bytes) {
+  if (header_bytes_ < header_.size()) {
+    std::ranges::copy(bytes, header_.begin() + static_cast<std::ptrdiff_t>(header_bytes_));
+    header_bytes_ += bytes.size();
+    const std::size_t seen = std::min(header_bytes_, signature.size());
+    if (std::memcmp(header_.data(), signature.data(), seen) != 0)
+      fail(Status::rig, "at byte %llu: %s, where a message begins with \"FBR1\"",
+           static_cast<unsigned long long>(position_), quoted(std::span(header_).first(header_bytes_)).c_str());
+    if (header_bytes_ == header_.size()) read_header();
+    return;
+  }
+  const std::size_t of_text = std::min<std::size_t>(bytes.size(), text_size_ - message_.text.size());
+  message_.text.append(reinterpret_cast<const char*>(bytes.data()), of_text);
+  append(message_.data, bytes.subspan(of_text));
+}
+
+void MessageReader::read_header() {
+  std::uint32_t text = 0;
+  std::memcpy(&text, header_.data() + 4, sizeof text);
+  std::memcpy(&data_size_, header_.data() + 8, sizeof data_size_);
+  text_size_ = text;
+  if (text_size_ > most_text)
+    fail(Status::rig, "at byte %llu: a message with %u bytes of text, more than %u",
+         static_cast<unsigned long long>(position_), text, most_text);
+  if (data_size_ > most_data_)
+    fail(Status::rig, "at byte %llu: a message with %llu bytes of data, more than %llu",
+         static_cast<unsigned long long>(position_), static_cast<unsigned long long>(data_size_),
+         static_cast<unsigned long long>(most_data_));
+}
+
+RigMessage MessageReader::release() {
+  position_ += header_size + text_size_ + data_size_;
+  header_bytes_ = 0;
+  text_size_ = data_size_ = 0;
+  return std::exchange(message_, {});
+}
+
+RigMessage hello_request() {
+  return message_of({{"type", "hello"}, {"version", rig_protocol_version}});
+}
+
+RigMessage evaluate_request(std::span<const float> controls, std::size_t poses) {
+  RigMessage message = message_of({{"type", "evaluate"}, {"poses", poses}});
+  append(message.data, controls);
+  return message;
+}
+
+RigMessage bye_request() {
+  return message_of({{"type", "bye"}});
+}
+
+RigRequest request_of(const RigMessage& message) {
+  const Fields fields(message);
+  const std::string type = fields.text("type");
+  if (type == "evaluate") return RigRequest::evaluate;
+  if (type == "bye") return RigRequest::bye;
+  if (type != "hello") fail(Status::rig, "a request of type \"%s\"", shown(type).c_str());
+  check_version(fields);
+  return RigRequest::hello;
+}
+
+std::vector<float> poses_of(const RigMessage& request, std::size_t controls) {
+  Numbers numbers(request);
+  std::vector<float> values =
+      numbers.take<float>(checked_multiply(Fields(request).count("poses"), controls, "poses x controls"), "controls");
+  numbers.finish();
+  return values;
+}
+
+RigMessage hello_answer(const Source& rig) {
+  const RigSchema& schema = rig.schema();
+  const Mesh& rest = rig.rest();
+  ordered_json controls = ordered_json::array(), clips = ordered_json::array();
+  for (const Control& c : schema.controls)
+    controls.push_back(
+        {{"name", c.name}, {"group", c.group}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
+  for (const Clip& clip : rig.clips())
+    clips.push_back({{"name", clip.name},
+                     {"kind", name_of(clip.kind)},
+                     {"split", name_of(clip.split)},
+                     {"fps", clip.fps},
+                     {"frames", clip.frames}});
+  RigMessage message = message_of({{"type", "hello"},
+                                   {"version", rig_protocol_version},
+                                   {"name", schema.name},
+                                   {"units", schema.units},
+                                   {"up_axis", schema.up_axis},
+                                   {"controls", controls},
+                                   {"vertices", rest.vertex_count()},
+                                   {"polygons", rest.polygon_sizes.size()},
+                                   {"uvs", rest.uvs.size() / 2},
+                                   {"clips", clips},
+                                   {"preferred_block", rig.preferred_block()},
+                                   {"rig_version", rig.version()}});
+  append<float>(message.data, rest.points);
+  append<std::uint32_t>(message.data, rest.polygon_sizes);
+  append<std::uint32_t>(message.data, rest.polygon_corners);
+  append<float>(message.data, rest.uvs);
+  append<std::uint32_t>(message.data, rest.uv_corners);
+  for (const Clip& clip : rig.clips()) append<float>(message.data, clip.controls);
+  return message;
+}
+
+RigMessage points_answer(std::span<const float> points, std::size_t poses) {
+  RigMessage message = message_of({{"type", "points"}, {"poses", poses}});
+  append(message.data, points);
+  return message;
+}
+
+RigMessage error_answer(const RigFailure& failure) {
+  ordered_json fields = {{"type", "error"}, {"message", failure.reason}};
+  if (failure.pose) fields["pose"] = *failure.pose;
+  return message_of(fields);
+}
+
+RigDescription description_of(const RigMessage& answer) {
+  const Fields fields(answer);
+  const std::string type = fields.text("type");
+  if (type == "error") fail(Status::rig, "%s", shown(fields.text("message")).c_str());
+  if (type != "hello") fail(Status::rig, "answered hello by a message of type \"%s\"", shown(type).c_str());
+  check_version(fields);
+  RigDescription rig;
+  rig.schema = {fields.text("name"), fields.text("units"), fields.text("up_axis"), {}};
+  for (const Fields& from : fields.objects("controls"))
+    rig.schema.controls.push_back({from.text("name"), static_cast<float>(from.number("min")),
+                                   static_cast<float>(from.number("max")), static_cast<float>(from.number("default")),
+                                   from.text_or("group", "")});
+  Numbers numbers(answer);
+  rig.rest = read_mesh(fields, numbers);
+  rig.clips = read_clips(fields, numbers, rig.schema.control_count());
+  numbers.finish();
+  rig.preferred_block = std::min<std::size_t>(fields.count_or_zero("preferred_block"), most_preferred_poses);
+  rig.version = fields.text_or("rig_version", "");
+  check_source(rig.schema, rig.rest);
+  check_clips(rig.clips);
+  for (const Clip& clip : rig.clips) check_values(clip, rig.schema);
+  return rig;
+}
+
+std::optional<RigFailure> read_answer(const RigMessage& answer, std::size_t poses, std::span<float> points) {
+  const Fields fields(answer);
+  const std::string type = fields.text("type");
+  if (type == "error") {
+    RigFailure failure{std::nullopt, shown(fields.text("message"))};
+    if (fields.has("pose")) failure.pose = fields.count("pose");
+    if (failure.pose && *failure.pose >= poses)
+      fail(Status::rig, "an error for pose %zu of a request for %zu", *failure.pose, poses);
+    return failure;
+  }
+  if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
+  if (fields.count("poses") != poses || answer.data.size() != points.size_bytes())
+    fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
+         static_cast<unsigned long long>(fields.count("poses")), answer.data.size(), poses, points.size_bytes());
+  std::memcpy(points.data(), answer.data.data(), points.size_bytes());
+  return std::nullopt;
+}
+
+}  // namespace fb::bake
