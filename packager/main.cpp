@@ -7,12 +7,14 @@
 #include <facebaker/facebaker.hpp>
 #include <filesystem>
 #include <new>
+#include <sstream>
 #include <system_error>
 
 #include "base/status.h"
 #include "commands/commands.h"
 #include "commands/exit_guard.h"
 #include "commands/interrupt.h"
+#include "commands/results.h"
 
 namespace fb::tool {
 namespace {
@@ -43,12 +45,22 @@ std::string interrupted_text(const CLI::App& tool) {
              : "interrupted";
 }
 
+// Prints what --help or --version asks for.
+int print_help(const CLI::App& tool, const CLI::Success& help) {
+  std::ostringstream text;
+  const int exit_code = tool.exit(help, text, text);
+  print_result(text.str());
+  finish_results();
+  return exit_code;
+}
+
 }  // namespace
 }  // namespace fb::tool
 
 int main(int argc, char** argv) {
   using namespace fb::tool;
   use_passive_waiting(argv);
+  reserve_standard_output();
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
@@ -61,19 +73,20 @@ int main(int argc, char** argv) {
   add_pack(tool);
   add_pose(tool);
   add_bench(tool);
+  add_rig_host(tool);
   // After the commands, which would inherit it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
-      "or \"sample\", the built-in face.\n"
+      "exec:COMMAND, a program that speaks the rig protocol, or \"sample\", the built-in face.\n"
       "Exit code: 0 success, 1 failure, 2 wrong use.");
 
   watch_interrupts();
   const ExitGuard guard(argc > 1 ? fb::format("facebaker %s", argv[1]) : "facebaker");
   try {
     tool.parse(argc, argv);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout)) fb::fail(fb::Status::io, "standard output: writing failed");
+    finish_results();
   } catch (const CLI::Success& help) {
-    return tool.exit(help);
+    return print_help(tool, help);
   } catch (const CLI::ParseError& wrong) {
     if (!tool.get_subcommands().empty()) return report_failure(tool, wrong.what() + std::string(" (see --help)"), 2);
     return report_failure(

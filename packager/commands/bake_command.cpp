@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,8 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/results.h"
+#include "commands/rig_options.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -22,6 +23,7 @@ struct BakeCommand {
   std::string out, recipe = "hero", use = "backlot", mix = "dense", work, report, licence, created;
   fb_bake_desc desc;
   Parallel parallel;
+  RigOptions rigs;
   bool json = false, learning_curve = false, force = false;
 
   void run();
@@ -83,7 +85,7 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
 
 void BakeCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source source(sources, collect_notes(notes));
+  const facebaker::Source source = rigs.open(sources, notes);
   std::optional<OutputLock> lock;
   if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;
@@ -93,7 +95,7 @@ void BakeCommand::run() {
     figures = bake(source, progress, progress.callbacks()).json();
   }
   if (!report.empty()) write_report(report, "bake", figures, bake_text(figures));
-  std::fputs(json ? figures.c_str() : (out + "\n" + bake_text(figures)).c_str(), stdout);
+  print_result(json ? figures.c_str() : (out + "\n" + bake_text(figures)).c_str());
 }
 
 }  // namespace
@@ -133,6 +135,7 @@ void add_bake(CLI::App& tool) {
   add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
   add_learning_curve(*app, command->learning_curve);
   add_seed(*app, command->desc.seed);
+  command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);
   app->footer(

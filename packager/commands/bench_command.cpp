@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "commands/commands.h"
 #include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
+#include "commands/results.h"
 #include "commands/speed_text.h"
 
 namespace fb::tool {
@@ -76,7 +76,7 @@ void BenchCommand::run() const {
     speed = measure_speed(face, controls, options, progress);
   }
   if (!csv.empty()) write_file(csv, speed_csv(speed));
-  std::fputs(speed_text(speed).c_str(), stdout);
+  print_result(speed_text(speed).c_str());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "commands/results.h"
 #include "report/face_report.h"
 
 namespace fb::tool {
@@ -69,8 +70,8 @@ void add_sources(CLI::App& command, std::vector<std::string>& sources) {
   command
       .add_option(
           "SOURCE", sources,
-          "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or "
-          "\"sample\" for the built-in face")
+          "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, "
+          "exec:COMMAND for a program that speaks the rig protocol, or \"sample\" for the built-in face")
       ->required();
 }
 
@@ -139,7 +140,7 @@ void FigureOutputs::claim() {
 void FigureOutputs::write(const std::string& name, const std::string& figures, const std::string& table) const {
   if (!json.empty() && json != "-") write_file(json, figures);
   if (!report.empty()) write_report(report, name, figures, table);
-  std::fputs(json == "-" ? figures.c_str() : table.c_str(), stdout);
+  print_result(json == "-" ? figures.c_str() : table.c_str());
 }
 
 void write_report(const std::filesystem::path& folder, const std::string& name, const std::string& figures,

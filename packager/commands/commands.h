@@ -18,5 +18,6 @@ void add_verify(CLI::App& tool);
 void add_pack(CLI::App& tool);
 void add_pose(CLI::App& tool);
 void add_bench(CLI::App& tool);
+void add_rig_host(CLI::App& tool);
 
 }  // namespace fb::tool

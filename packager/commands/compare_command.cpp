@@ -8,6 +8,7 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/rig_options.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -22,6 +23,7 @@ struct CompareCommand {
   FigureOutputs outputs;
   fb_compare_desc desc;
   Parallel parallel;
+  RigOptions rigs;
   bool learning_curve = false;
 
   void run();
@@ -123,7 +125,7 @@ facebaker::Report CompareCommand::compare(const facebaker::Source& source, const
 
 void CompareCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source source(sources, collect_notes(notes));
+  const facebaker::Source source = rigs.open(sources, notes);
   outputs.claim();
   std::string document;
   FaceFigures figures;
@@ -171,6 +173,7 @@ void add_compare(CLI::App& tool) {
   command->outputs.add_to(*app);
   add_learning_curve(*app, command->learning_curve);
   add_seed(*app, command->desc.seed);
+  command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });
 }

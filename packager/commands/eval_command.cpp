@@ -7,6 +7,7 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/rig_options.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -18,6 +19,7 @@ struct EvalCommand {
   std::vector<std::string> sources;
   FigureOutputs outputs;
   Parallel parallel;
+  RigOptions rigs;
 
   void run();
 };
@@ -49,7 +51,7 @@ std::int32_t split_from(const std::string& name) {
 void EvalCommand::run() {
   const facebaker::Archive face(archive);
   std::vector<std::string> notes;
-  const facebaker::Source source(sources, collect_notes(notes));
+  const facebaker::Source source = rigs.open(sources, notes);
   outputs.claim();
   fb_eval_desc desc;
   fb_eval_desc_init(&desc);
@@ -84,6 +86,7 @@ void add_eval(CLI::App& tool) {
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
   command->outputs.add_to(*app);
+  command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });
 }

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -7,6 +6,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/results.h"
 #include "report/table.h"
 
 namespace fb::tool {
@@ -142,12 +142,12 @@ void InspectCommand::run() const {
   const facebaker::Archive face(archive);
   const std::string document = facebaker::inspect(face).json();
   if (json) {
-    std::fputs(document.c_str(), stdout);
+    print_result(document.c_str());
     return;
   }
   const Json parsed = Json::parse(document);
-  std::fputs(inspect_text(archive, face, parsed).c_str(), stdout);
-  if (controls) std::fputs(control_table(parsed).c_str(), stdout);
+  print_result(inspect_text(archive, face, parsed).c_str());
+  if (controls) print_result(control_table(parsed).c_str());
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/results.h"
 
 namespace fb::tool {
 namespace {
@@ -51,10 +51,10 @@ void PackCommand::run() {
   fb_pack_result result;
   fb_pack_result_init(&result);
   facebaker::check(fb_report_pack(report.get(), &result));
-  std::printf("%s: %llu bytes, format version %s\n%s: %llu bytes, format version %s\n%s", archive.c_str(),
-              static_cast<unsigned long long>(result.bytes_before), version_text(result.format_before).c_str(),
-              out.c_str(), static_cast<unsigned long long>(result.archive_bytes), version_text(result.format).c_str(),
-              limited ? displacement_text(result).c_str() : "");
+  print_result(format("%s: %llu bytes, format version %s\n%s: %llu bytes, format version %s\n%s", archive.c_str(),
+                      static_cast<unsigned long long>(result.bytes_before), version_text(result.format_before).c_str(),
+                      out.c_str(), static_cast<unsigned long long>(result.archive_bytes),
+                      version_text(result.format).c_str(), limited ? displacement_text(result).c_str() : ""));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "commands/pose_animation.h"
 #include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
+#include "commands/results.h"
 #include "export/obj_file.h"
 #include "render/png_file.h"
 #include "render/pose_renderer.h"
@@ -140,11 +141,11 @@ void PoseCommand::print(const Poses& poses) const {
     nlohmann::ordered_json figures = {{"files", files_}, {"frames", poses.frames}, {"clamped", poses.clamped}};
     if (!beside.empty()) figures["max"] = worst_;
     // Bytes that are no UTF-8, as file names may have, are replaced.
-    std::puts(figures.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    print_result(figures.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     return;
   }
-  for (const std::string& file : files_) std::printf("%s\n", file.c_str());
-  if (!beside.empty()) std::printf("largest distance from the true rig: %.2e of the diagonal\n", worst_);
+  for (const std::string& file : files_) print_result(file + "\n");
+  if (!beside.empty()) print_result(format("largest distance from the true rig: %.2e of the diagonal\n", worst_));
 }
 
 void PoseCommand::check_options() const {

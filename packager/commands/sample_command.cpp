@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
@@ -8,6 +7,8 @@
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
+#include "commands/results.h"
+#include "commands/rig_options.h"
 
 namespace fb::tool {
 namespace {
@@ -19,6 +20,7 @@ struct SampleCommand {
   fb_sample_desc desc;
   std::vector<std::string> clips;  // "NAME=FILE.npy"
   Parallel parallel;
+  RigOptions rigs;
   bool json = false, no_shots = false;
 
   void run();
@@ -37,7 +39,8 @@ ClipFile read_clip(const std::string& option, std::uint32_t control_count) {
 }
 
 void SampleCommand::run() {
-  const facebaker::Source opened({source});
+  std::vector<std::string> notes;
+  const facebaker::Source opened = rigs.open({source}, notes);
   const facebaker::SourceView rig(opened);
   if (!rig.live())
     fail(Status::invalid_argument, "%s: a recording has no new poses; give a rig plugin, a glTF file or \"sample\"",
@@ -58,19 +61,20 @@ void SampleCommand::run() {
   desc.clip_count = static_cast<std::uint32_t>(rig_clips.size());
   const facebaker::Report report = [&] {
     ProgressBar progress;
+    for (const std::string& note : notes) progress.note(note);
     desc.callbacks = progress.callbacks();
     return facebaker::sample(desc);
   }();
   if (json) {
-    std::fputs(report.json().c_str(), stdout);
+    print_result(report.json().c_str());
     return;
   }
   fb_sample_result result;
   fb_sample_result_init(&result);
   facebaker::check(fb_report_sample(report.get(), &result));
-  std::printf("%s: %llu poses, %llu of them evaluated now, in %llu rig calls\n", out.c_str(),
-              static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.evaluated),
-              static_cast<unsigned long long>(result.rig_calls));
+  print_result(format("%s: %llu poses, %llu of them evaluated now, in %llu rig calls\n", out.c_str(),
+                      static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.evaluated),
+                      static_cast<unsigned long long>(result.rig_calls)));
 }
 
 }  // namespace
@@ -78,9 +82,10 @@ void SampleCommand::run() {
 void add_sample(CLI::App& tool) {
   auto command = std::make_shared<SampleCommand>();
   CLI::App* app = tool.add_subcommand("sample", "Evaluate a rig in training poses and write them as a dataset folder");
-  app->add_option(
-         "SOURCE", command->source,
-         "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, or \"sample\" for the built-in face")
+  app->add_option("SOURCE", command->source,
+                  "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, exec:COMMAND for a program that "
+                  "speaks the "
+                  "rig protocol, or \"sample\" for the built-in face")
       ->required();
   app->add_option("--out", command->out, "The dataset folder to write; one begun with the same options is continued")
       ->type_name("DIR")
@@ -93,6 +98,7 @@ void add_sample(CLI::App& tool) {
       ->allow_extra_args(false);
   app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
   add_seed(*app, command->desc.seed);
+  command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);
   app->callback([command] { command->run(); });

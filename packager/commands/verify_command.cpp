@@ -1,10 +1,11 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
+#include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/results.h"
 
 namespace fb::tool {
 namespace {
@@ -20,15 +21,16 @@ struct VerifyCommand {
     fb_verify_result_init(&result);
     facebaker::check(fb_report_verify(report.get(), &result));
     if (json) {
-      std::fputs(report.json().c_str(), stdout);
+      print_result(report.json().c_str());
       return;
     }
     if (result.poses == 0)
-      std::printf("%s: whole; it carries no poses to check\n", archive.c_str());
+      print_result(format("%s: whole; it carries no poses to check\n", archive.c_str()));
     else
-      std::printf("%s: whole; %llu poses of %llu vertices evaluate as archived, bit for bit\n", archive.c_str(),
-                  static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.vertices));
-    std::fputs(face.info().certificate_summary, stdout);
+      print_result(format("%s: whole; %llu poses of %llu vertices evaluate as archived, bit for bit\n", archive.c_str(),
+                          static_cast<unsigned long long>(result.poses),
+                          static_cast<unsigned long long>(result.vertices)));
+    print_result(face.info().certificate_summary);
   }
 };
 

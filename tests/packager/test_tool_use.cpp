@@ -10,7 +10,8 @@
 
 namespace {
 
-const std::vector<std::string> commands = {"sample", "bake", "eval", "compare", "inspect", "verify", "pose", "bench"};
+const std::vector<std::string> commands = {"sample", "bake", "eval",  "compare", "inspect",
+                                           "verify", "pose", "bench", "rig-host"};
 
 }  // namespace
 

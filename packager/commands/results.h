@@ -1,0 +1,16 @@
+// Standard output, which is for results alone.
+#pragma once
+
+#include <string>
+
+namespace fb::tool {
+
+// Keeps standard output for print_result and has everything else that is printed there, by rigs and libraries, go to
+// standard error. Once, at the start.
+void reserve_standard_output();
+
+// Prints a result. Fails with io where standard output takes no more, as finish_results does.
+void print_result(const std::string& text);
+void finish_results();
+
+}  // namespace fb::tool

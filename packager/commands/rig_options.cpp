@@ -1,0 +1,50 @@
+#include "commands/rig_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+
+#include "commands/interrupt.h"
+#include "commands/progress_bar.h"
+
+namespace fb::tool {
+
+void RigOptions::add_to(CLI::App& command) {
+  command.add_flag("--isolate", isolate_,
+                   "Run the rig in a child process: where it crashes or hangs, it is started again, and the pose that "
+                   "did it is named");
+  command
+      .add_option(
+          "--workers", workers_,
+          "Child processes that evaluate poses at once, for exec: and, as --isolate does, for other rigs. Results "
+          "do not depend on it.")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
+  command
+      .add_option("--rig-timeout", pose_seconds_,
+                  "A pose that takes a rig in a child process longer hangs; to start, it may take five times as long")
+      ->check(CLI::Range(0.01, 1e6))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+}
+
+facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std::vector<std::string>& notes) const {
+  std::vector<const char*> paths;
+  for (const std::string& source : sources) paths.push_back(source.c_str());
+  std::error_code unknown;
+  const std::string host = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.paths = paths.data();
+  desc.path_count = static_cast<std::uint32_t>(paths.size());
+  desc.callbacks = collect_notes(notes);
+  desc.callbacks.progress = [](void*, const char*, std::uint64_t, std::uint64_t) -> std::int32_t {
+    return interrupt_requested();
+  };
+  desc.workers = std::max(workers_, isolate_ ? 1u : 0u);
+  if (!unknown) desc.host = host.c_str();
+  desc.pose_seconds = pose_seconds_;
+  return facebaker::Source(desc);
+}
+
+}  // namespace fb::tool
