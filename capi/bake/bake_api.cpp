@@ -4,8 +4,6 @@
 #include "bake/authoring.h"
 #include "bake/pipeline/recipe_table.h"
 
-using fb::fail;
-using fb::Status;
 using namespace fb::capi;
 
 namespace {

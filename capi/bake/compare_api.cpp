@@ -1,7 +1,5 @@
 #include "bake/authoring.h"
 
-using fb::fail;
-using fb::Status;
 using namespace fb::capi;
 
 namespace {
