@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
@@ -89,6 +90,27 @@ facebaker::Source open_reference(const std::string& path, const facebaker::Model
   return source;
 }
 
+// The corners of the box of each vertex over all poses: a camera that shows them shows every pose.
+std::array<std::vector<float>, 8> bounds_of(PoseEvaluator& evaluator, const Poses& poses) {
+  const std::size_t width = evaluator.model().control_count();
+  std::vector<float> low, high;
+  for (std::size_t f = 0; f < poses.frames; ++f) {
+    const std::vector<float> positions = evaluator.positions({&poses.controls[f * width], width});
+    if (f == 0) low = high = positions;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      low[i] = std::min(low[i], positions[i]);
+      high[i] = std::max(high[i], positions[i]);
+    }
+  }
+  std::array<std::vector<float>, 8> corners;
+  for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+    corners[corner] = low;
+    for (std::size_t i = 0; i < low.size(); ++i)
+      if (corner >> i % 3 & 1) corners[corner][i] = high[i];
+  }
+  return corners;
+}
+
 void PoseCommand::write_still(const std::string& path, const facebaker::Model& model, const PoseRenderer* renderer,
                               const std::vector<float>& positions, const std::vector<float>& reference) {
   if (!renderer) {
@@ -96,7 +118,8 @@ void PoseCommand::write_still(const std::string& path, const facebaker::Model& m
   } else if (reference.empty()) {
     write_png(path, renderer->draw(positions));
   } else {
-    const auto comparison = renderer->draw_comparison({"true rig", reference}, {{"archive", positions}}, error_scale);
+    const auto comparison =
+        renderer->draw_comparison({"true rig", reference}, {{"archive", positions}}, {{error_scale}});
     write_png(path, comparison.image);
     worst_ = std::max(worst_, comparison.differences[0].max);
   }
@@ -109,8 +132,11 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   std::optional<facebaker::Source> reference;
   if (!beside.empty()) reference = open_reference(beside, model, archive);
   std::optional<PoseRenderer> renderer;
-  if (out.ends_with(".png"))
-    renderer.emplace(mesh_of(model), fb_up_axis(model.get()), view, resolution_from(size), parallel);
+  if (out.ends_with(".png")) {
+    const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);
+    renderer.emplace(mesh_of(model), MeshPoses{bounds.begin(), bounds.end()}, fb_up_axis(model.get()), view,
+                     resolution_from(size), parallel);
+  }
   ProgressBar progress;
   if (poses.frames > 1) progress.begin("writing frames", poses.frames);
   for (std::size_t f = 0; f < poses.frames; ++f) {

@@ -27,6 +27,11 @@ Vector3 Camera::to_camera(Vector3 point) const {
   return {dot(d, right), dot(d, up), dot(d, back)};
 }
 
+std::array<float, 2> Camera::project(Vector3 point) const {
+  const Vector3 e = to_camera(point);
+  return {0.5f - 0.5f * e.x / e.z * focal / aspect, 0.5f + 0.5f * e.y / e.z * focal};
+}
+
 Camera fit_camera(std::span<const float> points, std::string_view up_axis, const View& view, float aspect) {
   constexpr float radians = 3.14159265f / 180;
   const bool z_up = up_axis == "z";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -29,6 +30,8 @@ struct Camera {
   float aspect = 1;  // width / height
 
   Vector3 to_camera(Vector3 point) const;
+  // Where a point is in the image: 0 to 1 from left to right and from top to bottom.
+  std::array<float, 2> project(Vector3 point) const;
 };
 
 // The nearest camera of this view that has all points, or those of view.region, in an image of this aspect.

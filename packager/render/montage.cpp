@@ -17,29 +17,31 @@ void paste(Image& onto, const Image& image, int x, int y) {
   for (int row = 0; row < image.height; ++row) std::copy_n(&image.at(0, row), image.width, &onto.at(x, y + row));
 }
 
-// The labels of a colour bar, from 0 up.
-std::vector<std::string> tick_labels(float scale_max) {
-  constexpr int intervals = 4;
-  std::vector<std::string> labels = {"0"};
-  for (int tick = 1; tick <= intervals; ++tick) labels.push_back(format("%.3g", scale_max * tick / intervals));
+// The labels of a colour bar, from its beginning up.
+std::vector<std::string> tick_labels(const ColourBar& bar) {
+  std::vector<std::string> labels;
+  for (const float tick : bar.scale.ticks()) {
+    labels.push_back(format(bar.scale.logarithmic ? "%.2g" : "%.3g", tick));
+    if (!bar.units.empty()) labels.back() += format(" = %.2g %s", tick * bar.length, bar.units.c_str());
+  }
   return labels;
 }
 
-int colour_bar_width(float scale_max) {
+int colour_bar_width(const ColourBar& bar) {
   int widest = 0;
-  for (const std::string& label : tick_labels(scale_max))
-    widest = std::max(widest, text_width(label, label_magnification));
+  for (const std::string& label : tick_labels(bar)) widest = std::max(widest, text_width(label, label_magnification));
   return bar_width + bar_gap + widest + gap;
 }
 
-void draw_colour_bar(Image& onto, int x, int y, int height, float scale_max) {
+void draw_colour_bar(Image& onto, int x, int y, int height, const ColourBar& bar) {
   constexpr int magnification = label_magnification;
   const int top = y + text_height(magnification), bottom = y + height - text_height(magnification);
   for (int row = top; row < bottom; ++row) {
-    const Rgb colour = to_srgb(map_colour(scale_max * (bottom - 1 - row) / (bottom - 1 - top), scale_max));
+    const float share = static_cast<float>(bottom - 1 - row) / static_cast<float>(bottom - 1 - top);
+    const Rgb colour = to_srgb(map_colour(share, {}));  // colours are even along the bar, labels need not be
     for (int column = 0; column < bar_width; ++column) onto.at(x + column, row) = colour;
   }
-  const std::vector<std::string> labels = tick_labels(scale_max);
+  const std::vector<std::string> labels = tick_labels(bar);
   const int intervals = static_cast<int>(labels.size()) - 1;
   for (int tick = 0; tick <= intervals; ++tick) {
     const int row = bottom - (bottom - top) * tick / intervals;
@@ -64,7 +66,7 @@ Image make_montage(const std::vector<Panel>& panels) {
   int width = gap, height = 0, magnification = 2;
   std::size_t lines = 1;
   for (const Panel& panel : panels) {
-    width += panel.image.width + gap + (panel.scale_max ? colour_bar_width(*panel.scale_max) : 0);
+    width += panel.image.width + gap + (panel.bar ? colour_bar_width(*panel.bar) : 0);
     height = std::max(height, panel.image.height);
     const std::vector<std::string> caption = lines_of(panel.caption);
     lines = std::max(lines, caption.size());
@@ -83,9 +85,9 @@ Image make_montage(const std::vector<Panel>& panels) {
       y += line_height;
     }
     x += panel.image.width + gap;
-    if (panel.scale_max) {
-      draw_colour_bar(montage, x, gap, height, *panel.scale_max);
-      x += colour_bar_width(*panel.scale_max);
+    if (panel.bar) {
+      draw_colour_bar(montage, x, gap, height, *panel.bar);
+      x += colour_bar_width(*panel.bar);
     }
   }
   return montage;

@@ -10,22 +10,33 @@
 #include "render/camera.h"
 #include "render/image.h"
 #include "render/mesh_view.h"
+#include "render/montage.h"
 #include "render/rasterizer.h"
 
 namespace fb::tool {
 
-// Draws many poses of one mesh with one camera, fitted to the rest pose with room for a jaw to open.
+// The points of a mesh in some poses.
+using MeshPoses = std::vector<std::span<const float>>;
+
+// Draws many poses of one mesh with one camera.
 class PoseRenderer {
  public:
-  // rest is read by the constructor only.
-  PoseRenderer(const MeshView& rest, const std::string& up_axis, View view, const Resolution& resolution,
-               const Parallel& parallel);
+  // The camera shows the rest pose and `poses` whole, or of each the vertices that lie in view.region at rest. All but
+  // the options are read by the constructor only.
+  PoseRenderer(const MeshView& rest, const MeshPoses& poses, const std::string& up_axis, const View& view,
+               const Resolution& resolution, const Parallel& parallel);
+
+  const Camera& camera() const { return camera_; }
 
   // points: 3 x vertices.
   Image draw(std::span<const float> points) const;
 
-  // The surface coloured by one scalar a vertex, from 0 to scale_max of the colour map.
-  Image draw_scalars(std::span<const float> points, std::span<const float> scalars, float scale_max) const;
+  // The surface coloured by one scalar a vertex.
+  Image draw_scalars(std::span<const float> points, std::span<const float> scalars, const ColourScale& scale) const;
+
+  // The surface in the colours of parts (part_colour), with their numbers, from 1, where they are seen. parts: one a
+  // vertex; grey from `count` on.
+  Image draw_parts(std::span<const float> points, std::span<const std::size_t> parts, std::size_t count) const;
 
   struct Pose {
     std::string caption;
@@ -33,16 +44,23 @@ class PoseRenderer {
   };
   struct Difference {
     double rms = 0, max = 0;  // of the vertices' distances, over the diagonal
+    std::size_t vertex = 0;   // the worst
   };
   struct Comparison {
     Image image;
     std::vector<Difference> differences;  // one for each face compared
   };
-  // Side by side: the reference, each of the faces, then the error map of each face: its distance to the reference over
-  // the diagonal, all on one scale. scale_max: the end of that scale; 0: a round number above the largest error.
-  Comparison draw_comparison(const Pose& reference, const std::vector<Pose>& faces, float scale_max) const;
+  // Of the distances of each vertex, which are added to `distances`, over the diagonal.
+  Difference difference(std::span<const float> reference, std::span<const float> face,
+                        std::vector<float>* distances = nullptr) const;
+  // Side by side: the reference, each of the faces, then the error map of each face with a ring round its worst vertex:
+  // its distance to the reference over the diagonal, all on one scale. An end of the scale of 0 stands for a round
+  // number above the largest error.
+  Comparison draw_comparison(const Pose& reference, const std::vector<Pose>& faces, ColourBar bar) const;
 
  private:
+  void draw_ring(Image& image, Vector3 point) const;
+
   std::vector<std::uint32_t> triangles_;
   double diagonal_;
   Resolution resolution_;

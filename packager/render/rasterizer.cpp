@@ -98,7 +98,8 @@ Vector3 shade(const TransformedScene& p, const Hit& hit) {
   if (back_face) normal = normal * -1.0f;
   const float ambient_occlusion = back_face ? 0.1f : interpolate(p.ambient_occlusion);
   if (!p.scene.scalars.empty())
-    return shade_colour_map(normal, ambient_occlusion, map_colour(interpolate(p.scene.scalars), p.scene.scale_max));
+    return shade_colour_map(normal, ambient_occlusion, map_colour(interpolate(p.scene.scalars), p.scene.scale));
+  if (!p.scene.colours.empty()) return shade_colour_map(normal, ambient_occlusion, interpolate(p.scene.colours));
   return shade_clay(normal, to_eye, ambient_occlusion, clay);
 }
 

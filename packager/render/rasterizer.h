@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "render/camera.h"
+#include "render/colour_map.h"
 #include "render/image.h"
 
 namespace fb::tool {
@@ -15,7 +16,8 @@ struct Scene {
   std::span<const std::uint32_t> triangles;  // three vertex indices each
   std::span<const float> points;             // 3 x vertices
   std::span<const float> scalars = {};       // one a vertex, coloured by map_colour; empty: a clay render
-  float scale_max = 1;                       // the scalar at the end of the colour map
+  ColourScale scale = {};                    // of the scalars
+  std::span<const Vector3> colours = {};     // one a vertex, linear RGB, instead of scalars
 };
 
 struct Resolution {

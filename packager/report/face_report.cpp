@@ -43,15 +43,16 @@ void write_face_report(const std::filesystem::path& folder, const FaceReport& re
   const ReportView view(report.figures);
   Html page(report.title);
   add_summary(page, view, report);
-  add_table_1(page, view);
+  add_advice(page, view);
   add_pictures(page, view, report.source, folder, parallel, progress);
-  add_parts(page, view);
   add_errors_over_time(page, view);
   add_methods(page, view);
+  add_table_1(page, view);
   add_smoothness(page, view);
   add_locality(page, view);
   add_training(page, view);
   add_sizes(page, view);
+  page.explain();
   write_file(folder / "index.html", page.page());
 }
 

@@ -44,10 +44,22 @@ ClipErrors clip_of(const Json& json) {
           numbers(json.at("frame_max"))};
 }
 
-std::vector<PartErrors> parts_of(const Json& list) {
-  std::vector<PartErrors> parts;
-  for (const Json& part : list) parts.push_back({part.at("name"), number(part, "mse"), number(part, "max")});
-  return parts;
+std::vector<RegionErrors> regions_of(const Json& list) {
+  std::vector<RegionErrors> regions;
+  for (const Json& region : list)
+    regions.push_back({region.at("name"), region.at("title"), region.at("movers"), region.at("vertices"),
+                       number(region, "mse"), number(region, "max")});
+  return regions;
+}
+
+std::vector<ControlErrors> controls_of(const Json& list) {
+  std::vector<ControlErrors> controls;
+  for (const Json& control : list) {
+    const Json& combined = control.at("combined");
+    controls.push_back({control.at("name"), control.at("vertices"), combined.at("frames"), number(combined, "mse"),
+                        number(combined, "max")});
+  }
+  return controls;
 }
 
 Quality quality_of(const Json& json) {
@@ -59,8 +71,8 @@ Quality quality_of(const Json& json) {
   quality.inside_jump = number(json, "inside_jump");
   json.at("jitter_frames").get_to(quality.jitter_frames);
   json.at("border_edges").get_to(quality.border_edges);
-  quality.regions = parts_of(json.at("regions"));
-  quality.controls = parts_of(json.at("controls"));
+  quality.regions = regions_of(json.at("regions"));
+  quality.controls = controls_of(json.at("controls"));
   for (const double rms : numbers(json.at("vertex_rms"))) quality.vertex_rms.push_back(static_cast<float>(rms));
   json.at("vertex_region").get_to(quality.vertex_region);
   json.at("region_names").get_to(quality.region_names);
@@ -76,6 +88,11 @@ Locality locality_of(const Json& json) {
   json.at("poses").get_to(locality.poses);
   for (const Json& leak : json.at("worst"))
     locality.worst.push_back({leak.at("control"), number(leak, "leak"), leak.at("vertex")});
+  json.at("recorded_poses").get_to(locality.recorded_poses);
+  json.at("controls").get_to(locality.controls);
+  for (const Json& control : json.at("alone"))
+    locality.alone.push_back({control.at("name"), control.at("poses"), control.at("unseen_poses"),
+                              number(control, "max"), number(control, "motion")});
   return locality;
 }
 
@@ -114,6 +131,7 @@ MethodFigures method_of(const Json& json) {
   method.total = errors_of(json.at("total"));
   method.dependency = errors_of(json.at("dependency"));
   for (const Json& clip : json.at("clips")) method.clips.push_back(clip_of(clip));
+  for (const Json& kind : json.at("kinds")) method.kinds.push_back({kind.at("kind"), errors_of(kind)});
   for (const Json& frame : json.at("worst_frames"))
     method.worst_frames.push_back({frame.at("clip"), frame.at("frame")});
   json.at("bytes").get_to(method.bytes);

@@ -25,17 +25,38 @@ struct ClipErrors {
   std::vector<double> frame_mse, frame_max;  // one a frame; empty without quality
 };
 
-// Errors of a region or of the frames in which a control is active.
-struct PartErrors {
-  std::string name;
+struct KindErrors {
+  std::string kind;
+  Errors errors;
+};
+
+struct RegionErrors {
+  std::string name, title;  // of the model; by place and what moves it
+  std::vector<std::string> movers;
+  std::uint64_t vertices = 0;
   double mse = 0, max = 0;
+};
+
+// In the frames in which the control and another one are off rest, of the vertices that it moves alone.
+struct ControlErrors {
+  std::string name;
+  std::uint64_t vertices = 0, frames = 0;
+  double mse = 0, max = 0;
+};
+
+// With all other controls at rest.
+struct ErrorsAlone {
+  std::string name;
+  std::uint64_t poses = 0, unseen_poses = 0;
+  double max = 0, motion = 0;
 };
 
 struct Quality {
   double normal_rms = 0, normal_p99 = 0;  // degrees
   double jitter = 0, border_jump = 0, inside_jump = 0;
   std::uint64_t jitter_frames = 0, border_edges = 0;
-  std::vector<PartErrors> regions, controls;
+  std::vector<RegionErrors> regions;
+  std::vector<ControlErrors> controls;
   std::vector<float> vertex_rms;           // one a vertex
   std::vector<std::size_t> vertex_region;  // one a vertex: an index into region_names, or their number for none
   std::vector<std::string> region_names;
@@ -52,7 +73,10 @@ struct Locality {
   double largest = 0, share_above = 0;
   double tolerance = 0, still = 0;
   std::uint32_t poses = 0;
-  std::vector<Leak> worst;  // the largest first
+  std::uint64_t recorded_poses = 0;  // 0: measured on a live rig
+  std::uint64_t controls = 0;        // measured
+  std::vector<Leak> worst;           // the largest first
+  std::vector<ErrorsAlone> alone;
 };
 
 // Bytes of the model that a pose reads.
@@ -96,6 +120,7 @@ struct MethodFigures {
   std::string name, use;
   Errors total, dependency;  // on unseen clips, and on poses trained on
   std::vector<ClipErrors> clips;
+  std::vector<KindErrors> kinds;
   std::vector<FrameAddress> worst_frames;  // by index into clips; the worst first
   std::uint64_t bytes = 0, parameters = 0, coefficients = 0, bones = 0, poses = 0, rig_calls = 0;
   double train_seconds = 0;

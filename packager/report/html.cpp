@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "base/status.h"
+#include "report/glossary.h"
 
 namespace fb::tool {
 namespace {
@@ -25,7 +26,15 @@ figcaption { color: var(--faint); font-size: .9rem; } pre { background: var(--sh
 svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 svg .grid { stroke: var(--line); stroke-width: 1; } svg .frame { fill: none; stroke: var(--faint); } svg .faint { fill: var(--faint); }
 svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
-@media (max-width: 40rem) { body { padding: 1rem; } th, td { padding: .2rem .4rem; } td:first-child { white-space: normal; } }
+th[title] { text-decoration: underline dotted var(--faint); cursor: help; }
+dt { font-weight: 600; } dd { margin: 0 0 .4rem 1rem; } li { max-width: 50rem; margin: .3rem 0; }
+.swatch { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: .15em; }
+.bars { max-width: 50rem; margin: .8rem 0; font-size: .9rem; } .bars .key { margin-right: 1.2rem; white-space: nowrap; }
+.bar { display: grid; grid-template-columns: minmax(6rem, 14rem) 1fr; gap: .1rem .7rem; align-items: center; margin: .35rem 0; }
+.bar .name { text-align: right; overflow-wrap: anywhere; } .bar .line { display: flex; align-items: center; gap: .4rem; height: .95rem; }
+.bar .line span:first-child { height: .7rem; min-width: 1px; } .bar .line span:last-child { font-size: .8rem; white-space: nowrap; }
+@media (max-width: 40rem) { body { padding: 1rem; } .wide img { max-width: none; height: 24rem; }
+  .wide svg { max-width: none; } .plots { display: block; } th, td { padding: .2rem .4rem; } td:first-child { white-space: normal; } }
 </style>
 )";
 
@@ -95,20 +104,41 @@ void Html::preformatted(std::string_view text) {
   body_ += "</pre>\n";
 }
 
-void Html::table(const std::vector<std::vector<std::string>>& rows) {
-  body_ += "<div class=\"wide\"><table>\n";
+void Html::list(const std::vector<std::string>& items) {
+  body_ += "<ul>\n";
+  for (const std::string& item : items) body_ += "<li>" + escape_html(item) + "</li>\n";
+  body_ += "</ul>\n";
+}
+
+void Html::table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& colours) {
+  body_ += "<div class=\"wide\" tabindex=\"0\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const std::string cell = r == 0 ? "th" : "td";
     body_ += "<tr>";
-    for (const std::string& word : rows[r]) body_ += "<" + cell + ">" + escape_html(word) + "</" + cell + ">";
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      const std::string_view words = r == 0 ? explanation_of(rows[r][c]) : std::string_view();
+      body_ += r == 0 ? "<th" : "<td";
+      if (!words.empty()) body_ += " title=\"" + escape_html(words) + "\"";
+      body_ += ">";
+      if (c == 0 && r > 0 && r <= colours.size())
+        body_ += "<span class=\"swatch\" style=\"background:" + escape_html(colours[r - 1]) + "\"></span>";
+      body_ += escape_html(rows[r][c]) + (r == 0 ? "</th>" : "</td>");
+    }
     body_ += "</tr>\n";
   }
   body_ += "</table></div>\n";
 }
 
 void Html::picture(const std::string& file, std::string_view caption) {
-  body_ += "<figure><img src=\"" + escape_html(file) + "\" alt=\"" + escape_html(caption) + "\"><figcaption>" +
-           escape_html(caption) + "</figcaption></figure>\n";
+  body_ += "<figure><div class=\"wide\" tabindex=\"0\"><img src=\"" + escape_html(file) + "\" alt=\"" +
+           escape_html(caption) + "\"></div><figcaption>" + escape_html(caption) + "</figcaption></figure>\n";
+}
+
+void Html::explain() {
+  heading("Figures explained");
+  body_ += "<dl>\n";
+  for (const auto& [name, words] : glossary())
+    body_ += "<dt>" + escape_html(name) + "</dt><dd>" + escape_html(words) + "</dd>\n";
+  body_ += "</dl>\n";
 }
 
 std::string Html::page() const {

@@ -19,10 +19,14 @@ class Html {
   void subheading(std::string_view text);
   void paragraph(std::string_view text);
   void preformatted(std::string_view text);
-  // First row: headings; first column: text, the others numbers.
-  void table(const std::vector<std::vector<std::string>>& rows);
+  void list(const std::vector<std::string>& items);
+  // First row: headings, with what the glossary says of them; first column: text, the others numbers. `colours`: CSS
+  // colours of the first column, of as many rows after the first.
+  void table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& colours = {});
   // An image file in the report's folder.
   void picture(const std::string& file, std::string_view caption);
+  // The glossary, for those who cannot hover.
+  void explain();
   void raw(std::string_view markup) { body_ += markup; }
 
   std::string page() const;

@@ -24,7 +24,7 @@ std::string text_at(double x, double y, const char* anchor, const std::string& w
 struct Axis {
   bool logarithmic = false;
   double low = 0, high = 1;   // of the value, or of its decimal logarithm
-  double from = 0, to = 1;    // pixels
+  double from = 0, to = 1;    // pixels, or percent
   std::vector<double> ticks;  // values
 
   bool shows(double value) const { return std::isfinite(value) && (!logarithmic || value > 0); }
@@ -139,8 +139,9 @@ std::string draw_plot(const Plot& plot) {
   y.from = plot.height - bottom;
   y.to = top;
 
-  std::string svg = format("<svg viewBox=\"0 0 %d %.0f\" width=\"%d\" height=\"%.0f\" role=\"img\">\n", plot.width,
-                           height, plot.width, height);
+  std::string svg = format(
+      "<div class=\"wide\" tabindex=\"0\"><svg viewBox=\"0 0 %d %.0f\" width=\"%d\" height=\"%.0f\" role=\"img\">\n",
+      plot.width, height, plot.width, height);
   svg += "<title>" + escape_html(plot.title) + "</title>\n";
   svg += text_at(left, 16, "start", plot.title, "font-weight=\"600\"");
   for (const double tick : y.ticks) {
@@ -166,7 +167,7 @@ std::string draw_plot(const Plot& plot) {
                lx + 18, ly, ly, colour_of(named[i]->colour).c_str(), named[i]->dotted ? ";stroke-dasharray:2 4" : "");
     svg += text_at(lx + 24, ly + 4, "start", named[i]->name);
   }
-  return svg + "</svg>\n";
+  return svg + "</svg></div>\n";
 }
 
 std::string draw_bars(const std::vector<std::string>& series, const std::vector<int>& colours,
@@ -176,38 +177,23 @@ std::string draw_bars(const std::vector<std::string>& series, const std::vector<
   if (!logarithmic) values.push_back(0);
   Axis axis = axis_over(values, logarithmic);
   if (bars.empty() || !(axis.low <= axis.high)) return "";
-  constexpr double left = 190, right = 90, width = 760, thick = 11, gap = 8, top = 30;
-  axis.from = left;
-  axis.to = width - right;
-  const double group = thick * static_cast<double>(series.size()) + gap;
-  const double height = top + group * static_cast<double>(bars.size()) + 24;
-  std::string svg = format("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">\n", width,
-                           height, width, height);
-  double lx = left;
-  for (std::size_t s = 0; s < series.size(); ++s) {
-    svg += format("<rect x=\"%.1f\" y=\"6\" width=\"12\" height=\"10\" style=\"fill:%s\"/>\n", lx,
-                  colour_of(colours[s]).c_str());
-    svg += text_at(lx + 17, 15, "start", series[s]);
-    lx += legend_width(series[s].size());
-  }
-  for (const double tick : axis.ticks) {
-    svg += format("<line class=\"grid\" x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\"/>\n", axis.pixel(tick),
-                  axis.pixel(tick), top - 6, height - 20);
-    svg += text_at(axis.pixel(tick), height - 6, "middle", number(tick), "class=\"faint\"");
-  }
-  double y = top;
+  axis.to = 75;  // percent of the space beside the names; the rest is for the values
+  std::string html = "<div class=\"bars\">\n";
+  for (std::size_t s = 0; s < series.size(); ++s)
+    html += "<span class=\"key\"><span class=\"swatch\" style=\"background:" + colour_of(colours[s]) + "\"></span>" +
+            escape_html(series[s]) + "</span>\n";
   for (const Bar& bar : bars) {
-    svg += text_at(left - 8, y + 0.5 * (group - gap) + 4, "end",
-                   bar.name.size() > 28 ? bar.name.substr(0, 26) + ".." : bar.name);
-    for (std::size_t s = 0; s < bar.values.size(); ++s, y += thick) {
-      const double end = axis.shows(bar.values[s]) ? axis.pixel(bar.values[s]) : axis.from;
-      svg += format("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" style=\"fill:%s\"/>\n", axis.from, y,
-                    std::max(end - axis.from, 0.5), thick - 1.5, colour_of(colours[s]).c_str());
-      svg += text_at(end + 4, y + 9, "start", format("%.3g", bar.values[s]), "style=\"font-size:10px\"");
+    html += "<div class=\"bar\"><span class=\"name\">" + escape_html(bar.name) + "</span><div>";
+    for (std::size_t s = 0; s < bar.values.size(); ++s) {
+      const double end = axis.shows(bar.values[s]) ? axis.pixel(bar.values[s]) - axis.from : 0;
+      const std::string value = format("%.3g", bar.values[s]);
+      html += "<div class=\"line\" title=\"" + escape_html(bar.name + ": " + value + " " + series[s]) + "\">" +
+              format("<span style=\"width:%.1f%%;background:%s\"></span><span>", end, colour_of(colours[s]).c_str()) +
+              value + "</span></div>";
     }
-    y += gap;
+    html += "</div></div>\n";
   }
-  return svg + "</svg>\n";
+  return html + "</div>\n";
 }
 
 }  // namespace fb::tool

@@ -1,4 +1,4 @@
-// Plots and bar charts as inline SVG.
+// Plots as inline SVG, and bar charts as HTML.
 #pragma once
 
 #include <string>
@@ -29,7 +29,7 @@ struct Bar {
   std::vector<double> values;  // one a series
 };
 
-// SVG of horizontal bars labelled with their values; series: names, colours: one of each series. A logarithmic scale
+// HTML of horizontal bars labelled with their values; series: names, colours: one of each series. A logarithmic scale
 // spans at most twelve decades below the largest value.
 std::string draw_bars(const std::vector<std::string>& series, const std::vector<int>& colours,
                       const std::vector<Bar>& bars, bool logarithmic);

@@ -1,4 +1,4 @@
-// The sections of curves and bars: errors over time, by region and by control, training and learning.
+// The sections of curves and bars: errors over time, training and learning.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,7 +10,7 @@
 namespace fb::tool {
 namespace {
 
-constexpr std::size_t clips_shown = 8, controls_shown = 24;
+constexpr std::size_t clips_shown = 8;
 
 std::vector<double> numbers_to(std::size_t count, double from = 0) {
   std::vector<double> numbers(count);
@@ -28,64 +28,6 @@ Plot plot_over_time(const ReportView& view, std::size_t clip, const char* label,
         {view.label(method), numbers_to(frames.size()), frames, view.colour(method), method.use == "backlot"});
   }
   return plot;
-}
-
-// Mean squared error of every method in the regions of ours.
-void add_regions(Html& page, const ReportView& view) {
-  const Quality& ours = *view.ours().quality;
-  if (ours.regions.size() < 2) return;
-  page.subheading("By region");
-  page.paragraph(
-      "Regions are those of " + view.label(view.ours()) +
-      "; a vertex belongs to the region that moves it most. Mean squared error / D^2, on a logarithmic scale.");
-  std::vector<std::string> names;
-  std::vector<int> colours;
-  std::vector<Bar> bars;
-  for (const std::string& region : ours.region_names) bars.push_back({region, {}});
-  for (const MethodFigures& method : view.methods()) {
-    if (method.use != view.ours().use || !method.quality) continue;
-    names.push_back(view.label(method));
-    colours.push_back(view.colour(method));
-    const std::vector<float>& rms = method.quality->vertex_rms;
-    std::vector<double> squares(bars.size()), counts(bars.size());
-    for (std::size_t v = 0; v < rms.size(); ++v)
-      if (const std::size_t label = ours.vertex_region[v]; label < bars.size()) {
-        squares[label] += double(rms[v]) * rms[v];
-        ++counts[label];
-      }
-    for (std::size_t r = 0; r < bars.size(); ++r)
-      bars[r].values.push_back(counts[r] > 0 ? squares[r] / counts[r] : NAN);
-  }
-  std::erase_if(bars, [](const Bar& bar) { return !std::isfinite(bar.values[0]); });
-  page.raw(draw_bars(names, colours, bars, true));
-}
-
-void add_controls(Html& page, const ReportView& view) {
-  std::vector<PartErrors> worst = view.ours().quality->controls;
-  if (worst.empty()) return;
-  std::stable_sort(worst.begin(), worst.end(), [](const auto& a, const auto& b) { return a.mse > b.mse; });
-  const std::size_t all = worst.size();
-  worst.resize(std::min(all, controls_shown));
-  page.subheading("By control");
-  page.paragraph(
-      format("Mean squared error / D^2 of the frames in which a control is beyond half of its range: the worst %zu of "
-             "%zu controls that are.",
-             worst.size(), all));
-  std::vector<std::string> names = {view.label(view.ours())};
-  std::vector<int> colours = {view.colour(view.ours())};
-  const MethodFigures* linear = view.linear();
-  if (linear && linear->quality) {
-    names.push_back(view.label(*linear));
-    colours.push_back(view.colour(*linear));
-  }
-  std::vector<Bar> bars;
-  for (const PartErrors& control : worst) {
-    bars.push_back({control.name, {control.mse}});
-    if (names.size() < 2) continue;
-    for (const PartErrors& other : linear->quality->controls)
-      if (other.name == control.name) bars.back().values.push_back(other.mse);
-  }
-  page.raw(draw_bars(names, colours, bars, names.size() > 1));
 }
 
 void add_training_curves(Html& page, const BakeStats& stats) {
@@ -114,10 +56,12 @@ void add_network_table(Html& page, const BakeStats& stats) {
   if (stats.networks.empty()) return;
   page.subheading("Networks");
   std::vector<std::vector<std::string>> rows = {{"region", "vertices", "inputs", "coefficients", "numbers",
-                                                 "share of the energy", "validation error", "restarts"}};
+                                                 "share of the energy", "left of training", "validation error",
+                                                 "restarts"}};
   for (const NetworkStats& r : stats.networks)
     rows.push_back({r.name, std::to_string(r.vertices), std::to_string(r.inputs), std::to_string(r.coefficients),
                     std::to_string(r.parameters), format("%.1f %%", 100 * r.energy),
+                    r.training_loss.empty() ? "-" : figure_text(r.training_loss.back()),
                     r.validation > 0 ? figure_text(r.validation) : "-", std::to_string(r.restarts)});
   page.table(rows);
 }
@@ -143,13 +87,6 @@ void add_errors_over_time(Html& page, const ReportView& view) {
     page.raw(draw_plot(plot_over_time(view, c, "mean squared error / D^2", &ClipErrors::frame_mse)));
     page.raw("</div>\n");
   }
-}
-
-void add_parts(Html& page, const ReportView& view) {
-  if (!view.measured() || !view.ours().quality) return;
-  page.heading("Error by region and by control");
-  add_regions(page, view);
-  add_controls(page, view);
 }
 
 void add_training(Html& page, const ReportView& view) {

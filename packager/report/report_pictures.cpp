@@ -1,111 +1,15 @@
 // The sections of pictures: the paper's Figures 1 and 3, the worst frames, and errors over the face.
 #include <algorithm>
-#include <cmath>
-#include <map>
 
 #include "base/status.h"
-#include "render/colour_map.h"
 #include "render/montage.h"
-#include "render/png_file.h"
-#include "render/pose_renderer.h"
+#include "report/frame_pictures.h"
 #include "report/report_view.h"
 
 namespace fb::tool {
 namespace {
 
-constexpr Resolution resolution = {460, 575, 3};
 constexpr std::size_t expressive_frames = 4, candidate_frames = 1000, worst_shown = 4, error_maps_shown = 4;
-constexpr double moving = 2e-3;  // of the diagonal: vertices that move less need not be in the picture
-
-MeshView rest_mesh(const facebaker::SourceView& source) {
-  const fb_source_info& info = source.info();
-  return {{info.rest_positions, 3 * std::size_t(info.vertex_count)},
-          {info.polygon_sizes, info.polygon_count},
-          {info.polygon_corners, info.polygon_corner_count}};
-}
-
-// A view of the part of the mesh that moves in these frames, so that the face of a whole body fills the picture.
-View view_of_motion(const facebaker::SourceView& source, const std::vector<FrameAddress>& frames) {
-  const float* rest = source.info().rest_positions;
-  const double still = moving * source.info().diagonal;
-  BoundingBox box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-  for (const FrameAddress& at : frames) {
-    const std::vector<float> points = source.read(static_cast<std::uint32_t>(at.clip), at.frame, 1);
-    for (std::size_t v = 0; v < points.size() / 3; ++v) {
-      const Vector3 p = vector_at(rest, v);
-      if (length(vector_at(points.data(), v) - p) <= still) continue;
-      box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
-      box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
-    }
-  }
-  View view;
-  if (box.low.x <= box.high.x) view.region = box;
-  return view;
-}
-
-// Draws frames of the source beside the same frames of methods. Frames are addressed by the source's clips.
-class FrameRenderer {
- public:
-  // `framed`: frames whose motion the camera must show.
-  FrameRenderer(const facebaker::SourceView& source, const std::vector<FrameAddress>& framed,
-                const std::filesystem::path& folder, const Parallel& parallel)
-      : source_(source),
-        folder_(folder),
-        renderer_(rest_mesh(source), source.info().up_axis, view_of_motion(source, framed), resolution, parallel) {}
-
-  FrameAddress find(const std::string& clip, std::size_t frame) const {
-    for (std::uint32_t c = 0; c < source_.info().clip_count; ++c)
-      if (source_.clip(c).name == clip) return {c, frame};
-    fail(Status::internal, "the source has no clip \"%s\", which was measured", clip.c_str());
-  }
-  std::string name(const FrameAddress& at) const {
-    return format("%s, frame %zu", source_.clip(static_cast<std::uint32_t>(at.clip)).name, at.frame);
-  }
-
-  // Writes a picture of the true rig, these methods and their errors.
-  PoseRenderer::Comparison write_comparison(const std::string& file, const FrameAddress& at, const ReportView& view,
-                                            const std::vector<const MethodFigures*>& methods) {
-    const auto clip = static_cast<std::uint32_t>(at.clip);
-    const float* controls = source_.clip(clip).controls + at.frame * source_.info().control_count;
-    const std::vector<float> reference = source_.read(clip, at.frame, 1);
-    std::vector<std::vector<float>> posed;
-    std::vector<PoseRenderer::Pose> faces;
-    for (const MethodFigures* method : methods) posed.push_back(evaluate(*method, controls));
-    for (std::size_t m = 0; m < methods.size(); ++m) faces.push_back({view.label(*methods[m]), posed[m]});
-    PoseRenderer::Comparison comparison = renderer_.draw_comparison({"true rig", reference}, faces, 0);
-    write_png(folder_ / file, comparison.image);
-    return comparison;
-  }
-
-  Image draw_rest(std::span<const float> scalars, float scale_max) const {
-    return renderer_.draw_scalars(rest_mesh(source_).points, scalars, scale_max);
-  }
-  void write(const std::string& file, const Image& image) const { write_png(folder_ / file, image); }
-
- private:
-  std::vector<float> evaluate(const MethodFigures& method, const float* controls) {
-    auto found = models_.find(&method);
-    if (found == models_.end())
-      found = models_.try_emplace(&method, method.archive.data(), method.archive.size()).first;
-    facebaker::Scratch scratch(found->second);
-    std::vector<float> points(3 * std::size_t(found->second.vertex_count()));
-    scratch.evaluate(controls, points.data());
-    return points;
-  }
-
-  facebaker::SourceView source_;
-  std::filesystem::path folder_;
-  PoseRenderer renderer_;
-  std::map<const MethodFigures*, facebaker::Model> models_;
-};
-
-std::string errors_text(const PoseRenderer::Comparison& comparison, const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += format("%s %s: rms %.1e, worst vertex %.1e.", i ? " " : "", names[i].c_str(), comparison.differences[i].rms,
-                   comparison.differences[i].max);
-  return text;
-}
 
 // Up to about candidate_frames of the measured frames, evenly spaced.
 std::vector<FrameAddress> candidates_of(const facebaker::SourceView& source, const std::vector<ClipErrors>& measured) {
@@ -163,71 +67,93 @@ std::vector<FrameAddress> pick_expressive(const facebaker::SourceView& source,
   return picked;
 }
 
-void add_figure_1(Html& page, const ReportView& view, FrameRenderer& frames) {
+std::vector<PosedFrame> read_all(FrameReader& reader, const std::vector<FrameAddress>& frames,
+                                 const std::vector<const MethodFigures*>& methods) {
+  std::vector<PosedFrame> read;
+  for (const FrameAddress& at : frames) read.push_back(reader.read(at, methods));
+  return read;
+}
+
+// The frame in which linear blendshapes are furthest off, if there are any.
+std::vector<PosedFrame> read_figure_1(FrameReader& reader, const ReportView& view) {
   const MethodFigures* linear = view.linear();
-  if (!linear) return;
+  if (!linear) return {};
   const auto worst =
       std::max_element(linear->clips.begin(), linear->clips.end(),
                        [](const ClipErrors& a, const ClipErrors& b) { return a.errors.max < b.errors.max; });
-  const FrameAddress at = frames.find(worst->name, worst->errors.worst_frame);
-  const auto comparison = frames.write_comparison("figure_1.png", at, view, {&view.ours(), linear});
-  page.heading("Figure 1: against linear blendshapes");
-  page.picture(
-      "figure_1.png",
-      "The frame in which linear blendshapes are furthest off: " + frames.name(at) +
-          ". From the left: the true rig, ours, linear blendshapes; then their errors as fractions of the diagonal. " +
-          errors_text(comparison, {view.label(view.ours()), view.label(*linear)}));
+  return {reader.read(reader.find(worst->name, worst->errors.worst_frame), {&view.ours(), linear})};
 }
 
-void add_figure_3(Html& page, const ReportView& view, const std::vector<FrameAddress>& expressive,
-                  FrameRenderer& frames, Progress& progress) {
-  std::vector<const MethodFigures*> faces = {&view.ours()};
-  if (view.backlot()) faces.push_back(view.backlot());
-  std::vector<std::string> names;
-  for (const MethodFigures* face : faces) names.push_back(view.label(*face));
-  page.heading("Figure 3: posed faces");
-  page.paragraph("Measured frames that are far from rest and from each other, whatever their errors.");
-  progress.begin("drawing posed faces", expressive.size());
-  for (std::size_t i = 0; i < expressive.size(); ++i) {
-    const std::string file = format("figure_3_%zu.png", i + 1);
-    const auto comparison = frames.write_comparison(file, expressive[i], view, faces);
-    page.picture(file, frames.name(expressive[i]) + ". " + errors_text(comparison, names));
-    progress.step(i + 1);
-  }
+std::vector<FrameAddress> worst_frames_of(const FrameReader& reader, const MethodFigures& method) {
+  std::vector<FrameAddress> worst;
+  for (const FrameAddress& at : method.worst_frames)
+    if (worst.size() < worst_shown) worst.push_back(reader.find(method.clips.at(at.clip).name, at.frame));
+  return worst;
 }
 
-void add_worst_frames(Html& page, const ReportView& view, FrameRenderer& frames, Progress& progress) {
-  page.heading("Worst frames of " + view.label(view.ours()));
-  std::vector<FrameAddress> worst = view.ours().worst_frames;
-  worst.resize(std::min(worst.size(), worst_shown));
-  progress.begin("drawing worst frames", worst.size());
-  for (std::size_t i = 0; i < worst.size(); ++i) {
-    const FrameAddress at = frames.find(view.ours().clips.at(worst[i].clip).name, worst[i].frame);
-    const std::string file = i == 0 ? "worst.png" : format("worst_%zu.png", i + 1);
-    const auto comparison = frames.write_comparison(file, at, view, {&view.ours()});
-    page.picture(file, frames.name(at) + ". " + errors_text(comparison, {view.label(view.ours())}));
-    progress.step(i + 1);
-  }
-}
-
-void add_error_maps(Html& page, const ReportView& view, FrameRenderer& frames) {
-  std::vector<Panel> panels;
+// The methods whose errors over the face are shown: of the use of ours, which is among them.
+std::vector<const MethodFigures*> mapped_methods(const ReportView& view) {
+  std::vector<const MethodFigures*> mapped;
   for (const MethodFigures& method : view.methods()) {
-    const bool shown = method.use == view.ours().use && method.quality;
-    const bool last_panel = panels.size() + 1 == error_maps_shown;  // kept for ours
-    if (!shown || (last_panel && &method < &view.ours())) continue;
-    if (panels.size() == error_maps_shown) break;
-    const std::vector<float>& rms = method.quality->vertex_rms;
-    const float worst = *std::max_element(rms.begin(), rms.end()), scale_max = round_scale(worst);
-    panels.push_back(
-        {frames.draw_rest(rms, scale_max), format("%s\nworst %.1e", view.label(method).c_str(), worst), scale_max});
+    if (method.use != view.ours().use || !method.quality) continue;
+    if (mapped.size() + 1 == error_maps_shown && &method < &view.ours()) continue;  // the last one is kept for ours
+    if (mapped.size() < error_maps_shown) mapped.push_back(&method);
   }
+  return mapped;
+}
+
+float largest_rms(const MethodFigures& method) {
+  const std::vector<float>& rms = method.quality->vertex_rms;
+  return *std::max_element(rms.begin(), rms.end());
+}
+
+void add_scale(Html& page, const FramePictures& pictures) {
+  const ColourBar& bar = pictures.bar();
+  page.paragraph(format(
+      "Colours mean the same in all pictures of errors on this page, for every method: logarithmic from %.2g D and "
+      "less, "
+      "pale (%.2g %s), to %.2g D, dark (%.2g %s). A ring is round the worst vertex, which may lie behind what is seen.",
+      bar.scale.ticks().front(), bar.scale.ticks().front() * bar.length, bar.units.c_str(), bar.scale.end,
+      bar.scale.end * bar.length, bar.units.c_str()));
+  if (pictures.part_of_body())
+    page.paragraph("What moves is a small part of the mesh: pictures show that part and its surroundings.");
+}
+
+void add_figure_1(Html& page, const std::vector<PosedFrame>& frames, const FramePictures& pictures) {
+  for (const PosedFrame& frame : frames) {
+    const std::string errors = pictures.write_comparison("figure_1.png", frame);
+    page.heading("Figure 1: against linear blendshapes");
+    page.picture("figure_1.png", "The frame in which linear blendshapes are furthest off: " + frame.name +
+                                     ". From the left: the true rig, ours, linear blendshapes; then their errors. " +
+                                     errors);
+  }
+}
+
+// Pictures of frames with their captions: name.png, name_2.png...
+void add_frames(Html& page, const std::vector<PosedFrame>& frames, const FramePictures& pictures,
+                const std::string& first, const std::string& name, Progress& progress, const char* stage) {
+  progress.begin(stage, frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::string file = i == 0 ? first + ".png" : format("%s_%zu.png", name.c_str(), i + 1);
+    const std::string errors = pictures.write_comparison(file, frames[i]);
+    page.picture(file, frames[i].name + ". " + errors);
+    progress.step(i + 1);
+  }
+}
+
+void add_error_maps(Html& page, const ReportView& view, const FramePictures& pictures) {
+  std::vector<Panel> panels;
+  for (const MethodFigures* method : mapped_methods(view))
+    panels.push_back({pictures.draw_rest(method->quality->vertex_rms),
+                      format("%s\nworst %.1e", view.label(*method).c_str(), largest_rms(*method)),
+                      {}});
   if (panels.empty()) return;
-  frames.write("error_map.png", make_montage(panels));
+  panels.back().bar = pictures.bar();
+  pictures.write("error_map.png", make_montage(panels));
   page.heading("Error over the face");
   page.picture("error_map.png",
-               "Root mean square error of each vertex over all measured frames, as a fraction of the "
-               "diagonal. Each picture has a scale of its own.");
+               "Root mean square error of each vertex over all measured frames, as a fraction of the diagonal, in the "
+               "colours of all pictures of this page.");
 }
 
 }  // namespace
@@ -235,12 +161,32 @@ void add_error_maps(Html& page, const ReportView& view, FrameRenderer& frames) {
 void add_pictures(Html& page, const ReportView& view, const facebaker::SourceView& source,
                   const std::filesystem::path& folder, const Parallel& parallel, Progress& progress) {
   if (!view.measured()) return;
-  const std::vector<FrameAddress> expressive = pick_expressive(source, view.ours().clips);
-  FrameRenderer frames(source, expressive, folder, parallel);
-  add_figure_1(page, view, frames);
-  add_figure_3(page, view, expressive, frames, progress);
-  add_worst_frames(page, view, frames, progress);
-  add_error_maps(page, view, frames);
+  FrameReader reader(source);
+  std::vector<const MethodFigures*> faces = {&view.ours()};
+  if (view.backlot()) faces.push_back(view.backlot());
+  const std::vector<PosedFrame> figure_1 = read_figure_1(reader, view),
+                                expressive = read_all(reader, pick_expressive(source, view.ours().clips), faces),
+                                worst = read_all(reader, worst_frames_of(reader, view.ours()), {&view.ours()});
+  std::vector<PosedFrame> all = figure_1;
+  all.insert(all.end(), expressive.begin(), expressive.end());
+  all.insert(all.end(), worst.begin(), worst.end());
+  float largest = 0;
+  for (const MethodFigures* method : mapped_methods(view)) largest = std::max(largest, largest_rms(*method));
+  const FramePictures pictures(view, source, all, largest, folder, parallel);
+
+  add_parts(page, view, pictures);
+  page.heading("Worst frames of " + view.label(view.ours()));
+  page.paragraph(
+      "The frames with the largest error of a vertex that differ from each other: at least 12 frames apart, and poses "
+      "further apart than half the way from rest to the farther one. First those whose worst vertices lie at least 5 % "
+      "of the diagonal apart.");
+  add_scale(page, pictures);
+  add_frames(page, worst, pictures, "worst", "worst", progress, "drawing worst frames");
+  add_error_maps(page, view, pictures);
+  add_figure_1(page, figure_1, pictures);
+  page.heading("Figure 3: posed faces");
+  page.paragraph("Measured frames that are far from rest and from each other, whatever their errors.");
+  add_frames(page, expressive, pictures, "figure_3_1", "figure_3", progress, "drawing posed faces");
 }
 
 }  // namespace fb::tool

@@ -34,6 +34,24 @@ constexpr std::array<PaperColumn, 4> paper_columns = {{{"Bob variant", "1.54e-3"
                                                        {"Helen variant", "3.75e-4", "3.50e-2", "7.23e-7", "1.64e-3"},
                                                        {"Helen backlot", "9.84e-6", "4.36e-3", "3.35e-4", "7.76e-2"}}};
 
+// Errors of all clips of a kind, of every method.
+void add_kinds(Html& page, const ReportView& view) {
+  page.subheading("By kind of clip");
+  const bool several = view.methods().size() > 1;
+  Rows rows = {{"kind", "frames", "rms", "p99", "max", "mfm"}};
+  if (several) rows[0].insert(rows[0].begin() + 1, "method");
+  for (std::size_t k = 0; k < view.ours().kinds.size(); ++k)
+    for (const MethodFigures& m : view.methods()) {
+      const KindErrors& kind = m.kinds.at(k);
+      rows.push_back({kind.kind});
+      if (several) rows.back().push_back(view.label(m));
+      rows.back().push_back(std::to_string(kind.errors.frames));
+      for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
+        rows.back().push_back(figure_of(kind.errors, figure));
+    }
+  page.table(rows);
+}
+
 }  // namespace
 
 void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
@@ -61,7 +79,8 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
   if (ours.train_seconds > 0) rows.push_back({"training, seconds", format("%.1f", ours.train_seconds)});
   if (ours.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.rig_calls)});
   page.table(rows);
-  for (const std::string& note : ours.stats.notes) page.paragraph(note);
+  for (const std::string& note : ours.stats.notes)
+    if (!is_advice(note)) page.paragraph(note);
 }
 
 void add_table_1(Html& page, const ReportView& view) {
@@ -132,6 +151,7 @@ void add_methods(Html& page, const ReportView& view) {
   }
   if (view.methods().size() == 1) rows[0][4] = "mse";
   page.table(rows);
+  add_kinds(page, view);
 }
 
 void add_smoothness(Html& page, const ReportView& view) {
@@ -161,16 +181,24 @@ void add_locality(Html& page, const ReportView& view) {
   page.heading("Locality");
   if (std::none_of(view.methods().begin(), view.methods().end(), measured)) {
     page.paragraph(
-        "Not measured: whether a control moves vertices that it does not move in the rig can only be "
-        "measured on a live rig.");
+        "Not measured: whether a control moves vertices that it does not move in the rig shows on a live rig, or on "
+        "recorded poses in which it alone is off rest, and this source has none.");
     return;
   }
   const auto first = std::find_if(view.methods().begin(), view.methods().end(), measured);
   const Locality& options = *first->locality;
+  const std::string poses =
+      options.recorded_poses > 0
+          ? format(
+                "Measured on %llu recorded poses, of any split, in which a single control is off rest: %llu controls "
+                "have any, and up to 16 each are taken.",
+                static_cast<unsigned long long>(options.recorded_poses),
+                static_cast<unsigned long long>(options.controls))
+          : format("Every control was moved in %u poses of the live rig, alone and among others.", options.poses);
   page.paragraph(
-      format("Every control was moved in %u poses, alone and among others. A leak is how far the archive then moves a "
-             "vertex that the rig moves less than %.0e D in all of them; leaks up to %.0e D are tolerated.",
-             options.poses, options.still, options.tolerance));
+      poses + format(" A leak is how far the archive then moves a vertex that the rig moves less than %.0e D in all of "
+                     "them; leaks up to %.0e D are tolerated.",
+                     options.still, options.tolerance));
   Rows rows = {{"method", "largest leak / D", "controls above the tolerance"}};
   for (const MethodFigures& m : view.methods())
     if (m.locality)

@@ -50,6 +50,15 @@ int ReportView::colour(const MethodFigures& method) const {
   return at < own ? 2 + static_cast<int>(at - recipes_.begin()) : 1 + static_cast<int>(at - recipes_.begin());
 }
 
+std::string ReportView::region_of(std::size_t vertex) const {
+  if (!ours().quality || vertex >= ours().quality->vertex_region.size()) return "";
+  const Quality& quality = *ours().quality;
+  const std::size_t label = quality.vertex_region[vertex];
+  for (const RegionErrors& region : quality.regions)
+    if (label < quality.region_names.size() && region.name == quality.region_names[label]) return region.title;
+  return "";
+}
+
 std::string figure_text(double value) {
   return std::isfinite(value) ? format("%.2e", value) : "-";
 }

@@ -27,6 +27,8 @@ class ReportView {
   std::string label(const MethodFigures& method) const;  // "hero", or "hero variant" where there are both uses
   int colour(const MethodFigures& method) const;         // of curves and bars: one a recipe
   bool measured() const { return ours().total.frames > 0; }
+  // The title of the region of ours that a vertex belongs to; "" if there is none.
+  std::string region_of(std::size_t vertex) const;
 
  private:
   const MethodFigures* at(std::optional<std::size_t> index) const { return index ? &methods()[*index] : nullptr; }
@@ -39,13 +41,19 @@ class ReportView {
 
 std::string figure_text(double value);  // 1.23e-04; a dash if it is not finite
 
+// Whether a note of a bake belongs to the advice.
+bool is_advice(const std::string& note);
+
+class FramePictures;
+
 // Sections, in the order of the page; each leaves out what was not measured.
+void add_advice(Html& page, const ReportView& view);
 void add_summary(Html& page, const ReportView& view, const FaceReport& report);
 void add_table_1(Html& page, const ReportView& view);
-// Figures 1 and 3 of the paper, worst frames and error maps; the pictures are written into `folder`.
+// Regions and controls, worst frames, error maps, Figures 1 and 3 of the paper; pictures are written into `folder`.
 void add_pictures(Html& page, const ReportView& view, const facebaker::SourceView& source,
                   const std::filesystem::path& folder, const Parallel& parallel, Progress& progress);
-void add_parts(Html& page, const ReportView& view);
+void add_parts(Html& page, const ReportView& view, const FramePictures& pictures);
 void add_errors_over_time(Html& page, const ReportView& view);
 void add_methods(Html& page, const ReportView& view);
 void add_smoothness(Html& page, const ReportView& view);

@@ -76,7 +76,7 @@ std::size_t differing(const std::vector<bool>& a, const std::vector<bool>& b) {
 const Resolution small = {.width = 160, .height = 160, .samples = 2};
 
 Image draw(const Shape& shape, const View& view = {}, const std::vector<float>& scalars = {}, float full = 1) {
-  return render({.triangles = shape.triangles, .points = shape.points, .scalars = scalars, .scale_max = full},
+  return render({.triangles = shape.triangles, .points = shape.points, .scalars = scalars, .scale = {full}},
                 fit_camera(shape.points, "y", view, 1), small);
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
     for (const std::uint32_t corner : square().triangles) both.triangles.push_back(corner + 4);
     const float first = front_first ? 1.0f : 0.0f;
     const Image image = draw(both, {}, {first, first, first, first, 1 - first, 1 - first, 1 - first, 1 - first});
-    const Rgb seen = image.at(80, 80), full = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(1, 1)));
+    const Rgb seen = image.at(80, 80), full = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(1, {1})));
     CHECK(std::abs(seen.r - full.r) <= 2);
     CHECK(std::abs(seen.g - full.g) <= 2);
   }
@@ -156,7 +156,7 @@ TEST_CASE("the nearer surface is seen, whatever the order of triangles") {
 TEST_CASE("an error map shows known values in the colours of its scale") {
   for (const float value : {0.0f, 0.25f, 0.5f, 1.0f, 3.0f}) {
     const Image image = draw(square(), {}, std::vector<float>(4, value), 1);
-    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(value, 1)));
+    const Rgb seen = image.at(80, 80), expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(value, {1})));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
@@ -164,12 +164,12 @@ TEST_CASE("an error map shows known values in the colours of its scale") {
   // Lightness decreases from no error to full error, so that the map also reads in grey.
   float before = 2;
   for (int i = 0; i <= 20; ++i) {
-    const Vector3 colour = map_colour(i / 20.0f, 1);
+    const Vector3 colour = map_colour(i / 20.0f, {1});
     const float luminance = dot(colour, {0.2126f, 0.7152f, 0.0722f});
     CHECK(luminance < before);
     before = luminance;
   }
-  CHECK(to_srgb(map_colour(9, 1)) == to_srgb(map_colour(1, 1)));
+  CHECK(to_srgb(map_colour(9, {1})) == to_srgb(map_colour(1, {1})));
 }
 
 TEST_CASE("a comparison measures over the diagonal and uses the given scale") {
@@ -179,22 +179,23 @@ TEST_CASE("a comparison measures over the diagonal and uses the given scale") {
   std::vector<float> off = shape.points;
   for (std::size_t v = 0; v < 4; ++v) off[3 * v + 2] -= 0.2f;
   const double distance = 0.2 / std::sqrt(8.0);
-  const PoseRenderer renderer(rest, "y", {}, small, {});
+  const PoseRenderer renderer(rest, {}, "y", {}, small, {});
   for (const float full : {0.0f, 0.4f}) {
-    const PoseRenderer::Comparison beside = renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, full);
+    const PoseRenderer::Comparison beside =
+        renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, {{full}});
     const PoseRenderer::Difference difference = beside.differences.at(0);
     CHECK(difference.max == doctest::Approx(distance));
     CHECK(difference.rms == doctest::Approx(distance));
     const float scale = full > 0 ? full : round_scale(float(distance));
     const Rgb seen = beside.image.at(3 * 8 + 2 * 160 + 80, 8 + 80),
-              expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(float(distance), scale)));
+              expected = to_srgb(shade_colour_map({0, 0, 1}, 1, map_colour(float(distance), {scale})));
     CHECK(std::abs(seen.r - expected.r) <= 2);
     CHECK(std::abs(seen.g - expected.g) <= 2);
     CHECK(std::abs(seen.b - expected.b) <= 2);
   }
   off[2] = shape.points[2];  // one of four is where it belongs
   const PoseRenderer::Difference three =
-      renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, 0).differences.at(0);
+      renderer.draw_comparison({"truth", shape.points}, {{"archive", off}}, {{0}}).differences.at(0);
   CHECK(three.max == doctest::Approx(distance));
   CHECK(three.rms == doctest::Approx(distance * std::sqrt(0.75)));
 }
@@ -262,7 +263,7 @@ TEST_CASE("points behind the camera and empty meshes do no harm") {
 TEST_CASE("a montage has its panels side by side with a colour bar, and text is clipped to the image") {
   const Image red(100, 80, {255, 0, 0}), blue(100, 80, {0, 0, 255});
   const Image plain = make_montage({{red, "left", {}}, {blue, "right", {}}});
-  const Image scaled = make_montage({{red, "left", {}}, {blue, "right", 0.5f}});
+  const Image scaled = make_montage({{red, "left", {}}, {blue, "right", ColourBar{{0.5f}}}});
   CHECK(plain.width > 200);
   CHECK(plain.height > 80 + text_height(1));
   CHECK(scaled.width > plain.width);
@@ -274,4 +275,80 @@ TEST_CASE("a montage has its panels side by side with a colour bar, and text is 
   CHECK(inked > 20);
   CHECK(inked < 200);
   draw_text(page, -30, -5, "cut off on every side, \xc3\xa4 too", {0, 0, 0}, 3);
+}
+
+TEST_CASE("no pose that is drawn leaves the picture, whatever its shape and the view") {
+  const Shape shape = sphere(12, 24);
+  const std::vector<std::uint32_t> sizes(shape.triangles.size() / 3, 3);
+  const MeshView rest = {shape.points, sizes, shape.triangles};
+  // A jaw that drops by twice the head, and a head that leans out to the side.
+  std::vector<float> open = shape.points, lean = shape.points;
+  for (std::size_t v = 0; v < shape.points.size() / 3; ++v) {
+    if (shape.points[3 * v + 1] < -0.5f) open[3 * v + 1] -= 2;
+    lean[3 * v] += 3 * (shape.points[3 * v + 1] + 1);
+  }
+  const auto leaving = [&](const PoseRenderer& renderer, std::span<const float> points) {
+    std::size_t triangles = 0;
+    for (std::size_t t = 0; t < shape.triangles.size(); t += 3) {
+      bool out = false;
+      for (std::size_t k = t; k < t + 3; ++k)
+        for (const float at : renderer.camera().project(vector_at(points.data(), shape.triangles[k])))
+          out |= !(at >= 0 && at <= 1);
+      triangles += out;
+    }
+    return triangles;
+  };
+  for (const Resolution resolution : {Resolution{80, 160, 1}, {160, 160, 1}, {240, 80, 1}})
+    for (const float yaw : {0.0f, 50.0f, -120.0f}) {
+      View view;
+      view.yaw = yaw;
+      view.pitch = 20;
+      const PoseRenderer renderer(rest, {open, lean}, "y", view, resolution, {});
+      CHECK(leaving(renderer, shape.points) == 0);
+      CHECK(leaving(renderer, open) == 0);
+      CHECK(leaving(renderer, lean) == 0);
+      CHECK(leaving(PoseRenderer(rest, {}, "y", view, resolution, {}), lean) > 0);
+    }
+}
+
+TEST_CASE("a logarithmic scale has three decades, and its ticks rise to its end") {
+  const ColourScale scale{0.05f, true};
+  CHECK(scale.position(0.05f) == 1);
+  CHECK(scale.position(1) == 1);
+  CHECK(scale.position(0.005f) == doctest::Approx(2.0 / 3));
+  CHECK(scale.position(5e-5f) == doctest::Approx(0));
+  CHECK(scale.position(0) == 0);
+  const std::vector<float> ticks = scale.ticks();
+  CHECK(ticks.front() == doctest::Approx(5e-5f));
+  CHECK(ticks.back() == 0.05f);
+  for (std::size_t i = 0; i < ticks.size(); ++i)
+    CHECK(scale.position(ticks[i]) == doctest::Approx(double(i) / double(ticks.size() - 1)));
+  CHECK(make_montage({{Image(100, 80), "", ColourBar{scale, 38.7, "cm"}}}).width >
+        make_montage({{Image(100, 80), "", ColourBar{scale}}}).width);
+}
+
+TEST_CASE("parts are drawn in their colours, and numbered where they are seen") {
+  const Shape shape = square();
+  const std::vector<std::uint32_t> sizes = {4}, corners = {0, 1, 2, 3};
+  const PoseRenderer renderer({shape.points, sizes, corners}, {}, "y", {}, small, {});
+  for (const std::size_t part : {0, 1, 7}) {
+    const Rgb own = part_colour(part);
+    const Image image = renderer.draw_parts(shape.points, std::vector<std::size_t>(4, part), 8);
+    const Vector3 colour = {float(own.r) / 255, float(own.g) / 255, float(own.b) / 255};
+    const Rgb seen = image.at(40, 80), expected = to_srgb(shade_colour_map({0, 0, 1}, 1, from_srgb(colour)));
+    CHECK(std::abs(seen.r - expected.r) <= 2);
+    CHECK(std::abs(seen.g - expected.g) <= 2);
+    CHECK(std::abs(seen.b - expected.b) <= 2);
+  }
+  const Shape ball = sphere();
+  const std::vector<std::uint32_t> threes(ball.triangles.size() / 3, 3);
+  const PoseRenderer round({ball.points, threes, ball.triangles}, {}, "y", {}, small, {});
+  std::vector<std::size_t> parts(ball.points.size() / 3);
+  const auto ink = [&] {
+    const Image image = round.draw_parts(ball.points, parts, 2);
+    return std::count(image.pixels.begin(), image.pixels.end(), Rgb{0, 0, 0});
+  };
+  CHECK(ink() > 5);
+  std::fill(parts.begin(), parts.end(), 2);  // none
+  CHECK(ink() == 0);
 }

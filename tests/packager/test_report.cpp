@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/status.h"
+#include "render/colour_map.h"
+#include "report/face_report.h"
 #include "report/html.h"
 #include "report/plot.h"
 #include "tool_files.h"
@@ -35,6 +38,27 @@ std::string text_of(const std::string& path) {
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+// The elements of a page that are not closed, or closed without being open.
+std::vector<std::string> unbalanced(const std::string& page) {
+  std::vector<std::string> open, wrong;
+  for (std::size_t at = page.find('<'); at != std::string::npos; at = page.find('<', at + 1)) {
+    const std::size_t end = page.find('>', at);
+    const std::string tag = page.substr(at + 1, end - at - 1);
+    const std::string name = tag.substr(0, tag.find_first_of(" \n"));
+    const bool is_void = name == "!DOCTYPE" || name == "meta" || name == "img" || tag.ends_with("/");
+    if (tag.starts_with("/")) {
+      if (open.empty() || open.back() != name.substr(1))
+        wrong.push_back(tag);
+      else
+        open.pop_back();
+    } else if (!is_void) {
+      open.push_back(name);
+    }
+  }
+  wrong.insert(wrong.end(), open.begin(), open.end());
+  return wrong;
 }
 
 }  // namespace
@@ -87,6 +111,12 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
                               "Coverage", "Locality", "Size", "1.54e-3"})
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
+  CHECK(unbalanced(page) == std::vector<std::string>{});
+  for (const char* section : {"What to do", "By control", "By kind of clip", "Figures explained",
+                              "Colours mean the same in all pictures", "error_map.png"})
+    CHECK_MESSAGE(contains(page, section), section);
+  for (const char* heading : {"p99", "max", "mfm", "combined: frames", "alone: poses"})
+    CHECK_MESSAGE(contains(page, "\">" + std::string(heading) + "</th>"), heading);  // explained on hover
   const Json figures = Json::parse(run.out);
   for (const Json& method : figures.at("methods")) {
     CHECK(method.at("quality").at("normal_degrees_rms") > 0);
@@ -95,6 +125,14 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
     CHECK(method.at("quality").contains("border_jump"));
     CHECK(method.at("locality").at("largest") >= 0);
     CHECK(method.at("locality").at("share_above") <= 1);
+    CHECK(method.at("locality").at("alone").at(0).at("poses") >= 1);
+    CHECK(method.at("kinds").at(0).at("p99") <= method.at("kinds").at(0).at("max"));
+    std::size_t frames = 0;
+    for (const Json& kind : method.at("kinds")) frames += kind.at("frames").get<std::size_t>();
+    CHECK(frames == method.at("total").at("frames"));
+    for (const Json& region : method.at("quality").at("regions")) CHECK(region.at("title") != "");
+    for (const Json& control : method.at("quality").at("controls"))
+      CHECK(control.at("combined").at("frames") <= control.at("frames"));
   }
   // A folder that holds a report is accepted again; one that holds anything else is refused.
   std::filesystem::create_directory(folder / "mine");
@@ -103,4 +141,61 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
   CHECK(refused.exit_code != 0);
   CHECK(contains(refused.err, "no report"));
   CHECK(text_of(folder / "mine/notes.txt") == "mine");
+}
+
+TEST_CASE("a recording is measured on its single poses, and bars and pictures can be scrolled on narrow screens") {
+  const ScratchFolder folder;
+  const std::string data = folder / "data", face = folder / "face.fbk", report = folder / "report";
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", data, "--poses", "200"}).exit_code == 0);
+  REQUIRE(run_tool({"bake", data, "--recipe", "linear", "--use", "variant", "--out", face}).exit_code == 0);
+  const ToolRun run = run_tool({"eval", face, data, "--split", "all", "--report", report, "--json", "-"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  const Json locality = Json::parse(run.out).at("locality");
+  CHECK(locality.at("recorded_poses") > 0);
+  CHECK(locality.at("controls") > 0);
+  std::size_t poses = 0;
+  for (const Json& control : locality.at("alone")) poses += control.at("poses").get<std::size_t>();
+  CHECK(poses == locality.at("recorded_poses"));
+  const std::string page = text_of(report + "/index.html");
+  CHECK(contains(page, "recorded poses, of any split, in which a single control is off rest"));
+  CHECK(unbalanced(page) == std::vector<std::string>{});
+  for (const char* wide : {"<table>", "<img ", "<svg "})  // each in a container that scrolls
+    for (std::size_t at = page.find(wide); at != std::string::npos; at = page.find(wide, at + 1))
+      CHECK(page.substr(0, at).ends_with("<div class=\"wide\" tabindex=\"0\">"));
+}
+
+TEST_CASE("regions are named, listed with what moves them, and mapped in the colours of the list") {
+  const ScratchFolder folder;
+  const std::string data = folder / "data", face = folder / "face.fbk", report = folder / "report";
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", data, "--poses", "100"}).exit_code == 0);
+  REQUIRE(run_tool({"bake", data, "--recipe", "linear", "--use", "variant", "--out", face}).exit_code == 0);
+  const facebaker::Archive archive(face);
+  const facebaker::Source source(std::vector<std::string>{data});
+  fb_eval_desc desc;
+  fb_eval_desc_init(&desc);
+  desc.archive = archive.get();
+  desc.source = source.get();
+  desc.split = FB_SPLIT_ALL;
+  desc.measure = FB_MEASURE_QUALITY;
+  const facebaker::Report measured = facebaker::eval(desc);
+  FaceFigures figures = read_figures(measured);
+  Quality& quality = figures.methods.at(0).quality.value();
+  quality.region_names = {"a", "b", "hidden"};
+  quality.regions = {{"a", "mouth, lower <left>", {"jaw", "smile"}, 10, 3e-6, 0.01},
+                     {"b", "brow, upper right", {}, 5, 1e-6, 0.01}};
+  for (std::size_t v = 0; v < quality.vertex_region.size(); ++v) quality.vertex_region[v] = v % 2;
+  const OutputLock lock = claim_report_folder(report);
+  write_face_report(report, {"title", "measured", figures, source}, {}, silent_progress());
+  const std::string page = text_of(report + "/index.html");
+  CHECK(unbalanced(page) == std::vector<std::string>{});
+  for (std::size_t part = 0; part < 2; ++part) {
+    const Rgb colour = part_colour(part);
+    CHECK(contains(page,
+                   format("style=\"background:#%02x%02x%02x\"></span>%zu. ", colour.r, colour.g, colour.b, part + 1)));
+  }
+  CHECK(contains(page, "1. mouth, lower &lt;left&gt;</td><td>jaw, smile</td><td>10</td>"));
+  CHECK(contains(page, "\">moved by</th>"));
+  CHECK(contains(page, "of the squared error of all regions lies in &quot;mouth, lower &lt;left&gt;&quot;"));
+  CHECK(text_of(report + "/regions.png").starts_with("\x89PNG"));
 }

@@ -1,0 +1,134 @@
+#include "report/frame_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/status.h"
+#include "render/png_file.h"
+
+namespace fb::tool {
+namespace {
+
+constexpr Resolution resolution = {460, 575, 3};
+constexpr double moving = 2e-3;  // of the diagonal: vertices that move less are not looked for
+// Of the mesh' diagonal: a smaller part that moves is a face of a body, and the picture is of its surroundings alone.
+constexpr double part_of_mesh = 0.35;
+
+float squared_length(Vector3 v) {
+  return dot(v, v);
+}
+
+// Whole, or the box of what moves in these frames and half its size more at every side.
+View view_of(const facebaker::SourceView& source, const std::vector<PosedFrame>& frames) {
+  const MeshView rest = rest_mesh(source);
+  const double still = moving * source.info().diagonal;
+  BoundingBox box{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  for (const PosedFrame& frame : frames)
+    for (std::size_t v = 0; v < rest.vertex_count(); ++v) {
+      const Vector3 p = vector_at(rest.points.data(), v);
+      if (squared_length(vector_at(frame.truth.data(), v) - p) <= still * still) continue;
+      box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+      box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+    }
+  View view;
+  const Vector3 size = box.high - box.low;
+  if (!(box.low.x <= box.high.x) || length(size) >= part_of_mesh * rest.diagonal()) return view;
+  view.region = BoundingBox{box.low - size * 0.5f, box.high + size * 0.5f};
+  return view;
+}
+
+MeshPoses all_poses(const std::vector<PosedFrame>& frames) {
+  MeshPoses poses;
+  for (const PosedFrame& frame : frames) {
+    poses.push_back(frame.truth);
+    poses.insert(poses.end(), frame.posed.begin(), frame.posed.end());
+  }
+  return poses;
+}
+
+}  // namespace
+
+MeshView rest_mesh(const facebaker::SourceView& source) {
+  const fb_source_info& info = source.info();
+  return {{info.rest_positions, 3 * std::size_t(info.vertex_count)},
+          {info.polygon_sizes, info.polygon_count},
+          {info.polygon_corners, info.polygon_corner_count}};
+}
+
+FrameAddress FrameReader::find(const std::string& clip, std::size_t frame) const {
+  for (std::uint32_t c = 0; c < source_.info().clip_count; ++c)
+    if (source_.clip(c).name == clip) return {c, frame};
+  fail(Status::internal, "the source has no clip \"%s\", which was measured", clip.c_str());
+}
+
+PosedFrame FrameReader::read(const FrameAddress& at, const std::vector<const MethodFigures*>& methods) {
+  const auto clip = static_cast<std::uint32_t>(at.clip);
+  PosedFrame frame{
+      format("%s, frame %zu", source_.clip(clip).name, at.frame), methods, source_.read(clip, at.frame, 1), {}};
+  const float* controls = source_.clip(clip).controls + at.frame * source_.info().control_count;
+  for (const MethodFigures* method : methods) frame.posed.push_back(evaluate(*method, controls));
+  return frame;
+}
+
+std::vector<float> FrameReader::evaluate(const MethodFigures& method, const float* controls) {
+  auto found = models_.find(&method);
+  if (found == models_.end()) found = models_.try_emplace(&method, method.archive.data(), method.archive.size()).first;
+  facebaker::Scratch scratch(found->second);
+  std::vector<float> points(3 * std::size_t(found->second.vertex_count()));
+  scratch.evaluate(controls, points.data());
+  return points;
+}
+
+FramePictures::FramePictures(const ReportView& view, const facebaker::SourceView& source,
+                             const std::vector<PosedFrame>& frames, double largest_error,
+                             const std::filesystem::path& folder, const Parallel& parallel)
+    : report_(view),
+      source_(source),
+      folder_(folder),
+      parallel_(parallel),
+      view_(view_of(source, frames)),
+      renderer_(rest_mesh(source), all_poses(frames), source.info().up_axis, view_, resolution, parallel) {
+  for (const PosedFrame& frame : frames)
+    for (const std::vector<float>& posed : frame.posed)
+      largest_error = std::max(largest_error, renderer_.difference(frame.truth, posed).max);
+  bar_ = {{round_scale(static_cast<float>(largest_error)), true}, view.figures().diagonal, view.figures().units};
+}
+
+std::string FramePictures::write_comparison(const std::string& file, const PosedFrame& frame) const {
+  std::vector<PoseRenderer::Pose> faces;
+  for (std::size_t m = 0; m < frame.methods.size(); ++m)
+    faces.push_back({report_.label(*frame.methods[m]), frame.posed[m]});
+  const PoseRenderer::Comparison comparison = renderer_.draw_comparison({"true rig", frame.truth}, faces, bar_);
+  write(file, comparison.image);
+  std::string text;
+  for (std::size_t m = 0; m < faces.size(); ++m) {
+    const PoseRenderer::Difference& difference = comparison.differences[m];
+    text += format("%s%s: rms %.1e, worst vertex %.1e (%.2g %s), vertex %zu", m ? " " : "", faces[m].caption.c_str(),
+                   difference.rms, difference.max, difference.max * bar_.length, bar_.units.c_str(), difference.vertex);
+    const std::string region = report_.region_of(difference.vertex);
+    text += region.empty() ? "." : " in " + region + ".";
+  }
+  return text;
+}
+
+Image FramePictures::draw_rest(std::span<const float> scalars) const {
+  return renderer_.draw_scalars(rest_mesh(source_).points, scalars, bar_.scale);
+}
+
+Image FramePictures::draw_parts(std::span<const std::size_t> parts, std::size_t count) const {
+  const MeshView rest = rest_mesh(source_);
+  std::vector<Panel> panels;
+  for (const float yaw : {0.0f, 55.0f}) {
+    View view = view_;
+    view.yaw = yaw;
+    const PoseRenderer renderer(rest, {}, source_.info().up_axis, view, resolution, parallel_);
+    panels.push_back({renderer.draw_parts(rest.points, parts, count), yaw == 0 ? "front" : "left side", {}});
+  }
+  return make_montage(panels);
+}
+
+void FramePictures::write(const std::string& file, const Image& image) const {
+  write_png(folder_ / file, image);
+}
+
+}  // namespace fb::tool
