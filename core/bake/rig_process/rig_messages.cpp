@@ -118,6 +118,12 @@ class Numbers {
   std::span<const std::byte> left_;
 };
 
+// The sentence of an answer of type "error".
+std::string reason_of(const Fields& fields) {
+  const std::string reason = fields.text("message");
+  return reason.empty() ? "an error without a message" : shown(reason);
+}
+
 void check_version(const Fields& fields) {
   if (const std::uint64_t version = fields.count("version"); version != rig_protocol_version)
     fail(Status::rig, "version %llu of the rig protocol, where %llu is spoken",
@@ -291,7 +297,7 @@ RigMessage error_answer(const RigFailure& failure) {
 RigDescription description_of(const RigMessage& answer) {
   const Fields fields(answer);
   const std::string type = fields.text("type");
-  if (type == "error") fail(Status::rig, "%s", shown(fields.text("message")).c_str());
+  if (type == "error") fail(Status::rig, "%s", reason_of(fields).c_str());
   if (type != "hello") fail(Status::rig, "answered hello by a message of type \"%s\"", shown(type).c_str());
   check_version(fields);
   RigDescription rig;
@@ -316,7 +322,7 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, std::size_t pose
   const Fields fields(answer);
   const std::string type = fields.text("type");
   if (type == "error") {
-    RigFailure failure{std::nullopt, shown(fields.text("message"))};
+    RigFailure failure{std::nullopt, reason_of(fields)};
     if (fields.has("pose")) failure.pose = fields.count("pose");
     if (failure.pose && *failure.pose >= poses)
       fail(Status::rig, "an error for pose %zu of a request for %zu", *failure.pose, poses);
