@@ -235,7 +235,8 @@ std::string sample_json(const std::string& dataset, const SampleReport& report) 
                     {"poses", report.poses},
                     {"evaluated", report.evaluated},
                     {"rig_calls", report.rig_calls},
-                    {"asked", report.asked}});
+                    {"asked", report.asked},
+                    {"left_out", report.left_out}});
 }
 
 std::string bake_json(const std::string& archive, const Baked& baked) {

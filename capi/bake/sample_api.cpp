@@ -32,6 +32,7 @@ fb::bake::SamplingOptions options_of(const fb_sample_desc& desc, std::size_t con
   options.mix = desc.mix;
   options.shots = desc.shots != 0;
   options.rig_budget = desc.rig_budget;
+  options.skip_failing = desc.skip_failing != 0;
   if (desc.clip_count == 0) return options;
   require(desc.clips, "fb_sample_desc: clips");
   if (desc.clip_stride < sizeof(fb_rig_clip) || desc.clip_stride % alignof(fb_rig_clip) != 0)
@@ -72,7 +73,8 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
         fb::bake::sample(rig, options_of(known, source.schema().control_count()), known.directory, progress);
     auto made = std::make_unique<fb_report>();
     made->json = sample_json(known.directory, sampled);
-    made->sample = fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls, sampled.asked};
+    made->sample =
+        fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls, sampled.asked, sampled.left_out};
     hand_over(std::move(made), report);
   });
 }

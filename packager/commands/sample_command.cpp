@@ -21,7 +21,7 @@ struct SampleCommand {
   std::vector<std::string> clips;  // "NAME=FILE.npy"
   Parallel parallel;
   RigOptions rigs;
-  bool json = false, no_shots = false;
+  bool json = false, no_shots = false, skip_failing = false;
 
   void run();
 };
@@ -56,6 +56,7 @@ void SampleCommand::run() {
   desc.directory = out.c_str();
   desc.mix = mix.c_str();
   desc.shots = no_shots ? 0 : 1;
+  desc.skip_failing = skip_failing ? 1 : 0;
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
   desc.clips = rig_clips.data();
   desc.clip_count = static_cast<std::uint32_t>(rig_clips.size());
@@ -75,6 +76,8 @@ void SampleCommand::run() {
   print_result(format("%s: %llu poses, %llu of them evaluated now, in %llu rig calls\n", out.c_str(),
                       static_cast<unsigned long long>(result.poses), static_cast<unsigned long long>(result.evaluated),
                       static_cast<unsigned long long>(result.rig_calls)));
+  if (result.left_out > 0)
+    print_result(format("%llu poses failed and are left out\n", static_cast<unsigned long long>(result.left_out)));
 }
 
 }  // namespace
@@ -98,6 +101,10 @@ void add_sample(CLI::App& tool) {
       ->allow_extra_args(false);
   app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
   add_seed(*app, command->desc.seed);
+  app->add_flag(
+      "--skip-failing-poses", command->skip_failing,
+      "Put the rest pose in the place of drawn poses that the rig cannot evaluate, up to a tenth of all, instead "
+      "of failing; poses of clips, and of controls moved alone, still have to succeed");
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);

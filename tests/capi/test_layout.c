@@ -164,7 +164,7 @@ static void layout_of_sources(void** state) {
 
 static void layout_of_requests(void** state) {
   (void)state;
-  assert_int_equal(sizeof(fb_sample_desc), 104);
+  assert_int_equal(sizeof(fb_sample_desc), 112);
   assert_at(fb_sample_desc, struct_size, 0);
   assert_at(fb_sample_desc, threads, 4);
   assert_at(fb_sample_desc, source, 8);
@@ -178,6 +178,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, clips, 64);
   assert_at(fb_sample_desc, clip_stride, 72);
   assert_at(fb_sample_desc, callbacks, 80);
+  assert_at(fb_sample_desc, skip_failing, 104);
 
   assert_int_equal(sizeof(fb_bake_desc), 152);
   assert_at(fb_bake_desc, struct_size, 0);
@@ -280,12 +281,13 @@ static void layout_of_results(void** state) {
   assert_at(fb_failure, name, 8);
   assert_at(fb_failure, reason, 16);
 
-  assert_int_equal(sizeof(fb_sample_result), 40);
+  assert_int_equal(sizeof(fb_sample_result), 48);
   assert_at(fb_sample_result, struct_size, 0);
   assert_at(fb_sample_result, poses, 8);
   assert_at(fb_sample_result, evaluated, 16);
   assert_at(fb_sample_result, rig_calls, 24);
   assert_at(fb_sample_result, asked, 32);
+  assert_at(fb_sample_result, left_out, 40);
 
   assert_int_equal(sizeof(fb_verify_result), 32);
   assert_at(fb_verify_result, struct_size, 0);

@@ -90,6 +90,31 @@ TEST_CASE("a rig that crashes or hangs in a child is named with its pose, and th
   }
 }
 
+TEST_CASE("poses that fail are left out where the user wants it, and are counted") {
+  const ScratchFolder folder;
+  const std::vector<std::string> sample = {"sample", FB_HOSTILE_RIG, "--out", folder / "poses",       "--poses",
+                                           "200",    "--workers",    "2",     "--skip-failing-poses", "--json"};
+  const ToolRun run = run_tool(sample, with_fault("throws on a pose"));
+  CHECK_MESSAGE(run.exit_code == 0, run.err);
+  const auto report = nlohmann::json::parse(run.out);
+  const int left_out = report.at("left_out");
+  CHECK(left_out > 0);
+  CHECK(left_out < 100);
+  CHECK(contains(run.err, "note: a pose is left out (clip \"dense\", frame "));
+  CHECK(contains(run.err, "the brow is missing"));
+  // The same command has nothing left to do, and the dataset trains a face.
+  const auto again = nlohmann::json::parse(run_tool(sample, with_fault("throws on a pose")).out);
+  CHECK(again.at("left_out") == left_out);
+  CHECK(again.at("evaluated") == 0);
+  const ToolRun bake = run_tool({"bake", folder / "poses", "--out", folder / "face.fbk", "--recipe", "linear"});
+  CHECK_MESSAGE(bake.exit_code == 0, bake.err);
+  // Without the option the pose is named.
+  const ToolRun refused =
+      run_tool({"sample", FB_HOSTILE_RIG, "--out", folder / "none", "--poses", "200"}, with_fault("throws on a pose"));
+  CHECK(refused.exit_code == 1);
+  CHECK_MESSAGE(contains(refused.err, "\"strip2\" at "), refused.err);
+}
+
 TEST_CASE("Ctrl-C ends a command within a second, with its children, and the same command goes on") {
   const ScratchFolder folder;
   const std::string marker = "FB_MARK=" + folder.path();

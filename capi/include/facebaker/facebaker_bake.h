@@ -160,6 +160,10 @@ typedef struct fb_sample_desc {
   uint32_t clip_stride;     /**< bytes from a clip to the next; default sizeof(fb_rig_clip) */
   uint32_t reserved;
   fb_callbacks callbacks;
+  uint32_t skip_failing; /**< 1: puts the rest pose in the place of drawn poses that the rig cannot evaluate, up to a
+                            tenth of them, with a note on each; 0 (default): fail. Poses of clips, and of controls
+                            moved alone, which the plan is made from, always have to succeed */
+  uint32_t reserved_skip;
 } fb_sample_desc;
 
 FB_API void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size);
@@ -178,6 +182,7 @@ typedef struct fb_sample_result {
   uint64_t evaluated; /**< of those, in this call */
   uint64_t rig_calls; /**< poses evaluated in this call, for whatever reason */
   uint64_t asked; /**< different poses asked for in order to learn, what rig_budget limits: by interrupted calls too */
+  uint64_t left_out; /**< of poses, those that failed and are the rest pose now, by interrupted calls too */
 } fb_sample_result;
 
 FB_API void fb_sample_result_fill(fb_sample_result* to, uint32_t struct_size);

@@ -166,6 +166,7 @@ DatasetIndex read_index(const Field& root) {
     const Field sampling = root["sampling"];
     index.sampling =
         DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count()};
+    if (sampling.has("left_out")) index.sampling->left_out = sampling["left_out"].count();
   }
   return index;
 }
@@ -244,6 +245,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
     root["sampling"] = {{"request", format("%016" PRIx64, index.sampling->request)},
                         {"plan", format("%016" PRIx64, index.sampling->plan)},
                         {"shard_frames", index.sampling->shard_frames}};
+  if (index.sampling && index.sampling->left_out > 0) root["sampling"]["left_out"] = index.sampling->left_out;
   try {
     write_file(folder / dataset_file, root.dump(1) + "\n");
   } catch (const json::exception& error) {

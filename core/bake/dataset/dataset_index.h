@@ -29,6 +29,7 @@ struct DatasetIndex {
     std::uint64_t request = 0;       // hash of rig and options
     std::uint64_t plan = 0;          // hash of rig and controls
     std::uint64_t shard_frames = 0;  // frames a shard of points
+    std::uint64_t left_out = 0;      // poses that failed, in whose places the rest pose is
   };
 
   RigSchema schema;
@@ -40,8 +41,9 @@ struct DatasetIndex {
 
 inline constexpr const char* dataset_file = "dataset.json";
 
-// The path of a file that dataset.json names. Fails with bad_data if that is not inside the folder: an absolute name, one
-// that leads out by "..", a link to elsewhere. A dataset may come from anyone, and is whole when its folder is copied.
+// The path of a file that dataset.json names. Fails with bad_data if that is not inside the folder: an absolute name,
+// one that leads out by "..", a link to elsewhere. A dataset may come from anyone, and is whole when its folder is
+// copied.
 std::filesystem::path path_inside(const std::filesystem::path& folder, const std::string& name);
 
 // Reads folder/dataset.json. Fails naming file and field on another format or version and on every field that is

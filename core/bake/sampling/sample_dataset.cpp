@@ -93,14 +93,16 @@ bool is_array(const fs::path& path, const std::vector<std::size_t>& shape) {
 // Writes the points of a plan into a dataset folder, or those that are missing there.
 class DatasetWriter {
  public:
-  DatasetWriter(RigEvaluator& rig, const PosePlan& plan, const fs::path& folder, Progress& progress)
+  // `skip_failing`: see SamplingOptions.
+  DatasetWriter(RigEvaluator& rig, PosePlan plan, bool skip_failing, const fs::path& folder, Progress& progress)
       : rig_(rig),
-        plan_(plan),
+        plan_(std::move(plan)),
+        skip_failing_(skip_failing),
         folder_(folder),
         progress_(progress),
         width_(rig.schema().control_count()),
         size_(rig.rest().points.size()) {
-    for (const Clip& clip : plan) report_.poses += clip.frames;
+    for (const Clip& clip : plan_) report_.poses += clip.frames;
   }
 
   SampleReport run(std::uint64_t request) {
@@ -114,7 +116,8 @@ class DatasetWriter {
       if (!existing.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != existing.sampling->plan)
         fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
              shown(folder_).c_str());
-      index_ = make_index(rig_, plan_, {existing.sampling->request, hash, existing.sampling->shard_frames});
+      index_ = make_index(rig_, plan_, *existing.sampling);
+      index_.sampling->plan = hash;
       if (clips < plan_.size()) {  // controls first, so that the plan is readable wherever this is interrupted
         write_plan();
         write_dataset_index(folder_, index_);
@@ -122,11 +125,12 @@ class DatasetWriter {
       }
     } else {
       make_folder(folder_);
-      index_ = make_index(rig_, plan_, {request, hash, frames_per_shard()});
+      index_ = make_index(rig_, plan_, {request, hash, frames_per_shard(), 0});
       write_dataset_index(folder_, index_);
     }
     write_plan();
     write_shards(resuming, first_checked);
+    report_.left_out = index_.sampling->left_out;
     return report_;
   }
 
@@ -140,7 +144,12 @@ class DatasetWriter {
       const std::size_t frames = std::min(count, clip.frames);
       std::vector<float> points(frames * size_);
       const double start = seconds_now();
-      evaluate(Answers::fresh, clip, 0, 0, frames, points);
+      try {
+        evaluate(Answers::fresh, 0, 0, frames, points);
+      } catch (const PoseError& error) {
+        if (!skip_failing_) fail_on_pose(error, 0, 0, 0);
+        break;
+      }
       seconds = (seconds_now() - start) / static_cast<double>(frames);
     }
     const double by_time = shard_seconds / std::max(seconds, 1e-9);
@@ -191,7 +200,11 @@ class DatasetWriter {
                            std::size_t frame) {
     std::vector<float> before(size_), now(size_);
     NpyFile(path).read(frame, 1, before);
-    evaluate(Answers::fresh, plan_[clip], done + frame, first + frame, 1, now);
+    try {
+      evaluate(Answers::fresh, clip, first + frame, 1, now);
+    } catch (const PoseError& error) {
+      fail_on_pose(error, clip, done + frame, first + frame);
+    }
     const double tolerance = 1e-5 * rig_.rest().diagonal();
     for (std::size_t i = 0; i < size_; ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
@@ -210,7 +223,7 @@ class DatasetWriter {
       const std::size_t count = std::min({wanted, most, frames - frame});
       points_.resize(count * size_);
       const double start = seconds_now();
-      evaluate(Answers::cached, plan_[clip], done + frame, first + frame, count, points_);
+      while (!evaluate_or_skip(clip, done + frame, first + frame, count)) continue;
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
       batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
       writer.append(points_);
@@ -227,29 +240,65 @@ class DatasetWriter {
            std::ranges::count(rig_.clips(), clip.name, &Clip::name) > 0;
   }
 
+  // Whether a clip was drawn by the plan, to learn or to test, and is neither the rig's own nor the user's.
+  bool is_drawn(const Clip& clip) const {
+    return (clip.kind != ClipKind::shot || clip.split == Split::test) &&
+           std::ranges::count(rig_.clips(), clip.name, &Clip::name) == 0;
+  }
+
   // Whether the rig is asked in any case: to measure it, not to learn.
   enum class Answers { cached, fresh };
 
-  // `done`: number of the first pose within the plan.
-  void evaluate(Answers answers, const Clip& clip, std::size_t done, std::size_t first, std::size_t count,
-                std::span<float> points) {
-    const std::span<const float> controls = std::span(clip.controls).subspan(first * width_, count * width_);
+  void evaluate(Answers answers, std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
+    const std::span<const float> controls = std::span(plan_[clip].controls).subspan(first * width_, count * width_);
+    if (is_apart(plan_[clip]))
+      rig_.evaluate_apart(controls, count, points);
+    else if (answers == Answers::cached)
+      rig_.evaluate_cached(controls, count, points);
+    else
+      rig_.evaluate(controls, count, points);
+  }
+
+  // Evaluates frames of a clip into points_; false if one of them was left out. `done`: number of the first pose within
+  // the plan.
+  bool evaluate_or_skip(std::size_t clip, std::size_t done, std::size_t first, std::size_t count) {
     try {
-      if (is_apart(clip))
-        rig_.evaluate_apart(controls, count, points);
-      else if (answers == Answers::cached)
-        rig_.evaluate_cached(controls, count, points);
-      else
-        rig_.evaluate(controls, count, points);
+      evaluate(Answers::cached, clip, first, count, points_);
+      return true;
     } catch (const PoseError& error) {
-      fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s (%s)", done + error.pose(), clip.name.c_str(),
-           first + error.pose(), error.reason().c_str(),
-           describe_pose(rig_.schema(), controls.subspan(error.pose() * width_, width_)).c_str());
+      if (!skip_failing_ || !is_drawn(plan_[clip])) fail_on_pose(error, clip, done, first);
+      leave_out(clip, first + error.pose(), error.reason());
+      return false;
     }
   }
 
+  [[noreturn]] void fail_on_pose(const PoseError& error, std::size_t clip, std::size_t done, std::size_t first) const {
+    fail(error.status(), "pose %zu (clip \"%s\", frame %zu): %s (%s)%s", done + error.pose(), plan_[clip].name.c_str(),
+         first + error.pose(), error.reason().c_str(), pose_text(clip, first + error.pose()).c_str(),
+         skip_failing_ ? "; poses of clips are not skipped" : "");
+  }
+
+  std::string pose_text(std::size_t clip, std::size_t frame) const {
+    return describe_pose(rig_.schema(), std::span(plan_[clip].controls).subspan(frame * width_, width_));
+  }
+
+  // Puts the rest pose in the place of a pose that failed, in the plan and in the files of it.
+  void leave_out(std::size_t clip, std::size_t frame, const std::string& reason) {
+    Clip& from = plan_[clip];
+    const std::string text = format("a pose is left out (clip \"%s\", frame %zu, %s): %s", from.name.c_str(), frame,
+                                    pose_text(clip, frame).c_str(), reason.c_str());
+    if (++index_.sampling->left_out > std::max<std::size_t>(1, report_.poses / 10))
+      fail(Status::rig, "more than a tenth of all poses fail; the last: %s", text.c_str());
+    progress_.note(text);
+    std::ranges::copy(rig_.rest_pose(), from.controls.begin() + static_cast<std::ptrdiff_t>(frame * width_));
+    index_.sampling->plan = hash_of_plan(rig_, plan_, plan_.size());
+    write_npy(folder_ / index_.clips[clip].controls[0], {from.frames, width_}, from.controls);
+    write_dataset_index(folder_, index_);
+  }
+
   RigEvaluator& rig_;
-  const PosePlan& plan_;
+  PosePlan plan_;
+  const bool skip_failing_;
   const fs::path& folder_;
   Progress& progress_;
   const std::size_t width_, size_;
@@ -272,13 +321,13 @@ PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
   return plan;
 }
 
-SampleReport write_samples(RigEvaluator& rig, const PosePlan& plan, std::uint64_t request, const fs::path& folder,
-                           Progress& progress) {
+SampleReport write_samples(RigEvaluator& rig, PosePlan plan, std::uint64_t request, const fs::path& folder,
+                           Progress& progress, bool skip_failing = false) {
   if (!rig.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: only a live rig can be sampled", rig.schema().name.c_str());
   if (plan.empty()) fail(Status::invalid_argument, "the plan has no clips");
   const EvaluationBudget counter(rig);
-  SampleReport report = DatasetWriter(rig, plan, folder, progress).run(request);
+  SampleReport report = DatasetWriter(rig, std::move(plan), skip_failing, folder, progress).run(request);
   report.rig_calls = counter.evaluated();
   report.asked = counter.requested();
   return report;
@@ -319,7 +368,7 @@ SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, c
       fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", shown(directory).c_str(),
            clip.name.c_str());
   }
-  return write_samples(rig, plan, 0, directory, progress);
+  return write_samples(rig, std::move(plan), 0, directory, progress);
 }
 
 SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& options,
@@ -331,7 +380,7 @@ SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& opt
     check_options(rig, options);
     plan = make_plan(rig, responses(), options, progress);
   }
-  return write_samples(rig, plan, request, directory, progress);
+  return write_samples(rig, std::move(plan), request, directory, progress, options.skip_failing);
 }
 
 SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const fs::path& directory, Progress& progress) {

@@ -25,6 +25,10 @@ struct SamplingOptions {
   // Different poses asked for at most in order to learn; `poses` is cut to that. The rig's own clips, those of the user
   // and test poses do not count, nor does a pose that is evaluated again. 0: no limit.
   std::uint64_t rig_budget = 0;
+  // Puts the rest pose in the place of drawn poses that the rig cannot evaluate, up to a tenth of all, instead of
+  // failing, with a note on each. Poses of the rig's clips and the user's, and those that the plan is made from, still
+  // have to succeed.
+  bool skip_failing = false;
   std::vector<Clip> extra = {};  // clips of the user; values outside their range are clamped and noted
 };
 
@@ -44,8 +48,9 @@ PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& 
 std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed);
 
 struct SampleReport {
-  std::size_t poses = 0;        // of the whole plan
-  std::size_t evaluated = 0;    // of those, in this call; the others were on the disk already
+  std::size_t left_out = 0;   // poses that failed, by this call and those before it: see SamplingOptions::skip_failing
+  std::size_t poses = 0;      // of the whole plan
+  std::size_t evaluated = 0;  // of those, in this call; the others were on the disk already
   std::uint64_t rig_calls = 0;  // poses the rig evaluated in this call, for whatever reason
   std::uint64_t asked = 0;  // different poses asked for in order to learn, by an interrupted call too: see rig_budget
 };
