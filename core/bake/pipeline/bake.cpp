@@ -79,14 +79,21 @@ void warn(Baked& baked, const std::optional<std::string>& warning, Progress& pro
 // Of those trained on, at most.
 constexpr std::size_t measured_poses = 4000;
 
-// A hint for whoever bakes, of where the face is weak. No part of the certificate, which has the figures.
+// A hint for whoever bakes, of where the face is weak: in the clips that were not trained on, in poses held back where
+// there are none, and in poses trained on. No part of the certificate, which has the figures.
 void warn_of_worst_vertex(PackedFace& face, Source& data, Source& source, const BakeOptions& options,
                           Progress& progress) {
+  const PoseSet all = training_poses(data, options.use);
   const auto& independent = face.baked.independent;
-  const auto unseen = independent ? std::optional<Errors>(independent->total) : std::nullopt;
-  const PoseSet training = training_poses(data, options.use).subsampled(measured_poses);
+  const PoseSet unseen =
+      independent ? independent_poses(source) : all.picked(face.held_back).subsampled(measured_poses);
+  std::optional<Errors> errors;
+  if (independent)
+    errors = independent->total;
+  else if (unseen.size() > 0)
+    errors = evaluate_model_on(face.model, unseen, options.parallel, progress);
   warn(face.baked,
-       worst_vertex_warning(face.model, training, face.baked.dependency, independent_poses(source), unseen,
+       worst_vertex_warning(face.model, all.subsampled(measured_poses), face.baked.dependency, unseen, errors,
                             options.parallel),
        progress);
 }

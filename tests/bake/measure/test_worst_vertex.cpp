@@ -50,6 +50,20 @@ TEST_CASE("a bake names the worst vertex by frame, place and controls, and its c
   CHECK_FALSE(contains(archive::read_archive(baked.archive).text.certificate, "worst vertex"));
 }
 
+TEST_CASE("without clips to measure on, poses held back from training are the unseen ones") {
+  MemorySource source = face_of(jumping_corner);
+  source.add_clip("trained", ClipKind::dense, Split::train, 400, 0.6f, 1);
+  const WorkFolder folder;
+  BakeOptions options = options_in(folder, "compact");
+  options.epochs = 2;
+  const Baked baked = bake_face(source, options, silent_progress());
+  CHECK_FALSE(baked.independent);
+  REQUIRE(baked.held_back.total.frames > 0);
+  REQUIRE(baked.warnings.size() == 1);
+  CAPTURE(baked.warnings[0]);
+  CHECK(contains(baked.warnings[0], format("unseen poses is off by %.3g %%", 100 * baked.held_back.total.max).c_str()));
+}
+
 TEST_CASE("a face that is right everywhere has no worst vertex to name") {
   MemorySource source = face_with_clips(linear_formula);
   const WorkFolder folder;
