@@ -8,6 +8,8 @@
 namespace fb::tool {
 namespace {
 
+constexpr std::size_t longest_number = 24;  // longer cells are text, which may wrap
+
 constexpr std::string_view style = R"(<style>
 :root { color-scheme: light dark; --ink: #22242a; --faint: #6c7078; --line: #d5d8de; --paper: #fdfdfc; --shade: #f1f2f4;
   --c0: #8a8f98; --c1: #c2410c; --c2: #2563a8; --c3: #15803d; --c4: #9333a8; --c5: #a16207; --c6: #0e7490; --c7: #be185d; }
@@ -26,6 +28,7 @@ figcaption { color: var(--faint); font-size: .9rem; } pre { background: var(--sh
 svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px system-ui, sans-serif; }
 svg .grid { stroke: var(--line); stroke-width: 1; } svg .frame { fill: none; stroke: var(--faint); } svg .faint { fill: var(--faint); }
 svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
+td.words { white-space: normal; text-align: left; min-width: 14rem; }
 th[title] { text-decoration: underline dotted var(--faint); cursor: help; }
 dt { font-weight: 600; } dd { margin: 0 0 .4rem 1rem; } li { max-width: 50rem; margin: .3rem 0; }
 .swatch { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: .15em; }
@@ -118,6 +121,7 @@ void Html::table(const std::vector<std::vector<std::string>>& rows, const std::v
       const std::string_view words = r == 0 ? explanation_of(rows[r][c]) : std::string_view();
       body_ += r == 0 ? "<th" : "<td";
       if (!words.empty()) body_ += " title=\"" + escape_html(words) + "\"";
+      if (r > 0 && c > 0 && rows[r][c].size() > longest_number) body_ += " class=\"words\"";
       body_ += ">";
       if (c == 0 && r > 0 && r <= colours.size())
         body_ += "<span class=\"swatch\" style=\"background:" + escape_html(colours[r - 1]) + "\"></span>";
