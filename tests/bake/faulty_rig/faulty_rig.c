@@ -174,6 +174,11 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("rest moved") faulty_rest[3 * 20] += 0.01f;
   FAULT("texture") give_uvs(rig, 3);
   FAULT("texture beyond an older struct") give_uvs(rig, 3), rig->struct_size = offsetof(fb_rig, uv_count);
+  FAULT("texture in an older struct") give_uvs(rig, 3), rig->struct_size = offsetof(fb_rig, preferred_block);
+  FAULT("preferred block") rig->preferred_block = 7;
+  FAULT("huge preferred block") rig->preferred_block = UINT32_MAX;
+  FAULT("preferred block beyond an older struct")
+  rig->preferred_block = 7, rig->struct_size = offsetof(fb_rig, preferred_block);
   FAULT("null texture") give_uvs(rig, 3), rig->uvs = NULL;
   FAULT("texture corner") give_uvs(rig, 2);
   FAULT("null clips") rig->clips = NULL;

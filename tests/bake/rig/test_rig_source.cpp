@@ -17,6 +17,13 @@ concept lends_clips = requires(T source) {
 };
 static_assert(lends_clips<OpenedSource&> && !lends_clips<OpenedSource>, "clips of a source that is gone");
 
+TEST_CASE("a rig may say how many poses a call should have") {
+  CHECK(open_toy().get()->preferred_block() == 0);
+  CHECK(open_faulty_rig("preferred block").get()->preferred_block() == 7);
+  CHECK(open_faulty_rig("huge preferred block").get()->preferred_block() == most_preferred_poses);
+  CHECK(open_faulty_rig("preferred block beyond an older struct").get()->preferred_block() == 0);
+}
+
 TEST_CASE("a plugin is loaded with all it declares") {
   const auto rig = open_toy();
   CHECK(rig->live());
@@ -53,6 +60,7 @@ TEST_CASE("a rig may have texture coordinates, which its dataset keeps") {
   CHECK(rig->rest().uv_corners[4] == 1);
   const auto older = open_faulty_rig("texture beyond an older struct");
   CHECK(older->rest().uvs.empty());
+  CHECK(open_faulty_rig("texture in an older struct").get()->rest().uvs == rig->rest().uvs);
   const Folder folder;
   sample(*rig, {.poses = 40}, folder.path(), {}, silent_progress());
   const auto recorded = open_source(folder.path());
