@@ -25,8 +25,10 @@ class ProcessBackend final : public EvaluationBackend {
 
 }  // namespace
 
-ProcessSource::ProcessSource(RigCommand command, Progress* progress) : workers_(std::move(command), progress) {
+ProcessSource::ProcessSource(RigCommand command, Progress* progress)
+    : workers_(std::move(command), progress), opening_(progress) {
   check_rest_pose(*this);
+  opening_ = nullptr;
 }
 
 void ProcessSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
@@ -40,7 +42,7 @@ void ProcessSource::read(std::size_t clip, std::size_t first, std::size_t count,
 
 void ProcessSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
   std::vector<char> answered(count);
-  ProcessBackend(workers_, nullptr).evaluate_block({controls, count, points, answered});
+  ProcessBackend(workers_, opening_).evaluate_block({controls, count, points, answered});
 }
 
 std::size_t ProcessSource::preferred_block() const {

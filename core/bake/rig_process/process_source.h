@@ -12,7 +12,7 @@ namespace fb::bake {
 // A live rig in child processes that speak the rig protocol.
 class ProcessSource final : public Source {
  public:
-  // Starts a child, checks what it says as that of every rig, and evaluates its rest pose.
+  // Starts a child, checks what it says as that of every rig, and evaluates its rest pose, asking `progress` meanwhile.
   ProcessSource(RigCommand command, Progress* progress);
 
   const RigSchema& schema() const override { return workers_.description().schema; }
@@ -27,6 +27,7 @@ class ProcessSource final : public Source {
 
  private:
   RigWorkers workers_;
+  Progress* opening_;  // asked by evaluate while this is constructed
 };
 
 // The prefix of a source that is a command, run by /bin/sh.

@@ -36,6 +36,7 @@ class FaultySource final : public Source {
     const std::size_t width = schema_.control_count();
     if (fault_ == "prints") std::printf("evaluating %zu poses\n", count), std::fflush(stdout);
     if (fault_ == "prefers 7" && count > 7) throw PoseError(Status::rig, 0, "too many poses");
+    if (fault_ == "hangs at rest") pause();
     for (std::size_t i = 0; i < count; ++i) {
       if (fault_ == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(100));
       if (controls[i * width + 1] != -0.5f) continue;

@@ -191,6 +191,14 @@ TEST_CASE("an interruption kills children at work within a second, and what they
   CHECK(rig.evaluated() <= 60 - asked + 3 * 2);  // what three children were at is lost
 }
 
+TEST_CASE("a child that says nothing, or hangs in its rest pose, can be interrupted") {
+  for (const char* fault : {"says nothing", "hangs at rest"}) {
+    StopAfter progress(0.5);
+    CHECK(seconds_of([&] { failure(Status::interrupted, [&] { open_child(fault, {.progress = &progress}); }); }) < 1.5);
+  }
+  CHECK_FALSE(has_children());
+}
+
 TEST_CASE("poses of a slow rig are evaluated by all children at once, in blocks of about a second") {
   const OpenedSource child = open_child("slow", {.workers = 4});
   Questions progress;
