@@ -186,6 +186,70 @@ static void assert_open_refused(const fb_source_desc* desc, fb_status expected, 
   assert_null(source);
 }
 
+/* This program with an argument is a child that serves the host's rig. */
+static int serve(void) {
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.rig = &rig;
+  return fb_source_serve(&desc, 3, 4);
+}
+
+static void a_program_is_a_source(void** state) {
+  (void)state;
+  char self[512], command[600];
+  const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
+  assert_true(length > 0);
+  self[length] = 0;
+  snprintf(command, sizeof command, "exec:exec '%s' serve", self);
+  const char* const path = command;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.paths = &path;
+  desc.path_count = 1;
+  desc.workers = 2;
+  fb_source *child = NULL, *here = NULL;
+  assert_ok(fb_source_open(&desc, &child));
+  assert_ok(open_source(NULL, &rig, &here));
+  fb_source_info info;
+  fb_source_info_init(&info);
+  assert_ok(fb_source_describe(child, &info));
+  assert_true((info.flags & FB_SOURCE_LIVE) != 0);
+  assert_string_equal(info.name, rig.name);
+  enum { poses = 3 };
+  const size_t floats = (size_t)poses * 3 * info.vertex_count;
+  float* controls = calloc((size_t)poses * info.control_count, sizeof(float));
+  float *a = malloc(floats * sizeof(float)), *b = malloc(floats * sizeof(float));
+  for (uint32_t i = 0; i < poses * info.control_count; ++i) controls[i] = rig.controls[i % info.control_count].maximum;
+  assert_ok(fb_source_evaluate(child, controls, poses, 0, a, floats));
+  assert_ok(fb_source_evaluate(here, controls, poses, 0, b, floats));
+  assert_memory_equal(a, b, floats * sizeof(float));
+  free(controls), free(a), free(b);
+  fb_source_close(child);
+  fb_source_close(here);
+}
+
+static void wrong_children_are_refused(void** state) {
+  (void)state;
+  const char* path = "exec:exit 3";
+  fb_source_desc good, desc;
+  fb_source_desc_init(&good);
+  good.paths = &path;
+  good.path_count = 1;
+  assert_open_refused(&good, FB_ERROR_RIG, "ended with exit code 3");
+  desc = good, desc.workers = 257;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "257 workers");
+  desc = good, desc.pose_seconds = 0;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "pose_seconds");
+  path = "sample";
+  desc = good, desc.workers = 1, desc.host = "/no/such/host";
+  assert_open_refused(&desc, FB_ERROR_RIG, "/no/such/host cannot be started");
+  assert_int_equal(fb_source_serve(NULL, 3, 4), FB_ERROR_INVALID_ARGUMENT);
+}
+
 static void wrong_sources_are_refused(void** state) {
   (void)state;
   int broken = 1;
@@ -252,11 +316,14 @@ static void wrong_requests_are_refused(void** state) {
   fb_source_close(source);
 }
 
-int main(void) {
+int main(int count, char** arguments) {
+  (void)arguments;
+  if (count > 1) return serve();
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_rig_becomes_a_face),       cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
       cmocka_unit_test(a_host_may_interrupt),       cmocka_unit_test(wrong_sources_are_refused),
-      cmocka_unit_test(wrong_requests_are_refused),
+      cmocka_unit_test(wrong_requests_are_refused), cmocka_unit_test(a_program_is_a_source),
+      cmocka_unit_test(wrong_children_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

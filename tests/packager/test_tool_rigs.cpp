@@ -115,6 +115,22 @@ TEST_CASE("poses that fail are left out where the user wants it, and are counted
   CHECK_MESSAGE(contains(refused.err, "\"strip2\" at "), refused.err);
 }
 
+TEST_CASE("a rig budget is what was asked for, or refused with what it must be at least") {
+  const ScratchFolder folder;
+  const auto bake = [&](const char* budget) {
+    return run_tool(
+        {"bake", FB_TOY_RIG, "--out", folder / "face.fbk", "--recipe", "linear", "--rig-budget", budget, "--json"});
+  };
+  const ToolRun refused = bake("8");
+  CHECK(refused.exit_code == 1);
+  CHECK_MESSAGE(is_error_line(refused.err, "bake", {"a rig budget of 8", "needs 9 at least"}), refused.err);
+  for (const int budget : {9, 40}) {
+    const ToolRun run = bake(std::to_string(budget).c_str());
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(nlohmann::json::parse(run.out).at("asked") <= budget);
+  }
+}
+
 TEST_CASE("Ctrl-C ends a command within a second, with its children, and the same command goes on") {
   const ScratchFolder folder;
   const std::string marker = "FB_MARK=" + folder.path();
