@@ -13,6 +13,8 @@ constexpr Resolution resolution = {460, 575, 3};
 constexpr double moving = 2e-3;  // of the diagonal: vertices that move less are not looked for
 // Of the mesh' diagonal: a smaller part that moves is a face of a body, and the picture is of its surroundings alone.
 constexpr double part_of_mesh = 0.35;
+// Over D: the scale ends there at least, so that a good face looks good.
+constexpr double least_end = 0.01;
 
 float squared_length(Vector3 v) {
   return dot(v, v);
@@ -91,7 +93,9 @@ FramePictures::FramePictures(const ReportView& view, const facebaker::SourceView
   for (const PosedFrame& frame : frames)
     for (const std::vector<float>& posed : frame.posed)
       largest_error = std::max(largest_error, renderer_.difference(frame.truth, posed).max);
-  bar_ = {{round_scale(static_cast<float>(largest_error)), true}, view.figures().diagonal, view.figures().units};
+  bar_ = {{round_scale(static_cast<float>(std::max(largest_error, least_end))), true},
+          view.figures().diagonal,
+          view.figures().units};
 }
 
 std::string FramePictures::write_comparison(const std::string& file, const PosedFrame& frame) const {

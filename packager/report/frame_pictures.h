@@ -40,8 +40,8 @@ class FrameReader {
 class FramePictures {
  public:
   // frames: all that will be drawn, which the camera shows whole, with the rest mesh; of a face that is a small part of
-  // a body, the vertices near those that move. The scale ends above the largest error of these frames and `errors`
-  // (over D), for every method.
+  // a body, the vertices near those that move. The scale ends above the largest error of these frames, of
+  // every method, and `largest_error` (over D), and not below 1 % of D.
   FramePictures(const ReportView& view, const facebaker::SourceView& source, const std::vector<PosedFrame>& frames,
                 double largest_error, const std::filesystem::path& folder, const Parallel& parallel);
 
