@@ -177,17 +177,22 @@ void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<c
   for (std::span<const std::size_t> left = missing; !left.empty();) {
     const std::span<const std::size_t> some = left.first(std::min(block_poses(), left.size()));
     left = left.subspan(some.size());
-    some_controls = gathered(controls, width, some);
-    some_points.resize(some.size() * size);
+    const bool all = some.size() * width == controls.size();  // nothing to copy
+    if (!all) {
+      some_controls = gathered(controls, width, some);
+      some_points.resize(some.size() * size);
+    }
     answered.assign(some.size(), 0);
+    const EvaluationBlock block = {all ? controls : some_controls, some.size(), all ? points : some_points, answered};
     const auto start = std::chrono::steady_clock::now();
     const auto keep = [&] {
       for (std::size_t k = 0; k < some.size(); ++k)
-        if (answered[k]) std::copy_n(some_points.data() + k * size, size, points.data() + some[k] * size);
-      keep_slow(std::chrono::steady_clock::now() - start, {some_controls, some.size(), some_points, answered});
+        if (!all && answered[k])
+          std::ranges::copy(block.points.subspan(k * size, size), points.begin() + some[k] * size);
+      keep_slow(std::chrono::steady_clock::now() - start, block);
     };
     try {
-      run_block({some_controls, some.size(), some_points, answered});
+      run_block(block);
     } catch (const PoseError& error) {
       keep();
       throw PoseError(error.status(), some[error.pose()], error.reason());
