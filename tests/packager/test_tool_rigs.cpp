@@ -77,15 +77,15 @@ TEST_CASE("a rig that crashes or hangs in a child is named with its pose, and th
   const struct {
     const char *fault, *word;
   } faults[] = {{"crashes", "was ended by signal 11"}, {"hangs", "gave no answer for"}};
-  for (const auto& [fault, word] : faults) {
+  for (const auto& wrong : faults) {
     const ScratchFolder folder;
     const auto start = std::chrono::steady_clock::now();
     const ToolRun run = run_tool({"sample", FB_HOSTILE_RIG, "--out", folder / "poses", "--poses", "100", "--workers",
                                   "2", "--rig-timeout", "0.4"},
-                                 with_fault(fault));
+                                 with_fault(wrong.fault));
     CHECK(run.exit_code == 1);
     CHECK(seconds_since(start) < 10);
-    for (const char* part : {"facebaker sample: ", "\"strip2\" at ", word})
+    for (const char* part : {"facebaker sample: ", "\"strip2\" at ", wrong.word})
       CHECK_MESSAGE(contains(run.err, part), run.err);
   }
 }

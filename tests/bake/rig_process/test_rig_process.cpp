@@ -100,11 +100,11 @@ TEST_CASE("the pose in which a child crashes, hangs or fails is found, and all o
                 {"fails", "failed: the twist solver did not converge"},
                 {"fails without number", "failed: out of licences"},
                 {"nan", "vertex 1 is not finite"}};
-  for (const auto& [fault, message] : faults)
+  for (const auto& wrong : faults)
     for (const std::size_t workers : {1u, 2u}) {
-      CAPTURE(fault);
+      CAPTURE(wrong.fault);
       const Folder folder;
-      const OpenedSource child = open_child(fault, {.workers = workers, .pose_seconds = 0.3});
+      const OpenedSource child = open_child(wrong.fault, {.workers = workers, .pose_seconds = 0.3});
       const std::size_t width = child->schema().control_count(), size = child->rest().points.size(), count = 64;
       std::vector<float> poses = random_poses(child->schema(), count), points(count * size);
       poses[41 * width + 1] = -0.5f;
@@ -119,7 +119,7 @@ TEST_CASE("the pose in which a child crashes, hangs or fails is found, and all o
           failed = error.reason();
         }
       });
-      CHECK_MESSAGE(contains(failed, message), failed);
+      CHECK_MESSAGE(contains(failed, wrong.message), failed);
       CHECK_FALSE(answered[41]);
       CHECK(std::ranges::count(answered, 1) >= 32);
       CHECK(seconds < 8);
@@ -146,13 +146,13 @@ TEST_CASE("a child that does not speak the protocol is refused with what and whe
                 {"has no name", {"\"name\" is missing"}},
                 {"is no JSON", {"is no JSON object"}},
                 {"refuses", {"the licence server is asleep"}}};
-  for (const auto& [fault, words] : faults) {
-    CAPTURE(fault);
-    const auto open = [&, name = fault] { open_child(name, {.pose_seconds = 0.1}); };
+  for (const auto& wrong : faults) {
+    CAPTURE(wrong.fault);
+    const auto open = [&] { open_child(wrong.fault, {.pose_seconds = 0.1}); };
     std::string message;
     CHECK(seconds_of([&] { message = failure(Status::rig, open); }) < 3);
     CHECK(message.starts_with("exec:exec "));
-    for (const std::string& word : words) CHECK_MESSAGE(contains(message, word), message);
+    for (const std::string& word : wrong.words) CHECK_MESSAGE(contains(message, word), message);
   }
   const std::string none = failure(Status::rig, [] { open_source("exec:/no/such/program --at all"); });
   CHECK_MESSAGE(contains(none, "ended with exit code 127 before it said hello"), none);
