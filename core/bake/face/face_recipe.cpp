@@ -89,7 +89,10 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
                        Progress& progress) {
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
   Decomposition parts = decompose(recipe, poses, rig, options, progress);
-  const RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
+  RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
+  if (!rig)
+    for (std::size_t r = 0; r < parts.regions.size(); ++r)
+      inputs.scales.push_back(input_scales(inputs.features, inputs.of_region[r], parts.regions[r]));
   TrainedFace face;
   face.additive = parts.regions.empty() && parts.analysis.correctives.empty();
   face.model.schema = poses.source().schema();

@@ -11,6 +11,7 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t task_poses = 1024;  // evaluated by one worker at a time
+constexpr double scale_power = 1.5;       // see input_scales
 
 float gate_value(const Gate& gate, const float* values) {
   float sum = 0, largest = 0;
@@ -76,6 +77,30 @@ RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema,
     inputs.gates.push_back(std::move(gate));
   }
   return inputs;
+}
+
+std::vector<float> input_scales(std::span<const Feature> features, std::span<const std::uint32_t> of_region,
+                                const FaceRegion& region) {
+  std::vector<double> motion(features.size());  // features are listed after those they are computed from
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const Feature& feature = features[f];
+    if (feature.of_features()) {
+      motion[f] = std::min(motion[feature.first], motion[feature.second]);
+      continue;
+    }
+    const auto found = std::ranges::lower_bound(region.controls, feature.control);
+    if (found != region.controls.end() && *found == feature.control)
+      motion[f] = region.motion[static_cast<std::size_t>(found - region.controls.begin())];
+  }
+  std::vector<float> scales;
+  double squares = 0;
+  for (const std::uint32_t f : of_region) {
+    scales.push_back(static_cast<float>(std::pow(motion[f], scale_power)));
+    squares += double(scales.back()) * scales.back();
+  }
+  if (!(squares > 0)) return {};
+  for (float& scale : scales) scale *= static_cast<float>(std::sqrt(double(scales.size()) / squares));
+  return scales;
 }
 
 std::vector<std::uint32_t> FeatureTable::columns(std::span<const std::uint32_t> of) const {

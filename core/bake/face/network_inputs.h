@@ -26,7 +26,15 @@ struct RegionInputs {
   std::vector<Feature> features;  // those of the blendshapes, then identities of the controls that regions need
   std::vector<std::vector<std::uint32_t>> of_region;  // feature indices, ascending
   std::vector<Gate> gates;                            // one a region
+  std::vector<std::vector<float>> scales;             // of the features of each region, see input_scales
 };
+
+// How strongly each feature of a region's network is expected to act, see TrainingSet: the motion of its control, of
+// several the least, to a power, with a mean square of 1. On a production rig of 303 controls, of which single ones
+// move the residual of a region from 1e-4 to 1e-2 of the diagonal, scales lowered the mse from 3,000 recorded poses
+// from 7.1e-7 to 5.2e-7, from 9,000 from 2.2e-7 to 1.4e-7; inputs of more than 1e-3 alone reached 5.9e-7 and 2.6e-7.
+std::vector<float> input_scales(std::span<const Feature> features, std::span<const std::uint32_t> of_region,
+                                const FaceRegion& region);
 
 // A region's inputs are its controls and the strongest product and minimum features of their correctives, about as many
 // as it has controls, besides all steps of its controls: in the prototype, such features cut the mse of the mouth by 36

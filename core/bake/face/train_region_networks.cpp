@@ -63,6 +63,7 @@ class RegionTraining {
       set.stride = table.features.size();
       set.targets = bases[r].coefficients;
       set.gates = table.gates[r];
+      if (!inputs.scales.empty()) set.input_scales = inputs.scales[r];
       set.validation = validation;
       sets.push_back(set);
     }

@@ -214,7 +214,10 @@ FaceRegion make_region(const RigSchema& schema, const ResidualMotion& motion, co
       squares += region.weights[i] * double(m) * m;
       largest = std::max(largest, region.weights[i] * m);
     }
-    if (largest > motion_threshold) region.controls.push_back(c);
+    if (largest > motion_threshold) {
+      region.controls.push_back(c);
+      region.motion.push_back(static_cast<float>(std::sqrt(squares / double(region.vertices.size()))));
+    }
     influence[schema.controls[c].group] += squares;
   }
   region.name = std::max_element(influence.begin(), influence.end(), [](const auto& a, const auto& b) {

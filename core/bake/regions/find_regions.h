@@ -17,6 +17,7 @@ struct FaceRegion {
   std::vector<float> weights;           // blend weight of each vertex, in (0, 1]; a vertex' sum over all regions is 1
   std::vector<std::uint32_t> controls;  // that move its residual: the network's inputs, ascending
   double energy = 0;                    // share of the residual's energy; shares sum to 1
+  std::vector<float> motion = {};       // of each control: root mean square over the region's vertices, over D
 };
 
 struct RegionOptions {

@@ -26,8 +26,8 @@ std::vector<float> layer_rate_factors(const NetworkShape& shape, const TrainingP
   return factors;
 }
 
-void Adam::step(const NetworkShape& shape, std::uint64_t step, double rate, std::span<const float> layer_rate_factors,
-                double decay, const std::vector<const float*>& gradients, const Parallel& parallel) {
+void Adam::step(const NetworkShape& shape, std::uint64_t step, double rate, const RateFactors& factors, double decay,
+                const std::vector<const float*>& gradients, const Parallel& parallel) {
   constexpr float beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-8f;
   const float correction1 = 1 - std::pow(beta1, static_cast<float>(step + 1));
   const float correction2 = 1 - std::pow(beta2, static_cast<float>(step + 1));
@@ -41,12 +41,20 @@ void Adam::step(const NetworkShape& shape, std::uint64_t step, double rate, std:
   with_decay.decay_factor = static_cast<float>(1 - rate * decay);
   parallel_for(parallel, shape.layers.size(), [&](std::size_t l, std::size_t) {
     const LayerShape& layer = shape.layers[l];
-    update(with_decay, layer_rate_factors[l], layer.weights, layer.inputs * layer.outputs);
+    const std::span weights = std::span(parameters).subspan(layer.weights, layer.inputs * layer.outputs);
+    const bool by_input = l == 0 && !factors.inputs.empty();
+    const std::vector<float> before(weights.begin(), by_input ? weights.end() : weights.begin());
+    update(with_decay, factors.layers[l], layer.weights, weights.size());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const float factor = factors.inputs[i % layer.inputs], decayed = with_decay.decay_factor * before[i];
+      weights[i] = decayed + factor * (weights[i] - decayed);
+    }
     update(adam, 1, layer.bias, layer.outputs);
   });
 }
 
-std::vector<float> initial_parameters(const NetworkShape& shape, float residual_init_scale, std::uint64_t seed) {
+std::vector<float> initial_parameters(const NetworkShape& shape, float residual_init_scale,
+                                      std::span<const float> input_scales, std::uint64_t seed) {
   std::vector<float> parameters(shape.parameters);
   for (std::size_t l = 0; l + 1 < shape.layers.size(); ++l) {
     const LayerShape& layer = shape.layers[l];
@@ -54,7 +62,8 @@ std::vector<float> initial_parameters(const NetworkShape& shape, float residual_
     const float gain = layer.activation == Activation::tanh ? 1.0f : 2.0f;
     const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? residual_init_scale : 1.0f);
     for (std::size_t i = 0; i < layer.inputs * layer.outputs; ++i)
-      parameters[layer.weights + i] = deviation * random.normal();
+      parameters[layer.weights + i] =
+          deviation * random.normal() * (l == 0 && !input_scales.empty() ? input_scales[i % layer.inputs] : 1.0f);
   }
   return parameters;
 }

@@ -27,6 +27,8 @@ void check(const TrainingSet& set, const TrainingPlan& plan) {
     if (set.validation[i] >= set.poses || (i > 0 && set.validation[i] <= set.validation[i - 1]))
       fail(Status::invalid_argument, "training: validation pose %u of %zu is out of order", set.validation[i],
            set.poses);
+  if (!set.input_scales.empty() && set.input_scales.size() != set.inputs)
+    fail(Status::invalid_argument, "training: %zu scales for %zu inputs", set.input_scales.size(), set.inputs);
   if (set.validation.size() == set.poses) fail(Status::invalid_argument, "training: all poses are validation poses");
   if (plan.microbatch == 0 || plan.microbatch > DensePass::max_poses)
     fail(Status::invalid_argument, "training: microbatches of %u poses are not 1 to %zu", plan.microbatch,
@@ -88,7 +90,7 @@ std::uint64_t checkpoint_key(const TrainingSet& set, const TrainingPlan& plan) {
                                        fixed_point(plan.quantised_share)};
   values.insert(values.end(), plan.widths.begin(), plan.widths.end());
   std::uint64_t key = hash64_of<std::uint64_t>(values, hash64_of(set.features, hash64_of(set.targets)));
-  key = hash64_of(set.columns, hash64_of(set.validation, hash64_of(set.gates, key)));
+  key = hash64_of(set.columns, hash64_of(set.validation, hash64_of(set.gates, hash64_of(set.input_scales, key))));
   for (const DenseLayer& layer : plan.initial_layers)
     key = hash64_of<float>(layer.weights, hash64_of<float>(layer.bias, key));
   return key;
@@ -140,7 +142,7 @@ class Training {
   void initialise() {
     std::vector<float> start;
     if (plan_.initial_layers.empty()) {
-      start = initial_parameters(shape_, plan_.residual_init_scale, plan_.seed);
+      start = initial_parameters(shape_, plan_.residual_init_scale, set_.input_scales, plan_.seed);
     } else {
       start = flatten_layers(shape_, plan_.initial_layers);
       scale_output_layer(start, true);
@@ -199,7 +201,8 @@ class Training {
     for (const DensePass& pass : passes_) gradients.push_back(pass.gradient().data());
     const double rate =
         std::ldexp(plan_.learning_rate, -static_cast<int>(restarts_)) * schedule_factor(plan_.schedule, step_, steps_);
-    adam_.step(shape_, step_, rate, layer_rate_factors_, plan_.weight_decay, gradients, plan_.parallel);
+    adam_.step(shape_, step_, rate, {layer_rate_factors_, set_.input_scales}, plan_.weight_decay, gradients,
+               plan_.parallel);
     ++step_;
     return in_epoch + 1 < steps_per_epoch_ || end_epoch(epoch);
   }

@@ -25,6 +25,9 @@ struct TrainingSet {
   std::span<const std::uint32_t> validation = {};
   std::size_t stride = 0;                       // floats in a row of features; 0: inputs
   std::span<const std::uint32_t> columns = {};  // the row's columns that are the inputs; empty: the first ones
+  // How strongly each input is expected to act: initial weights from it and their learning rate are multiplied by this.
+  // What acts little is then learnt late, so that few poses do not teach chance; empty: 1.
+  std::span<const float> input_scales = {};
 };
 
 // Learning-rate schedules.

@@ -89,6 +89,25 @@ TEST_CASE("a region's inputs are its controls and the strongest features of thei
   CHECK(inputs.gates[0].features.size() == 3);
 }
 
+TEST_CASE("inputs count by how far their controls move the region, several by the least") {
+  const std::vector<Feature> features = {{Feature::Kind::identity, 1},
+                                         {Feature::Kind::identity, 4},
+                                         {Feature::Kind::product, 0, 1, 0, 0, 0, 1},
+                                         {Feature::Kind::identity, 2}};
+  FaceRegion region;
+  region.controls = {1, 2, 4};
+  region.motion = {1e-2f, 1e-2f, 1e-4f};
+  const std::vector<std::uint32_t> all = {0, 1, 2, 3};
+  const std::vector<float> scales = input_scales(features, all, region);
+  REQUIRE(scales.size() == 4);
+  CHECK(scales[0] == scales[3]);
+  CHECK(scales[1] == scales[2]);
+  CHECK(scales[1] / scales[0] == doctest::Approx(1e-3).epsilon(1e-4));
+  double squares = 0;
+  for (const float scale : scales) squares += double(scale) * scale;
+  CHECK(squares == doctest::Approx(4));
+}
+
 TEST_CASE("unused features are removed, and indices of the others are updated") {
   Network network;
   for (std::uint32_t c = 0; c < 4; ++c) network.features.push_back({Feature::Kind::identity, c});

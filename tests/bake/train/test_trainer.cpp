@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
@@ -202,7 +203,9 @@ void check_steps(const Task& task, TrainingPlan plan, const std::vector<double>&
         square[at] = 0.999 * square[at] + 0.001 * gradient[at] * gradient[at];
         const double m = mean[at] / (1 - std::pow(0.9, step + 1)), v = square[at] / (1 - std::pow(0.999, step + 1));
         const double kept = i < weight_count ? 1 - rate * plan.weight_decay : 1;
-        const double layer_rate = i < weight_count ? rate * rate_factor : rate;
+        const bool of_input = &layer == &layers.front() && i < weight_count && !task.set.input_scales.empty();
+        const double input_factor = of_input ? task.set.input_scales[i % 5] : 1;
+        const double layer_rate = i < weight_count ? rate * rate_factor * input_factor : rate;
         *parameters[at] = static_cast<float>(*parameters[at] * kept - layer_rate * m / (std::sqrt(v) + 1e-8));
       }
     }
@@ -275,7 +278,13 @@ TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and wit
     plan.hidden_rate_factor = 0.5f;
     plan.output_rate_factor = 3;
   }
+  const std::vector<float> scales = {1, 0.1f, 2, 0.5f, 0.01f};
+  SUBCASE("inputs of different strength") {
+    task.set.input_scales = scales;
+    plan.weight_decay = 5;
+  }
   SUBCASE("all of it") {
+    task.set.input_scales = scales;
     plan.hidden_rate_factor = 0.5f;
     plan.output_rate_factor = 2;
     task.set.gates = gates;
@@ -572,6 +581,15 @@ TEST_CASE("regions trained together are those trained one by one, whatever the t
   StopAfter stop(1);
   CHECK_THROWS_AS(train_in_parallel(sets, plans, {}, stop), Error);
   CHECK_THROWS_AS(train_in_parallel(sets, std::span(plans).first(2), {}, silent_progress()), Error);
+}
+
+TEST_CASE("an input whose scale is 0 is not learnt from, and scales fit the inputs") {
+  Task task = make_task(300, 8);
+  const std::vector<float> scales = {1, 1, 0, 1, 1};
+  task.set.input_scales = scales;
+  const std::vector<DenseLayer> layers = train_layers(task.set, plan_of(3), silent_progress()).layers;
+  for (std::size_t o = 0; o < layers[0].outputs; ++o) CHECK(layers[0].weights[5 * o + 2] == 0);
+  CHECK_THROWS_WITH(train_layers(task.set, plan_of(1), silent_progress()), doctest::Contains("4 scales for 5 inputs"));
 }
 
 TEST_CASE("features that do not fit the targets are refused") {

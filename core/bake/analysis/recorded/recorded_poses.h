@@ -1,6 +1,7 @@
 // What an analysis of recorded poses is computed from: their residuals, regression to features, correlated pairs.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -27,12 +28,31 @@ struct RecordedPoses {
   void read(std::size_t first, std::size_t count, std::span<float> residuals, const Parallel& parallel) const;
 };
 
-// Shapes of `features[carriers[k]]` that approximate the residuals by least squares, with ridge[k] times the mean
-// square of all these features added to the diagonal. Offsets within four standard errors of 0 are dropped: noise would
-// otherwise move every vertex.
-std::vector<SparseShape> regress(const RecordedPoses& recorded, std::span<const Feature> features,
-                                 std::span<const std::uint32_t> carriers, std::span<const double> ridge,
-                                 const Parallel& parallel, Progress& progress);
+// The normal equations of a regression: columns are the carriers' values in all poses.
+struct NormalEquations {
+  Eigen::MatrixXd gram;         // columns x columns
+  std::vector<float> products;  // column-major: coordinates x columns
+  std::vector<double> squares;  // of each coordinate, summed over poses
+};
+
+// Least squares of residuals, regularised as strongly as is asked for: the poses are read once.
+class Regression {
+ public:
+  // To approximate the residuals by shapes of `features[carriers[k]]`.
+  Regression(const RecordedPoses& recorded, std::span<const Feature> features, std::vector<std::uint32_t> carriers,
+             std::vector<double> ridge, const Parallel& parallel, Progress& progress);
+
+  // One shape a carrier, with `strength` x ridge[k] times the mean square of all carriers added to the diagonal; none
+  // if all carriers are 0 in all poses. Offsets within four standard errors of 0 are dropped: noise would otherwise
+  // move every vertex.
+  std::vector<SparseShape> shapes(double strength, const Parallel& parallel) const;
+
+ private:
+  std::vector<std::uint32_t> carriers_;
+  std::vector<double> ridge_;
+  std::size_t poses_;
+  NormalEquations equations_;
+};
 
 using ControlPair = std::pair<std::uint32_t, std::uint32_t>;
 

@@ -13,13 +13,6 @@ constexpr std::size_t poses_in_memory = 128;
 constexpr std::size_t tile_rows = 768;  // coordinates of a parallel task
 constexpr double standard_errors = 4;
 
-// The normal equations of a regression: columns are the carriers' values in all poses.
-struct NormalEquations {
-  Eigen::MatrixXd gram;         // columns x columns
-  std::vector<float> products;  // column-major: coordinates x columns
-  std::vector<double> squares;  // of each coordinate, summed over poses
-};
-
 NormalEquations accumulate(const RecordedPoses& recorded, std::span<const Feature> features,
                            std::span<const std::uint32_t> carriers, const Parallel& parallel, Progress& progress) {
   const std::size_t size = recorded.poses->source().rest().points.size(), count = recorded.picked.size();
@@ -52,32 +45,49 @@ NormalEquations accumulate(const RecordedPoses& recorded, std::span<const Featur
   return sums;
 }
 
-// Replaces the products by the solution, coordinates x columns. Returns the standard deviation of what it leaves
-// unexplained of each coordinate.
-std::vector<float> solve(NormalEquations& equations, const Eigen::LLT<Eigen::MatrixXd>& solver, std::size_t poses,
-                         const Parallel& parallel) {
+// The solution for coordinates [row, row + rows), columns x rows, and the standard deviation of what it leaves
+// unexplained of each.
+struct TileSolution {
+  Eigen::MatrixXd solved;
+  std::vector<double> deviations;
+};
+
+TileSolution solve_tile(const NormalEquations& equations, const Eigen::LLT<Eigen::MatrixXd>& solver, double freedom,
+                        std::size_t row, std::size_t rows) {
   const std::size_t size = equations.squares.size(), columns = equations.products.size() / size;
-  std::vector<float> deviations(size);
-  parallel_for(parallel, (size + tile_rows - 1) / tile_rows, [&](std::size_t tile, std::size_t) {
-    const std::size_t row = tile * tile_rows, rows = std::min(tile_rows, size - row);
-    Eigen::MatrixXd right(static_cast<Eigen::Index>(columns), static_cast<Eigen::Index>(rows));
-    for (std::size_t k = 0; k < columns; ++k)
-      for (std::size_t r = 0; r < rows; ++r)
-        right(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(r)) = equations.products[k * size + row + r];
-    const Eigen::MatrixXd solved = solver.solve(right);
-    const Eigen::MatrixXd explained = equations.gram * solved;
-    const double freedom = std::max(1.0, double(poses) - double(columns));
-    for (std::size_t r = 0; r < rows; ++r) {
-      const auto column = static_cast<Eigen::Index>(r);
-      // |x - F s|^2 = |x|^2 - 2 s.F'x + s.F'F s
-      const double unexplained = equations.squares[row + r] - 2 * solved.col(column).dot(right.col(column)) +
-                                 solved.col(column).dot(explained.col(column));
-      deviations[row + r] = static_cast<float>(std::sqrt(std::max(0.0, unexplained) / freedom));
-      for (std::size_t k = 0; k < columns; ++k)
-        equations.products[k * size + row + r] = static_cast<float>(solved(static_cast<Eigen::Index>(k), column));
+  Eigen::MatrixXd right(static_cast<Eigen::Index>(columns), static_cast<Eigen::Index>(rows));
+  for (std::size_t k = 0; k < columns; ++k)
+    for (std::size_t r = 0; r < rows; ++r)
+      right(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(r)) = equations.products[k * size + row + r];
+  TileSolution tile{solver.solve(right), {}};
+  const Eigen::MatrixXd explained = equations.gram * tile.solved;
+  for (std::size_t r = 0; r < rows; ++r) {
+    const auto column = static_cast<Eigen::Index>(r);
+    // |x - F s|^2 = |x|^2 - 2 s.F'x + s.F'F s
+    const double unexplained = equations.squares[row + r] - 2 * tile.solved.col(column).dot(right.col(column)) +
+                               tile.solved.col(column).dot(explained.col(column));
+    tile.deviations.push_back(std::sqrt(std::max(0.0, unexplained) / freedom));
+  }
+  return tile;
+}
+
+// Adds to each shape those vertices from `row` on whose offset is more than `bounds` standard deviations.
+void add_significant(const TileSolution& tile, std::span<const double> bounds, std::size_t row,
+                     std::vector<SparseShape>& shapes) {
+  for (std::size_t k = 0; k < shapes.size(); ++k)
+    for (std::size_t r = 0; r + 2 < tile.deviations.size(); r += 3) {
+      double moved = 0, error = 0;
+      for (std::size_t axis = r; axis < r + 3; ++axis) {
+        const double s = tile.solved(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(axis));
+        moved += s * s;
+        error += tile.deviations[axis] * tile.deviations[axis];
+      }
+      if (moved <= error / 3 * bounds[k] * bounds[k] || moved == 0) continue;
+      shapes[k].vertices.push_back(static_cast<std::uint32_t>((row + r) / 3));
+      for (std::size_t axis = r; axis < r + 3; ++axis)
+        shapes[k].offsets.push_back(
+            static_cast<float>(tile.solved(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(axis))));
     }
-  });
-  return deviations;
 }
 
 }  // namespace
@@ -96,35 +106,42 @@ void RecordedPoses::read(std::size_t first, std::size_t count, std::span<float> 
   });
 }
 
-std::vector<SparseShape> regress(const RecordedPoses& recorded, std::span<const Feature> features,
-                                 std::span<const std::uint32_t> carriers, std::span<const double> ridge,
-                                 const Parallel& parallel, Progress& progress) {
-  const std::size_t size = recorded.poses->source().rest().points.size(), count = recorded.picked.size();
-  const std::size_t columns = carriers.size();
-  if (columns == 0 || count == 0) return {};
-  const auto n = static_cast<Eigen::Index>(columns);
-  NormalEquations equations = accumulate(recorded, features, carriers, parallel, progress);
-  const double mean = equations.gram.trace() / double(columns);
+Regression::Regression(const RecordedPoses& recorded, std::span<const Feature> features,
+                       std::vector<std::uint32_t> carriers, std::vector<double> ridge, const Parallel& parallel,
+                       Progress& progress)
+    : carriers_(std::move(carriers)), ridge_(std::move(ridge)), poses_(recorded.picked.size()) {
+  if (!carriers_.empty() && poses_ > 0) equations_ = accumulate(recorded, features, carriers_, parallel, progress);
+}
+
+std::vector<SparseShape> Regression::shapes(double strength, const Parallel& parallel) const {
+  const std::size_t size = equations_.squares.size();
+  const Eigen::Index n = equations_.gram.rows();
+  const double mean = n > 0 ? equations_.gram.trace() / double(n) : 0;
   if (mean == 0) return {};
-  Eigen::MatrixXd damped = equations.gram;
-  for (Eigen::Index k = 0; k < n; ++k) damped(k, k) += ridge[static_cast<std::size_t>(k)] * mean;
+  Eigen::MatrixXd damped = equations_.gram;
+  for (Eigen::Index k = 0; k < n; ++k) damped(k, k) += strength * ridge_[static_cast<std::size_t>(k)] * mean;
   const Eigen::LLT<Eigen::MatrixXd> solver(damped);
-  const Eigen::VectorXd variances = solver.solve(Eigen::MatrixXd::Identity(n, n)).diagonal();
-  const std::vector<float> deviations = solve(equations, solver, count, parallel);
-  std::vector<SparseShape> shapes(columns);
-  parallel_for(parallel, columns, [&](std::size_t k, std::size_t) {
-    shapes[k].feature = carriers[k];
-    const double bound = standard_errors * std::sqrt(variances[static_cast<Eigen::Index>(k)]);
-    for (std::uint32_t v = 0; v < size / 3; ++v) {
-      const float* s = equations.products.data() + k * size + 3 * v;
-      const float* e = deviations.data() + 3 * v;
-      const double moved = double(s[0]) * s[0] + double(s[1]) * s[1] + double(s[2]) * s[2];
-      const double error = (double(e[0]) * e[0] + double(e[1]) * e[1] + double(e[2]) * e[2]) / 3 * bound * bound;
-      if (moved <= error || moved == 0) continue;
-      shapes[k].vertices.push_back(v);
-      shapes[k].offsets.insert(shapes[k].offsets.end(), s, s + 3);
-    }
+  const Eigen::MatrixXd inverse = solver.solve(Eigen::MatrixXd::Identity(n, n));
+  // Numbers fitted to each coordinate: the trace of what takes the recorded values to the fitted ones.
+  const double fitted = inverse.cwiseProduct(equations_.gram).sum();
+  const double freedom = std::max(1.0, double(poses_) - fitted);
+  std::vector<double> bounds;
+  for (Eigen::Index k = 0; k < n; ++k) bounds.push_back(standard_errors * std::sqrt(inverse(k, k)));
+
+  const std::size_t tiles = (size + tile_rows - 1) / tile_rows;
+  std::vector<std::vector<SparseShape>> of_tile(tiles, std::vector<SparseShape>(carriers_.size()));
+  parallel_for(parallel, tiles, [&](std::size_t tile, std::size_t) {
+    const std::size_t row = tile * tile_rows, rows = std::min(tile_rows, size - row);
+    add_significant(solve_tile(equations_, solver, freedom, row, rows), bounds, row, of_tile[tile]);
   });
+  std::vector<SparseShape> shapes(carriers_.size());
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    shapes[k].feature = carriers_[k];
+    for (const std::vector<SparseShape>& tile : of_tile) {
+      shapes[k].vertices.insert(shapes[k].vertices.end(), tile[k].vertices.begin(), tile[k].vertices.end());
+      shapes[k].offsets.insert(shapes[k].offsets.end(), tile[k].offsets.begin(), tile[k].offsets.end());
+    }
+  }
   return shapes;
 }
 
