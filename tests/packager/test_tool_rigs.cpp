@@ -76,7 +76,7 @@ TEST_CASE("a face has the same bytes whether its rig runs in this process or in 
 TEST_CASE("a rig that crashes or hangs in a child is named with its pose, and the tool lives on") {
   const struct {
     const char *fault, *word;
-  } faults[] = {{"crashes", "was ended by signal 11"}, {"hangs", "gave no answer for"}};
+  } faults[] = {{"crashes", "was ended by signal 9"}, {"hangs", "gave no answer for"}};
   for (const auto& wrong : faults) {
     const ScratchFolder folder;
     const auto start = std::chrono::steady_clock::now();

@@ -69,7 +69,7 @@ fb_status evaluate(void* user, std::uint64_t poses, const float* pose, float* po
     if (active && sheet.is("throws an exception")) throw std::runtime_error("the brow is missing");
     if (active && sheet.is("exits")) std::exit(0);
     if (combined && sheet.is("throws on a pose")) throw std::runtime_error("the brow is missing");
-    if (combined && sheet.is("crashes")) std::raise(SIGSEGV);
+    if (combined && sheet.is("crashes")) std::raise(SIGKILL);
     if (combined && sheet.is("hangs")) std::this_thread::sleep_for(std::chrono::hours(1));
     if (sheet.is("is slow")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (sheet.is("prints")) std::printf("the sheet evaluates a pose\n");

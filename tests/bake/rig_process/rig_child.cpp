@@ -40,7 +40,7 @@ class FaultySource final : public Source {
     for (std::size_t i = 0; i < count; ++i) {
       if (fault_ == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(100));
       if (controls[i * width + 1] != -0.5f) continue;
-      if (fault_ == "crashes") raise(SIGSEGV);
+      if (fault_ == "crashes") raise(SIGKILL);
       if (fault_ == "exits") std::_Exit(3);
       if (fault_ == "hangs") pause();
       if (fault_ == "another") std::_Exit(3);
