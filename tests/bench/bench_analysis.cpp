@@ -1,5 +1,5 @@
-// bench_analysis SOURCE [PAIRS TRIPLES]: what an analysis of a live rig, or of a recording, costs and finds, and the
-// error of the sparse blendshapes on unseen poses: test clips, or random ones of a live rig.
+// bench_analysis SOURCE [PAIRS TRIPLES [RIG_BUDGET [SEED]]]: what an analysis of a live rig, or of a recording, costs
+// and finds, and the error of the sparse blendshapes on unseen poses: test clips, or random ones of a live rig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -83,7 +83,7 @@ void measure(fb::bake::RigEvaluator& source, const std::vector<fb::bake::Clip>& 
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  if (argc < 2) return std::fprintf(stderr, "bench_analysis SOURCE [PAIRS TRIPLES [BUDGET]]\n"), 2;
+  if (argc < 2) return std::fprintf(stderr, "bench_analysis SOURCE [PAIRS TRIPLES [RIG_BUDGET [SEED]]]\n"), 2;
   const auto opened = fb::bake::open_source(argv[1]);
   fb::bake::RigEvaluator source(*opened);
   fb::bake::AnalysisOptions options;
@@ -92,6 +92,7 @@ int main(int argc, char** argv) {
     options.max_triples = static_cast<std::uint32_t>(std::atoi(argv[3]));
   }
   if (argc > 4) options.rig_budget = static_cast<std::uint64_t>(std::atoll(argv[4]));
+  if (argc > 5) options.seed = static_cast<std::uint64_t>(std::atoll(argv[5]));
   Notes notes;
   const auto start = std::chrono::steady_clock::now();
   const auto train = [](const fb::bake::Clip& clip) { return clip.split == fb::bake::Split::train; };

@@ -65,6 +65,10 @@ class CorrectiveSearch {
                                                      EvaluationStage& stage);
   // Sets energy and distance from the ends of ranges; leaves candidates above the tolerance, strongest first.
   void rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest);
+  // The same for candidates of three or four controls, in their order, until `most` are left; the others are left out.
+  // Returns how many were ranked.
+  std::size_t rank_in_batches(std::vector<Candidate>& candidates, std::size_t most);
+  static bool stronger(const Candidate& a, const Candidate& b) { return a.energy > b.energy; }
   void set_pose(const Candidate& candidate, const GridPoint& point, std::span<float> pose) const;
   std::vector<std::uint32_t> composed_features(const Candidate& candidate, std::vector<Feature>& features) const;
   void fit(Candidate& candidate, std::span<const GridPoint> points,

@@ -23,7 +23,8 @@ struct DenseDifferences {
   std::size_t poses = 0;
 };
 
-// At most 16 differences of each control, fewer where the budget asks for it.
+// 16 to 64 differences of each control, 64 where the dense poses take little memory; fewer where the budget asks for
+// it.
 DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress);
 
 // Distance over D by which the differences move each vertex, less what `base` (may be empty) moves there: controls x
