@@ -6,9 +6,16 @@
 #include "bake/analysis/live/difficult_curves.h"
 #include "bake/analysis/live/excitation_curves.h"
 #include "bake/analysis/live/finite_differences.h"
+#include "bake/analysis/live/missed_correctives.h"
 #include "base/status.h"
 
 namespace fb::bake {
+namespace {
+
+// Rig calls spent on missed correctives at most: a share of those before, but no fewer than least_missed_calls.
+constexpr std::uint64_t missed_share = 10, least_missed_calls = 8192;
+
+}  // namespace
 
 RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progress& progress) {
   if (!rig.live())
@@ -42,6 +49,9 @@ RigAnalysis analyse_rig(RigEvaluator& rig, const AnalysisOptions& options, Progr
     correctives->find(3, options.max_triples);
     correctives->find(4, options.max_triples / 4);
   }
+  if (options.max_pairs > 0)
+    add_missed_correctives(rig, options, analysis.motion, analysis.base,
+                           std::max(budget.requested() / missed_share, least_missed_calls), *correctives, progress);
   analysis.correctives = correctives->prune();
   analysis.residual_motion = difference_motion(dense, analysis.base, Statistic::root_mean_square, rig);
   analysis.rig_calls = budget.requested();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "bake/analysis/blendshape_parts.h"
 #include "bake/analysis/corrective_fit.h"
@@ -352,23 +353,27 @@ std::vector<CorrectiveSearch::Misfit> CorrectiveSearch::misfits(double least) co
   return misfits;
 }
 
+void CorrectiveSearch::weigh(Candidate& candidate, std::span<const std::vector<float>> differences) const {
+  candidate.energy = candidate.distance = 0;
+  for (const std::vector<float>& d : differences) {
+    double sum = 0;
+    for (std::size_t i = 0; i < d.size(); i += 3) {
+      const double squares = square_of(d.data() + i);
+      sum += squares;
+      candidate.distance = std::max(candidate.distance, squares);
+    }
+    candidate.energy = std::max(candidate.energy, sum / (rig_.diagonal() * rig_.diagonal()));
+  }
+  candidate.distance = std::sqrt(candidate.distance) / rig_.diagonal();
+}
+
 void CorrectiveSearch::rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest) {
   const bool inner = candidates.size() <= most_inner_pairs && fewest == 2;
   evaluate_candidates(
       stage, candidates, fewest,
       [&](const Candidate& candidate) { return range_ends(candidate, inner && candidate.controls.size() == 2); },
       [&](Candidate& candidate, std::span<const GridPoint>, std::span<const std::vector<float>> differences) {
-        candidate.energy = candidate.distance = 0;
-        for (const std::vector<float>& d : differences) {
-          double sum = 0;
-          for (std::size_t i = 0; i < d.size(); i += 3) {
-            const double squares = square_of(d.data() + i);
-            sum += squares;
-            candidate.distance = std::max(candidate.distance, squares);
-          }
-          candidate.energy = std::max(candidate.energy, sum / (rig_.diagonal() * rig_.diagonal()));
-        }
-        candidate.distance = std::sqrt(candidate.distance) / rig_.diagonal();
+        weigh(candidate, differences);
       });
   std::erase_if(candidates,
                 [&](const Candidate& candidate) { return candidate.distance <= options_.corrective_tolerance; });
@@ -404,21 +409,53 @@ void CorrectiveSearch::find(std::size_t order, std::size_t most) {
     evaluated = rank_in_batches(all, most);
   const std::size_t interacting = all.size();
   if (all.size() > most) all.resize(most);
+  const std::size_t fitted = fit_all(std::move(all));
+  note_error(format("correctives of %zu controls: %zu candidates, %zu interact, %zu fitted", order, evaluated,
+                    interacting, fitted));
+}
+
+std::size_t CorrectiveSearch::fit_all(std::vector<Candidate> candidates) {
   evaluate_candidates(
-      "fitting correctives", all, 2, [&](const Candidate& candidate) { return full_grid(candidate); },
+      "fitting correctives", candidates, 2, [&](const Candidate& candidate) { return full_grid(candidate); },
       [&](Candidate& candidate, std::span<const GridPoint> points, std::span<const std::vector<float>> differences) {
+        if (candidate.energy == 0) weigh(candidate, differences);
         fit(candidate, points, differences);
       });
-  std::erase_if(all, [](const Candidate& candidate) { return candidate.part.shapes.empty(); });
+  std::erase_if(candidates, [](const Candidate& candidate) { return candidate.part.shapes.empty(); });
   std::vector<const SparseBlendshapes*> parts;
-  for (const Candidate& corrective : all) {
+  for (const Candidate& corrective : candidates) {
     parts.push_back(&corrective.part);
     dense_poses_.add(corrective.part, 1);
   }
   append(base_, parts);
-  note_error(format("correctives of %zu controls: %zu candidates, %zu interact, %zu fitted", order, evaluated,
-                    interacting, all.size()));
-  std::move(all.begin(), all.end(), std::back_inserter(found_));
+  std::move(candidates.begin(), candidates.end(), std::back_inserter(found_));
+  return parts.size();
+}
+
+bool CorrectiveSearch::has(const std::vector<std::uint32_t>& controls) const {
+  return std::any_of(found_.begin(), found_.end(), [&](const Candidate& c) { return c.controls == controls; });
+}
+
+std::size_t CorrectiveSearch::add(std::span<const std::vector<std::uint32_t>> missed) {
+  std::size_t added = 0;
+  for (std::size_t order = 2; order <= 4; ++order) {
+    std::set<std::vector<std::uint32_t>> exact, subsets;
+    for (const std::vector<std::uint32_t>& controls : missed)
+      for (std::uint32_t chosen = 1; chosen < 1u << controls.size(); ++chosen) {
+        std::vector<std::uint32_t> subset;
+        for (std::size_t k = 0; k < controls.size(); ++k)
+          if (chosen >> k & 1) subset.push_back(controls[k]);
+        if (subset.size() == order && !has(subset)) (subset == controls ? exact : subsets).insert(subset);
+      }
+    std::vector<Candidate> all;
+    for (const std::vector<std::uint32_t>& controls : subsets)
+      if (!exact.contains(controls)) all.emplace_back().controls = controls;
+    rank("ranking subsets of missed correctives", all, 2);
+    // Those missed may act inside the ranges only, where ranking does not look.
+    for (const std::vector<std::uint32_t>& controls : exact) all.emplace_back().controls = controls;
+    added += fit_all(std::move(all));
+  }
+  return added;
 }
 
 std::vector<Corrective> CorrectiveSearch::prune() {

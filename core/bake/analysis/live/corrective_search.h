@@ -27,6 +27,12 @@ class CorrectiveSearch {
   // Adds at most `most` correctives of `order` controls, 2 first, then 3, then 4.
   void find(std::size_t order, std::size_t most);
 
+  // Adds correctives of exactly these controls (two to four each, ascending), and of those subsets of them that are
+  // above the tolerance, where there are none yet. Returns how many could be fitted.
+  std::size_t add(std::span<const std::vector<std::uint32_t>> missed);
+  // Whether there is a corrective of exactly these controls, ascending.
+  bool has(const std::vector<std::uint32_t>& controls) const;
+
   // A control of a corrective, and the pose in which the corrective fitted is furthest from the rig.
   struct Misfit {
     std::uint32_t control = 0;
@@ -69,6 +75,10 @@ class CorrectiveSearch {
   // Returns how many were ranked.
   std::size_t rank_in_batches(std::vector<Candidate>& candidates, std::size_t most);
   static bool stronger(const Candidate& a, const Candidate& b) { return a.energy > b.energy; }
+  // Sets energy and distance from differences at the points of its grid.
+  void weigh(Candidate& candidate, std::span<const std::vector<float>> differences) const;
+  // Fits the candidates, and adds those that can be fitted to the base. Returns how many.
+  std::size_t fit_all(std::vector<Candidate> candidates);
   void set_pose(const Candidate& candidate, const GridPoint& point, std::span<float> pose) const;
   std::vector<std::uint32_t> composed_features(const Candidate& candidate, std::vector<Feature>& features) const;
   void fit(Candidate& candidate, std::span<const GridPoint> points,
