@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/analysis/activation_curve.h"
+#include "bake/analysis/live/pose_reduction.h"
 #include "base/random.h"
 #include "base/status.h"
 
@@ -16,62 +17,6 @@ constexpr std::size_t poses_per_control = 4, most_poses = 512;   // dense ones o
 constexpr std::size_t poses_per_wave = 8, waves = 4;             // reduced in a round
 constexpr std::uint32_t fewest_controls = 2, most_controls = 8;  // of a sparse pose
 constexpr float least_motion = 1e-4f;  // over D: vertices by which sparse poses choose their controls
-
-// A pose that the base is off in.
-struct MissedPose {
-  std::vector<float> pose;
-  std::uint32_t vertex = 0;
-  double residual = 0;  // distance at that vertex, rig units
-  bool reduced = false;
-};
-
-std::vector<std::uint32_t> active_controls(std::span<const float> pose, std::span<const float> rest) {
-  std::vector<std::uint32_t> active;
-  for (std::uint32_t c = 0; c < pose.size(); ++c)
-    if (pose[c] != rest[c]) active.push_back(c);
-  return active;
-}
-
-// Sets controls of a pose back to rest, in ever smaller chunks, while its residual stays.
-class Reduction {
- public:
-  // `order`: the active controls, those to set back first before the others.
-  Reduction(MissedPose& missed, std::vector<std::uint32_t> order, std::span<const float> rest)
-      : missed_(missed), active_(std::move(order)), rest_(rest), chunk_(std::max<std::size_t>(active_.size() / 2, 1)) {}
-
-  bool done() const { return done_ || active_.size() < 2; }
-  std::uint32_t vertex() const { return missed_.vertex; }
-
-  void fill(std::span<float> pose) const {
-    std::copy(missed_.pose.begin(), missed_.pose.end(), pose.begin());
-    for (std::size_t k = at_; k < end(); ++k) pose[active_[k]] = rest_[active_[k]];
-  }
-
-  // `residual`: of the pose filled last, at the vertex.
-  void advance(double residual) {
-    if (residual >= missed_.residual / 2) {
-      for (std::size_t k = at_; k < end(); ++k) missed_.pose[active_[k]] = rest_[active_[k]];
-      active_.erase(active_.begin() + std::ptrdiff_t(at_), active_.begin() + std::ptrdiff_t(end()));
-      changed_ = true;
-    } else {
-      at_ += chunk_;
-    }
-    if (at_ < active_.size()) return;
-    done_ = chunk_ == 1 && !changed_;
-    chunk_ = std::max<std::size_t>(std::min(chunk_, active_.size()) / 2, 1);
-    at_ = 0;
-    changed_ = false;
-  }
-
- private:
-  std::size_t end() const { return std::min(at_ + chunk_, active_.size()); }
-
-  MissedPose& missed_;
-  std::vector<std::uint32_t> active_;
-  std::span<const float> rest_;
-  std::size_t chunk_, at_ = 0;
-  bool changed_ = false, done_ = false;
-};
 
 class MissedCorrectives {
  public:
@@ -93,10 +38,10 @@ class MissedCorrectives {
       const std::vector<std::vector<float>> poses = draw_poses();
       if (rig_.remaining() < poses.size()) break;
       ++rounds_;
-      std::vector<MissedPose> worst = evaluate(poses);
+      std::vector<BadPose> worst = evaluate(poses);
       left_.clear();
       if (worst.empty()) break;
-      const std::vector<MissedPose> reduced = reduce_worst(std::move(worst));
+      const std::vector<BadPose> reduced = reduce_worst(std::move(worst));
       left_ = reduced[0].pose;
       const std::size_t added = add(reduced);
       added_ += added;
@@ -164,8 +109,8 @@ class MissedCorrectives {
   }
 
   // Those of the poses that are off by more than the bound, the worst first.
-  std::vector<MissedPose> evaluate(const std::vector<std::vector<float>>& poses) {
-    std::vector<MissedPose> evaluated(poses.size());
+  std::vector<BadPose> evaluate(const std::vector<std::vector<float>>& poses) {
+    std::vector<BadPose> evaluated(poses.size());
     EvaluationStage stage(progress_, "looking for missed correctives", poses.size());
     rig_.evaluate_each(
         poses.size(), stage,
@@ -182,38 +127,38 @@ class MissedCorrectives {
           }
         });
     largest_ = 0;
-    for (const MissedPose& pose : evaluated) largest_ = std::max(largest_, pose.residual);
-    std::erase_if(evaluated, [&](const MissedPose& pose) {
+    for (const BadPose& pose : evaluated) largest_ = std::max(largest_, pose.residual);
+    std::erase_if(evaluated, [&](const BadPose& pose) {
       return pose.residual <= bound * options_.corrective_tolerance * rig_.diagonal();
     });
     std::stable_sort(evaluated.begin(), evaluated.end(),
-                     [](const MissedPose& a, const MissedPose& b) { return a.residual > b.residual; });
+                     [](const BadPose& a, const BadPose& b) { return a.residual > b.residual; });
     return evaluated;
   }
 
-  bool contains(const MissedPose& pose, std::span<const std::uint32_t> controls) const {
+  bool contains(const BadPose& pose, std::span<const std::uint32_t> controls) const {
     return std::all_of(controls.begin(), controls.end(),
                        [&](std::uint32_t c) { return pose.pose[c] != rig_.rest_pose()[c]; });
   }
 
   // Reduces the worst poses, several at once at different vertices; then those without the controls found by then.
-  std::vector<MissedPose> reduce_worst(std::vector<MissedPose> worst) {
-    std::stable_partition(worst.begin() + 1, worst.end(), [&](const MissedPose& pose) {
+  std::vector<BadPose> reduce_worst(std::vector<BadPose> worst) {
+    std::stable_partition(worst.begin() + 1, worst.end(), [&](const BadPose& pose) {
       return std::none_of(futile_.begin(), futile_.end(),
                           [&](const auto& controls) { return contains(pose, controls); });
     });
-    std::vector<MissedPose> reduced;
+    std::vector<BadPose> reduced;
     for (std::size_t wave = 0; wave < waves && !worst.empty(); ++wave) {
-      std::vector<MissedPose> chosen, others;
-      for (MissedPose& pose : worst) {
+      std::vector<BadPose> chosen, others;
+      for (BadPose& pose : worst) {
         const bool taken = std::any_of(chosen.begin(), chosen.end(),
-                                       [&](const MissedPose& other) { return other.vertex == pose.vertex; });
+                                       [&](const BadPose& other) { return other.vertex == pose.vertex; });
         (taken || chosen.size() == poses_per_wave ? others : chosen).push_back(std::move(pose));
       }
       reduce(chosen);
-      for (MissedPose& pose : chosen) {
+      for (BadPose& pose : chosen) {
         const std::vector<std::uint32_t> controls = active_controls(pose.pose, rig_.rest_pose());
-        if (pose.reduced) std::erase_if(others, [&](const MissedPose& other) { return contains(other, controls); });
+        if (pose.reduced) std::erase_if(others, [&](const BadPose& other) { return contains(other, controls); });
         reduced.push_back(std::move(pose));
       }
       worst = std::move(others);
@@ -221,11 +166,11 @@ class MissedCorrectives {
     return reduced;
   }
 
-  void reduce(std::vector<MissedPose>& poses) {
+  void reduce(std::vector<BadPose>& poses) {
     const std::size_t vertices = rig_.coordinate_count() / 3;
-    std::vector<Reduction> reductions;
+    std::vector<PoseReduction> reductions;
     std::uint64_t total = 0;
-    for (MissedPose& pose : poses) {
+    for (BadPose& pose : poses) {
       std::vector<std::uint32_t> order = active_controls(pose.pose, rig_.rest_pose());
       std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
         return motion_[a * vertices + pose.vertex] < motion_[b * vertices + pose.vertex];
@@ -235,8 +180,8 @@ class MissedCorrectives {
     }
     EvaluationStage stage(progress_, "reducing poses with missed correctives", total);
     for (;;) {
-      std::vector<Reduction*> open;
-      for (Reduction& reduction : reductions)
+      std::vector<PoseReduction*> open;
+      for (PoseReduction& reduction : reductions)
         if (!reduction.done()) open.push_back(&reduction);
       if (open.empty() || rig_.remaining() < open.size()) break;
       std::vector<double> residuals(open.size());
@@ -252,13 +197,13 @@ class MissedCorrectives {
 
   // Adds correctives of the controls that have none. Others, and those that cannot be fitted, are reduced last from
   // now on. Returns how many were added.
-  std::size_t add(std::span<const MissedPose> reduced) {
+  std::size_t add(std::span<const BadPose> reduced) {
     std::vector<std::vector<std::uint32_t>> missed;
     const auto listed = [](const std::vector<std::vector<std::uint32_t>>& list,
                            const std::vector<std::uint32_t>& controls) {
       return std::find(list.begin(), list.end(), controls) != list.end();
     };
-    for (const MissedPose& pose : reduced) {
+    for (const BadPose& pose : reduced) {
       if (!pose.reduced) continue;
       const std::vector<std::uint32_t> controls = active_controls(pose.pose, rig_.rest_pose());
       if (listed(futile_, controls) || listed(missed, controls)) continue;
