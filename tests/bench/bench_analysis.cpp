@@ -73,7 +73,7 @@ void measure(fb::bake::RigEvaluator& source, const std::vector<fb::bake::Clip>& 
       }
       frames += static_cast<double>(count);
     }
-  std::printf("%-18s mse %.3e  rms %.2e  max %.4f  (%.0f frames)\n", name,
+  std::printf("%-18s mse %.3e  rms %.2e  max %.2e  (%.0f frames)\n", name,
               squares / (frames * static_cast<double>(size) / 3) / (diagonal * diagonal),
               std::sqrt(squares / (frames * static_cast<double>(size) / 3)) / diagonal, std::sqrt(worst) / diagonal,
               frames);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -49,7 +50,11 @@ class Comparison {
     });
   }
 
-  PackedModel& model() { return model_; }
+  const PackedModel& model() const { return model_; }
+  PackedModel& edit_model() {
+    face_.reset();
+    return model_;
+  }
   const std::vector<Control>& controls() const { return rig_.schema().controls; }
   const Pose& rest() const { return rig_.rest_pose(); }
   double diagonal() const { return rig_.diagonal(); }
@@ -111,8 +116,8 @@ class Comparison {
   // Calls visit(pose, points of the rig, points of the archive), in order.
   template <class Visit>
   void each(const std::vector<Pose>& poses, const Visit& visit) {
-    const runtime::Evaluator face(model_);
-    runtime::Workspace work(face);
+    if (!face_) face_.emplace(model_);
+    runtime::Workspace work(*face_);
     const std::size_t size = rig_.coordinate_count();
     std::vector<float> points, predicted(size);
     for (std::size_t first = 0; first < poses.size(); first += block) {
@@ -122,13 +127,14 @@ class Comparison {
       points.resize(count * size);
       rig_.evaluate(values, count, points);
       for (std::size_t i = 0; i < count; ++i) {
-        face.evaluate(poses[first + i].data(), predicted.data(), work);
+        face_->evaluate(poses[first + i].data(), predicted.data(), work);
         visit(first + i, std::span<const float>(points).subspan(i * size, size), std::span<const float>(predicted));
       }
     }
   }
 
   PackedModel model_;
+  std::optional<runtime::Evaluator> face_;  // of the model as it is
   RigEvaluator& rig_;
   std::vector<std::vector<std::uint8_t>> moved_;
 };
@@ -292,7 +298,7 @@ void find_removed(Comparison& face, std::size_t count, std::uint64_t seed) {
     std::swap(removed[i - 1], removed[random.below(static_cast<std::uint32_t>(i))]);
   removed.resize(std::min(count, removed.size()));
   count = removed.size();
-  for (const Removable& one : removed) set_shapes(face.model(), one, nullptr);
+  for (const Removable& one : removed) set_shapes(face.edit_model(), one, nullptr);
   std::size_t round = 0;
   for (; round < removal_rounds && !removed.empty(); ++round) {
     std::vector<BadPose> worst;
@@ -309,7 +315,7 @@ void find_removed(Comparison& face, std::size_t count, std::uint64_t seed) {
         return std::equal(controls.begin(), controls.end(), one.controls.begin(), one.controls.end());
       });
       if (found == removed.end()) continue;
-      set_shapes(face.model(), *found, &whole);
+      set_shapes(face.edit_model(), *found, &whole);
       removed.erase(found);
     }
   }
