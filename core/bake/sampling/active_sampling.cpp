@@ -20,15 +20,20 @@ namespace {
 constexpr std::size_t poses_per_call = 1000;  // of the ensemble
 constexpr std::size_t stratum_count = 10;
 
-// Hash of the controls that are strongly active and of their ends: poses that share it are near-duplicates.
+// Hash of the controls that are nearly as active as the most active one, and of their ends: poses that share it are
+// near-duplicates.
 std::uint64_t strong_activation_hash(const RigSchema& schema, std::span<const float> pose) {
-  std::vector<std::uint64_t> ends;
+  std::vector<float> shares(pose.size());
   for (std::size_t c = 0; c < pose.size(); ++c) {
     const Control& control = schema.controls[c];
     const float away = pose[c] - control.rest,
                 room = away < 0 ? control.minimum - control.rest : control.maximum - control.rest;
-    if (room != 0 && away / room >= strong_activation) ends.push_back(2 * c + (away > 0));
+    if (room != 0) shares[c] = away / room;
   }
+  const float least = strong_activation * *std::max_element(shares.begin(), shares.end());
+  std::vector<std::uint64_t> ends;
+  for (std::size_t c = 0; c < pose.size(); ++c)
+    if (shares[c] > 0 && shares[c] >= least) ends.push_back(2 * c + (pose[c] > schema.controls[c].rest));
   return hash64_of<std::uint64_t>(ends);
 }
 

@@ -21,7 +21,7 @@ struct ControlGroup {
 std::vector<ControlGroup> control_groups(const RigSchema& schema);
 
 // How a rig responds to each control alone: at 0, 1/4, ... 1 of its range, the others at rest; where the rig's budget
-// is below 8 poses a control, at both ends only. All distances are root mean squares over (at most a thousand)
+// is below 20 poses a control, at both ends only. All distances are root mean squares over (at most a thousand)
 // vertices, over the diagonal.
 class ControlResponses {
  public:
