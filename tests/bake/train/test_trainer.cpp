@@ -589,6 +589,7 @@ TEST_CASE("an input whose scale is 0 is not learnt from, and scales fit the inpu
   task.set.input_scales = scales;
   const std::vector<DenseLayer> layers = train_layers(task.set, plan_of(3), silent_progress()).layers;
   for (std::size_t o = 0; o < layers[0].outputs; ++o) CHECK(layers[0].weights[5 * o + 2] == 0);
+  task.set.input_scales = std::span(scales).first(4);
   CHECK_THROWS_WITH(train_layers(task.set, plan_of(1), silent_progress()), doctest::Contains("4 scales for 5 inputs"));
 }
 
