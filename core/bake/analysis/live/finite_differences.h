@@ -23,7 +23,7 @@ struct DenseDifferences {
   std::size_t poses = 0;
 };
 
-// 16 to 64 differences of each control, 64 where the dense poses take little memory; fewer where the budget asks for
+// 16 differences of each control; fewer where the budget asks for
 // it.
 DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Progress& progress);
 
