@@ -158,7 +158,7 @@ void ControlResponses::measure(const Source& rig, std::size_t control, const flo
       const double d = double(here[i]) - rest[i];
       moved += d * d;
       if (k == 0 || k + 1 == values) continue;
-      const double second = double(here[i - size]) - 2 * double(here[i]) + here[i + size];
+      const double second = double((here - size)[i]) - 2 * double(here[i]) + (here + size)[i];
       bent += second * second;
     }
     motion_[control] = std::max(motion_[control], root_mean(moved));
