@@ -66,7 +66,7 @@ class HostProgress final : public Progress {
 
   fb_callbacks callbacks_;
   std::mutex mutex_;
-  std::string stage_;
+  std::string stage_ = "starting";  // until the first begins
   std::uint64_t done_ = 0, total_ = 0;
   std::atomic<std::chrono::steady_clock::rep> reported_ = 0;  // time of the last report
   std::atomic<bool> cancelled_ = false;
