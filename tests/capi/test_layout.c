@@ -88,7 +88,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 160);
+  assert_int_equal(sizeof(fb_rig), 168);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -113,6 +113,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, uvs, 136);
   assert_at(fb_rig, uv_corners, 144);
   assert_at(fb_rig, preferred_block, 152);
+  assert_at(fb_rig, version, 160);
 }
 
 static void layout_of_sources(void** state) {

@@ -98,6 +98,10 @@ typedef struct fb_rig {
                                  between them. 0, or a struct_size that ends before it: any number will do, and calls
                                  of slow rigs take a fifth of a second */
   uint32_t reserved_block;    /**< 0 */
+  const char* version;        /**< a text that changes when evaluate gives other positions, so that what was evaluated
+                                 before is not taken for its answers: data beside a plugin has changed, or what a
+                                 server behind it does. A plugin's own file is known by its bytes. Null, or a
+                                 struct_size that ends before it: none */
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */

@@ -27,6 +27,7 @@ class MergedSource final : public Source {
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
   std::size_t preferred_block() const override { return live_ ? live_->preferred_block() : 0; }
   std::string version() const override { return live_ ? live_->version() : ""; }
+  std::uint64_t program_hash() const override { return live_ ? live_->program_hash() : 0; }
   bool recorded(std::size_t clip) const override;
   std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 

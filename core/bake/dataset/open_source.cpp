@@ -13,6 +13,8 @@
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
 #include "bake/rig_process/process_source.h"
+#include "base/file.h"
+#include "base/hash.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 
@@ -46,20 +48,26 @@ std::vector<fs::path> rig_folders() {
   return folders;
 }
 
+// The plugin of the built-in face; "" where it is missing.
+std::string sample_file() {
+  for (const fs::path& folder : rig_folders())
+    if (const fs::path file = folder / "librig_sample.so"; fs::is_regular_file(file)) return file.string();
+  return "";
+}
+
 OpenedSource open_sample() {
+  const std::string file = sample_file();
+  if (!file.empty()) return open_rig_plugin(file);
   std::string looked;
-  for (const fs::path& folder : rig_folders()) {
-    const fs::path file = folder / "librig_sample.so";
-    if (fs::is_regular_file(file)) return open_rig_plugin(file.string());
-    looked += "\n  " + shown(folder);
-  }
+  for (const fs::path& folder : rig_folders()) looked += "\n  " + shown(folder);
   fail(Status::not_found, "the sample face (librig_sample.so) is in none of%s", looked.c_str());
 }
 
 // A rig in children: a command, or what `host` serves.
-OpenedSource open_in_children(const std::string& source, std::vector<std::string> arguments,
-                              const RigRunning& running) {
-  RigCommand command{source, std::move(arguments), std::max<std::size_t>(running.workers, 1), running.pose_seconds};
+OpenedSource open_in_children(const std::string& source, std::vector<std::string> arguments, const RigRunning& running,
+                              std::uint64_t program_hash) {
+  RigCommand command{source, std::move(arguments), std::max<std::size_t>(running.workers, 1), running.pose_seconds,
+                     program_hash};
   return std::make_unique<ProcessSource>(std::move(command), running.progress);
 }
 
@@ -67,9 +75,13 @@ OpenedSource open_in_children(const std::string& source, std::vector<std::string
 
 OpenedSource open_source(const std::string& source, const RigRunning& running) {
   if (source.starts_with(command_prefix))
-    return open_in_children(source, {"/bin/sh", "-c", source.substr(std::string_view(command_prefix).size())}, running);
-  if (running.workers > 0 && !fs::is_directory(source))
-    return open_in_children(source, {running.host, "rig-host", source}, running);
+    return open_in_children(source, {"/bin/sh", "-c", source.substr(std::string_view(command_prefix).size())}, running,
+                            hash64_of(std::span<const char>(source)));
+  if (running.workers > 0 && !fs::is_directory(source)) {
+    const std::string file = source == "sample" ? sample_file() : source;
+    const std::uint64_t hash = fs::is_regular_file(file) ? hash64(read_file(file)) : 0;
+    return open_in_children(source, {running.host, "rig-host", source}, running, hash);
+  }
   if (source == "sample") return open_sample();
   const fs::path path(source);
   if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", shown(source).c_str());

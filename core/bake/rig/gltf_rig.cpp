@@ -11,6 +11,7 @@
 #include "bake/rig/rig_source.h"
 #include "base/checked.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -298,7 +299,7 @@ OpenedSource open_gltf_rig(const std::string& path) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 31);
   return with_context(shown(path), [&] {
     const auto rig = GltfRigReader(bytes).read(std::filesystem::path(path).stem().string());
-    return std::make_unique<RigSource>(rig->rig, rig, rig->notes);
+    return std::make_unique<RigSource>(rig->rig, rig, rig->notes, hash64(bytes));
   });
 }
 

@@ -8,9 +8,10 @@
 namespace fb::bake {
 namespace {
 
-// Size of an fb_rig that ends with what the rig prefers, and with texture coordinates.
+// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, and with its version.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
-                      rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block);
+                      rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
+                      rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -140,6 +141,7 @@ RigDescription describe(const fb_rig& rig) {
   reader.check_rules([&] { check_clips(description.clips); });
   if (rig.struct_size >= rig_with_block)
     description.preferred_block = std::min<std::size_t>(rig.preferred_block, most_preferred_poses);
+  if (rig.struct_size >= rig_with_version && rig.version) description.version = rig.version;
   return description;
 }
 

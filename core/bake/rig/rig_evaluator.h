@@ -68,6 +68,7 @@ class RigEvaluator final : public Source {
   std::size_t preferred_block() const override { return source_.preferred_block(); }
   std::string version() const override { return source_.version(); }
   bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
+  std::uint64_t program_hash() const override { return source_.program_hash(); }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
 
   // Evaluates every pose, whatever the cache holds. Fails with invalid_argument, evaluating nothing, if a budget does

@@ -7,6 +7,8 @@
 #include "bake/rig/foreign_call.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/rig_source.h"
+#include "base/file.h"
+#include "base/hash.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -62,7 +64,7 @@ OpenedSource open_rig_plugin(const std::string& path) {
          message[0] ? message.data() : format("status %d without a message", status).c_str());
   plugin->opened = true;
   try {
-    return std::make_unique<RigSource>(plugin->rig, plugin);
+    return std::make_unique<RigSource>(plugin->rig, plugin, std::vector<std::string>{}, hash64(read_file(file)));
   } catch (const Error& error) {
     fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
   }

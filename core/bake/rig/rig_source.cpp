@@ -37,12 +37,14 @@ Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float*
 
 }  // namespace
 
-RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::vector<std::string> notes)
+RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::vector<std::string> notes,
+                     std::uint64_t program_hash)
     : rig_(rig),
       owner_(std::move(owner)),
       description_(describe(rig)),
       diagonal_(description_.rest.diagonal()),
-      notes_(std::move(notes)) {
+      notes_(std::move(notes)),
+      program_hash_(program_hash) {
   check_rest_pose(*this);
 }
 

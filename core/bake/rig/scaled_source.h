@@ -33,6 +33,7 @@ class ScaledSource final : public Source {
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
   std::size_t preferred_block() const override { return source_.preferred_block(); }
   std::string version() const override { return source_.version(); }
+  std::uint64_t program_hash() const override { return source_.program_hash(); }
   bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
   std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 

@@ -82,8 +82,11 @@ class Source {
   // Poses that a call of evaluate should have, at most most_preferred_poses, for a rig that works on several at once;
   // 0: any number will do.
   virtual std::size_t preferred_block() const { return 0; }
-  // A text that changes when the rig's deformation does; "" where the rig has none.
+  // A text that changes when the rig's deformation does; "" where the rig declares none.
   virtual std::string version() const { return {}; }
+  // A hash of the program that evaluates poses, as far as it is known: of a plugin's file, of a command's text; 0: of
+  // nothing. It is no part of dataset.json: a plugin compiled again goes on sampling.
+  virtual std::uint64_t program_hash() const { return 0; }
   // Whether `read` gives recorded points of a clip; otherwise it evaluates the clip's controls.
   virtual bool recorded(std::size_t) const { return !live(); }
   // What evaluates blocks of poses for a RigEvaluator: by default a ThreadBackend. This source must outlive it.

@@ -26,7 +26,7 @@ class ProcessBackend final : public EvaluationBackend {
 }  // namespace
 
 ProcessSource::ProcessSource(RigCommand command, Progress* progress)
-    : workers_(std::move(command), progress), opening_(progress) {
+    : program_hash_(command.program_hash), workers_(std::move(command), progress), opening_(progress) {
   check_rest_pose(*this);
   opening_ = nullptr;
 }

@@ -23,9 +23,11 @@ class ProcessSource final : public Source {
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
   std::size_t preferred_block() const override;
   std::string version() const override { return workers_.description().version; }
+  std::uint64_t program_hash() const override { return program_hash_; }
   std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 
  private:
+  const std::uint64_t program_hash_;
   RigWorkers workers_;
   Progress* opening_;  // asked by evaluate while this is constructed
 };

@@ -24,6 +24,7 @@ struct RigCommand {
   std::vector<std::string> arguments;  // the program and its arguments
   std::size_t workers = 1;             // children at once, at least 1
   double pose_seconds = 60;            // a pose that takes longer hangs; a start may take five times as long
+  std::uint64_t program_hash = 0;      // see Source::program_hash
 };
 
 // Child processes that evaluate the poses of one rig at once; all are driven by the calling thread. They are started

@@ -185,6 +185,8 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("double clip") faulty_clips[1].name = "talk";
   FAULT("clip kind") faulty_clips[1].kind = 5;
   FAULT("clip split") faulty_clips[1].split = -1;
+  FAULT("version") rig->version = "12b";
+  FAULT("version beyond an older struct") rig->version = "12b", rig->struct_size = offsetof(fb_rig, version);
   FAULT("clip fps") faulty_clips[1].fps = 0;
   FAULT("clip empty") faulty_clips[1].frames = 0;
   FAULT("clip null") faulty_clips[1].controls = NULL;

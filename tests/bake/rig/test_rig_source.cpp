@@ -6,6 +6,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/sampling.h"
 #include "bake_test_support.h"
+#include "base/hash.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -22,6 +23,16 @@ TEST_CASE("a rig may say how many poses a call should have") {
   CHECK(open_faulty_rig("preferred block").get()->preferred_block() == 7);
   CHECK(open_faulty_rig("huge preferred block").get()->preferred_block() == most_preferred_poses);
   CHECK(open_faulty_rig("preferred block beyond an older struct").get()->preferred_block() == 0);
+}
+
+TEST_CASE("a rig may declare a version, and its program is known by its bytes") {
+  CHECK(open_toy().get()->version().empty());
+  CHECK(open_faulty_rig("version").get()->version() == "12b");
+  CHECK(open_faulty_rig("version beyond an older struct").get()->version().empty());
+  const OpenedSource toy = open_toy(), faulty = open_faulty_rig("version");
+  CHECK(toy->program_hash() == hash64(read_file(FB_TOY_RIG)));
+  CHECK(faulty->program_hash() != toy->program_hash());
+  CHECK(RigEvaluator(*toy).program_hash() == toy->program_hash());
 }
 
 TEST_CASE("a plugin is loaded with all it declares") {

@@ -91,6 +91,15 @@ TEST_CASE("what a child prints does not get into its answers, and it may prefer 
   }
 }
 
+TEST_CASE("a command is known by its text, a plugin in children by its bytes as in this process") {
+  const OpenedSource child = open_child(""), same = open_child("", {.workers = 2}), other = open_child("version");
+  CHECK(child->program_hash() != 0);
+  CHECK(same->program_hash() == child->program_hash());
+  CHECK(other->program_hash() != child->program_hash());
+  const OpenedSource hosted = open_source(FB_TOY_RIG, {.workers = 1, .host = FB_RIG_CHILD});
+  CHECK(hosted->program_hash() == open_toy().get()->program_hash());
+}
+
 TEST_CASE("the pose in which a child crashes, hangs or fails is found, and all others are kept") {
   const struct {
     const char *fault, *message;
