@@ -23,6 +23,7 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, fb::Progress& progres
   options.force = desc.force != 0;
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
+  options.reuse = text_or_empty(desc.reuse);
   return options;
 }
 

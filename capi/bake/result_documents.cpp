@@ -249,6 +249,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"poses", baked.poses},
                     {"rig_calls", baked.rig_calls},
                     {"asked", baked.asked},
+                    {"reused", baked.reused},
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},

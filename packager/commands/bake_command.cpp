@@ -20,7 +20,7 @@ struct BakeCommand {
   BakeCommand() { fb_bake_desc_init(&desc); }
 
   std::vector<std::string> sources;
-  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, report, licence, created;
+  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, created;
   fb_bake_desc desc;
   Parallel parallel;
   RigOptions rigs;
@@ -45,6 +45,7 @@ std::string bake_text(const std::string& document) {
   table.add({"coefficients", count("coefficients")});
   table.add({"trained numbers", count("parameters")});
   table.add({"training, seconds", format("%.1f", figures.at("train_seconds").get<double>())});
+  if (figures.at("reused") > 0) table.add({"evaluations reused", count("reused")});
   if (const nlohmann::json& held = figures.at("held_back"); held.is_object())
     table.add({"poses held back, mse", format("%.2e", held.at("mse").get<double>())});
   table.add({"rounding, mse", format("%.2e", quantisation.at("mse").get<double>())});
@@ -72,6 +73,7 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
   desc.created = created.empty() ? nullptr : created.c_str();
   desc.work = work.empty() ? nullptr : work.c_str();
+  desc.reuse = reuse.empty() ? nullptr : reuse.c_str();
   desc.measure = report.empty() ? 0 : FB_MEASURE_QUALITY | FB_MEASURE_LOCALITY;
   desc.callbacks = callbacks;
   facebaker::Report baked = facebaker::bake(desc);
@@ -131,6 +133,10 @@ void add_bake(CLI::App& tool) {
   app->add_option("--work", command->work,
                   "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                   "removed once the archive is complete")
+      ->type_name("DIR");
+  app->add_option("--reuse", command->reuse,
+                  "Work folder of an earlier bake: what the rig answered then and still holds after an edit is taken "
+                  "over, checked on a sample")
       ->type_name("DIR");
   add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
   add_learning_curve(*app, command->learning_curve);

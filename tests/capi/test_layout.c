@@ -181,7 +181,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, callbacks, 80);
   assert_at(fb_sample_desc, skip_failing, 104);
 
-  assert_int_equal(sizeof(fb_bake_desc), 152);
+  assert_int_equal(sizeof(fb_bake_desc), 160);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -202,6 +202,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, created, 112);
   assert_at(fb_bake_desc, work, 120);
   assert_at(fb_bake_desc, callbacks, 128);
+  assert_at(fb_bake_desc, reuse, 152);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

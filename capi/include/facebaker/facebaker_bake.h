@@ -234,6 +234,10 @@ typedef struct fb_bake_desc {
   const char* work; /**< folder that keeps what makes resuming possible; null (default): "<archive>.work", removed
                        once the archive is whole */
   fb_callbacks callbacks;
+  const char* reuse; /**< work folder of an earlier bake, whose source was an earlier version of this one, with the same
+                        controls and polygons: what was evaluated then is taken over as far as it still holds, checked
+                        on a sample, and counts against no budget. Null (default), or a struct_size that ends before
+                        it: none */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

@@ -14,6 +14,8 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
+#include "bake/rig/changed_rig.h"
+#include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
 #include "base/file.h"
 #include "base/keep_asking.h"
@@ -134,10 +136,26 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   for (const ControlError& error : unlearnt_controls(baked.controls)) warn(baked, warning_of(error), progress);
 }
 
+// Takes over evaluations of an earlier bake, as the options say. Returns how many poses were evaluated to check them;
+// nothing where none were taken over.
+std::optional<std::uint64_t> reuse(Source& source, const BakeOptions& options, Progress& progress) {
+  if (options.reuse.empty()) return std::nullopt;
+  if (!source.live())
+    fail(Status::invalid_argument, "\"%s\" is a recording: it has no evaluations to reuse",
+         source.schema().name.c_str());
+  RigEvaluator evaluator(source, options.parallel);
+  if (!reuse_evaluations(evaluator, options.reuse / evaluations_name, options.work / evaluations_name, options.seed,
+                         progress))
+    return std::nullopt;
+  return evaluator.evaluated();
+}
+
 // bake_face, of a face of ordinary size.
 Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progress) {
   const Recipe& recipe = checked_recipe(options);
+  const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
+  if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   std::unique_ptr<Source> sampled;
   if (source.live())
     sampled = sample_poses(evaluator, options, SampledSplits::training, recipe.evaluates_rig, progress);
@@ -158,7 +176,8 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
-  baked.rig_calls = evaluator.evaluated();
+  baked.rig_calls = checked.value_or(0) + evaluator.evaluated();
+  if (const EvaluationCache* cache = evaluator.cache()) baked.reused = cache->reused_poses().size();
   baked.asked = evaluator.requested();
   return baked;
 }

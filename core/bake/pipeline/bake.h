@@ -32,6 +32,7 @@ struct Baked {
   std::size_t poses = 0;         // trained on
   std::uint64_t rig_calls = 0;   // poses a live rig evaluated in this call
   std::uint64_t asked = 0;       // different poses asked of it in order to learn: what the rig budget limits
+  std::uint64_t reused = 0;      // evaluations of an earlier bake that were taken over, see BakeOptions::reuse
   std::size_t coefficients = 0;  // columns of the basis
   std::size_t parameters = 0;    // trained numbers
   double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done

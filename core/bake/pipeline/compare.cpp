@@ -9,6 +9,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
+#include "bake/rig/changed_rig.h"
 #include "bake/rig/scaled_source.h"
 #include "base/output_lock.h"
 #include "base/status.h"
@@ -120,6 +121,7 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
                                Progress& progress) {
   std::unique_ptr<Source> recorded;
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
+  check_rig_unchanged(evaluator, options.seed, options.work, progress);
   const auto evaluating = static_cast<std::size_t>(std::count_if(
       methods.begin(), methods.end(), [](const std::string& method) { return find_recipe(method).evaluates_rig; }));
   if (source.live())

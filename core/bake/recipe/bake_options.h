@@ -41,6 +41,9 @@ struct BakeOptions {
   // missing; a later bake with the same options goes on from what is there, and with another target does not train
   // again.
   std::filesystem::path work;
+  // Work folder of an earlier bake, of an earlier version of the rig, whose evaluations are taken over as far as they
+  // still hold, see reuse_evaluations; empty: none.
+  std::filesystem::path reuse;
 };
 
 // Whether the options have a target of bytes or error.

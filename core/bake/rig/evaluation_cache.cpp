@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "bake/rig/content_hash.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/shown_path.h"
@@ -13,12 +12,26 @@
 namespace fb::bake {
 namespace {
 
-using Header = std::array<std::uint64_t, 2>;                    // format, rig
-constexpr std::uint64_t format_number = 0x3130'6c61'7665'6266;  // "fbeval01"
+constexpr std::uint64_t format_number = 0x3230'6c61'7665'6266;  // "fbeval02"
+constexpr std::uint64_t most_text = std::uint64_t{1} << 26;
+
+// Then a text of so many bytes: the rig's identity.
+struct Header {
+  std::uint64_t format = format_number, hash = 0, text_bytes = 0;
+};
+
+struct RecordHeader {
+  std::uint64_t hash = 0;
+  EvaluationCache::Origin origin = EvaluationCache::Origin::evaluated;
+};
+
+std::uint64_t hash_of(const std::string& text) {
+  return hash64_of(std::span<const char>(text));
+}
 
 // Reads values from byte `offset` on, which moves behind them. False at the end of the file.
 template <class Values>
-bool read(const InputFile& file, std::uint64_t& offset, Values&& values) {
+bool read_values(const InputFile& file, std::uint64_t& offset, Values&& values) {
   const auto bytes = std::as_writable_bytes(std::span(values));
   offset += bytes.size();
   return file.read_at(offset - bytes.size(), bytes) == bytes.size();
@@ -30,47 +43,82 @@ void write(std::ofstream& file, const Values& values) {
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
+// Moves `offset` behind the header. Nothing where there is none, or a damaged one.
+std::optional<RigIdentity> read_header(const InputFile& file, Header& header, std::uint64_t& offset) {
+  if (!read_values(file, offset, std::span(&header, 1)) || header.format != format_number) return std::nullopt;
+  if (header.text_bytes > std::min(most_text, file.size())) return std::nullopt;
+  std::string text(header.text_bytes, ' ');
+  if (!read_values(file, offset, text) || header.hash != hash_of(text)) return std::nullopt;
+  return identity_from(text);
+}
+
 }  // namespace
 
-EvaluationCache::EvaluationCache(std::filesystem::path path, const Source& rig)
+EvaluationCache::EvaluationCache(std::filesystem::path path, RigIdentity rig)
     : path_(std::move(path)),
-      rig_hash_(ContentHash().add(rig).value),
-      width_(rig.schema().control_count()),
-      size_(rig.rest().points.size()),
+      rig_(std::move(rig)),
+      width_(rig_.schema.control_count()),
+      size_(3 * rig_.vertices),
       found_(width_) {
   open_for_reading();
 }
 
-std::uint64_t EvaluationCache::record_bytes() const {
-  return sizeof(std::uint64_t) + (width_ + size_) * sizeof(float);
+std::optional<RigIdentity> EvaluationCache::rig_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return std::nullopt;
+  Header header;
+  std::uint64_t offset = 0;
+  return read_header(InputFile(path), header, offset);
 }
 
-std::uint64_t EvaluationCache::record_hash(std::span<const float> controls, std::span<const float> points) const {
-  return hash64_of(points, hash64_of(controls));
+std::uint64_t EvaluationCache::record_bytes() const {
+  return sizeof(RecordHeader) + (width_ + size_) * sizeof(float);
+}
+
+std::uint64_t EvaluationCache::record_hash(Origin origin, std::span<const float> controls,
+                                           std::span<const float> points) const {
+  return hash64_of(points, hash64_of(controls, static_cast<std::uint64_t>(origin)));
 }
 
 void EvaluationCache::open_for_reading() {
   std::error_code error;
   if (!std::filesystem::exists(path_, error)) return;
   reading_.emplace(path_);
-  Header header{};
-  std::uint64_t offset = 0;
-  if (!read(*reading_, offset, header) || header != Header{format_number, rig_hash_}) return reading_.reset();
-  record_count_ = (reading_->size() - sizeof header) / record_bytes();
+  Header header;
+  const std::optional<RigIdentity> rig = read_header(*reading_, header, header_bytes_);
+  if (!rig) return reading_.reset();
+  const auto differs = difference(*rig, rig_);
+  // Of another shape, records have another size.
+  if (!differs) record_count_ = (reading_->size() - header_bytes_) / record_bytes();
+  if (differs && reading_->size() > header_bytes_)
+    fail(Status::invalid_argument,
+         "%s: holds evaluations of another rig: %s. Bake into another folder; --reuse FOLDER, with the folder of this "
+         "file, takes over what still holds",
+         shown(path_).c_str(), differs->c_str());
+  if (differs) return reading_.reset();
   for (std::uint64_t record = 0; record < record_count_; ++record) {
-    offset = sizeof header + record * record_bytes() + sizeof(std::uint64_t);
-    if (read(*reading_, offset, found_)) records_[hash64_of<float>(found_)] = record;
+    std::uint64_t offset = header_bytes_ + record * record_bytes();
+    RecordHeader head;
+    if (!read_values(*reading_, offset, std::span(&head, 1)) || !read_values(*reading_, offset, found_)) continue;
+    const std::uint64_t hash = hash64_of<float>(found_);
+    records_[hash] = record;
+    if (head.origin == Origin::reused) reused_poses_.push_back(hash);
   }
+}
+
+bool EvaluationCache::read(std::uint64_t record, std::span<float> controls, std::span<float> points) {
+  if (!reading_) reading_.emplace(path_);
+  std::uint64_t offset = header_bytes_ + record * record_bytes();
+  RecordHeader head;
+  return read_values(*reading_, offset, std::span(&head, 1)) && read_values(*reading_, offset, controls) &&
+         read_values(*reading_, offset, points) && head.hash == record_hash(head.origin, controls, points);
 }
 
 bool EvaluationCache::find(std::span<const float> controls, std::span<float> points) {
   if (records_.empty()) return false;
   const auto known = records_.find(hash64_of(controls));
   if (known == records_.end()) return false;
-  if (!reading_) reading_.emplace(path_);
-  std::uint64_t hash = 0, offset = sizeof(Header) + known->second * record_bytes();
-  const bool whole = read(*reading_, offset, std::span(&hash, 1)) && read(*reading_, offset, found_) &&
-                     read(*reading_, offset, points) && hash == record_hash(found_, points);
+  const bool whole = read(known->second, found_, points);
   if (whole && std::equal(controls.begin(), controls.end(), found_.begin())) return true;
   if (!whole) records_.erase(known);
   return false;
@@ -81,17 +129,24 @@ void EvaluationCache::open_for_writing() {
   const bool fresh = record_count_ == 0;
   if (!fresh) {
     std::error_code failed;
-    std::filesystem::resize_file(path_, sizeof(Header) + record_count_ * record_bytes(), failed);
+    std::filesystem::resize_file(path_, header_bytes_ + record_count_ * record_bytes(), failed);
     if (failed) fail_writing();
   }
   writing_.open(path_, std::ios::binary | (fresh ? std::ios::trunc : std::ios::app));
-  if (fresh) write(writing_, Header{format_number, rig_hash_});
+  if (!fresh) return;
+  const std::string text = text_of(rig_);
+  Header header;
+  header.text_bytes = text.size();
+  header.hash = hash_of(text);
+  header_bytes_ = sizeof header + text.size();
+  write(writing_, std::span(&header, 1));
+  write(writing_, text);
 }
 
-void EvaluationCache::store(std::span<const float> controls, std::span<const float> points) {
+void EvaluationCache::store(std::span<const float> controls, std::span<const float> points, Origin origin) {
   if (!writing_.is_open()) open_for_writing();
-  const std::uint64_t hash = record_hash(controls, points);
-  write(writing_, std::span(&hash, 1));
+  const RecordHeader head{record_hash(origin, controls, points), origin};
+  write(writing_, std::span(&head, 1));
   write(writing_, controls);
   write(writing_, points);
   if (!writing_) fail_writing();

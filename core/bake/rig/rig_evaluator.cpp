@@ -46,7 +46,8 @@ RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> ba
       rest_pose_(source.schema().rest_pose()),
       diagonal_(source.rest().diagonal()) {
   known_.insert(hash64_of<float>(rest_pose_));
-  if (source.live() && !cache.empty()) cache_.emplace(cache, source);
+  if (source.live() && !cache.empty()) cache_.emplace(cache, identity_of(source));
+  if (cache_) known_.insert(cache_->reused_poses().begin(), cache_->reused_poses().end());
 }
 
 void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {

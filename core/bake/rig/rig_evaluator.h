@@ -42,7 +42,8 @@ class EvaluationStage {
 // A source whose evaluations are counted, kept within budgets, spread over a backend and, where the rig is slow, kept
 // in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
 // only `read` works, and nothing is counted. What counts against budgets are different poses: a pose asked for again
-// is free, whether it is kept or, of a quick rig, evaluated again. Frames of the rig's own clips are counted apart.
+// is free, whether it is kept or, of a quick rig, evaluated again, and so is one whose evaluation is reused. Frames of
+// the rig's own clips are counted apart.
 //
 // Where Parallel::progress is given, it is asked several times a second, in so far as a single pose, or the block that
 // the rig prefers, does not take longer: a slow rig is called with few poses at a time.
@@ -67,8 +68,8 @@ class RigEvaluator final : public Source {
   bool thread_safe() const override { return source_.thread_safe(); }
   std::size_t preferred_block() const override { return source_.preferred_block(); }
   std::string version() const override { return source_.version(); }
-  bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
   std::uint64_t program_hash() const override { return source_.program_hash(); }
+  bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
 
   // Evaluates every pose, whatever the cache holds. Fails with invalid_argument, evaluating nothing, if a budget does
@@ -77,6 +78,9 @@ class RigEvaluator final : public Source {
 
   // The same for frames of clips, which count against no budget.
   void evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points);
+
+  // What is kept in the file; null where there is none. Whoever reads it evaluates nothing meanwhile.
+  EvaluationCache* cache() { return cache_ ? &*cache_ : nullptr; }
 
   // Counts poses as requested that were evaluated before this object was made, such as those of a dataset. Fails as
   // evaluate does if a budget does not allow for them.

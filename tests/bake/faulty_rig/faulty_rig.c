@@ -75,6 +75,12 @@ static fb_status evaluate_slowly(void* user, uint64_t poses, const float* values
   return toy_evaluate(user, poses, values, positions, message, message_size);
 }
 
+static fb_status bulge_slowly(void* user, uint64_t poses, const float* values, float* positions, char* message,
+                              uint32_t message_size) {
+  evaluate_slowly(user, poses, values, positions, message, message_size);
+  return bulge_more(user, poses, values, positions, message, message_size);
+}
+
 /* Breaks when two threads are inside at once, which thread sanitizers see as well. */
 static fb_status count_calls(void* user, uint64_t poses, const float* values, float* positions, char* message,
                              uint32_t message_size) {
@@ -179,14 +185,14 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("huge preferred block") rig->preferred_block = UINT32_MAX;
   FAULT("preferred block beyond an older struct")
   rig->preferred_block = 7, rig->struct_size = offsetof(fb_rig, preferred_block);
+  FAULT("version") rig->version = "12b";
+  FAULT("version beyond an older struct") rig->version = "12b", rig->struct_size = offsetof(fb_rig, version);
   FAULT("null texture") give_uvs(rig, 3), rig->uvs = NULL;
   FAULT("texture corner") give_uvs(rig, 2);
   FAULT("null clips") rig->clips = NULL;
   FAULT("double clip") faulty_clips[1].name = "talk";
   FAULT("clip kind") faulty_clips[1].kind = 5;
   FAULT("clip split") faulty_clips[1].split = -1;
-  FAULT("version") rig->version = "12b";
-  FAULT("version beyond an older struct") rig->version = "12b", rig->struct_size = offsetof(fb_rig, version);
   FAULT("clip fps") faulty_clips[1].fps = 0;
   FAULT("clip empty") faulty_clips[1].frames = 0;
   FAULT("clip null") faulty_clips[1].controls = NULL;
@@ -199,6 +205,8 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("first pose only") rig->evaluate = first_pose_only;
   FAULT("slow") rig->evaluate = evaluate_slowly;
   FAULT("other shape") rig->evaluate = bulge_more;
+  FAULT("slow with a version") rig->flags = 0, rig->version = "1", rig->evaluate = evaluate_slowly;
+  FAULT("slow with another version") rig->flags = 0, rig->version = "2", rig->evaluate = bulge_slowly;
   FAULT("one thread only") rig->flags = 0, rig->evaluate = count_calls;
   else {
     snprintf(message, message_size, "there is no fault called %s", fault);

@@ -240,7 +240,7 @@ TEST_CASE("a cache that is a pipe is refused at once, not waited for") {
   CHECK(contains(failure(Status::io, [&] { RigEvaluator(rig, {}, pipe); }), "is no regular file"));
 }
 
-TEST_CASE("records that are cut off or damaged, and caches of another rig, are evaluated anew") {
+TEST_CASE("records that are cut off or damaged are evaluated anew, and caches of another rig are refused") {
   const Folder folder;
   const std::filesystem::path cache = folder / "evaluations";
   const std::vector<float> poses = random_poses(8), expected = truth(poses);
@@ -254,11 +254,12 @@ TEST_CASE("records that are cut off or damaged, and caches of another rig, are e
   CHECK(evaluated(CountingRig(true)) == 8);
   CHECK(evaluated(CountingRig(true)) == 0);
   const std::vector<std::byte> whole = read_file(cache);
+  const std::size_t header = whole.size() - 8 * (16 + 4 * (width + size));
   for (std::size_t at = 0; at < whole.size(); at += 97) {
     std::vector<std::byte> damaged = whole;
     damaged[at] ^= std::byte{4};
     write_file(cache, damaged);
-    CHECK(evaluated(CountingRig(true)) == (at < 16 ? 8 : 1));
+    CHECK(evaluated(CountingRig(true)) == (at < header ? 8 : 1));
     CHECK(evaluated(CountingRig(true)) == 0);
     write_file(cache, std::span(whole).first(at));
     CHECK(evaluated(CountingRig(true)) >= 1);
@@ -266,8 +267,11 @@ TEST_CASE("records that are cut off or damaged, and caches of another rig, are e
   }
   CountingRig other(true);
   other.edit_schema().controls[0].maximum = 2;
-  CHECK(evaluated(other) == 8);
-  CHECK(evaluated(CountingRig(true)) == 8);
+  CHECK(contains(
+      failure(Status::invalid_argument, [&] { evaluated(other); }),
+      "holds evaluations of another rig: the range of the control \"control0\" was -1 to 1, at rest 0 and is -1 "
+      "to 2, at rest 0"));
+  CHECK(evaluated(CountingRig(true)) == 0);
 }
 
 TEST_CASE("a slow rig is called with few poses at a time, so that Ctrl-C waits for a few, and loses none before them") {
