@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
   add_sample(tool);
   add_bake(tool);
   add_eval(tool);
+  add_diff(tool);
   add_compare(tool);
   add_inspect(tool);
   add_verify(tool);

@@ -11,6 +11,7 @@
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/face_difference.h"
 #include "bake/measure/locality.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/bake.h"
@@ -31,6 +32,9 @@ std::string eval_json(const std::string& archive, const bake::EvalReport& report
                       const std::optional<bake::Locality>& locality);
 std::string compare_json(const bake::CompareReport& report);
 std::string verify_json(const std::string& archive, const bake::VerifyReport& report);
+// `before`, `now`: paths of the archives.
+std::string diff_json(const std::string& before, const archive::Archive& old_archive, const std::string& now,
+                      const archive::Archive& new_archive, const bake::FaceDifference& difference);
 std::string pack_json(const std::string& archive, const std::string& out, const fb_pack_result& result);
 // total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.
 std::string inspect_json(const std::string& path, const archive::Archive& archive, std::uint64_t total_bytes,

@@ -69,6 +69,17 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
   });
 }
 
+fb_status fb_diff(const fb_archive* before, const fb_archive* now, fb_report** report) {
+  return abi_guard([&] {
+    require(before, "before");
+    require(now, "now");
+    auto made = std::make_unique<fb_report>();
+    made->json = diff_json(before->name, before->contents, now->name, now->contents,
+                           fb::bake::face_difference(before->contents.model, now->contents.model, {}));
+    hand_over(std::move(made), report);
+  });
+}
+
 fb_status fb_verify(const fb_archive* archive, fb_report** report) {
   return abi_guard([&] {
     require(archive, "archive");

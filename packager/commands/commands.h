@@ -12,6 +12,7 @@ namespace fb::tool {
 void add_sample(CLI::App& tool);
 void add_bake(CLI::App& tool);
 void add_eval(CLI::App& tool);
+void add_diff(CLI::App& tool);
 void add_compare(CLI::App& tool);
 void add_inspect(CLI::App& tool);
 void add_verify(CLI::App& tool);

@@ -186,6 +186,16 @@ static void an_archive_is_verified(void** state) {
   assert_int_equal(fb_verify(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
 }
 
+static void an_archive_is_compared_with_another(void** state) {
+  (void)state;
+  fb_report* report = NULL;
+  assert_ok(fb_diff(toy_face, toy_face, &report));
+  assert_contains(fb_report_json(report), "\"equal\": true");
+  fb_report_free(report);
+  assert_ok(fb_diff(toy_face, toy_face, NULL));
+  assert_int_equal(fb_diff(toy_face, NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
+}
+
 /* ---- pack ---- */
 
 static void an_archive_is_packed_again(void** state) {
@@ -347,6 +357,7 @@ int main(void) {
       cmocka_unit_test(an_archive_is_inspected),
       cmocka_unit_test(the_networks_of_an_archive_can_be_evaluated),
       cmocka_unit_test(an_archive_is_verified),
+      cmocka_unit_test(an_archive_is_compared_with_another),
       cmocka_unit_test(an_archive_is_packed_again),
       cmocka_unit_test(a_clip_from_a_file_is_posed),
       cmocka_unit_test(messages_keep_their_reason_however_long_a_path),

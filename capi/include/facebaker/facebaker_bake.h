@@ -305,6 +305,10 @@ static inline void fb_eval_desc_init(fb_eval_desc* to) {
  * where there is no such clip. */
 FB_API fb_status fb_eval(const fb_eval_desc* desc, fb_report** report);
 
+/** What has changed between two archives of one character, as the document of `diff`: controls, mesh, texts, and, where
+ * both have as many vertices, distances at rest, of each common control alone and in random poses, with places. */
+FB_API fb_status fb_diff(const fb_archive* before, const fb_archive* now, fb_report** report);
+
 /** Evaluates the poses of the archive's proof and compares them bit for bit. Fails with CORRUPT, naming pose and
  * vertex. `report` may be null. An archive without a proof is whole, with 0 poses in the report. */
 FB_API fb_status fb_verify(const fb_archive* archive, fb_report** report);

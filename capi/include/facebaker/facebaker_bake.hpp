@@ -246,6 +246,12 @@ inline Report inspect(const Archive& archive) {
   check(fb_inspect(archive.get(), &report));
   return Report(report);
 }
+/** Says what has changed between two archives; see fb_diff. */
+inline Report diff(const Archive& before, const Archive& now) {
+  fb_report* report = nullptr;
+  check(fb_diff(before.get(), now.get(), &report));
+  return Report(report);
+}
 /** Checks an archive against its proof; see fb_verify. */
 inline Report verify(const Archive& archive) {
   fb_report* report = nullptr;

@@ -1,0 +1,178 @@
+#include "bake/measure/face_difference.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "bake/measure/face_map.h"
+#include "bake/measure/face_parts.h"
+#include "bake/rig/scaled_source.h"
+#include "base/random.h"
+#include "base/vector3.h"
+#include "runtime/evaluator.h"
+
+namespace fb::bake {
+namespace {
+
+constexpr std::size_t random_poses = 256;
+constexpr float active_share = 0.25f;  // of the controls of a random pose
+
+struct CommonControl {
+  std::size_t before, now;  // indices
+  float minimum, maximum;   // of both ranges; the larger minimum may lie above
+};
+
+// A face with room to evaluate it.
+struct Posable {
+  explicit Posable(const PackedModel& model)
+      : rest(model.rest.points), face(model), workspace(face), pose(model.schema.rest_pose()) {}
+
+  std::vector<float> points() {
+    std::vector<float> points(rest.size());
+    face.evaluate(pose.data(), points.data(), workspace);
+    return points;
+  }
+  std::vector<float> displacements() {
+    std::vector<float> moved = points();
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= rest[i];
+    return moved;
+  }
+
+  const std::vector<float>& rest;
+  runtime::Evaluator face;
+  runtime::Workspace workspace;
+  std::vector<float> pose;
+};
+
+Errors between(std::span<const float> now, std::span<const float> before, double diagonal) {
+  ErrorSums sums;
+  sums.add_frame(now, before);
+  return sums.figures(diagonal);
+}
+
+bool same_declaration(const Control& a, const Control& b) {
+  return a.minimum == b.minimum && a.maximum == b.maximum && a.rest == b.rest && a.group == b.group;
+}
+
+void compare_schemas(FaceDifference& found, const RigSchema& before, const RigSchema& now) {
+  const auto text = [&](const char* what, const std::string& a, const std::string& b) {
+    if (a != b) found.schema.push_back(std::string(what) + " was \"" + a + "\" and is \"" + b + "\"");
+  };
+  text("the name", before.name, now.name);
+  text("the units", before.units, now.units);
+  text("the up axis", before.up_axis, now.up_axis);
+  for (const Control& control : before.controls)
+    if (!now.find(control.name)) found.removed.push_back(control.name);
+  for (const Control& control : now.controls)
+    if (!before.find(control.name)) found.added.push_back(control.name);
+}
+
+std::vector<CommonControl> common_controls(FaceDifference& found, const RigSchema& before, const RigSchema& now) {
+  std::vector<CommonControl> common;
+  for (std::size_t c = 0; c < now.control_count(); ++c)
+    if (const auto b = before.find(now.controls[c].name))
+      common.push_back({*b, c, std::max(before.controls[*b].minimum, now.controls[c].minimum),
+                        std::min(before.controls[*b].maximum, now.controls[c].maximum)});
+  if (!std::ranges::is_sorted(common, {}, &CommonControl::before))
+    found.schema.emplace_back("the order of the controls has changed");
+  return common;
+}
+
+void compare_controls(FaceDifference& found, const PackedModel& before, const PackedModel& now,
+                      const std::vector<CommonControl>& common, const FaceMap& map) {
+  Posable old(before), fresh(now);
+  for (const CommonControl& control : common) {
+    ControlDifference difference{now.schema.controls[control.now].name, before.schema.controls[control.before],
+                                 now.schema.controls[control.now]};
+    const float old_rest = old.pose[control.before], fresh_rest = fresh.pose[control.now];
+    for (const float value : {control.minimum, control.maximum}) {
+      if (control.minimum > control.maximum) break;
+      old.pose[control.before] = fresh.pose[control.now] = value;
+      const Errors errors = between(fresh.displacements(), old.displacements(), found.diagonal);
+      if (errors.max <= difference.max) continue;
+      difference.value = value;
+      difference.mse = errors.mse;
+      difference.max = errors.max;
+      difference.vertex = errors.worst_vertex;
+      difference.place = map.name_of(errors.worst_vertex);
+    }
+    old.pose[control.before] = old_rest;
+    fresh.pose[control.now] = fresh_rest;
+    if (difference.max > 0 || !same_declaration(difference.before, difference.now))
+      found.controls.push_back(std::move(difference));
+  }
+  std::ranges::stable_sort(found.controls, std::greater<>{}, &ControlDifference::max);
+}
+
+// Random poses of the controls that both have; the others stay at rest.
+void compare_random(FaceDifference& found, const PackedModel& before, const PackedModel& now,
+                    const std::vector<CommonControl>& common, const FaceMap& map) {
+  Posable old(before), fresh(now);
+  const std::vector<float> old_rest = old.pose, fresh_rest = fresh.pose;
+  ErrorSums sums;
+  std::vector<double> most(now.rest.vertex_count());
+  std::vector<float> poses;
+  for (std::size_t i = 0; i < random_poses; ++i) {
+    Random random(1, i);
+    old.pose = old_rest;
+    fresh.pose = fresh_rest;
+    for (const CommonControl& control : common) {
+      const bool active = random.uniform() < active_share;
+      const float value = random.uniform(control.minimum, control.maximum);
+      if (!active || control.minimum > control.maximum) continue;
+      old.pose[control.before] = fresh.pose[control.now] = value;
+    }
+    const std::vector<float> a = old.points(), b = fresh.points();
+    sums.add_frame(b, a);
+    for (std::size_t v = 0; v < most.size(); ++v)
+      most[v] = std::max<double>(most[v], length(vector_at(b.data(), v) - vector_at(a.data(), v)));
+    poses.insert(poses.end(), fresh.pose.begin(), fresh.pose.end());
+  }
+  found.random = sums.figures(found.diagonal);
+  if (found.random.max > 0) found.random_place = map.name_of(found.random.worst_vertex);
+
+  FaceParts parts = face_parts(now, poses);
+  describe(parts, map, now.schema);
+  found.parts.resize(parts.names.size());
+  for (std::size_t r = 0; r < parts.names.size(); ++r) found.parts[r].title = parts.titles[r];
+  for (std::size_t v = 0; v < most.size(); ++v) {
+    if (parts.labels[v] >= found.parts.size()) continue;
+    PartDifference& part = found.parts[parts.labels[v]];
+    ++part.vertices;
+    part.max = std::max(part.max, most[v] / found.diagonal);
+  }
+  std::erase_if(found.parts, [](const PartDifference& part) { return part.max == 0; });
+  std::ranges::stable_sort(found.parts, std::greater<>{}, &PartDifference::max);
+}
+
+}  // namespace
+
+FaceDifference face_difference(PackedModel before, PackedModel now, const Parallel& parallel) {
+  FaceDifference found;
+  found.diagonal = now.rest.diagonal();
+  compare_schemas(found, before.schema, now.schema);
+  found.same_vertices = before.rest.vertex_count() == now.rest.vertex_count();
+  found.same_polygons =
+      before.rest.polygon_sizes == now.rest.polygon_sizes && before.rest.polygon_corners == now.rest.polygon_corners;
+  found.same_uvs = before.rest.uvs == now.rest.uvs && before.rest.uv_corners == now.rest.uv_corners;
+  const std::vector<CommonControl> common = common_controls(found, before.schema, now.schema);
+  if (!found.same_vertices) return found;
+
+  const double units = found.diagonal;
+  if (const int exponent = scale_exponent(now.rest); exponent != 0) {
+    before = scaled(std::move(before), exponent);
+    now = scaled(std::move(now), exponent);
+    found.diagonal = now.rest.diagonal();
+  }
+  const FaceMap map(now, parallel);
+  found.rest = between(now.rest.points, before.rest.points, found.diagonal);
+  if (found.rest.max > 0) found.rest_place = map.name_of(found.rest.worst_vertex);
+  compare_controls(found, before, now, common, map);
+  compare_random(found, before, now, common, map);
+  found.equal = found.schema.empty() && found.added.empty() && found.removed.empty() && found.same_polygons && found.same_uvs &&
+                found.controls.empty() && found.rest.max == 0 && found.random.max == 0;
+  found.diagonal = units;
+  return found;
+}
+
+}  // namespace fb::bake
