@@ -147,6 +147,15 @@ void RigEvaluator::run_backend(std::span<const float> controls, std::size_t coun
 void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
   spend(controls, count);
+  run_cached(controls, count, points);
+}
+
+void RigEvaluator::evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  check_sizes(controls, count, points);
+  run_cached(controls, count, points);
+}
+
+void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   if (!cache_) return run_backend(controls, count, points);
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   const auto pose = [&](std::size_t i) { return controls.subspan(i * width, width); };

@@ -91,6 +91,8 @@ class RigEvaluator final : public Source {
   // quicker rig takes no longer than reading it. What was evaluated of a call that fails or is interrupted is added
   // too.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
+  // The same for frames of clips, which count against no budget.
+  void evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   using Fill = std::function<void(std::size_t pose, std::span<float> controls)>;
   using Visit = std::function<void(std::size_t pose, std::span<const float> controls, std::span<float> displacement)>;
@@ -122,6 +124,7 @@ class RigEvaluator final : public Source {
   void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
   void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
+  void run_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
   void run_block(const EvaluationBlock& block);
   void keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block);
   void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points);

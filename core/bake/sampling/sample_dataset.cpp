@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cinttypes>
 #include <cmath>
+#include <optional>
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
@@ -108,7 +109,7 @@ class DatasetWriter {
   SampleReport run(std::uint64_t request) {
     const std::uint64_t hash = hash_of_plan(rig_, plan_, plan_.size());
     const bool resuming = fs::exists(folder_ / dataset_file);
-    std::size_t first_checked = 0;
+    std::optional<std::size_t> last_clip;  // of those that are there, where clips are added
     if (resuming) {
       const DatasetIndex existing = read_dataset_index(folder_);
       // The plan must begin with the clips that are there.
@@ -121,7 +122,7 @@ class DatasetWriter {
       if (clips < plan_.size()) {  // controls first, so that the plan is readable wherever this is interrupted
         write_plan();
         write_dataset_index(folder_, index_);
-        first_checked = clips - 1;
+        last_clip = clips - 1;
       }
     } else {
       make_folder(folder_);
@@ -129,7 +130,7 @@ class DatasetWriter {
       write_dataset_index(folder_, index_);
     }
     write_plan();
-    write_shards(resuming, first_checked);
+    write_shards(resuming, last_clip);
     report_.left_out = index_.sampling->left_out;
     return report_;
   }
@@ -171,51 +172,82 @@ class DatasetWriter {
     }
   }
 
-  void write_shards(bool resuming, std::size_t first_checked) {
-    progress_.begin("sampling poses", report_.poses);
-    const std::size_t shard_frames = index_.sampling->shard_frames;
+  // A shard of the plan's points.
+  struct Shard {
+    fs::path path;
+    std::size_t clip, first, frames;  // frames of the clip
+    std::size_t done;                 // poses of the plan before it
+  };
+
+  std::vector<Shard> shards() const {
+    std::vector<Shard> all;
     std::size_t done = 0;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
-      bool checked = i < first_checked;
       std::size_t first = 0;
       for (const std::string& name : index_.clips[i].points) {
-        const std::size_t frames = std::min(shard_frames, plan_[i].frames - first);
-        const fs::path path = folder_ / name;
-        if (resuming && is_array(path, {frames, size_ / 3, 3})) {
-          if (!is_apart(plan_[i])) rig_.recall(std::span(plan_[i].controls).subspan(first * width_, frames * width_));
-          if (!checked) check_rig_unchanged(path, i, done, first, frames / 2);
-          checked = true;
-        } else {
-          write_shard(path, i, done, first, frames);
-        }
+        const std::size_t frames = std::min(index_.sampling->shard_frames, plan_[i].frames - first);
+        all.push_back({folder_ / name, i, first, frames, done});
         first += frames;
         done += frames;
-        progress_.step(done);
       }
+    }
+    return all;
+  }
+
+  void write_shards(bool resuming, std::optional<std::size_t> last_clip) {
+    progress_.begin("sampling poses", report_.poses);
+    std::vector<Shard> there;
+    for (const Shard& shard : shards()) {
+      if (!resuming || !is_array(shard.path, {shard.frames, size_ / 3, 3})) continue;
+      there.push_back(shard);
+      if (!is_apart(plan_[shard.clip])) rig_.recall(controls_of(shard.clip, shard.first, shard.frames));
+    }
+    check_rig_unchanged(there, last_clip);
+    auto written = there.begin();
+    for (const Shard& shard : shards()) {
+      if (written != there.end() && written->path == shard.path)
+        ++written;
+      else
+        write_shard(shard);
+      progress_.step(shard.done + shard.frames);
     }
   }
 
-  // Evaluates one recorded pose again: hashes of the plan do not show whether the rig's deformation has changed.
-  void check_rig_unchanged(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first,
-                           std::size_t frame) {
+  // Evaluates recorded poses of these shards again: hashes of the plan do not show whether the rig's deformation has
+  // changed. One, of the last clip, where clips are added, and one where the rig's cache has been checked.
+  void check_rig_unchanged(const std::vector<Shard>& recorded, std::optional<std::size_t> last_clip) {
+    std::vector<const Shard*> shards;
+    std::size_t frames = 0;
+    for (const Shard& shard : recorded)
+      if (!last_clip || shard.clip >= *last_clip) shards.push_back(&shard), frames += shard.frames;
+    const bool checked = last_clip || (rig_.cache() && rig_.cache()->record_count() > 0);
+    const std::size_t poses = std::min<std::size_t>(frames, checked ? 1 : 8);
+    for (std::size_t i = 0; i < poses; ++i) {
+      std::size_t frame = (2 * i + 1) * frames / (2 * poses), shard = 0;
+      while (frame >= shards[shard]->frames) frame -= shards[shard++]->frames;
+      check_pose_unchanged(*shards[shard], frame);
+    }
+  }
+
+  void check_pose_unchanged(const Shard& shard, std::size_t frame) {
     std::vector<float> before(size_), now(size_);
-    NpyFile(path).read(frame, 1, before);
+    NpyFile(shard.path).read(frame, 1, before);
     try {
-      evaluate(Answers::fresh, clip, first + frame, 1, now);
+      evaluate(Answers::fresh, shard.clip, shard.first + frame, 1, now);
     } catch (const PoseError& error) {
-      fail_on_pose(error, clip, done + frame, first + frame);
+      fail_on_pose(error, shard.clip, shard.done + frame, shard.first + frame);
     }
     const double tolerance = 1e-5 * rig_.rest().diagonal();
     for (std::size_t i = 0; i < size_; ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
         fail(Status::invalid_argument,
              "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder, unless "
-             "it "
-             "gives other points each time",
-             shown(path).c_str(), i / 3, plan_[clip].name.c_str(), first + frame);
+             "it gives other points each time",
+             shown(shard.path).c_str(), i / 3, plan_[shard.clip].name.c_str(), shard.first + frame);
   }
 
-  void write_shard(const fs::path& path, std::size_t clip, std::size_t done, std::size_t first, std::size_t frames) {
+  void write_shard(const Shard& shard) {
+    const auto [path, clip, first, frames, done] = shard;
     NpyWriter writer(path, {frames, size_ / 3, 3});
     const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
     for (std::size_t frame = 0; frame < frames;) {
@@ -246,15 +278,22 @@ class DatasetWriter {
            std::ranges::count(rig_.clips(), clip.name, &Clip::name) == 0;
   }
 
+  std::span<const float> controls_of(std::size_t clip, std::size_t first, std::size_t count) const {
+    return std::span(plan_[clip].controls).subspan(first * width_, count * width_);
+  }
+
   // Whether the rig is asked in any case: to measure it, not to learn.
   enum class Answers { cached, fresh };
 
   void evaluate(Answers answers, std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-    const std::span<const float> controls = std::span(plan_[clip].controls).subspan(first * width_, count * width_);
-    if (is_apart(plan_[clip]))
-      rig_.evaluate_apart(controls, count, points);
+    const std::span<const float> controls = controls_of(clip, first, count);
+    const bool apart = is_apart(plan_[clip]);
+    if (answers == Answers::cached && apart)
+      rig_.evaluate_apart_cached(controls, count, points);
     else if (answers == Answers::cached)
       rig_.evaluate_cached(controls, count, points);
+    else if (apart)
+      rig_.evaluate_apart(controls, count, points);
     else
       rig_.evaluate(controls, count, points);
   }

@@ -57,7 +57,8 @@ struct SampleReport {
 
 // Writes a dataset folder: dataset.json and all controls first, then points in shards, each complete or absent. Shards
 // of the same plan that exist are kept, so an interrupted call is continued by repeating it; a folder that holds
-// another plan or dataset is refused. A shard holds at most 64 MB and about 20 s of work; progress is in poses.
+// another plan or dataset is refused, and so is a rig that puts one of 8 recorded poses elsewhere. A shard holds at
+// most 64 MB and about 20 s of work; progress is in poses.
 SampleReport sample_to_dataset(RigEvaluator& rig, const PosePlan& plan, const std::filesystem::path& directory,
                                Progress& progress);
 

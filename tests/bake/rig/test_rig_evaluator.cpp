@@ -232,6 +232,19 @@ TEST_CASE("the cache of a slow rig is keyed by pose and outlives the evaluator")
   for (const auto& [pose, count] : rig.times) CHECK(count == 1);
 }
 
+TEST_CASE("frames of clips of a slow rig are kept too, and count against no budget") {
+  const Folder folder;
+  const std::vector<float> poses = random_poses(20);
+  std::vector<float> points(20 * size);
+  CountingRig rig(true);
+  RigEvaluator evaluator(rig, {}, folder / "evaluations");
+  const EvaluationBudget budget(evaluator, 1);
+  for (int i = 0; i < 2; ++i) evaluator.evaluate_apart_cached(poses, 20, points);
+  CHECK(points == truth(poses));
+  CHECK(rig.evaluated() == 20);
+  CHECK(budget.requested() == 0);
+}
+
 TEST_CASE("a cache that is a pipe is refused at once, not waited for") {
   const Folder folder;
   const std::filesystem::path pipe = folder / "evaluations";

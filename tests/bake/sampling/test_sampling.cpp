@@ -498,6 +498,10 @@ TEST_CASE("the same request does nothing, another is refused") {
   std::filesystem::remove(folder / "dense.points.npy");
   CHECK(sample(*toy, options, folder.path(), {}, silent_progress()).evaluated == 25);
   CHECK(files_of(folder.path()) == before);
+  // Eight poses are evaluated again.
+  RigEvaluator evaluator(*toy);
+  sample(evaluator, options, folder.path(), silent_progress());
+  CHECK(evaluator.evaluated() == 8);
   // The same declarations, but vertex 0 elsewhere in some poses.
   const auto changed = open_faulty_rig("other shape");
   CHECK(contains(
