@@ -36,6 +36,11 @@ TEST_CASE("after an edit of a rig, --reuse takes over what still holds, and the 
   const ToolRun whole = bake(2, folder, "whole", {});
   REQUIRE_MESSAGE(whole.exit_code == 0, whole.err);
 
+  // In a child the rig is the same: the bake goes on, and evaluates nothing that it has.
+  const ToolRun isolated = bake(1, folder, "old", {"--isolate"});
+  CHECK_MESSAGE(isolated.exit_code == 0, isolated.err);
+  CHECK(nlohmann::json::parse(isolated.out).at("rig_calls") < 100);
+
   const ToolRun refused = bake(2, folder, "old", {});
   CHECK(refused.exit_code == 1);
   for (const char* part : {"the rig declared the version \"1\" and declares \"2\"", "--reuse FOLDER"})

@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "bake/rig/changed_rig.h"
@@ -152,11 +151,11 @@ std::vector<std::size_t> ReuseCheck::sample() const {
   const auto take = [&](std::size_t pose) {
     if (!std::exchange(taken[pose], 1)) picked.push_back(pose);
   };
-  for (const std::size_t pose : poses | std::views::reverse)
+  for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose)
     for (std::size_t c = 0; c < width_; ++c) {
-      if (!off_rest(pose, c)) continue;
-      const bool above = controls_[pose * width_ + c] > rig_.rest_pose()[c];
-      if (!std::exchange(covered[2 * c + above], 1)) take(pose);
+      if (!off_rest(*pose, c)) continue;
+      const bool above = controls_[*pose * width_ + c] > rig_.rest_pose()[c];
+      if (!std::exchange(covered[2 * c + above], 1)) take(*pose);
     }
   const auto kept = static_cast<std::size_t>(std::ranges::count(kept_, 1));
   const std::size_t wanted = std::min(poses.size(), std::max(least_sample, kept / share_of_sample));

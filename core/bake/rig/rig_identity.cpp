@@ -35,12 +35,14 @@ std::optional<std::string> difference_in_controls(const RigSchema& before, const
 
 RigIdentity identity_of(const Source& rig) {
   const Mesh& rest = rig.rest();
-  return {rig.schema(),
-          rest.vertex_count(),
-          hash64_of<std::uint32_t>(rest.polygon_corners, hash64_of<std::uint32_t>(rest.polygon_sizes)),
-          hash64_of<float>(rest.points),
-          rig.program_hash(),
-          rig.version()};
+  const RigIdentity identity{
+      rig.schema(),
+      rest.vertex_count(),
+      hash64_of<std::uint32_t>(rest.polygon_corners, hash64_of<std::uint32_t>(rest.polygon_sizes)),
+      hash64_of<float>(rest.points),
+      rig.program_hash(),
+      rig.version()};
+  return identity_from(text_of(identity)).value_or(identity);  // as it is read: bytes that are no UTF-8 are replaced
 }
 
 std::string text_of(const RigIdentity& identity) {
