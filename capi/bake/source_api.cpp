@@ -1,6 +1,7 @@
 #include "bake/authoring.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
+#include "bake/rig/limited_clips.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig_process/rig_host.h"
@@ -27,7 +28,7 @@ fb::bake::RigRunning running_of(const fb_source_desc& desc, fb::Progress& progre
   return {desc.workers, desc.host ? desc.host : "facebaker", desc.pose_seconds, &progress};
 }
 
-std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress& progress) {
+std::unique_ptr<fb::bake::Source> open_whole(const fb_source_desc& desc, fb::Progress& progress) {
   if (desc.rig && desc.path_count > 0)
     fail(Status::invalid_argument, "fb_source_desc: either a rig or paths, not both");
   if (desc.rig) return open_rig(*desc.rig);
@@ -39,6 +40,12 @@ std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress&
     paths.emplace_back(desc.paths[p]);
   }
   return fb::bake::open_sources(paths, running_of(desc, progress));
+}
+
+std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress& progress) {
+  std::unique_ptr<fb::bake::Source> source = open_whole(desc, progress);
+  if (desc.clip_budget == 0 || !source->live()) return source;
+  return std::make_unique<fb::bake::LimitedClips>(std::move(source), desc.clip_budget);
 }
 
 fb_source_info info_of(const fb::bake::Source& source) {

@@ -87,7 +87,7 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
 
 void BakeCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source source = rigs.open(sources, notes);
+  const facebaker::Source source = rigs.open(sources, notes, desc.rig_budget);
   std::optional<OutputLock> lock;
   if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;

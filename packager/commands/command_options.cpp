@@ -117,6 +117,12 @@ void add_report(CLI::App& command, std::string& folder, const char* more) {
       ->type_name("DIR");
 }
 
+std::vector<const char*> c_strings(const std::vector<std::string>& texts) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(text.c_str());
+  return pointers;
+}
+
 std::vector<std::string> recipe_names() {
   std::vector<std::string> names;
   for (std::uint32_t r = 0; r < fb_recipe_count(); ++r) names.emplace_back(fb_recipe_name(r));

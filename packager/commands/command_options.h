@@ -38,6 +38,9 @@ void add_json_flag(CLI::App& command, bool& json);
 // `more` ends the description: what is written besides.
 void add_report(CLI::App& command, std::string& folder, const char* more = "");
 
+// The same texts for the C interface; valid as long as `texts`.
+std::vector<const char*> c_strings(const std::vector<std::string>& texts);
+
 // Names of all recipes.
 std::vector<std::string> recipe_names();
 

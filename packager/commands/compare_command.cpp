@@ -110,8 +110,7 @@ std::string compare_text(const FaceFigures& figures) {
 
 facebaker::Report CompareCommand::compare(const facebaker::Source& source, const fb_callbacks& callbacks) {
   if (std::find(methods.begin(), methods.end(), "all") != methods.end()) methods = recipe_names();
-  std::vector<const char*> names;
-  for (const std::string& method : methods) names.push_back(method.c_str());
+  const std::vector<const char*> names = c_strings(methods);
   desc.source = source.get();
   desc.methods = names.data();
   desc.method_count = static_cast<std::uint32_t>(names.size());
@@ -125,7 +124,7 @@ facebaker::Report CompareCommand::compare(const facebaker::Source& source, const
 
 void CompareCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source source = rigs.open(sources, notes);
+  const facebaker::Source source = rigs.open(sources, notes, desc.rig_budget);
   outputs.claim();
   std::string document;
   FaceFigures figures;
@@ -173,6 +172,7 @@ void add_compare(CLI::App& tool) {
   command->outputs.add_to(*app);
   add_learning_curve(*app, command->learning_curve);
   add_seed(*app, command->desc.seed);
+  command->rigs.add_clip_budget_to(*app);
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });

@@ -86,6 +86,7 @@ void add_eval(CLI::App& tool) {
       ->check(CLI::IsMember({"train", "validation", "test", "all"}))
       ->capture_default_str();
   command->outputs.add_to(*app);
+  command->rigs.add_clip_budget_to(*app);
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   app->callback([command] { command->run(); });

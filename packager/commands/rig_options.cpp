@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "commands/command_options.h"
 #include "commands/interrupt.h"
 #include "commands/progress_bar.h"
 
@@ -28,9 +29,18 @@ void RigOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
-facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std::vector<std::string>& notes) const {
-  std::vector<const char*> paths;
-  for (const std::string& source : sources) paths.push_back(source.c_str());
+void RigOptions::add_clip_budget_to(CLI::App& command) {
+  command
+      .add_option("--clip-budget", clip_budget_,
+                  "Frames of a rig's own clips to evaluate at most, N of those to train on and N of those to measure "
+                  "on: evenly spaced stretches of every clip; by default the rig budget, and all without one")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 32))
+      ->type_name("N");
+}
+
+facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std::vector<std::string>& notes,
+                                   std::uint64_t rig_budget) const {
+  const std::vector<const char*> paths = c_strings(sources);
   std::error_code unknown;
   const std::string host = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
   fb_source_desc desc;
@@ -44,6 +54,7 @@ facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std:
   desc.workers = std::max(workers_, isolate_ ? 1u : 0u);
   if (!unknown) desc.host = host.c_str();
   desc.pose_seconds = pose_seconds_;
+  desc.clip_budget = clip_budget_ > 0 ? clip_budget_ : rig_budget;
   return facebaker::Source(desc);
 }
 

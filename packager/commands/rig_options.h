@@ -11,16 +11,21 @@ class App;
 
 namespace fb::tool {
 
-// How commands open sources whose rigs may be slow, crash or hang: --isolate, --workers, --rig-timeout.
+// How commands open sources whose rigs may be slow, crash or hang: --isolate, --workers, --rig-timeout, and, for those
+// that read clips of rigs, --clip-budget.
 struct RigOptions {
   void add_to(CLI::App& command);
+  void add_clip_budget_to(CLI::App& command);
   // Opens sources; what was found while opening is added to `notes`. Interrupted by the signals of interrupt.h.
-  facebaker::Source open(const std::vector<std::string>& sources, std::vector<std::string>& notes) const;
+  // `rig_budget`: the clip budget where none was given; 0: none.
+  facebaker::Source open(const std::vector<std::string>& sources, std::vector<std::string>& notes,
+                         std::uint64_t rig_budget = 0) const;
 
  private:
   bool isolate_ = false;
   std::uint32_t workers_ = 0;
   double pose_seconds_ = 60;
+  std::uint64_t clip_budget_ = 0;
 };
 
 }  // namespace fb::tool

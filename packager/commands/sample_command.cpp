@@ -40,7 +40,7 @@ ClipFile read_clip(const std::string& option, std::uint32_t control_count) {
 
 void SampleCommand::run() {
   std::vector<std::string> notes;
-  const facebaker::Source opened = rigs.open({source}, notes);
+  const facebaker::Source opened = rigs.open({source}, notes, desc.rig_budget);
   const facebaker::SourceView rig(opened);
   if (!rig.live())
     fail(Status::invalid_argument, "%s: a recording has no new poses; give a rig plugin, a glTF file or \"sample\"",
@@ -105,6 +105,7 @@ void add_sample(CLI::App& tool) {
       "--skip-failing-poses", command->skip_failing,
       "Put the rest pose in the place of drawn poses that the rig cannot evaluate, up to a tenth of all, instead "
       "of failing; poses of clips, and of controls moved alone, still have to succeed");
+  command->rigs.add_clip_budget_to(*app);
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);

@@ -225,7 +225,7 @@ typedef struct fb_bake_desc {
                           allows; 0 (default): none; max_bytes comes first */
   uint32_t force;      /**< 1: write a face that meets neither max_bytes nor max_error; 0 (default): fail with LIMIT */
   uint32_t measure;    /**< FB_MEASURE_..., for the report: on clips of the split test, or of validation where there is
-                          none, if they are no more frames than rig_budget; locality within what it leaves. Default 0 */
+                          none, see fb_source_desc::clip_budget; locality within what rig_budget leaves. Default 0 */
   uint32_t learning_curve; /**< 1: bake on parts of the poses too, for the report; takes about as long again */
   uint32_t reserved;
   const char* licence; /**< text that goes into the archive; null (default): none */

@@ -47,10 +47,13 @@ typedef struct fb_source_desc {
                        again where they crash or hang; results do not depend on it. 0 (default): rigs run in
                        this process, a command in one child */
   uint32_t reserved;
-  const char* host;    /**< with workers: the program that serves a rig in a child, run as `HOST rig-host SOURCE`; null
-                          (default): "facebaker", found in PATH */
-  double pose_seconds; /**< a pose that takes a child longer hangs; starting may take five times as long. Above 0;
-                          default 60 */
+  const char* host;     /**< with workers: the program that serves a rig in a child, run as `HOST rig-host SOURCE`; null
+                           (default): "facebaker", found in PATH */
+  double pose_seconds;  /**< a pose that takes a child longer hangs; starting may take five times as long. Above 0;
+                           default 60 */
+  uint64_t clip_budget; /**< frames of a live rig's own clips that are used at most, of each split: where it has more,
+                           stretches of about 32 frames, evenly spaced over every clip, are clips in their place, called
+                           "CLIP [FIRST-LAST]". 0 (default): all */
 } fb_source_desc;
 
 FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
@@ -68,10 +71,10 @@ FB_API fb_status fb_source_open(const fb_source_desc* desc, fb_source** source);
 /** Null is allowed. No call may be using the source. */
 FB_API void fb_source_close(fb_source* source);
 
-/** Opens a live source and serves it as a child process over the rig protocol (docs/rig-protocol.md): answers what comes
- * on the descriptor `requests` on the descriptor `answers`, until the parent says bye or closes its end. Where it cannot
- * be opened, the parent is told why instead, and the call succeeds. Fails with RIG on what is no request, and IO. A
- * program whose main() calls this is a source for another process: "exec:PROGRAM". */
+/** Opens a live source and serves it as a child process over the rig protocol (docs/rig-protocol.md): answers what
+ * comes on the descriptor `requests` on the descriptor `answers`, until the parent says bye or closes its end. Where it
+ * cannot be opened, the parent is told why instead, and the call succeeds. Fails with RIG on what is no request, and
+ * IO. A program whose main() calls this is a source for another process: "exec:PROGRAM". */
 FB_API fb_status fb_source_serve(const fb_source_desc* desc, int32_t requests, int32_t answers);
 
 #define FB_SOURCE_LIVE 2u /**< new poses can be evaluated; without it the source is a recording */

@@ -115,13 +115,7 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   baked.held_back = held_back_errors(face.model, training.picked(face.held_back), options.parallel, progress);
   if (baked.held_back.total.frames > 0) progress.note(text_of(baked.held_back));
   const PoseSet poses = independent_poses(source);
-  const bool affordable = !source.live() || options.rig_budget == 0 || poses.size() <= options.rig_budget;
-  if (!affordable)
-    progress.note(
-        format("the rig's own clips have %zu frames that were not trained on, more than its budget: the face "
-               "is not measured on them",
-               poses.size()));
-  if (poses.size() > 0 && affordable) {
+  if (poses.size() > 0) {
     const auto& clips = source.clips();
     if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
       baked.independent_split = Split::validation;

@@ -41,7 +41,7 @@ struct Baked {
   Errors dependency;                      // on training poses
   HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
   std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
-                                          // none and where the rig's budget does not allow for them
+                                          // none
   Split independent_split = Split::test;  // of those clips
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
@@ -51,7 +51,7 @@ struct Baked {
 };
 
 // Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split
-// train. The certificate has errors on training poses and, where the rig budget allows for them, on independent_poses.
+// train. The certificate has errors on training poses and on independent_poses, whatever the rig budget.
 // What is left of the budget shows whether the rig repeats itself. A face that is worse than its rest mesh, or of a rig
 // that does not repeat itself, or that does not reproduce some control, is made all the same, as it may be the best
 // there is; with a warning.
