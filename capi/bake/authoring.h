@@ -19,6 +19,7 @@
 #include "bake/documents.h"
 #include "bake/pipeline/compare.h"
 #include "bake/rig/source.h"
+#include "bake/sampling/read_examples.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 
@@ -99,6 +100,18 @@ bake::BakeOptions training_options(const Desc& desc, const char* mix_field, Prog
   options.parallel = parallel_of(desc.threads, &progress);
   options.work = text_or_empty(desc.work);
   return options;
+}
+
+// The poses near which a live source is sampled, from the files that a description names; none for a recording.
+template <class Desc>
+std::vector<float> examples_of(const Desc& desc, const bake::Source& source, Progress& progress) {
+  std::vector<std::string> files;
+  for (std::uint32_t i = 0; i < desc.example_count; ++i) {
+    require(desc.examples, "examples");
+    require(desc.examples[i], "one of examples");
+    files.emplace_back(desc.examples[i]);
+  }
+  return source.live() ? bake::read_examples(files, source, progress) : std::vector<float>();
 }
 
 fb_errors c_errors(const bake::Errors& errors);

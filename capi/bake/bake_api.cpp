@@ -13,7 +13,7 @@ const std::vector<std::string>& recipes() {
   return names;
 }
 
-fb::bake::BakeOptions options_of(const fb_bake_desc& desc, fb::Progress& progress) {
+fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Source& source, fb::Progress& progress) {
   require(desc.recipe, "fb_bake_desc: recipe");
   fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix", progress);
   options.recipe = desc.recipe;
@@ -21,6 +21,8 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, fb::Progress& progres
   options.max_bytes = desc.max_bytes;
   options.max_error = desc.max_error;
   options.force = desc.force != 0;
+  options.skip_failing = desc.skip_failing != 0;
+  options.examples = examples_of(desc, source, progress);
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
   options.reuse = text_or_empty(desc.reuse);
@@ -101,7 +103,7 @@ fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
     fb::bake::Source& source = source_of(known.source, "fb_bake_desc: source");
     require(known.archive, "fb_bake_desc: archive");
     HostProgress progress(known.callbacks);
-    const fb::bake::BakeOptions options = options_of(known, progress);
+    const fb::bake::BakeOptions options = options_of(known, source, progress);
     fb::bake::Baked baked = fb::bake::bake_to_file(source, known.archive, options, progress);
     const std::uint64_t asked = baked.asked;
     auto made = report_of(known, std::move(baked), source);

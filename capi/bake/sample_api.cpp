@@ -69,8 +69,9 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
            source.schema().name.c_str());
     HostProgress progress(known.callbacks);
     fb::bake::RigEvaluator rig(source, parallel_of(known.threads, &progress));
-    const fb::bake::SampleReport sampled =
-        fb::bake::sample(rig, options_of(known, source.schema().control_count()), known.directory, progress);
+    fb::bake::SamplingOptions options = options_of(known, source.schema().control_count());
+    options.examples = examples_of(known, source, progress);
+    const fb::bake::SampleReport sampled = fb::bake::sample(rig, options, known.directory, progress);
     auto made = std::make_unique<fb_report>();
     made->json = sample_json(known.directory, sampled);
     made->sample =

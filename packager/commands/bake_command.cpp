@@ -19,12 +19,12 @@ namespace {
 struct BakeCommand {
   BakeCommand() { fb_bake_desc_init(&desc); }
 
-  std::vector<std::string> sources;
+  std::vector<std::string> sources, poses_like;
   std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, created;
   fb_bake_desc desc;
   Parallel parallel;
   RigOptions rigs;
-  bool json = false, learning_curve = false, force = false;
+  bool json = false, learning_curve = false, force = false, skip_failing = false;
 
   void run();
 
@@ -62,7 +62,11 @@ std::string bake_text(const std::string& document) {
 facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& progress,
                                     const fb_callbacks& callbacks) {
   const std::string licence_words = licence_text(licence);
+  const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = source.get();
+  desc.examples = examples.data();
+  desc.example_count = static_cast<std::uint32_t>(examples.size());
+  desc.skip_failing = skip_failing ? 1 : 0;
   desc.archive = out.c_str();
   desc.recipe = recipe.c_str();
   desc.use = use == "variant" ? FB_USE_VARIANT : FB_USE_BACKLOT;
@@ -115,6 +119,7 @@ void add_bake(CLI::App& tool) {
       ->capture_default_str();
   add_poses(*app, command->desc.poses, command->desc.rig_budget);
   add_mix(*app, command->mix);
+  add_poses_like(*app, command->poses_like);
   add_epochs(*app, command->desc.epochs);
   app->add_option("--max-bytes", command->desc.max_bytes,
                   "Size limit of the archive: the least error within it; 0: the precision of the recipe")

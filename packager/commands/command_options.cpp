@@ -49,6 +49,16 @@ void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budge
   });
 }
 
+void add_poses_like(CLI::App& command, std::vector<std::string>& files) {
+  command
+      .add_option("--poses-like", files,
+                  "Control curves of the character, near which a third of the poses is sampled that are not of single "
+                  "controls: a NumPy file of frames x controls, a .csv with named columns such as a take of Live Link "
+                  "Face, or a dataset folder, but for its test clips (repeatable)")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+}
+
 void add_mix(CLI::App& command, std::string& mix) {
   command
       .add_option(

@@ -23,6 +23,8 @@ void add_threads(CLI::App& command, Parallel& parallel);
 void add_seed(CLI::App& command, std::uint64_t& seed);
 // --poses and --rig-budget; without --poses, a budget sets poses too.
 void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget);
+// --poses-like: files of control curves.
+void add_poses_like(CLI::App& command, std::vector<std::string>& files);
 void add_mix(CLI::App& command, std::string& mix);
 void add_epochs(CLI::App& command, std::uint32_t& epochs);
 void add_sources(CLI::App& command, std::vector<std::string>& sources);

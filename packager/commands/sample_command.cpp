@@ -18,6 +18,7 @@ struct SampleCommand {
 
   std::string source, out, mix = "dense";
   fb_sample_desc desc;
+  std::vector<std::string> poses_like;
   std::vector<std::string> clips;  // "NAME=FILE.npy"
   Parallel parallel;
   RigOptions rigs;
@@ -52,7 +53,10 @@ void SampleCommand::run() {
   for (const ClipFile& file : files)
     rig_clips.push_back({file.name.c_str(), FB_CLIP_SHOT, FB_SPLIT_TRAIN, 30,
                          static_cast<std::uint32_t>(file.controls.size() / control_count), 0, file.controls.data()});
+  const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = opened.get();
+  desc.examples = examples.data();
+  desc.example_count = static_cast<std::uint32_t>(examples.size());
   desc.directory = out.c_str();
   desc.mix = mix.c_str();
   desc.shots = no_shots ? 0 : 1;
@@ -95,6 +99,7 @@ void add_sample(CLI::App& tool) {
       ->required();
   add_poses(*app, command->desc.poses, command->desc.rig_budget);
   add_mix(*app, command->mix);
+  add_poses_like(*app, command->poses_like);
   app->add_option("--clip", command->clips,
                   "A clip of your own to evaluate as well: a NumPy file of controls, frames x controls (repeatable)")
       ->type_name("NAME=FILE.npy")

@@ -166,7 +166,7 @@ static void layout_of_sources(void** state) {
 
 static void layout_of_requests(void** state) {
   (void)state;
-  assert_int_equal(sizeof(fb_sample_desc), 112);
+  assert_int_equal(sizeof(fb_sample_desc), 120);
   assert_at(fb_sample_desc, struct_size, 0);
   assert_at(fb_sample_desc, threads, 4);
   assert_at(fb_sample_desc, source, 8);
@@ -181,8 +181,10 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, clip_stride, 72);
   assert_at(fb_sample_desc, callbacks, 80);
   assert_at(fb_sample_desc, skip_failing, 104);
+  assert_at(fb_sample_desc, example_count, 108);
+  assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 160);
+  assert_int_equal(sizeof(fb_bake_desc), 176);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -204,6 +206,9 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, work, 120);
   assert_at(fb_bake_desc, callbacks, 128);
   assert_at(fb_bake_desc, reuse, 152);
+  assert_at(fb_bake_desc, skip_failing, 160);
+  assert_at(fb_bake_desc, example_count, 164);
+  assert_at(fb_bake_desc, examples, 168);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

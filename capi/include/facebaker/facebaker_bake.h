@@ -160,10 +160,14 @@ typedef struct fb_sample_desc {
   uint32_t clip_stride;     /**< bytes from a clip to the next; default sizeof(fb_rig_clip) */
   uint32_t reserved;
   fb_callbacks callbacks;
-  uint32_t skip_failing; /**< 1: puts the rest pose in the place of drawn poses that the rig cannot evaluate, up to a
-                            tenth of them, with a note on each; 0 (default): fail. Poses of clips, and of controls
-                            moved alone, which the plan is made from, always have to succeed */
-  uint32_t reserved_skip;
+  uint32_t skip_failing;  /**< 1: puts the rest pose in the place of drawn poses that the rig cannot evaluate, up to a
+                             tenth of them, with a note on each; 0 (default): fail. Poses of clips, and of controls
+                             moved alone, which the plan is made from, always have to succeed */
+  uint32_t example_count; /**< of examples */
+  const char* const* examples; /**< files of control curves near which a third of the poses that are not of single
+                                  controls are sampled: .npy of frames x controls, .csv with named columns (such as
+                                  takes of Live Link Face), dataset folders, but for their test clips. Frames of the
+                                  source's own test clips are left out. Null (default): none */
 } fb_sample_desc;
 
 FB_API void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size);
@@ -238,6 +242,11 @@ typedef struct fb_bake_desc {
                         controls and polygons: what was evaluated then is taken over as far as it still holds, checked
                         on a sample, and counts against no budget. Null (default), or a struct_size that ends before
                         it: none */
+  uint32_t skip_failing;  /**< 1: leaves out what a live source cannot evaluate where that is possible, with a note:
+                             drawn poses, see fb_sample_desc; the analysis of the rig, in place of which blendshapes are
+                             fitted to the training poses; measuring. 0 (default): fail */
+  uint32_t example_count; /**< of examples */
+  const char* const* examples; /**< files of control curves near which a live source is sampled, see fb_sample_desc */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

@@ -15,6 +15,8 @@ OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, Sampled
   sampling.poses = options.poses;
   sampling.seed = options.seed;
   sampling.mix = options.mix;
+  sampling.examples = options.examples;
+  sampling.skip_failing = options.skip_failing;
   sampling.test_poses = splits == SampledSplits::training_and_test;
   const std::uint64_t third = options.rig_budget / 3;
   sampling.rig_budget = options.rig_budget - (recipes_evaluate && pays_to_analyse(rig.schema(), third) ? third : 0);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
@@ -26,6 +27,11 @@ struct BakeOptions {
   // Different poses asked of a live rig at most in order to learn, see SamplingOptions; `poses` is cut to that. 0: no
   // limit. A recipe finds here what is left for it, at least 1.
   std::uint64_t rig_budget = 0;
+  // Poses near which a live rig is asked too, see SamplingOptions.
+  std::vector<float> examples = {};
+  // Poses that a live rig cannot evaluate are left out where that is possible, see SamplingOptions: also those of the
+  // analysis, in place of which blendshapes are fitted to the training poses, and those the face is measured on.
+  bool skip_failing = false;
   std::uint32_t epochs = 0;  // passes over the training poses; 0: the recipe's own
   // Targets of recipes that choose the precision of what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them

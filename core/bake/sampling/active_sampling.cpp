@@ -183,7 +183,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
   const std::size_t others = poses - first.poses;
   for (std::uint32_t round = 0; round < active.rounds; ++round) {
     const std::size_t count = others * (round + 1) / active.rounds - others * round / active.rounds;
-    const std::string name = format("chosen_%u", round);
+    const std::string name = format("%s%u", round_clip, round);
     if (count == 0) continue;
     DatasetSource recorded(directory);  // whose lock is this call's
     if (is_recorded(recorded, name, count, directory)) continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bake/sampling/control_responses.h"
@@ -26,6 +27,7 @@ enum class Stream : std::uint64_t {
   choice,
   learning_curve,
   amplitude,
+  examples,
 };
 
 inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {
@@ -56,6 +58,13 @@ std::vector<float> make_performances(const RigSchema& schema, const ControlRespo
 // Smooth sequences of consecutive frames that lead one or two groups from extreme to extreme.
 std::vector<float> make_calisthenics(const RigSchema& schema, const ControlResponses& responses, std::uint64_t seed,
                                      std::size_t poses);
+
+// Poses near the examples (frames x controls, at least one): up to `frames` of these themselves, far from each other,
+// then variations: stronger or weaker, two blended, groups of one with those of another, left and right exchanged where
+// names say a side, some controls moved.
+std::vector<float> make_like(const RigSchema& schema, const ControlResponses& responses,
+                             std::span<const float> examples, std::uint64_t seed, std::size_t poses,
+                             std::size_t frames);
 
 // Smoothly interpolates keys (poses of `width` values, one after the other), `step` frames from key to key. Starts one
 // frame after the first key and ends when `frames` are made or the last key is reached.

@@ -41,7 +41,7 @@ Clip clamped(Clip clip, const RigSchema& schema, Progress& progress) {
   return clip;
 }
 
-// A kind of pose and its share of a mix.
+// A kind of pose and its share of a mix. `make`: null for poses near the examples.
 struct MixPart {
   const char* name;
   ClipKind kind;
@@ -79,12 +79,24 @@ constexpr MixPart budget_mix[] = {{"excitations", ClipKind::excitation, 0.05, ex
                                   {"performances", ClipKind::dense, 0.25, make_performances},
                                   {"heavy", ClipKind::dense, 0.11, heavy}};
 
-std::span<const MixPart> mix_of(const SamplingOptions& options) {
+std::span<const MixPart> named_mix(const SamplingOptions& options) {
   const std::string& name = options.mix;
   if (name == "paper") return paper_mix;
   if (name == "dense" && options.rig_budget > 0) return budget_mix;
   if (name == "dense") return dense_mix;
   fail(Status::invalid_argument, "\"%s\" is no mix of poses; there are paper, dense", name.c_str());
+}
+
+// With examples, a third of all poses but single controls are near them; what is drawn without, to be like animation,
+// gives way first.
+std::vector<MixPart> mix_of(const SamplingOptions& options) {
+  const std::span<const MixPart> named = named_mix(options);
+  std::vector<MixPart> parts(named.begin(), named.end());
+  if (options.examples.empty()) return parts;
+  double others = 0;
+  for (const MixPart& part : parts) others += part.kind == ClipKind::excitation ? 0 : part.share;
+  parts.push_back({examples_clip, ClipKind::dense, others / 2, nullptr});
+  return parts;
 }
 
 // Draws how strong each pose is: moves all controls toward rest by a common factor. Where poses are few, those in which
@@ -103,11 +115,14 @@ void draw_amplitudes(std::vector<float>& poses, const RigSchema& schema, std::ui
   }
 }
 
-// Spreads poses over parts by their shares; the last part takes the rest. Within a rig budget (0: none), excitations
-// hold all that was asked of single controls, and poses of many controls are drawn in different amplitudes.
+// Spreads poses over parts by their shares; the last part takes the rest. Within a rig budget, excitations hold all
+// that was asked of single controls, and poses of many controls are drawn in different amplitudes. `example_share`: of
+// the poses near the examples, how many are frames of these themselves, at most.
 void add_parts(PosePlan& plan, std::span<const MixPart> parts, const RigSchema& schema,
-               const ControlResponses& responses, std::uint64_t seed, std::size_t poses, std::uint64_t budget) {
-  const std::size_t answered = budget > 0 ? ControlResponses::poses_within(schema, budget) : 0;
+               const ControlResponses& responses, const SamplingOptions& options, std::uint64_t seed, std::size_t poses,
+               double example_share) {
+  const bool budgeted = options.rig_budget > 0;
+  const std::size_t answered = budgeted ? ControlResponses::poses_within(schema, options.rig_budget) : 0;
   double shares = 0;
   for (const MixPart& part : parts) shares += part.share;
   std::size_t left = poses, shared = poses;
@@ -121,8 +136,11 @@ void add_parts(PosePlan& plan, std::span<const MixPart> parts, const RigSchema& 
     }
     const std::size_t count = last ? left : std::min(left, static_cast<std::size_t>(std::llround(wanted)));
     left -= count;
-    Clip clip{part.name, part.kind, Split::train, 30, count, part.make(schema, responses, seed, count)};
-    if (budget > 0 && (part.kind == ClipKind::dense || part.kind == ClipKind::regional))
+    const auto frames = static_cast<std::size_t>(example_share * static_cast<double>(count));
+    Clip clip{part.name, part.kind, Split::train, 30, count, {}};
+    clip.controls = part.make ? part.make(schema, responses, seed, count)
+                              : make_like(schema, responses, options.examples, seed, count, frames);
+    if (budgeted && part.make && (part.kind == ClipKind::dense || part.kind == ClipKind::regional))
       draw_amplitudes(clip.controls, schema, seed, static_cast<std::size_t>(&part - parts.data()));
     add(plan, std::move(clip));
   }
@@ -170,7 +188,7 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
                    Progress& progress) {
   const RigSchema& schema = rig.schema();
   PosePlan plan;
-  add_parts(plan, mix_of(options), schema, responses, options.seed, poses_to_draw(rig, options), options.rig_budget);
+  add_parts(plan, mix_of(options), schema, responses, options, options.seed, poses_to_draw(rig, options), 1.0 / 3);
   for (const Clip& clip : rig.clips())
     if (is_included(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
@@ -185,7 +203,7 @@ std::vector<float> draw_candidates(const RigSchema& schema, const ControlRespons
   for (const MixPart& part : mix_of(options))
     if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
   PosePlan plan;
-  add_parts(plan, parts, schema, responses, open_stream(seed, Stream::candidates, 0).next(), poses, options.rig_budget);
+  add_parts(plan, parts, schema, responses, options, open_stream(seed, Stream::candidates, 0).next(), poses, 0);
   std::vector<float> all;
   for (const Clip& clip : plan) all.insert(all.end(), clip.controls.begin(), clip.controls.end());
   return all;

@@ -44,6 +44,7 @@ std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options)
       .add(options.shots)
       .add(options.test_poses)
       .add(options.rig_budget);
+  if (!options.examples.empty()) digest.add(options.examples);
   for (const std::vector<Clip>& clips : {rig.clips(), options.extra})
     for (const Clip& clip : clips) digest.add(clip);
   return digest.value;

@@ -11,6 +11,11 @@
 
 namespace fb::bake {
 
+// Clips of a plan that are told apart by name: near examples, and (followed by its number) of a round of active
+// sampling.
+inline constexpr const char* examples_clip = "like_examples";
+inline constexpr const char* round_clip = "chosen_";
+
 struct SamplingOptions {
   std::uint64_t poses = 20000;  // new training poses; the rig's own clips, extra clips and test poses come on top
   std::uint64_t seed = 1;
@@ -29,6 +34,9 @@ struct SamplingOptions {
   // failing, with a note on each. Poses of the rig's clips and the user's, and those that the plan is made from, still
   // have to succeed.
   bool skip_failing = false;
+  // Poses (frames x controls, in their ranges) near which a third of the new ones are asked that are not of single
+  // controls: some of these frames, and variations of them. See read_examples.
+  std::vector<float> examples = {};
   std::vector<Clip> extra = {};  // clips of the user; values outside their range are clamped and noted
 };
 
