@@ -55,6 +55,7 @@ std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked b
   report->faces.units = source.schema().units;
   report->faces.diagonal = source.rest().diagonal();
   report->faces.rig_calls = baked.rig_calls;
+  report->faces.counts = baked.counts;
   fb::bake::MethodReport& face = report->faces.methods.emplace_back();
   face.name = desc.recipe;
   face.use = use_of(desc.use);

@@ -125,6 +125,28 @@ Json repeatability_of(const std::optional<Repeatability>& repeatability) {
   return {{"poses", repeatability->poses}, {"rms", repeatability->rms}, {"max", repeatability->max}};
 }
 
+Json plan_of(const EvaluationPlan& plan) {
+  if (plan.stages.empty()) return nullptr;
+  Json stages = Json::array();
+  for (const PlannedStage& stage : plan.stages)
+    stages.push_back({{"stage", name_of(stage.purpose)},
+                      {"expected", stage.expected},
+                      {"most", stage.most == UINT64_MAX ? Json() : Json(stage.most)},
+                      {"seconds", static_cast<double>(stage.expected) * plan.pose_seconds}});
+  return {{"pose_seconds", plan.pose_seconds}, {"stages", std::move(stages)}};
+}
+
+Json counts_of(const EvaluationCounts& counts) {
+  Json list = Json::array();
+  for (std::size_t p = 0; p < counts.size(); ++p)
+    if (counts[p].asked > 0 || counts[p].evaluated > 0)
+      list.push_back({{"stage", name_of(static_cast<EvaluationPurpose>(p))},
+                      {"asked", counts[p].asked},
+                      {"evaluated", counts[p].evaluated},
+                      {"seconds", counts[p].seconds}});
+  return list;
+}
+
 Json held_back_of(const HeldBackErrors& errors) {
   if (errors.total.frames == 0) return nullptr;
   Json json = figures(errors.total);
@@ -250,6 +272,8 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"rig_calls", baked.rig_calls},
                     {"asked", baked.asked},
                     {"reused", baked.reused},
+                    {"plan", plan_of(baked.plan)},
+                    {"asked_by_stage", counts_of(baked.counts)},
                     {"coefficients", baked.coefficients},
                     {"parameters", baked.parameters},
                     {"train_seconds", baked.train_seconds},
@@ -317,6 +341,7 @@ std::string details_json(const CompareReport& report, const Measured& measured) 
                     {"units", report.units},
                     {"diagonal", report.diagonal},
                     {"rig_calls", report.rig_calls},
+                    {"asked_by_stage", counts_of(report.counts)},
                     {"measured_split", measured.split ? Json(name_of(*measured.split)) : Json()},
                     {"repeatability", repeatability_of(report.repeatability)},
                     {"methods", std::move(methods)},

@@ -51,6 +51,7 @@ void write_face_report(const std::filesystem::path& folder, const FaceReport& re
   add_smoothness(page, view);
   add_locality(page, view);
   add_training(page, view);
+  add_calls(page, view);
   add_sizes(page, view);
   page.explain();
   write_file(folder / "index.html", page.page());

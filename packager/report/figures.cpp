@@ -164,6 +164,8 @@ FaceFigures read_figures(const facebaker::Report& report) {
     const fb_method found = report.method(static_cast<std::uint32_t>(figures.methods.size() - 1));
     figures.methods.back().archive = {static_cast<const std::byte*>(found.archive), found.archive_bytes};
   }
+  for (const Json& stage : json.at("asked_by_stage"))
+    figures.calls.push_back({stage.at("stage"), stage.at("asked"), stage.at("evaluated"), number(stage, "seconds")});
   for (const Json& failure : json.at("failed"))
     figures.failures.push_back({failure.at("name"), failure.at("use"), failure.at("reason")});
   return figures;

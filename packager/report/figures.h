@@ -103,6 +103,13 @@ struct StageTime {
   double seconds = 0;
 };
 
+// What a rig was asked in one stage.
+struct StageCalls {
+  std::string name;
+  std::uint64_t asked = 0, evaluated = 0;  // different poses in order to learn; all poses
+  double seconds = 0;                      // in calls of the rig
+};
+
 struct BakeStats {
   std::vector<std::string> notes;
   std::vector<NetworkStats> networks;
@@ -141,6 +148,7 @@ struct FaceFigures {
   std::optional<std::string> measured_split;
   std::vector<MethodFigures> methods;
   std::vector<MethodFailure> failures;
+  std::vector<StageCalls> calls;  // of a live rig, by all methods
 };
 
 // Of a report of bake, compare or eval, which must outlive the result.

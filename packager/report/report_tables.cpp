@@ -212,6 +212,17 @@ void add_locality(Html& page, const ReportView& view) {
   page.table(worst);
 }
 
+void add_calls(Html& page, const ReportView& view) {
+  const std::vector<StageCalls>& calls = view.figures().calls;
+  if (calls.empty()) return;
+  page.heading("What the rig was asked");
+  Rows rows = {{"stage", "poses asked to learn", "poses evaluated now", "seconds"}};
+  for (const StageCalls& stage : calls)
+    rows.push_back(
+        {stage.name, std::to_string(stage.asked), std::to_string(stage.evaluated), format("%.1f", stage.seconds)});
+  page.table(rows);
+}
+
 void add_sizes(Html& page, const ReportView& view) {
   page.heading("Size");
   const MethodFigures& ours = view.ours();

@@ -59,6 +59,8 @@ void add_methods(Html& page, const ReportView& view);
 void add_smoothness(Html& page, const ReportView& view);
 void add_locality(Html& page, const ReportView& view);
 void add_training(Html& page, const ReportView& view);
+// What a live rig was asked, stage by stage.
+void add_calls(Html& page, const ReportView& view);
 void add_sizes(Html& page, const ReportView& view);
 
 }  // namespace fb::tool

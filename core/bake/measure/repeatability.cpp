@@ -10,13 +10,12 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t most_poses = 16;
 constexpr double tolerance = 1e-5;  // over D
 
 }  // namespace
 
 Repeatability measure_repeatability(const PoseSet& recorded, RigEvaluator& rig, Progress& progress) {
-  const PoseSet poses = recorded.subsampled(most_poses);
+  const PoseSet poses = recorded.subsampled(repeated_poses);
   const std::size_t size = rig.coordinate_count(), width = rig.rest_pose().size();
   const std::vector<float> controls = poses.controls();
   std::vector<float> before(size), now(size);

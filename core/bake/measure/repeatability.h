@@ -11,6 +11,9 @@
 
 namespace fb::bake {
 
+// Poses that are evaluated again, at most.
+inline constexpr std::size_t repeated_poses = 16;
+
 // Distances of vertices between two evaluations of the same poses, over D.
 struct Repeatability {
   std::size_t poses = 0;

@@ -151,8 +151,12 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   std::unique_ptr<Source> sampled;
-  if (source.live())
+  EvaluationPlan plan;
+  if (source.live()) {
+    plan = plan_evaluations(evaluator, options, recipe.evaluates_rig, progress);
+    progress.note(text_of(plan, options.rig_budget > 0));
     sampled = sample_poses(evaluator, options, SampledSplits::training, recipe.evaluates_rig, progress);
+  }
   Source& data = sampled ? *sampled : source;
   RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
   PackedFace face = train_and_pack(data, rig, with_budget_left(options, evaluator, 1), progress);
@@ -173,6 +177,8 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   baked.rig_calls = checked.value_or(0) + evaluator.evaluated();
   if (const EvaluationCache* cache = evaluator.cache()) baked.reused = cache->reused_poses().size();
   baked.asked = evaluator.requested();
+  baked.plan = std::move(plan);
+  baked.counts = evaluator.counts();
   return baked;
 }
 

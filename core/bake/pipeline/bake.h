@@ -1,5 +1,6 @@
 // From a source of poses to an archive. Reading order of this folder:
 //   sample_poses     a live rig is sampled into a dataset (ensemble: active sampling where its evaluations are limited)
+//   evaluation_plan  what will be asked of the rig, before it is
 //   bake             a recipe trains, the model is packed once and measured, the archive written and verified
 //   recipe_table     the recipes by name
 //   learning_curve   reports on the training poses: coverage, and the error by their number
@@ -19,6 +20,7 @@
 #include "bake/measure/evaluate.h"
 #include "bake/measure/held_back_errors.h"
 #include "bake/measure/repeatability.h"
+#include "bake/pipeline/evaluation_plan.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
@@ -45,6 +47,8 @@ struct Baked {
   Split independent_split = Split::test;  // of those clips
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
+  EvaluationPlan plan;                         // of a live rig: what was to be asked of it
+  EvaluationCounts counts = {};                // and what was
   std::optional<Repeatability> repeatability;  // of a live rig
   // What is wrong with the face or its rig, also in the certificate; then where the face is furthest off, which is not.
   std::vector<std::string> warnings;

@@ -147,6 +147,7 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
     add_recorded_locality(report, data, options.parallel, progress);
   }
   report.rig_calls = evaluator.evaluated();
+  report.counts = evaluator.counts();
   report.recorded = std::move(recorded);
   return report;
 }

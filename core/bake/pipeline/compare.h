@@ -42,6 +42,7 @@ struct CompareReport {
   std::optional<Repeatability> repeatability = {};  // of a live rig, where its budget allowed for it
   // The dataset sampled from a live rig, with the clips measured on; null where they are the source's own.
   std::unique_ptr<Source> recorded;
+  EvaluationCounts counts = {};  // what a live rig was asked, by all methods together
 };
 
 // Bakes every method on the same poses and measures the packed archives on the same clips. A live rig is sampled once;

@@ -9,8 +9,8 @@
 
 namespace fb::bake {
 
-OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
-                          Progress& progress) {
+SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
+                                 bool recipes_evaluate) {
   SamplingOptions sampling;
   sampling.poses = options.poses;
   sampling.seed = options.seed;
@@ -22,6 +22,12 @@ OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, Sampled
   sampling.rig_budget = options.rig_budget - (recipes_evaluate && pays_to_analyse(rig.schema(), third) ? third : 0);
   // A variant does not train on shots: a limited budget is not spent on them.
   if (options.rig_budget > 0 && splits == SampledSplits::training) sampling.shots = options.use == Use::backlot;
+  return sampling;
+}
+
+OpenedSource sample_poses(RigEvaluator& rig, const BakeOptions& options, SampledSplits splits, bool recipes_evaluate,
+                          Progress& progress) {
+  const SamplingOptions sampling = sampling_options(rig, options, splits, recipes_evaluate);
   const std::filesystem::path folder = options.work / "poses";
   if (options.rig_budget > 0 && recipes_evaluate)
     sample_actively(rig, sampling, {}, network_ensemble(options.seed, options.parallel, progress), folder, progress);

@@ -4,6 +4,7 @@
 
 #include "bake/recipe/bake_options.h"
 #include "bake/rig/rig_evaluator.h"
+#include "bake/sampling/sampling.h"
 #include "base/progress.h"
 
 namespace fb::bake {
@@ -15,6 +16,10 @@ enum class SampledSplits {
   training,
   training_and_test,  // the rig's test clips too, or held-out random poses and synthetic shots where it has none
 };
+
+// How sample_poses samples a rig.
+SamplingOptions sampling_options(const RigEvaluator& rig, const BakeOptions& options, SampledSplits splits,
+                                 bool recipes_evaluate);
 
 // Samples a live rig into a dataset in the work folder, or finds it there, and opens it. `recipes_evaluate`: recipes
 // evaluate the rig themselves. A third of a rig budget is then kept for them (nothing, if analysis with a third is not

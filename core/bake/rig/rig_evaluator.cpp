@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 #include "base/hash.h"
 #include "base/status.h"
@@ -23,6 +24,17 @@ std::vector<float> gathered(std::span<const float> controls, std::size_t width, 
 }
 
 }  // namespace
+
+const char* name_of(EvaluationPurpose purpose) {
+  constexpr std::array<const char*, purpose_count> names = {"single controls",
+                                                            "drawn poses",
+                                                            "poses like the examples",
+                                                            "poses where an ensemble disagrees",
+                                                            "clips and test poses",
+                                                            "analysis",
+                                                            "measuring"};
+  return names.at(static_cast<std::size_t>(purpose));
+}
 
 std::string describe_pose(const RigSchema& schema, std::span<const float> pose) {
   constexpr std::size_t most_named = 3;
@@ -70,6 +82,25 @@ void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {
   requested_ += fresh.size();
 }
 
+EvaluationCount RigEvaluator::since_purpose() const {
+  return {requested() - before_purpose_.asked, evaluated() - before_purpose_.evaluated,
+          rig_seconds_ - before_purpose_.seconds};
+}
+
+EvaluationCounts RigEvaluator::counts() const {
+  EvaluationCounts all = counts_;
+  EvaluationCount& now = all[static_cast<std::size_t>(purpose_)];
+  const EvaluationCount more = since_purpose();
+  now = {now.asked + more.asked, now.evaluated + more.evaluated, now.seconds + more.seconds};
+  return all;
+}
+
+EvaluationPurpose RigEvaluator::set_purpose(EvaluationPurpose purpose) {
+  counts_ = counts();
+  before_purpose_ = {requested(), evaluated(), rig_seconds_};
+  return std::exchange(purpose_, purpose);
+}
+
 std::uint64_t RigEvaluator::remaining() const {
   std::uint64_t least = UINT64_MAX;
   for (const EvaluationBudget* budget = budget_; budget; budget = budget->outer_)
@@ -88,6 +119,7 @@ void RigEvaluator::run_block(const EvaluationBlock& block) {
   backend_->evaluate_block(block);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   pose_seconds_ = std::max(took.count() / static_cast<double>(block.count), 1e-9);
+  rig_seconds_ += took.count();
   if (parallel_.progress) parallel_.progress->ask();
 }
 

@@ -1,6 +1,7 @@
 // The service through which sampling, analysis, measuring and baselines evaluate a live rig.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -38,6 +39,27 @@ class EvaluationStage {
   Progress& progress_;
   std::uint64_t done_ = 0;
 };
+
+// What poses are evaluated for: the stages of a bake as plans and reports tell them, in their order.
+enum class EvaluationPurpose {
+  single_controls,  // each control alone
+  drawn,            // training poses that were drawn
+  examples,         // training poses near the user's
+  ensemble,         // training poses where an ensemble disagrees
+  clips,            // the rig's own clips and test poses, which count against no budget
+  analysis,         // activation curves and correctives
+  measuring,        // the face control by control, and whether the rig repeats itself
+};
+inline constexpr std::size_t purpose_count = 7;
+const char* name_of(EvaluationPurpose purpose);
+
+// What was evaluated for a purpose.
+struct EvaluationCount {
+  std::uint64_t asked = 0;      // see RigEvaluator::requested
+  std::uint64_t evaluated = 0;  // see RigEvaluator::evaluated
+  double seconds = 0;           // in calls of the rig, added up over those at once
+};
+using EvaluationCounts = std::array<EvaluationCount, purpose_count>;
 
 // A source whose evaluations are counted, kept within budgets, spread over a backend and, where the rig is slow, kept
 // in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
@@ -109,6 +131,11 @@ class RigEvaluator final : public Source {
   // Poses the budgets leave; UINT64_MAX where there are none.
   std::uint64_t remaining() const;
 
+  // What poses are for from here on; returns the purpose so far, at first measuring. See PurposeScope.
+  EvaluationPurpose set_purpose(EvaluationPurpose purpose);
+  // What was evaluated so far for each purpose.
+  EvaluationCounts counts() const;
+
   // Poses that one call should have where it can choose: enough for all that evaluates them to have work, few enough to
   // be able to interrupt between two calls. SIZE_MAX where nobody wants to interrupt.
   std::size_t block_poses() const;
@@ -121,6 +148,7 @@ class RigEvaluator final : public Source {
  private:
   friend class EvaluationBudget;
 
+  EvaluationCount since_purpose() const;
   void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
   void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
@@ -138,7 +166,11 @@ class RigEvaluator final : public Source {
   std::unordered_set<std::uint64_t> known_;  // hashes of the poses requested so far, and of the rest pose
   std::atomic<std::uint64_t> requested_{0}, frames_read_{0};  // frames: of recorded clips
   std::atomic<double> pose_seconds_{0};                       // of the last call of the rig; 0: none yet
-  std::chrono::steady_clock::duration missing_time_{0};       // spent on poses that were not in the cache
+  std::atomic<double> rig_seconds_{0};                        // of all calls of the rig
+  EvaluationPurpose purpose_ = EvaluationPurpose::measuring;
+  EvaluationCounts counts_;                              // of what is over
+  EvaluationCount before_purpose_;                       // of all purposes, when this one began
+  std::chrono::steady_clock::duration missing_time_{0};  // spent on poses that were not in the cache
   std::uint64_t missing_poses_ = 0;
   const std::vector<float> rest_pose_;
   const double diagonal_;
@@ -163,6 +195,19 @@ class EvaluationBudget {
   RigEvaluator& rig_;
   const EvaluationBudget* const outer_;
   const std::uint64_t poses_, requested_before_, evaluated_before_;
+};
+
+// Counts what is evaluated while it lives for a purpose.
+class PurposeScope {
+ public:
+  PurposeScope(RigEvaluator& rig, EvaluationPurpose purpose) : rig_(rig), outer_(rig.set_purpose(purpose)) {}
+  ~PurposeScope() { rig_.set_purpose(outer_); }
+  PurposeScope(const PurposeScope&) = delete;
+  PurposeScope& operator=(const PurposeScope&) = delete;
+
+ private:
+  RigEvaluator& rig_;
+  const EvaluationPurpose outer_;
 };
 
 // The controls of a pose that are away from rest, for messages: "jawOpen" at 1, "smile" at 0.5 and 3 more; of the rest

@@ -160,6 +160,15 @@ Clip clip_of(const std::string& name, std::span<const float> pool, std::span<con
 
 }  // namespace
 
+std::uint64_t poses_before_ensemble(const Source& rig, const SamplingOptions& options,
+                                    const ActiveSamplingOptions& active) {
+  const std::size_t poses = poses_to_draw(rig, options);
+  const std::size_t answered =
+      options.rig_budget > 0 ? std::min(poses, ControlResponses::poses_within(rig.schema(), options.rig_budget)) : 0;
+  return std::max<std::uint64_t>(
+      1, answered + static_cast<std::uint64_t>(static_cast<double>(poses - answered) * active.first_share));
+}
+
 SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, const ActiveSamplingOptions& active,
                              const TrainEnsemble& ensemble, const std::filesystem::path& directory,
                              Progress& progress) {
@@ -175,10 +184,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
   };
   SamplingOptions first = options;
   const std::size_t poses = poses_to_draw(rig, options);
-  const std::size_t answered =
-      options.rig_budget > 0 ? std::min(poses, ControlResponses::poses_within(rig.schema(), options.rig_budget)) : 0;
-  first.poses = std::max<std::uint64_t>(
-      1, answered + static_cast<std::uint64_t>(static_cast<double>(poses - answered) * active.first_share));
+  first.poses = poses_before_ensemble(rig, options, active);
   SampleReport report = sample_with_responses(rig, first, responses, directory, progress);
   const std::size_t others = poses - first.poses;
   for (std::uint32_t round = 0; round < active.rounds; ++round) {

@@ -32,6 +32,10 @@ struct ActiveSamplingOptions {
   std::uint32_t pool = 4;     // candidates of a round for each pose selected
 };
 
+// How many new poses of a plan are drawn before the first round.
+std::uint64_t poses_before_ensemble(const Source& rig, const SamplingOptions& options,
+                                    const ActiveSamplingOptions& active);
+
 // Trains an ensemble on what is recorded before round `round` (from 0). The source is gone after the call.
 using TrainEnsemble = std::function<EnsembleVariance(Source& recorded, std::uint32_t round)>;
 

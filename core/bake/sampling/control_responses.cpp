@@ -34,8 +34,8 @@ std::vector<float> direction(const std::vector<float>& rest, const float* points
   return direction;
 }
 
-// Of a budget, for each control: on a rig of 303 controls, two values left as little error as five with 3,000 poses, and
-// five would be 40 % of these.
+// Of a budget, for each control: on a rig of 303 controls, two values left as little error as five with 3,000 poses,
+// and five would be 40 % of these.
 constexpr std::uint64_t enough_poses = 20;
 
 // Values of each control that a budget allows for.
@@ -87,6 +87,7 @@ std::vector<ControlGroup> control_groups(const RigSchema& schema) {
 
 ControlResponses::ControlResponses(RigEvaluator& rig, std::uint64_t budget, Progress& progress)
     : values_(values_within(rig.schema(), budget)), answered_(rig.schema().control_count()), diagonal_(rig.diagonal()) {
+  const PurposeScope purpose(rig, EvaluationPurpose::single_controls);
   const RigSchema& schema = rig.schema();
   const std::size_t width = schema.control_count(), size = rig.coordinate_count(), values = values_;
   const bool budgeted = budget > 0;

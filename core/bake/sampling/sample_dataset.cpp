@@ -201,6 +201,7 @@ class DatasetWriter {
     for (const Shard& shard : shards()) {
       if (!resuming || !is_array(shard.path, {shard.frames, size_ / 3, 3})) continue;
       there.push_back(shard);
+      const PurposeScope purpose(rig_, purpose_of(plan_[shard.clip]));
       if (!is_apart(plan_[shard.clip])) rig_.recall(controls_of(shard.clip, shard.first, shard.frames));
     }
     check_rig_unchanged(there, last_clip);
@@ -283,11 +284,19 @@ class DatasetWriter {
     return std::span(plan_[clip].controls).subspan(first * width_, count * width_);
   }
 
+  EvaluationPurpose purpose_of(const Clip& clip) const {
+    if (is_apart(clip)) return EvaluationPurpose::clips;
+    if (clip.kind == ClipKind::excitation) return EvaluationPurpose::single_controls;
+    if (clip.name == examples_clip) return EvaluationPurpose::examples;
+    return clip.name.starts_with(round_clip) ? EvaluationPurpose::ensemble : EvaluationPurpose::drawn;
+  }
+
   // Whether the rig is asked in any case: to measure it, not to learn.
   enum class Answers { cached, fresh };
 
   void evaluate(Answers answers, std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
     const std::span<const float> controls = controls_of(clip, first, count);
+    const PurposeScope purpose(rig_, purpose_of(plan_[clip]));
     const bool apart = is_apart(plan_[clip]);
     if (answers == Answers::cached && apart)
       rig_.evaluate_apart_cached(controls, count, points);

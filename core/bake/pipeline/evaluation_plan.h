@@ -1,0 +1,33 @@
+// What a bake will ask of a live rig, told before it begins.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bake/recipe/bake_options.h"
+#include "bake/rig/rig_evaluator.h"
+#include "base/progress.h"
+
+namespace fb::bake {
+
+// Poses of a stage that are asked for: about so many, and no more than `most`, which is UINT64_MAX where nobody knows.
+struct PlannedStage {
+  EvaluationPurpose purpose;
+  std::uint64_t expected = 0, most = 0;
+};
+
+struct EvaluationPlan {
+  std::vector<PlannedStage> stages;  // in their order
+  double pose_seconds = 0;           // measured; 0: could not be
+};
+
+// The plan of a bake whose recipe evaluates the rig itself, or does not. Evaluates a few single controls, which every
+// plan holds, to see how long a pose takes. Fails as sampling does on options that allow for no plan.
+EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates,
+                                Progress& progress);
+
+// A table of stages, or a sentence where there is no budget and all takes less than a minute.
+std::string text_of(const EvaluationPlan& plan, bool budgeted);
+
+}  // namespace fb::bake
