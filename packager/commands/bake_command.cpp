@@ -146,6 +146,12 @@ void add_bake(CLI::App& tool) {
   add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
   add_learning_curve(*app, command->learning_curve);
   add_seed(*app, command->desc.seed);
+  app->add_flag(
+      "--skip-failing-poses", command->skip_failing,
+      "Leave out what a rig cannot evaluate, with a note, instead of failing: drawn poses, up to a tenth of all; "
+      "the analysis of the rig, in place of which blendshapes are fitted to the training poses; measuring. "
+      "Poses of clips to train on, and of controls moved alone, still have to succeed");
+  command->rigs.add_clip_budget_to(*app);
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);

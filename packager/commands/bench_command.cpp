@@ -12,6 +12,7 @@
 #include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
+#include "commands/rig_options.h"
 #include "commands/speed_text.h"
 
 namespace fb::tool {
@@ -22,6 +23,7 @@ struct BenchCommand {
   std::vector<std::string> sources;
   std::size_t poses = 400;
   SpeedOptions options;
+  RigOptions rigs;
 
   void run() const;
 
@@ -50,7 +52,8 @@ std::vector<float> synthetic_clip(const facebaker::Model& model, std::size_t pos
 
 // The first frames of the source's test clips.
 std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) const {
-  const facebaker::Source opened(sources);
+  std::vector<std::string> notes;
+  const facebaker::Source opened = rigs.open(sources, notes);
   const facebaker::SourceView source(opened);
   source.check_model(model);
   std::vector<float> values;
@@ -95,6 +98,7 @@ void add_bench(CLI::App& tool) {
   add_count("--poses", command->poses, "Frames to pose, at most");
   add_count("--rounds", command->options.rounds, "How often each of them is measured");
   add_count("--batch", command->options.batch, "Poses of a batch");
+  command->rigs.add_to(*app);
   app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
   app->callback([command] { command->run(); });
 }

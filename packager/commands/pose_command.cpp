@@ -17,6 +17,7 @@
 #include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
+#include "commands/rig_options.h"
 #include "export/obj_file.h"
 #include "render/png_file.h"
 #include "render/pose_renderer.h"
@@ -32,6 +33,7 @@ struct PoseCommand {
   float error_scale = 0;
   View view;
   Parallel parallel;
+  RigOptions rigs;
   bool json = false;
 
   void run();
@@ -80,8 +82,10 @@ std::string numbered(const std::filesystem::path& out, std::size_t frame, bool c
   return path.string();
 }
 
-facebaker::Source open_reference(const std::string& path, const facebaker::Model& model, const std::string& archive) {
-  facebaker::Source source({path});
+facebaker::Source open_reference(const std::string& path, const RigOptions& rigs, const facebaker::Model& model,
+                                 const std::string& archive) {
+  std::vector<std::string> notes;
+  facebaker::Source source = rigs.open({path}, notes);
   try {
     facebaker::SourceView(source).check_model(model);
   } catch (const facebaker::Error& error) {
@@ -130,7 +134,7 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   const facebaker::Model& model = evaluator.model();
   const std::size_t width = model.control_count();
   std::optional<facebaker::Source> reference;
-  if (!beside.empty()) reference = open_reference(beside, model, archive);
+  if (!beside.empty()) reference = open_reference(beside, rigs, model, archive);
   std::optional<PoseRenderer> renderer;
   if (out.ends_with(".png")) {
     const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);
@@ -254,6 +258,7 @@ void add_pose(CLI::App& tool) {
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   add_image_options(*app, *command);
+  command->rigs.add_to(*app);
   add_threads(*app, command->parallel);
   add_json_flag(*app, command->json);
   app->callback([command] { command->run(); });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "bake/compress/fit_target.h"
 #include "bake/face/assemble_basis.h"
@@ -32,9 +33,24 @@ std::vector<float> coefficient_covariance(const LocalBasis& basis, std::size_t p
 // The structure of a face: sparse blendshapes, and the regions of their residual with a basis each.
 struct Decomposition {
   RigAnalysis analysis;
+  bool live = false;  // the analysis is of the rig, not of recorded poses
   std::vector<FaceRegion> regions;
   std::vector<LocalBasis> bases;
 };
+
+// What the rig shows; nothing where it cannot evaluate a pose and such poses are skipped.
+std::optional<RigAnalysis> analyse_live(RigEvaluator& rig, const AnalysisOptions& analysis, bool skip_failing,
+                                        Progress& progress) {
+  const PurposeScope purpose(rig, EvaluationPurpose::analysis);
+  try {
+    return analyse_rig(rig, analysis, progress);
+  } catch (const Error& error) {
+    if (!skip_failing || !is_of_pose(error)) throw;
+    progress.note(
+        format("the rig is not analysed, and blendshapes are fitted to the training poses instead: %s", error.what()));
+    return std::nullopt;
+  }
+}
 
 Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                         Progress& progress) {
@@ -43,8 +59,10 @@ Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvalu
   AnalysisOptions analysis = recipe.analysis;
   analysis.seed = options.seed;
   analysis.rig_budget = options.rig_budget;
-  face.analysis =
-      rig ? analyse_rig(*rig, analysis, progress) : analyse_poses(fitted, analysis, options.parallel, progress);
+  std::optional<RigAnalysis> live;
+  if (rig) live = analyse_live(*rig, analysis, options.skip_failing, progress);
+  face.live = live.has_value();
+  face.analysis = live ? std::move(*live) : analyse_poses(fitted, analysis, options.parallel, progress);
   const Mesh& rest = poses.source().rest();
   const RigSchema& schema = poses.source().schema();
   const std::size_t dropped =
@@ -89,8 +107,8 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
                        Progress& progress) {
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
   Decomposition parts = decompose(recipe, poses, rig, options, progress);
-  RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, rig != nullptr);
-  if (!rig)
+  RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, parts.live);
+  if (!parts.live)
     for (std::size_t r = 0; r < parts.regions.size(); ++r)
       inputs.scales.push_back(input_scales(inputs.features, inputs.of_region[r], parts.regions[r]));
   TrainedFace face;

@@ -105,9 +105,20 @@ bool may_evaluate(const RigEvaluator& rig, const BakeOptions& options, std::uint
   return options.rig_budget == 0 || rig.requested() + poses <= options.rig_budget;
 }
 
-// Measures the packed model: on training poses, and on independent ones if they are no more than the rig budget, which
-// does not count them; then whether the rig repeats itself, and every control of it. `source` is what `data` was
-// sampled from, or the same.
+// Measures a face on a live rig; where failing poses are skipped and there is one, with a note instead.
+template <class Measure>
+void measure_unless_failing(const char* what, const RigEvaluator& source, const BakeOptions& options,
+                            Progress& progress, const Measure& measure) {
+  try {
+    measure();
+  } catch (const Error& error) {
+    if (!options.skip_failing || !source.live() || !is_of_pose(error)) throw;
+    progress.note(format("the face is not measured %s: %s", what, error.what()));
+  }
+}
+
+// Measures the packed model: on training poses, and on independent ones, which the rig budget does not count; then
+// whether the rig repeats itself, and every control of it. `source` is what `data` was sampled from, or the same.
 void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOptions& options, Progress& progress) {
   Baked& baked = face.baked;
   const PoseSet training = training_poses(data, options.use);
@@ -119,14 +130,18 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
     const auto& clips = source.clips();
     if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
       baked.independent_split = Split::validation;
-    baked.independent =
-        evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+    measure_unless_failing("on clips that were not trained on", source, options, progress, [&] {
+      const PurposeScope purpose(source, EvaluationPurpose::clips);
+      baked.independent =
+          evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+    });
   }
   warn(baked, worse_than_rest(face.model, training, options.parallel), progress);
   if (source.live()) baked.repeatability = measure_repeatability(training, source, progress);
   if (baked.repeatability) warn(baked, repeatability_warning(*baked.repeatability), progress);
   if (source.live() && may_evaluate(source, options, control_error_calls(source.schema().control_count())))
-    baked.controls = control_errors(face.model, source, options.seed, progress);
+    measure_unless_failing("control by control", source, options, progress,
+                           [&] { baked.controls = control_errors(face.model, source, options.seed, progress); });
   for (const ControlError& error : unlearnt_controls(baked.controls)) warn(baked, warning_of(error), progress);
 }
 

@@ -55,6 +55,11 @@ class PoseError : public Error {
   std::string reason_;
 };
 
+// Whether an error is of a pose that a rig cannot evaluate, whatever was added to its message.
+inline bool is_of_pose(const Error& error) {
+  return error.status() == Status::rig || error.status() == Status::not_finite;
+}
+
 class Source {
  public:
   virtual ~Source() = default;

@@ -198,8 +198,9 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     const std::vector<std::uint32_t> selected =
         select_poses(rig.schema(), pool, count, active.random_share, ensemble(recorded, round), seed);
     const Clip clip = clip_of(name, pool, selected, rig.schema().control_count());
-    const SampleReport extended = extend_dataset(rig, {clip}, directory, progress);
+    const SampleReport extended = extend_dataset(rig, {clip}, directory, progress, options.skip_failing);
     report.poses = extended.poses;
+    report.left_out = extended.left_out;
     report.evaluated += extended.evaluated;
   }
   report.rig_calls = budget.evaluated();

@@ -398,6 +398,20 @@ PosePlan plan_begun(const Source& rig, std::uint64_t request, const fs::path& fo
   return {};
 }
 
+// Whether the controls of a clip that is there are those planned, but for poses that were left out, where `left_out`
+// stands (empty: none may be).
+bool is_same_plan(const std::vector<float>& there, const std::vector<float>& planned,
+                  const std::vector<float>& left_out) {
+  if (there == planned || left_out.empty() || there.size() != planned.size()) return there == planned;
+  const std::size_t width = left_out.size();
+  for (std::size_t i = 0; i < there.size(); i += width) {
+    const auto pose = std::span(there).subspan(i, width);
+    if (!std::ranges::equal(pose, std::span(planned).subspan(i, width)) && !std::ranges::equal(pose, left_out))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 SampleReport sample_to_dataset(RigEvaluator& rig, const PosePlan& plan, const fs::path& directory, Progress& progress) {
@@ -405,7 +419,7 @@ SampleReport sample_to_dataset(RigEvaluator& rig, const PosePlan& plan, const fs
 }
 
 SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, const fs::path& directory,
-                            Progress& progress) {
+                            Progress& progress, bool skip_failing) {
   const DatasetIndex index = read_dataset_index(directory);
   PosePlan plan = read_plan(directory, index);
   for (const Clip& clip : clips) {
@@ -413,11 +427,11 @@ SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, c
         std::find_if(plan.begin(), plan.end(), [&](const Clip& other) { return other.name == clip.name; });
     if (there == plan.end())
       plan.push_back(clip);
-    else if (there->controls != clip.controls)
+    else if (!is_same_plan(there->controls, clip.controls, skip_failing ? rig.rest_pose() : std::vector<float>()))
       fail(Status::invalid_argument, "%s: clip \"%s\" is there with other controls", shown(directory).c_str(),
            clip.name.c_str());
   }
-  return write_samples(rig, std::move(plan), 0, directory, progress);
+  return write_samples(rig, std::move(plan), 0, directory, progress, skip_failing);
 }
 
 SampleReport sample_with_responses(RigEvaluator& rig, const SamplingOptions& options,

@@ -76,9 +76,10 @@ SampleReport sample(RigEvaluator& rig, const SamplingOptions& options, const std
 
 // Adds clips to the end of a dataset that was sampled from this rig and keeps what is there. A clip that is there
 // already is not added again; one of the same name with other controls is refused. Interrupted, it is continued by
-// repeating it. Evaluates one recorded pose again, to see that the rig is still the same.
+// repeating it. Evaluates one recorded pose again, to see that the rig is still the same. `skip_failing`: see
+// SamplingOptions.
 SampleReport extend_dataset(RigEvaluator& rig, const std::vector<Clip>& clips, const std::filesystem::path& directory,
-                            Progress& progress);
+                            Progress& progress, bool skip_failing = false);
 
 // The user's clip from a NumPy file of frames x controls.
 Clip read_clip(const std::string& name, const std::filesystem::path& file, const RigSchema& schema);

@@ -184,6 +184,39 @@ TEST_CASE("rounds of selection extend a dataset within the rig budget, and conti
           [&] { sample_actively(rig, options, {.rounds = 0}, ensemble, whole.path(), {}, silent_progress()); });
 }
 
+TEST_CASE("failing poses that an ensemble selects are left out, and the sampling goes on where it was interrupted") {
+  const auto rig = open_hostile_rig("throws on a pose");
+  const SamplingOptions options{.test_poses = false, .rig_budget = 400, .skip_failing = true};
+  const auto ensemble = [&](Source&, std::uint32_t) {
+    return [](std::span<const float> controls, std::size_t count) {
+      std::vector<float> scores;
+      for (std::size_t i = 0; i < count; ++i) scores.push_back(controls[6 * i + 2] * controls[6 * i + 3]);
+      return scores;
+    };
+  };
+  const Folder whole, stopped;
+  const SampleReport report = sample_actively(*rig, options, {}, ensemble, whole.path(), {}, silent_progress());
+  CHECK(report.left_out > 4);
+  std::size_t attempts = 0;
+  for (bool done = false; !done; ++attempts) {
+    REQUIRE(attempts < 20);
+    StopAt stop;
+    stop.stop_at = attempts + 2;
+    try {
+      const SampleReport last = sample_actively(*rig, options, {}, ensemble, stopped.path(), {}, stop);
+      CHECK(last.left_out == report.left_out);
+      done = true;
+    } catch (const Error& error) {
+      REQUIRE_MESSAGE(error.status() == Status::interrupted, error.what());
+    }
+  }
+  CHECK(attempts > 2);
+  auto expected = files_of(whole.path()), files = files_of(stopped.path());
+  expected.erase("dataset.json");
+  files.erase("dataset.json");
+  CHECK(files == expected);
+}
+
 TEST_CASE("a dataset is extended by clips and keeps its shards") {
   MemorySource rig = live_face();
   const Folder folder;
