@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -21,6 +22,11 @@ ToolSetting with_fault(const char* fault) {
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+std::string text_of(const std::string& path) {
+  const std::vector<std::byte> bytes = fb::read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // Processes whose environment has this text.
@@ -129,6 +135,145 @@ TEST_CASE("a rig budget is what was asked for, or refused with what it must be a
     CHECK_MESSAGE(run.exit_code == 0, run.err);
     CHECK(nlohmann::json::parse(run.out).at("asked") <= budget);
   }
+}
+
+TEST_CASE("a rig's own clips have a budget apart, which is the rig budget if nothing else is said") {
+  const ScratchFolder folder;
+  const std::string face = folder / "face.fbk";
+  const auto measured_frames = [&] {
+    const ToolRun run = run_tool({"inspect", face, "--json"});
+    return nlohmann::json::parse(run.out).at("certificate").at("independent").at("frames").get<int>();
+  };
+  // The rig has 12 frames to test with, and 12 to train on.
+  const auto bake = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"bake",   FB_TOY_RIG,     "--out", face,    "--recipe",
+                                          "linear", "--rig-budget", "9",     "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun run = run_tool(arguments);
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    return nlohmann::json::parse(run.out);
+  };
+  const auto by_default = bake({});
+  CHECK(measured_frames() == 9);
+  CHECK(by_default.at("asked") <= 9);
+  CHECK(by_default.at("poses") == 18);
+  CHECK(bake({"--clip-budget", "5"}).at("poses") == 14);
+  CHECK(measured_frames() == 5);
+  bake({"--clip-budget", "100"});
+  CHECK(measured_frames() == 12);
+  const ToolRun eval = run_tool({"eval", face, FB_TOY_RIG, "--clip-budget", "4", "--json", "-"});
+  CHECK_MESSAGE(eval.exit_code == 0, eval.err);
+  CHECK(nlohmann::json::parse(eval.out).at("total").at("frames") == 4);
+}
+
+TEST_CASE("a bake tells what it will ask of a rig before it does, and afterwards what it has asked") {
+  const ScratchFolder folder;
+  const ToolRun run = run_tool({"bake", FB_TOY_RIG, "--out", folder / "face.fbk", "--recipe", "linear", "--rig-budget",
+                                "200", "--json", "--report", folder / "report"});
+  CHECK_MESSAGE(run.exit_code == 0, run.err);
+  const std::size_t told = run.err.find("note: what the rig will be asked, at ");
+  REQUIRE(told != std::string::npos);
+  CHECK(told < run.err.find("evaluating single controls: "));
+  const auto figures = nlohmann::json::parse(run.out);
+  CHECK(figures.at("plan").at("pose_seconds") > 0);
+  std::map<std::string, std::uint64_t> most, asked, evaluated;
+  std::uint64_t all_asked = 0, all_evaluated = 0;
+  for (const auto& stage : figures.at("plan").at("stages")) {
+    most[stage.at("stage")] = stage.at("most");
+    CHECK(contains(run.err, "\n  " + stage.at("stage").get<std::string>() + " "));
+  }
+  const std::string page = text_of(folder / "report/index.html");
+  CHECK(contains(page, "What the rig was asked"));
+  for (const auto& stage : figures.at("asked_by_stage")) {
+    const std::string name = stage.at("stage");
+    all_asked += asked[name] = stage.at("asked");
+    all_evaluated += evaluated[name] = stage.at("evaluated");
+    CHECK(asked[name] <= most[name]);
+    CHECK(contains(page, name));
+  }
+  CHECK(all_asked == figures.at("asked"));
+  CHECK(all_evaluated == figures.at("rig_calls"));
+  CHECK(asked.at("single controls") > 0);
+  CHECK(asked.at("drawn poses") > 0);
+  CHECK(asked.at("clips and test poses") == 0);
+  CHECK(evaluated.at("clips and test poses") >= most.at("clips and test poses"));
+  // A quick rig without a budget has a sentence.
+  const ToolRun quick =
+      run_tool({"bake", FB_TOY_RIG, "--out", folder / "quick.fbk", "--recipe", "linear", "--poses", "300"});
+  CHECK(contains(quick.err, "note: the rig will be asked about "));
+}
+
+TEST_CASE("within a small budget, hero is no worse than linear blendshapes of the same calls") {
+  const ScratchFolder folder;
+  const auto mse = [&](const char* recipe, const char* budget) {
+    const std::string face = folder / "face.fbk";
+    const ToolRun bake = run_tool({"bake", FB_TOY_RIG, "--out", face, "--recipe", recipe, "--rig-budget", budget});
+    CHECK_MESSAGE(bake.exit_code == 0, bake.err);
+    return nlohmann::json::parse(run_tool({"eval", face, FB_TOY_RIG, "--json", "-"}).out)
+        .at("total")
+        .at("mse")
+        .get<double>();
+  };
+  CHECK(mse("hero", "10") <= 1.01 * mse("linear", "10"));
+}
+
+TEST_CASE("a bake leaves failing poses out where the user wants it") {
+  const ScratchFolder folder;
+  const auto bake = [&](const char* recipe, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"bake",     FB_HOSTILE_RIG, "--out",    folder / "face.fbk",
+                                          "--recipe", recipe,         "--epochs", "1",
+                                          "--poses",  "300",          "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool(arguments, with_fault("throws on a pose"));
+  };
+  CHECK(bake("linear", {}).exit_code == 1);
+  const ToolRun run = bake("hero", {"--skip-failing-poses"});
+  CHECK_MESSAGE(run.exit_code == 0, run.err);
+  for (const char* part :
+       {"note: a pose is left out (clip \"dense\", frame ", "the brow is missing",
+        "note: the rig is not analysed, and blendshapes are fitted to the training poses instead: control \"strip",
+        "note: the face is not measured control by control: "})
+    CHECK_MESSAGE(contains(run.err, part), run.err);
+}
+
+TEST_CASE("--poses-like decides what is asked") {
+  const ScratchFolder folder;
+  fb::write_file(folder / "take.csv", "Timecode,JawOpen,LipPress\n0,0.5,0.5\n1,0.9,0.2\n2,0.1,0.8\n");
+  const auto asked = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "bake", FB_TOY_RIG, "--out", folder / "face.fbk", "--recipe", "linear", "--rig-budget", "120", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun run = run_tool(arguments);
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    std::uint64_t poses = 0;
+    const auto figures = nlohmann::json::parse(run.out);
+    for (const auto& stage : figures.at("asked_by_stage"))
+      if (stage.at("stage") == "poses like the examples") poses = stage.at("asked");
+    return poses;
+  };
+  CHECK(asked({}) == 0);
+  CHECK(asked({"--poses-like", folder / "take.csv"}) > 30);
+  const ToolRun refused =
+      run_tool({"sample", FB_TOY_RIG, "--out", folder / "poses", "--poses-like", folder / "no.csv"});
+  CHECK(refused.exit_code == 1);
+  CHECK(is_error_line(refused.err, "sample", {"no.csv"}));
+}
+
+TEST_CASE("a rig that a face is posed beside or timed on runs in a child where the user wants it") {
+  const ScratchFolder folder;
+  const std::string face = folder / "face.fbk";
+  CHECK(run_tool({"bake", FB_HOSTILE_RIG, "--out", face, "--recipe", "linear", "--poses", "100"}).exit_code == 0);
+  const std::vector<std::string> pose = {"pose",     face,           "--set",    "strip2=1",
+                                         "--set",    "strip3=1",     "--out",    folder / "x.png",
+                                         "--beside", FB_HOSTILE_RIG, "--isolate"};
+  const ToolRun crashed = run_tool(pose, with_fault("crashes"));
+  CHECK(crashed.exit_code == 1);
+  CHECK_MESSAGE(contains(crashed.err, "was ended by signal 9"), crashed.err);
+  CHECK(run_tool(pose).exit_code == 0);
+  const std::string toy = folder / "toy.fbk";
+  CHECK(run_tool({"bake", FB_TOY_RIG, "--out", toy, "--recipe", "linear", "--poses", "100"}).exit_code == 0);
+  const ToolRun timed = run_tool({"bench", toy, "--source", FB_TOY_RIG, "--isolate", "--rounds", "1"});
+  CHECK_MESSAGE(timed.exit_code == 0, timed.err);
 }
 
 TEST_CASE("Ctrl-C ends a command within a second, with its children, and the same command goes on") {
