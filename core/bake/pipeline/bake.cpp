@@ -194,6 +194,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   baked.asked = evaluator.requested();
   baked.plan = std::move(plan);
   baked.counts = evaluator.counts();
+  baked.counts[static_cast<std::size_t>(EvaluationPurpose::measuring)].evaluated += checked.value_or(0);
   return baked;
 }
 
