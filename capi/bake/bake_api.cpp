@@ -20,6 +20,9 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.use = use_of(desc.use);
   options.max_bytes = desc.max_bytes;
   options.max_error = desc.max_error;
+  if (!(desc.normal_weight >= 0 && desc.normal_weight <= 4))
+    fail(fb::Status::invalid_argument, "fb_bake_desc: normal_weight is %g, not 0 to 4", desc.normal_weight);
+  options.normal_weight = desc.normal_weight;
   options.force = desc.force != 0;
   options.skip_failing = desc.skip_failing != 0;
   options.examples = examples_of(desc, source, progress);
@@ -94,6 +97,7 @@ void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
   defaults.poses = options.poses;
   defaults.mix = "dense";
   defaults.seed = options.seed;
+  defaults.normal_weight = options.normal_weight;
   fill_struct(to, struct_size, defaults);
 }
 

@@ -39,6 +39,11 @@ inline Vector3 normalized(Vector3 a) {
 inline Vector3 mix(Vector3 a, Vector3 b, float t) {
   return a + (b - a) * t;
 }
+// Angle between two vectors, in degrees; 0 if one is null.
+inline double degrees_between(Vector3 a, Vector3 b) {
+  constexpr double per_radian = 57.29577951308232;
+  return std::atan2(double(length(cross(a, b))), double(dot(a, b))) * per_radian;
+}
 inline Vector3 vector_at(const float* points, std::size_t vertex) {
   return {points[3 * vertex], points[3 * vertex + 1], points[3 * vertex + 2]};
 }

@@ -131,6 +131,11 @@ void add_bake(CLI::App& tool) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
+  app->add_option("--normal-weight", command->desc.normal_weight,
+                  "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
+      ->check(CLI::Range(0.0, 4.0))
+      ->type_name("W")
+      ->capture_default_str();
   add_force(*app, command->force);
   add_licence(*app, command->licence);
   app->add_option("--created", command->created, "A date to put into the archive; without it there is none")

@@ -1,7 +1,9 @@
 // The error of a face by source: bench_packing RECIPE [NAME=VALUE...] -- SOURCE...
 // Trains a face by the recipe `hero` or `compact` with changed settings, packs it once for each line of standard input,
-// "threshold tolerance drop bits" (over the diagonal, but the bits), and prints errors on validation poses, beside
-// those of the float model. Sources are one character, one of them a live rig.
+// "NAME=VALUE ..." of PackOptions (over the diagonal, but bits and lambda; empty: the recipe's own), and prints errors
+// and angles of normals on poses held back and on test clips, beside those of the float model. Sources are one
+// character, one of them a live rig.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -9,10 +11,13 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "archive/writer.h"
+#include "bake/compress/fit_target.h"
 #include "bake/dataset/open_source.h"
 #include "bake/face/face_recipe.h"
 #include "bake/face/finish_face.h"
@@ -21,6 +26,8 @@
 #include "bake/recipe/recipe.h"
 #include "bake/sampling/validation_split.h"
 #include "base/status.h"
+#include "base/surface.h"
+#include "runtime/evaluator.h"
 
 using namespace fb;
 using namespace fb::archive;
@@ -54,7 +61,7 @@ class PrintedStages : public Progress {
 struct Settings {
   FaceRecipe recipe;
   BakeOptions options;
-  std::size_t measured = 600;
+  std::size_t measured = 300;
 
   void set(const std::string& text) {
     const std::size_t equals = text.find('=');
@@ -83,28 +90,57 @@ struct Settings {
   }
 };
 
-// Errors of the float model.
-void print_float_errors(const char* what, const FaceModel& model, const PoseSet& poses) {
-  const FloatFace face(model);
-  const std::size_t size = model.rest.points.size(), controls = model.schema.control_count();
-  const std::vector<float> pose_controls = poses.controls();
-  std::vector<float> points(size);
-  double squares = 0, most = 0;
-  for (std::size_t pose = 0; pose < poses.size(); ++pose) {
-    poses.read_points(pose, 1, points);
-    const std::vector<double> predicted = face.evaluate(std::span(pose_controls).subspan(pose * controls, controls));
-    for (std::size_t i = 0; i < size; i += 3) {
-      double sum = 0;
-      for (std::size_t k = i; k < i + 3; ++k) sum += (predicted[k] - points[k]) * (predicted[k] - points[k]);
-      squares += sum;
-      most = std::max(most, sum);
+// Poses of the rig, to measure faces on.
+class Measurement {
+ public:
+  explicit Measurement(const PoseSet& poses)
+      : poses_(poses), controls_(poses.controls()), triangles_(poses.source().rest().triangles()) {}
+
+  // Prints errors over D and of normals. `predict(controls, positions)` poses the face.
+  void print(const char* what, const std::function<void(std::span<const float>, std::span<float>)>& predict) const {
+    const std::size_t size = poses_.source().rest().points.size(), width = controls_.size() / poses_.size();
+    std::vector<float> truth(size), predicted(size);
+    double squares = 0, most = 0, angles = 0;
+    for (std::size_t pose = 0; pose < poses_.size(); ++pose) {
+      poses_.read_points(pose, 1, truth);
+      predict(std::span(controls_).subspan(pose * width, width), predicted);
+      const std::vector<Vector3> ours = vertex_normals(triangles_, predicted),
+                                 theirs = vertex_normals(triangles_, truth);
+      for (std::size_t v = 0; v < ours.size(); ++v) {
+        const Vector3 error = vector_at(predicted.data(), v) - vector_at(truth.data(), v);
+        const double square = double(dot(error, error)), turned = degrees_between(ours[v], theirs[v]);
+        squares += square;
+        most = std::max(most, square);
+        angles += turned * turned;
+      }
     }
+    const double diagonal = poses_.source().rest().diagonal(), count = static_cast<double>(poses_.size() * size / 3);
+    std::printf("%-44s mse %.3e  max %.5f  normals %.3f degrees\n", what, squares / diagonal / diagonal / count,
+                std::sqrt(most) / diagonal, std::sqrt(angles / count));
+    std::fflush(stdout);
   }
-  const double diagonal = model.rest.diagonal();
-  std::printf("%-44s mse %.3e  max %.5f\n", what,
-              squares / diagonal / diagonal / static_cast<double>(poses.size() * size / 3), std::sqrt(most) / diagonal);
-  std::fflush(stdout);
-}
+
+  void print(const char* what, const FaceModel& model) const {
+    const FloatFace face(model);
+    print(what, [&](std::span<const float> controls, std::span<float> positions) {
+      const std::vector<double> exact = face.evaluate(controls);
+      std::copy(exact.begin(), exact.end(), positions.begin());
+    });
+  }
+
+  void print(const char* what, const PackedModel& model) const {
+    const runtime::Evaluator face(model);
+    runtime::Workspace workspace(face);
+    print(what, [&](std::span<const float> controls, std::span<float> positions) {
+      face.evaluate(controls.data(), positions.data(), workspace);
+    });
+  }
+
+ private:
+  const PoseSet poses_;
+  const std::vector<float> controls_;
+  const std::vector<std::uint32_t> triangles_;
+};
 
 int measure(const Settings& settings, const std::vector<std::string>& names) {
   const auto source = open_sources(names);
@@ -122,34 +158,66 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
         region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
         100 * region.energy, region.validation, region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
-  const PoseSet validation =
-      poses.picked(validation_split(poses, 0.05, settings.options.seed).validation).subsampled(settings.measured);
+  const Measurement held_back(
+      poses.picked(fb::bake::held_back(poses, settings.options.seed).validation).subsampled(settings.measured));
+  const PoseSet test_frames(*source, [](const Clip& clip) { return clip.split == Split::test; });
+  std::optional<Measurement> test;
+  if (test_frames.size() > 0) test.emplace(test_frames.subsampled(settings.measured));
+  const auto print = [&](const std::string& what, const auto& model) {
+    held_back.print((what + ", held back").c_str(), model);
+    if (test) test->print((what + ", test clips").c_str(), model);
+  };
   FaceModel base = face.model;
-  print_float_errors("float model", face.model, validation);
+  print("float model", face.model);
   for (Region& region : base.network.regions) {
     region.layers.back().weights.assign(region.layers.back().weights.size(), 0);
     region.layers.back().bias.assign(region.layers.back().bias.size(), 0);
   }
-  print_float_errors("float model, without networks", base, validation);
+  print("float model, without networks", base);
 
-  const BlockwisePca pca(face.model, face.covariance, face.model.network.regions.empty() ? 21 : 64, {});
-  double threshold, tolerance, drop;
-  int bits;
-  while (std::cin >> threshold >> tolerance >> drop >> bits) {
+  const std::vector<float> sizes = direct_sizes(face.model, without_shots(poses));
+  std::map<int, BlockwisePca> by_block;  // vertices a block
+  std::string line;
+  while (std::getline(std::cin, line)) {
+    std::istringstream words(line);
+    Precision precision{settings.recipe.min_compression_error, settings.recipe.weight_bits};
+    precision.scale = std::max(precision.scale, settings.recipe.compression_error_share * face.rms_error);
+    PackOptions packing = precision.pack();
+    packing.normal_weight = settings.options.normal_weight;
+    double threshold = precision.scale;
+    bool compensate = true;
+    int block = 64;
+    for (std::string word; words >> word;) {
+      const double value = std::atof(word.c_str() + word.find('=') + 1);
+      const std::map<std::string, std::function<void()>> knobs = {
+          {"scale", [&] { precision.scale = threshold = value, packing = precision.pack(); }},
+          {"block", [&] { block = int(value); }},
+          {"threshold", [&] { threshold = value; }},
+          {"tolerance", [&] { packing.basis_tolerance = value; }},
+          {"drop", [&] { packing.drop = value; }},
+          {"step", [&] { packing.step = value; }},
+          {"normals", [&] { packing.normal_weight = value; }},
+          {"compensate", [&] { compensate = value != 0; }},
+          {"lambda", [&] { packing.step_lambda = value; }},
+          {"first_bits", [&] { packing.first_bits = int(value); }},
+          {"hidden_bits", [&] { packing.hidden_bits = int(value); }},
+          {"output_bits", [&] { packing.output_bits = int(value); }},
+      };
+      const auto found = knobs.find(word.substr(0, word.find('=')));
+      if (found == knobs.end()) fail(Status::invalid_argument, "there is no knob \"%s\"", word.c_str());
+      found->second();
+    }
+    const BlockwisePca& pca =
+        by_block.try_emplace(block, face.model, face.covariance, block, Parallel{}, sizes).first->second;
     BlockwiseModel local = pca.truncated(threshold);
-    PackOptions packing;
-    packing.first_bits = packing.hidden_bits = packing.output_bits = bits;
-    packing.basis_tolerance = tolerance;
-    packing.drop = drop;
     packing.coefficient_sizes = std::move(local.coefficient_sizes);
+    if (!face.model.network.regions.empty()) print(line + " truncated", local.model);
+    if (compensate) packing.samples = sampled_coefficients(local.model, poses, {});
     const PackedModel packed = pack_model(local.model, packing);
-    const std::vector<std::byte> archive = write_archive(packed, {});
-    const Errors errors = evaluate_model_on(packed, validation, {}, silent_progress());
-    const BytesRead read = bytes_read_per_pose(packed, validation);
-    char what[64];
-    std::snprintf(what, sizeof what, "%.1e %.1e %.1e %2d bits", threshold, tolerance, drop, bits);
-    std::printf("%-44s mse %.3e  max %.5f  read %.2f MB, p95 %.2f  archive %.2f MB\n", what, errors.mse, errors.max,
-                read.mean / 1e6, double(read.p95) / 1e6, double(archive.size()) / 1e6);
+    print(line, packed);
+    std::printf("%-44s read %.2f MB  archive %zu bytes\n", line.c_str(),
+                bytes_read_per_pose(packed, test_frames.size() ? test_frames : poses).mean / 1e6,
+                write_archive(packed, {}).size());
     std::fflush(stdout);
   }
   return 0;

@@ -184,7 +184,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 176);
+  assert_int_equal(sizeof(fb_bake_desc), 184);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -209,6 +209,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, skip_failing, 160);
   assert_at(fb_bake_desc, example_count, 164);
   assert_at(fb_bake_desc, examples, 168);
+  assert_at(fb_bake_desc, normal_weight, 176);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

@@ -247,6 +247,9 @@ typedef struct fb_bake_desc {
                              fitted to the training poses; measuring. 0 (default): fail */
   uint32_t example_count; /**< of examples */
   const char* const* examples; /**< files of control curves near which a live source is sampled, see fb_sample_desc */
+  double normal_weight; /**< how much errors of normals count beside distances when the face is rounded, 0 to 4: where
+                           vertices lie densely, its values are finer in proportion to this power of their spacing, as
+                           the same error turns normals more there. 0: distances alone; default 1 */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

@@ -47,9 +47,11 @@ class Candidates {
   using Error = std::function<double(const PackedModel&)>;
   using Bytes = std::function<std::uint64_t(const PackedModel&)>;
 
-  Candidates(const FaceModel& model, std::span<const std::vector<float>> covariance, const Error& error,
-             const Bytes& bytes, const Parallel& parallel, Progress& progress, std::span<const float> direct_sizes)
-      : pca_(model, covariance, BlockwisePcaOptions{}.block_vertices, parallel, direct_sizes),
+  Candidates(const FaceModel& model, const FitInputs& inputs, const Error& error, const Bytes& bytes,
+             const Parallel& parallel, Progress& progress)
+      : pca_(model, inputs.covariance, BlockwisePcaOptions{}.block_vertices, parallel, inputs.direct_sizes),
+        inputs_(&inputs),
+        parallel_(parallel),
         measure_error_(&error),
         measure_bytes_(&bytes),
         progress_(&progress) {}
@@ -69,6 +71,8 @@ class Candidates {
   PackOptions packing(const Precision& precision) const {
     PackOptions options = precision.pack();
     options.coefficient_sizes = blockwise_.coefficient_sizes;
+    options.normal_weight = inputs_->normal_weight;
+    options.samples = samples_;
     return options;
   }
 
@@ -76,8 +80,11 @@ class Candidates {
     const Key key = key_of(precision);
     if (built_ == key) return packed_;
     keep_asking(*progress_, [&] {
-      if (built_.first != key.first) blockwise_ = pca_.truncated(precision.scale);
-      packed_ = pack_model(blockwise_.model, packing(precision));
+      if (built_.first != key.first) {
+        blockwise_ = pca_.truncated(precision.scale);
+        if (inputs_->samples) samples_ = inputs_->samples(blockwise_.model);
+      }
+      packed_ = pack_model(blockwise_.model, packing(precision), parallel_);
     });
     built_ = key;
     return packed_;
@@ -94,6 +101,8 @@ class Candidates {
   }
 
   BlockwisePca pca_;
+  const FitInputs* inputs_;
+  const Parallel parallel_;
   const Error* measure_error_;
   const Bytes* measure_bytes_;
   Progress* progress_;
@@ -102,6 +111,7 @@ class Candidates {
   std::uint64_t measurements_ = 0;
   Key built_{};  // of blockwise_ and packed_
   BlockwiseModel blockwise_;
+  std::vector<float> samples_;  // of blockwise_
   PackedModel packed_;
 };
 
@@ -131,7 +141,8 @@ PackOptions Precision::pack() const {
   options.first_bits = options.hidden_bits = options.output_bits = weight_bits;
   options.basis_tolerance = 2 * scale;
   options.drop = scale;
-  options.step = 1.25 * scale;
+  options.step = 8.0 / 3 * scale;
+  options.step_lambda = 8;
   return options;
 }
 
@@ -167,13 +178,13 @@ FitChoice choose_precision(const FitTarget& target, const std::function<std::uin
   return *smallest;
 }
 
-Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
+Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
-                  Progress& progress, std::span<const float> direct_sizes) {
+                  Progress& progress) {
   constexpr std::uint64_t most_measured = 24;  // bytes and error on both ladders
   progress.begin("fitting bytes and error", most_measured);
-  Candidates candidates(model, covariance, error, bytes, parallel, progress, direct_sizes);
+  Candidates candidates(model, inputs, error, bytes, parallel, progress);
   const auto choose = [&](const FitTarget& wanted) {
     return choose_precision(
         wanted, [&](const Precision& precision) { return candidates.bytes(precision); },

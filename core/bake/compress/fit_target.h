@@ -21,7 +21,7 @@ struct FitTarget {
 
 // One scale for truncation, quantisation and dropping of columns of the basis, and the bits of weights.
 struct Precision {
-  double scale = 1e-5;  // over D: BlockwisePcaOptions::threshold and PackOptions::step, the others follow from it
+  double scale = 1e-5;  // over D: BlockwisePcaOptions::threshold; the steps of PackOptions follow from it
   int weight_bits = 8;
 
   PackOptions pack() const;
@@ -48,13 +48,20 @@ struct Fitted {
   FitChoice choice;
 };
 
-// Compresses a model by blockwise PCA and packs it in the precision of choose_precision. `covariance` and
-// `direct_sizes`: see BlockwisePca. `error` measures a candidate on validation poses, `bytes` gives its archive's size.
-// Notes what was reached. A target that cannot be met is a failure with limit, which names what can be and its cost,
-// or, with FitTarget::force, a note.
-Fitted fit_target(const FaceModel& model, std::span<const std::vector<float>> covariance, const FitTarget& target,
+// What else choosing a precision takes: see BlockwisePca and PackOptions.
+struct FitInputs {
+  std::span<const std::vector<float>> covariance;
+  std::span<const float> direct_sizes = {};
+  std::function<std::vector<float>(const FaceModel&)> samples = {};  // of a truncated model; empty: none
+  double normal_weight = 0;
+};
+
+// Compresses a model by blockwise PCA and packs it in the precision of choose_precision. `error` measures a candidate
+// on validation poses, `bytes` gives its archive's size. Notes what was reached. A target that cannot be met is a
+// failure with limit, which names what can be and its cost, or, with FitTarget::force, a note.
+Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
-                  Progress& progress, std::span<const float> direct_sizes = {});
+                  Progress& progress);
 
 }  // namespace fb::bake

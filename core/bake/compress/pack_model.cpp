@@ -4,7 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "bake/compress/vertex_spacing.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -109,13 +111,53 @@ PackedRowBlock pack_row_block(const RowBlock& group, const std::vector<ColumnPre
   return packed;
 }
 
+// How much smaller the steps of each row block are, a power of two, so that most values at its border are predicted as
+// well as inside; and the weights of squared errors by vertex that follow.
+struct NormalWeights {
+  std::vector<float> of_block, of_vertex;
+};
+
+NormalWeights normal_weights(const FaceModel& model, double weight) {
+  constexpr float smallest = 1.0f / 8,
+                  most = 4;  // of blocks; of vertices beside their block's, and the least is 1 / most
+  std::vector<float> wanted = vertex_spacing(model.rest);
+  for (float& value : wanted) value = static_cast<float>(std::pow(std::clamp(value, smallest, 1.0f), weight));
+  NormalWeights weights;
+  weights.of_vertex.resize(wanted.size());
+  for (const RowBlock& block : model.basis.row_blocks) {
+    const std::uint32_t first = block.first_row / 3, end = (block.first_row + block.row_count + 2) / 3;
+    const auto of = [&](std::uint32_t v) { return model.basis.order.empty() ? v : model.basis.order[v]; };
+    double squares = 0;
+    for (std::uint32_t v = first; v < end; ++v) squares += 1 / (double(wanted[of(v)]) * wanted[of(v)]);
+    const double mean = std::sqrt((end - first) / squares);
+    const auto step = static_cast<float>(std::exp2(std::nearbyint(std::log2(mean))));
+    weights.of_block.push_back(step);
+    for (std::uint32_t v = first; v < end; ++v) {
+      const float share = step / wanted[of(v)];
+      weights.of_vertex[of(v)] = std::clamp(share * share, 1 / most, most);
+    }
+  }
+  return weights;
+}
+
+// `scaled` times as fine.
+std::vector<ColumnPrecision> finer(std::vector<ColumnPrecision> precisions, double factor) {
+  for (ColumnPrecision& precision : precisions) {
+    precision.rounding *= factor;
+    precision.step *= factor;
+  }
+  return precisions;
+}
+
 }  // namespace
 
-PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
+PackedModel pack_model(const FaceModel& model, const PackOptions& options, const Parallel& parallel) {
   check(model);
   if (!options.coefficient_sizes.empty() && options.coefficient_sizes.size() != model.basis.columns)
     fail(Status::invalid_argument, "%zu coefficient sizes for %u coefficients", options.coefficient_sizes.size(),
          model.basis.columns);
+  if (options.samples.size() % std::max<std::size_t>(model.basis.columns, 1) != 0)
+    fail(Status::invalid_argument, "%zu samples of %u coefficients", options.samples.size(), model.basis.columns);
   PackedModel packed;
   packed.schema = model.schema;
   packed.rest = on_grid(model.rest, options.step);
@@ -137,9 +179,18 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options) {
                              : ColumnPrecision{any, 0, 0});
   }
   std::vector<std::vector<float>> exact;
-  for (const RowBlock& group : model.basis.row_blocks)
-    packed.row_blocks.push_back(pack_row_block(group, precisions, exact.emplace_back()));
-  if (options.step > 0) rate_distortion_quantise(packed, exact, options.step_lambda);
+  NormalWeights weights;
+  if (options.normal_weight > 0) weights = normal_weights(model, options.normal_weight);
+  for (std::size_t b = 0; b < model.basis.row_blocks.size(); ++b)
+    packed.row_blocks.push_back(pack_row_block(
+        model.basis.row_blocks[b], weights.of_block.empty() ? precisions : finer(precisions, weights.of_block[b]),
+        exact.emplace_back()));
+  if (options.step > 0) {
+    std::optional<RoundingCompensation> compensation;
+    if (!options.samples.empty()) compensation.emplace(packed, options.samples, parallel);
+    rate_distortion_quantise(packed, exact,
+                             {options.step_lambda, weights.of_vertex, compensation ? &*compensation : nullptr});
+  }
   check(packed);
   return packed;
 }

@@ -24,11 +24,17 @@ struct PackOptions {
   // The step of rest positions is at most a quarter of it, or 2^-20 D.
   double step = 0;
   double step_lambda = bits_per_squared_step;  // see rate_distortion_quantise
+  // How much errors of normals count beside distances: where vertices lie more densely than usual, steps are smaller in
+  // proportion to the power `normal_weight` of their spacing (see vertex_spacing). 0: steps are the same everywhere.
+  double normal_weight = 0;
+  // Coefficients in some poses, poses x columns, for RoundingCompensation; empty: none.
+  std::vector<float> samples = {};
 };
 
 // Quantises a model. Weights have one scale per row; the basis has one per column of a row block, and columns that are
 // 0 in a whole row block are left out of it. Magnitudes below 2^-100 become 0. Fails with invalid_argument on other
-// numbers of bits or of coefficient sizes, and as check(FaceModel) does.
-PackedModel pack_model(const FaceModel& model, const PackOptions& options);
+// numbers of bits, of coefficient sizes or of samples, and as check(FaceModel) does. The result does not depend on the
+// number of threads.
+PackedModel pack_model(const FaceModel& model, const PackOptions& options, const Parallel& parallel = {});
 
 }  // namespace fb::bake

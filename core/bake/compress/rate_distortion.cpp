@@ -1,6 +1,10 @@
 #include "bake/compress/rate_distortion.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "archive/coding/writer/choose_predictors.h"
 #include "archive/coding/writer/unit_symbols.h"
@@ -15,15 +19,17 @@ using archive::ColumnSegment;
 
 using Units = archive::CodingUnits;
 
-// Calls function(history, unit, row block, index of the unit's first value in the block) for all units of all columns
-// in coding order. The function records in `history` what the unit is coded as.
-template <class Function>
-void for_each_unit(const PackedModel& model, const Units& units, Function&& function) {
+// Calls begin(row block, index) for all segments in coding order, and after each function(history, unit, row block,
+// index of the unit's first value in the block) for its units. The function records in `history` what the unit is coded
+// as.
+template <class Begin, class Function>
+void for_each_unit(const PackedModel& model, const Units& units, Begin&& begin, Function&& function) {
   ColumnHistory history(model.rest.vertex_count());
   for (const auto& segments : archive::column_segments(model)) {
     for (const auto& [b, index] : segments) {
       const PackedRowBlock& block = model.row_blocks[b];
       history.begin_segment(block.columns[index].wide);
+      begin(b, index);
       for (const CodingUnit& unit : units[b])
         function(history, unit, b, std::size_t(index) * block.row_count + unit.row);
     }
@@ -62,12 +68,14 @@ struct BitCounter {
 // The cost of symbols in the model as it is quantised now.
 SymbolCosts measure_costs(const PackedModel& model, const Units& units) {
   SymbolCosts costs;
-  for_each_unit(model, units, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
+  const auto code = [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
     const AxisVector values = archive::values_of_vertex(history, unit, &model.row_blocks[b].values[at]),
                      residuals = archive::residuals_of(history, unit, values);
     archive::write_unit(costs, history, unit, residuals);
     history.set(unit.rank, values, residuals, archive::class_of(residuals));
-  });
+  };
+  for_each_unit(
+      model, units, [](std::uint32_t, std::uint32_t) {}, code);
   costs.finish();
   return costs;
 }
@@ -127,33 +135,102 @@ struct UnitQuantiser {
   }
 };
 
+// What the values of a segment are rounded from, in steps, after the errors of the columns before it are compensated.
+class Targets {
+ public:
+  Targets(const PackedModel& model, const std::vector<std::vector<float>>& exact,
+          const RoundingCompensation* compensation)
+      : model_(model), exact_(exact), compensation_(compensation) {
+    if (!compensation_) return;
+    for (const auto& values : exact) errors_.emplace_back(values.size());
+  }
+
+  // The targets of a segment; valid until the next call. Segments of a row block come in order of their index.
+  std::span<const float> of(std::uint32_t b, std::uint32_t index) {
+    const PackedRowBlock& block = model_.row_blocks[b];
+    const std::size_t rows = block.row_count, first = index * rows;
+    const auto exact = std::span(exact_[b]).subspan(first, rows);
+    if (!compensation_) return exact;
+    targets_.assign(exact.begin(), exact.end());
+    const PackedColumn& column = block.columns[index];
+    if (column.scale == 0) return targets_;
+    const std::span<const float> factors = index > 0 ? compensation_->factors(b, index) : std::span<const float>();
+    for (std::size_t c = 0; c < index; ++c) {
+      const float factor = factors[c] / column.scale;
+      const float* const error = &errors_[b][c * rows];
+      for (std::size_t i = 0; i < rows; ++i) targets_[i] -= factor * error[i];
+    }
+    const auto most = static_cast<float>(column.wide ? largest_wide : largest_narrow);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const bool alone = exact[i] == 0 || std::isnan(targets_[i]);  // not a number: errors too large for floats
+      targets_[i] = alone ? exact[i] : std::clamp(targets_[i], -most, most);
+    }
+    return targets_;
+  }
+
+  // Notes the errors of a segment whose values are final.
+  void finish(std::uint32_t b, std::uint32_t index) {
+    if (!compensation_) return;
+    const PackedRowBlock& block = model_.row_blocks[b];
+    for (std::size_t i = index * std::size_t(block.row_count), end = i + block.row_count; i < end; ++i)
+      errors_[b][i] = (static_cast<float>(block.values[i]) - exact_[b][i]) * block.columns[index].scale;
+  }
+
+ private:
+  const PackedModel& model_;
+  const std::vector<std::vector<float>>& exact_;
+  const RoundingCompensation* compensation_;
+  std::vector<std::vector<float>> errors_;  // by row block, as its values; in the rig's units
+  std::vector<float> targets_;
+};
+
+// One round of rate_distortion_quantise.
+void quantise_once(PackedModel& model, const std::vector<std::vector<float>>& exact,
+                   const RateDistortionOptions& options) {
+  const Units units = archive::choose_predictors(model);
+  const SymbolCosts costs = measure_costs(model, units);
+  Targets targets(model, exact, options.compensation);
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> segment;
+  std::span<const float> wanted;
+  const auto begin = [&](std::uint32_t b, std::uint32_t index) {
+    if (segment) targets.finish(segment->first, segment->second);
+    segment = {b, index};
+    wanted = targets.of(b, index);
+    const auto first = model.row_blocks[b].values.begin() + static_cast<std::ptrdiff_t>(index * wanted.size());
+    std::transform(wanted.begin(), wanted.end(), first,
+                   [](float value) { return static_cast<std::int16_t>(std::nearbyint(value)); });
+  };
+  for_each_unit(
+      model, units, begin, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
+        PackedRowBlock& block = model.row_blocks[b];
+        const std::uint32_t vertex = (block.first_row + unit.row) / 3;
+        const double weight = options.vertex_weights.empty()
+                                  ? 1
+                                  : options.vertex_weights[model.order.empty() ? vertex : model.order[vertex]];
+        const AxisVector values = archive::values_of_vertex(history, unit, &block.values[at]);
+        UnitQuantiser quantiser{costs,
+                                options.lambda * weight,
+                                history,
+                                unit,
+                                wanted.data() + unit.row - unit.axis,
+                                values,
+                                archive::residuals_of(history, unit, values)};
+        quantiser.quantise();
+        for (std::uint32_t i = 0; i < unit.count; ++i)
+          block.values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
+        history.set(unit.rank, quantiser.values, quantiser.residuals, archive::class_of(quantiser.residuals));
+      });
+}
+
 // Costs and predictors depend on the values and these on costs and predictors: the second round uses those of the
 // first.
 constexpr int rounds = 2;
 
 }  // namespace
 
-void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact, double lambda) {
-  std::vector<std::vector<std::int16_t>> nearest;
-  for (const PackedRowBlock& block : model.row_blocks) nearest.push_back(block.values);
-  for (int round = 0; round < rounds; ++round) {
-    const Units units = archive::choose_predictors(model);
-    const SymbolCosts costs = measure_costs(model, units);
-    for_each_unit(model, units, [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
-      const AxisVector values = archive::values_of_vertex(history, unit, &nearest[b][at]);
-      UnitQuantiser quantiser{costs,
-                              lambda,
-                              history,
-                              unit,
-                              exact[b].data() + at - unit.axis,
-                              values,
-                              archive::residuals_of(history, unit, values)};
-      quantiser.quantise();
-      for (std::uint32_t i = 0; i < unit.count; ++i)
-        model.row_blocks[b].values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
-      history.set(unit.rank, quantiser.values, quantiser.residuals, archive::class_of(quantiser.residuals));
-    });
-  }
+void rate_distortion_quantise(PackedModel& model, const std::vector<std::vector<float>>& exact,
+                              const RateDistortionOptions& options) {
+  for (int round = 0; round < rounds; ++round) quantise_once(model, exact, options);
 }
 
 }  // namespace fb::bake

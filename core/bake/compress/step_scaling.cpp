@@ -54,7 +54,7 @@ PackedModel with_scaled_steps(const PackedModel& model, double factor) {
       values_of_group.insert(values_of_group.end(), scaled.begin(), scaled.end());
     }
   }
-  rate_distortion_quantise(out, exact, bits_per_squared_step);
+  rate_distortion_quantise(out, exact, {});
   return out;
 }
 

@@ -145,14 +145,9 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   BlockwisePcaOptions localize;
   localize.threshold = precision.scale;
   PackOptions packing = precision.pack();
-  // Without networks, sparse shapes alone need the fewest bytes for an error with longer blocks, fewer dropped columns
-  // and larger quantisation steps with a weaker rate term.
-  if (face.model.network.regions.empty()) {
-    localize.block_vertices = 100;
-    packing.drop *= 0.5;
-    packing.step *= 1.31;
-    packing.step_lambda = 13;
-  }
+  packing.normal_weight = options.normal_weight;
+  // Without networks, sparse shapes alone need the fewest bytes for an error with fewer dropped columns.
+  if (face.model.network.regions.empty()) packing.drop *= 0.5;
   RecipeResult result =
       finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.max_bytes_read);
   result.stats = std::move(face.stats);

@@ -9,6 +9,7 @@
 #include "bake/compress/fit_target.h"
 #include "bake/measure/bytes_read.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/float_face.h"
 #include "bake/measure/verify.h"
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
@@ -25,16 +26,6 @@ constexpr int bisections = 5;               // of the factor: to 2 % between nei
 PoseSet validation_poses(const PoseSet& poses, std::uint64_t seed) {
   const ValidationSplit split = held_back(poses, seed);
   return (split.validation.empty() ? poses : poses.picked(split.validation)).subsampled(measured_poses);
-}
-
-// Root mean square of each direct coefficient over those poses where it is not 0; 1 where it is 0 in all of them.
-// Archives then keep a shape as precisely as it is seen each time that it is active.
-std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
-  const std::vector<FeatureUsage> uses = feature_usage(model.network.features, model.schema, poses.controls());
-  std::vector<float> sizes;
-  for (const std::uint32_t f : model.network.direct)
-    sizes.push_back(uses[f].active > 0 ? static_cast<float>(std::sqrt(uses[f].square / uses[f].active)) : 1);
-  return sizes;
 }
 
 // Mean number of bytes that a frame of the clip reads.
@@ -96,15 +87,49 @@ PoseSet without_shots(const PoseSet& poses) {
   return others.size() > 0 ? others : poses;
 }
 
+std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
+  const std::vector<FeatureUsage> uses =
+      feature_usage(model.network.features, model.schema, poses.subsampled(size_poses).controls());
+  std::vector<float> sizes;
+  for (const std::uint32_t f : model.network.direct)
+    sizes.push_back(uses[f].active > 0 ? static_cast<float>(std::sqrt(uses[f].square / uses[f].active)) : 1);
+  return sizes;
+}
+
+std::vector<float> sampled_coefficients(const FaceModel& model, const PoseSet& poses, const Parallel& parallel) {
+  constexpr std::size_t sampled_poses = 1500;
+  const FloatFace face(model);
+  const PoseSet some = poses.subsampled(sampled_poses);
+  const std::vector<float> controls = some.controls();
+  const std::size_t width = model.schema.control_count(), columns = model.basis.columns;
+  std::vector<float> samples(some.size() * columns);
+  parallel_for(parallel, some.size(), [&](std::size_t pose, std::size_t) {
+    const std::vector<double> of_pose = face.coefficients(std::span(controls).subspan(pose * width, width));
+    std::copy(of_pose.begin(), of_pose.end(), samples.begin() + static_cast<std::ptrdiff_t>(pose * columns));
+  });
+  return samples;
+}
+
 RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                          const BlockwisePcaOptions& pca_options, const PackOptions& packing, const PoseSet& poses,
                          const BakeOptions& options, Progress& progress, double max_bytes_read) {
-  const std::vector<float> sizes = direct_sizes(model, without_shots(poses).subsampled(size_poses));
+  const std::vector<float> sizes = direct_sizes(model, without_shots(poses));
+  const auto samples = [&](const FaceModel& truncated) {
+    return sampled_coefficients(truncated, poses, options.parallel);
+  };
   if (!has_target(options)) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
-    if (max_bytes_read <= 0) return with_factor(pca, pca_options.threshold, packing, 1);
-    const Clip shots = make_test_poses(model.schema, options.seed + 1).back();
-    return fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read, progress);
+    RecipeResult result;
+    if (max_bytes_read <= 0) {
+      result = with_factor(pca, pca_options.threshold, packing, 1);
+    } else {
+      const Clip shots = make_test_poses(model.schema, options.seed + 1).back();
+      result = fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read, progress);
+    }
+    progress.begin("rounding", 0);
+    result.packing.samples = samples(result.model);
+    result.packed = ask_during(progress, [&] { return pack_model(result.model, result.packing, options.parallel); });
+    return result;
   }
   const PoseSet validation = validation_poses(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
@@ -114,8 +139,9 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto error = [&](const PackedModel& packed) {
     return evaluate_model_on(packed, validation, options.parallel, silent_progress()).max;
   };
-  Fitted fitted = fit_target(model, covariance, {options.max_bytes, options.max_error, options.force}, error, bytes,
-                             options.parallel, progress, sizes);
+  Fitted fitted =
+      fit_target(model, {covariance, sizes, samples, options.normal_weight},
+                 {options.max_bytes, options.max_error, options.force}, error, bytes, options.parallel, progress);
   return {std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
 }
 

@@ -13,6 +13,13 @@ namespace fb::bake {
 // itself if there are none.
 PoseSet without_shots(const PoseSet& poses);
 
+// Root mean square of each direct coefficient over those poses where it is not 0; 1 where it is 0 in all of them.
+// Archives then keep a shape as precisely as it is seen each time that it is active.
+std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses);
+
+// The coefficients of a model in some of the poses, poses x columns: PackOptions::samples.
+std::vector<float> sampled_coefficients(const FaceModel& model, const PoseSet& poses, const Parallel& parallel);
+
 // Compresses a trained model by blockwise PCA (covariance: see BlockwisePca) and chooses how it is packed.
 // With a target in the options: fit_target, measured as packed on some poses of the validation split (of all training
 // poses, if that is empty). Without: as pca_options and packing say, with thresholds and steps multiplied by one factor

@@ -24,11 +24,6 @@ double square(Vector3 v) {
   return double(v.x) * v.x + double(v.y) * v.y + double(v.z) * v.z;
 }
 
-double degrees_between(Vector3 a, Vector3 b) {
-  constexpr double per_radian = 57.29577951308232;
-  return std::atan2(double(length(cross(a, b))), double(dot(a, b))) * per_radian;
-}
-
 double mean(double sum, double count) {
   return count > 0 ? sum / count : 0;
 }

@@ -38,7 +38,7 @@ std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions
   const std::uint64_t budget = find_recipe(options.recipe).evaluates_rig ? options.rig_budget : 0;
   Json fields = {FB_VERSION,        options.recipe, name_of(options.use),
                  options.seed,      options.epochs, options.max_bytes,
-                 options.max_error, budget,         rig != nullptr};
+                 options.max_error, budget,         rig != nullptr, options.normal_weight};
   if (options.force) fields.push_back("force");
   const std::uint64_t samples = hash64_of<float>(poses.controls(), hash64_of<float>(points));
   const Mesh& rest = data.rest();

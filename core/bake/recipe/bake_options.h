@@ -36,6 +36,8 @@ struct BakeOptions {
   // Targets of recipes that choose the precision of what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
   double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
+  // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
+  double normal_weight = 1;
   bool force = false;           // where a target cannot be met, the nearest there is instead of a failure
   // Texts for the archive; empty: none. `created` is a date for the provenance.
   std::string licence, created;

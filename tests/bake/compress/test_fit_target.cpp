@@ -112,7 +112,7 @@ TEST_CASE("models are localized and packed to the target, and it is told what wa
   // What the packed numbers move otherwise than the float ones.
   const auto error = [&](const PackedModel& packed) { return difference(model, unpacked(packed)).worst; };
   const auto fit = [&](const FitTarget& target, Sentences& notes) {
-    return fit_target(model, covariance, target, error, bytes, {.threads = 2}, notes);
+    return fit_target(model, {covariance}, target, error, bytes, {.threads = 2}, notes);
   };
   Sentences notes;
   const Fitted large = fit({.max_bytes = 100000}, notes), small = fit({.max_bytes = 30000}, notes);

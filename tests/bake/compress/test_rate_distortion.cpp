@@ -71,7 +71,7 @@ TEST_CASE("rate-distortion optimised quantisation takes fewer bytes for the same
   const Rounded nearest = rounded(1.2f);
   Rounded optimised = rounded(1);
   const std::size_t before = optimised.bytes();
-  rate_distortion_quantise(optimised.model, optimised.exact, bits_per_squared_step);
+  rate_distortion_quantise(optimised.model, optimised.exact, {});
   CHECK(optimised.bytes() < before);
   CHECK(optimised.mean_square_error() < 1.44 * nearest.mean_square_error());
   CHECK(double(optimised.bytes()) < 0.97 * double(nearest.bytes()));
@@ -83,7 +83,7 @@ TEST_CASE("rate-distortion optimised quantisation takes fewer bytes for the same
 TEST_CASE("a large lambda rounds to nearest") {
   Rounded precise = rounded(1);
   const PackedModel before = precise.model;
-  rate_distortion_quantise(precise.model, precise.exact, 1e6);
+  rate_distortion_quantise(precise.model, precise.exact, {.lambda = 1e6});
   for (std::size_t g = 0; g < before.row_blocks.size(); ++g)
     CHECK(precise.model.row_blocks[g].values == before.row_blocks[g].values);
 }
