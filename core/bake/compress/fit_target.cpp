@@ -84,7 +84,7 @@ class Candidates {
         blockwise_ = pca_.truncated(precision.scale);
         if (inputs_->samples) samples_ = inputs_->samples(blockwise_.model);
       }
-      packed_ = pack_model(blockwise_.model, packing(precision), parallel_);
+      packed_ = pack_model(blockwise_.model, packing(precision), without_asking(parallel_));
     });
     built_ = key;
     return packed_;

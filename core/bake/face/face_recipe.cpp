@@ -17,8 +17,9 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t pruning_poses = 1000;  // on which correctives are weighed against their bytes
-constexpr double min_additive_error = 5e-6;  // FaceRecipe::min_compression_error of an additive face, at most
+constexpr std::size_t pruning_poses = 1000;     // on which correctives are weighed against their bytes
+constexpr double max_compression_error = 2e-4;  // over D: what is exact beside much that cannot be learned stays so
+constexpr double min_additive_error = 5e-6;     // FaceRecipe::min_compression_error of an additive face, at most
 
 // The uncentred covariance of the coefficients: outputs x outputs, the mean over poses of products of two coefficients.
 std::vector<float> coefficient_covariance(const LocalBasis& basis, std::size_t poses) {
@@ -141,7 +142,9 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   TrainedFace face = train_face(recipe, poses, rig, options, progress);
   const double min_error =
       face.additive ? std::min(recipe.min_compression_error, min_additive_error) : recipe.min_compression_error;
-  const Precision precision{std::max(recipe.compression_error_share * face.rms_error, min_error), recipe.weight_bits};
+  const Precision precision{
+      std::clamp(recipe.compression_error_share * face.rms_error, min_error, max_compression_error),
+      recipe.weight_bits};
   BlockwisePcaOptions localize;
   localize.threshold = precision.scale;
   PackOptions packing = precision.pack();

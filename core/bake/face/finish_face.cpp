@@ -115,7 +115,7 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
                          const BakeOptions& options, Progress& progress, double max_bytes_read) {
   const std::vector<float> sizes = direct_sizes(model, without_shots(poses));
   const auto samples = [&](const FaceModel& truncated) {
-    return sampled_coefficients(truncated, poses, options.parallel);
+    return sampled_coefficients(truncated, poses, without_asking(options.parallel));
   };
   if (!has_target(options)) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
@@ -127,8 +127,10 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
       result = fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read, progress);
     }
     progress.begin("rounding", 0);
-    result.packing.samples = samples(result.model);
-    result.packed = ask_during(progress, [&] { return pack_model(result.model, result.packing, options.parallel); });
+    result.packed = ask_during(progress, [&] {
+      result.packing.samples = samples(result.model);
+      return pack_model(result.model, result.packing, without_asking(options.parallel));
+    });
     return result;
   }
   const PoseSet validation = validation_poses(poses, options.seed);
