@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bake/compress/pack_model.h"
@@ -68,7 +69,10 @@ double error(const FaceModel& model, const PackedModel& packed, const std::vecto
   for (std::size_t b = 0; b < packed.row_blocks.size(); ++b) {
     const RowBlock& exact = model.basis.row_blocks[b];
     const PackedRowBlock& block = packed.row_blocks[b];
-    std::vector<double> values(exact.values.begin(), exact.values.end());  // less what is packed
+    std::vector<double> values(std::size_t(columns) * block.row_count);  // of all columns, less what is packed
+    for (std::size_t c = 0; c < exact.columns.size(); ++c)
+      std::copy_n(exact.values.begin() + static_cast<std::ptrdiff_t>(c * block.row_count), block.row_count,
+                  values.begin() + static_cast<std::ptrdiff_t>(exact.columns[c] * block.row_count));
     for (std::size_t c = 0; c < block.columns.size(); ++c)
       for (std::uint32_t row = 0; row < block.row_count; ++row)
         values[block.columns[c].column * block.row_count + row] -=
