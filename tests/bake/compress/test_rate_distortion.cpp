@@ -7,6 +7,7 @@
 
 #include "archive/coding/writer/coding_writer.h"
 #include "base/random.h"
+#include "compress/grid_quads.h"
 
 using namespace fb;
 using namespace fb::archive;
@@ -39,13 +40,7 @@ Rounded rounded(float step) {
   model.columns = columns;
   for (std::uint32_t v = 0; v < side * side; ++v)
     for (const std::uint32_t x : {v % side, v / side, 0u}) model.rest.points.push_back(static_cast<float>(x));
-  for (std::uint32_t y = 0; y + 1 < side; ++y)
-    for (std::uint32_t x = 0; x + 1 < side; ++x) {
-      const std::uint32_t v = y * side + x;
-      model.rest.polygon_sizes.push_back(4);
-      for (const std::uint32_t corner : {v, v + 1, v + side + 1, v + side})
-        model.rest.polygon_corners.push_back(corner);
-    }
+  add_grid_quads(model.rest, side);
   Random random(3);
   for (std::uint32_t row = 0; row < 3 * side * side; row += block_rows) {
     PackedRowBlock& group = model.row_blocks.emplace_back();

@@ -10,6 +10,7 @@
 #include "bake/measure/float_face.h"
 #include "base/random.h"
 #include "base/status.h"
+#include "compress/grid_quads.h"
 #include "test_models.h"
 
 using namespace fb;
@@ -28,13 +29,7 @@ FaceModel sheet(float shrink) {
     for (const float axis : {x < half ? x : half + (x - half) / shrink, static_cast<float>(v / side), 0.0f})
       model.rest.points.push_back(axis);
   }
-  for (std::uint32_t y = 0; y + 1 < side; ++y)
-    for (std::uint32_t x = 0; x + 1 < side; ++x) {
-      const std::uint32_t v = y * side + x;
-      model.rest.polygon_sizes.push_back(4);
-      for (const std::uint32_t corner : {v, v + 1, v + side + 1, v + side})
-        model.rest.polygon_corners.push_back(corner);
-    }
+  add_grid_quads(model.rest, side);
   Random random(3);
   std::vector<float> values;
   for (std::uint32_t c = 0; c < columns; ++c) {
