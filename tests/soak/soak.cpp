@@ -79,7 +79,14 @@ class Worker {
 
   void run(Clock::time_point end) {
     // Forks are few: a child copies the page tables of the process.
-    constexpr std::array<int, action_count> weights = {40, 20, 6, 10, 4, 10, 1};
+    // Gcc 12's AddressSanitizer leaves its allocator locked in a child that is forked while another thread allocates:
+    // in a program of its own one child of 60 hung.
+#ifdef __SANITIZE_ADDRESS__
+    constexpr int forks = 0;
+#else
+    constexpr int forks = 1;
+#endif
+    constexpr std::array<int, action_count> weights = {40, 20, 6, 10, 4, 10, forks};
     std::discrete_distribution<int> choose(weights.begin(), weights.end());
     while (Clock::now() < end) {
       const int action = choose(random_);
