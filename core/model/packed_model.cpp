@@ -20,7 +20,7 @@ bool all_within(const std::int16_t* values, std::size_t count, int largest) {
   return lowest >= -largest && highest <= largest;
 }
 
-void check_values(const PackedLayer& layer, const char* where) {
+void check_packed_values(const PackedLayer& layer, const char* where) {
   if (layer.weights.size() != checked_multiply(layer.inputs, layer.outputs, where) ||
       layer.bias.size() != layer.outputs || layer.scales.size() != layer.outputs)
     fail(Status::bad_data, "%s is %u x %u and has %zu weights, %zu scales, %zu biases", where, layer.outputs,
@@ -81,7 +81,7 @@ void check(const PackedModel& model) {
   check(model.rest);
   check_features(model.features, model.schema.control_count());
   check_direct(model.direct, model.features);
-  check_regions(model.regions, model.features, check_values);
+  check_regions(model.regions, model.features, check_packed_values);
   std::size_t coefficients = model.direct.size();
   for (const PackedRegion& region : model.regions) coefficients += region.layers.back().outputs;
   if (model.columns != coefficients)

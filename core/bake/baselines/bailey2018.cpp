@@ -21,10 +21,10 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::uint32_t fit_sweeps = 4;      // of fitting bones to a pose
+constexpr std::uint32_t pose_sweeps = 4;     // of fitting bones to a pose
 constexpr double motion_threshold = 1e-4;    // over the diagonal: a control that moves a group less is no input of it
 constexpr double pose_visits = 2e6;          // of each training
-constexpr std::size_t poses_per_read = 256;  // while fitting bones
+constexpr std::size_t bone_poses_per_read = 256;  // while fitting bones
 constexpr LocalBasisOptions group_basis = {.max_error = 5e-4, .max_components = 64};
 
 // What the trainings of all networks share.
@@ -50,11 +50,11 @@ std::vector<float> fit_transforms(const Skeleton& skeleton, const PoseSet& poses
   const std::size_t rows = rest.points.size(), parameters = skeleton.parameter_count();
   std::vector<float> transforms(poses.size() * parameters);
   progress.begin("fitting bones to poses", poses.size());
-  for_blocks(Displacements(poses), poses_per_read, parallel, progress,
+  for_blocks(Displacements(poses), bone_poses_per_read, parallel, progress,
              [&](std::size_t first, std::size_t count, const float* values) {
                parallel_for(parallel, count, [&](std::size_t i, std::size_t) {
                  fitter.fit(std::span(values + i * rows, rows),
-                            std::span(transforms).subspan((first + i) * parameters, parameters), false, fit_sweeps);
+                            std::span(transforms).subspan((first + i) * parameters, parameters), false, pose_sweeps);
                });
              });
   return transforms;

@@ -18,8 +18,8 @@
 namespace fb::bake {
 namespace {
 
-constexpr double drop_threshold = 1e-5;  // over the diagonal: smaller offsets of correctives are dropped
-constexpr std::uint32_t fit_sweeps = 6;  // of fitting bones to a shape
+constexpr double corrective_threshold = 1e-5;  // over the diagonal: smaller offsets of correctives are dropped
+constexpr std::uint32_t shape_sweeps = 6;      // of fitting bones to a shape
 
 // One linear layer without bias from the ramps to the transform parameters of all bones.
 Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::vector<float>& shapes, std::size_t ramps,
@@ -29,7 +29,7 @@ Region skeleton_region(const Skeleton& skeleton, const Mesh& rest, const std::ve
   std::vector<float> transforms(ramps * parameters);
   parallel_for(parallel, ramps, [&](std::size_t r, std::size_t) {
     fitter.fit(std::span(shapes).subspan(r * rows, rows), std::span(transforms).subspan(r * parameters, parameters),
-               false, fit_sweeps);
+               false, shape_sweeps);
   });
   DenseLayer layer;
   layer.inputs = checked_u32(ramps, "ramps");
@@ -68,7 +68,7 @@ RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const Bake
   // Columns of the basis: correctives, then bones.
   const std::vector<float> bones = skinning_shapes(skeleton, model.rest);
   const auto set_correctives = [&] {
-    drop_below(correctives, model.rest, drop_threshold);
+    drop_below(correctives, model.rest, corrective_threshold);
     model.network.direct.resize(model.network.features.size());
     std::iota(model.network.direct.begin(), model.network.direct.end(), 0u);
     std::vector<float> all = correctives;

@@ -9,7 +9,7 @@ namespace {
 
 using Matrix = Eigen::MatrixXf;  // a column is a shape or a pose
 
-constexpr std::size_t fit_poses = 4096;
+constexpr std::size_t most_fitted_poses = 4096;
 constexpr float min_isolated_value = 0.05f;  // of a ramp: poses nearer to rest are too inexact to scale up
 
 float value_of(const Feature& ramp, const RigSchema& schema, const float* pose) {
@@ -66,7 +66,7 @@ void fit_missing_shapes(const PoseSet& poses, const std::vector<Feature>& ramps,
                         const std::vector<std::size_t>& missing, Matrix& shapes, Progress& progress) {
   const RigSchema& schema = poses.source().schema();
   const std::size_t rows = poses.source().rest().points.size();
-  const PoseSet sample = poses.subsampled(fit_poses);
+  const PoseSet sample = poses.subsampled(most_fitted_poses);
   progress.begin("fitting blendshapes", sample.size());
   const std::vector<float> controls = sample.controls();
   Matrix inner = Matrix::Zero(missing.size(), missing.size()), outer = Matrix::Zero(rows, missing.size());

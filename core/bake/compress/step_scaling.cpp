@@ -8,15 +8,15 @@
 namespace fb::bake {
 namespace {
 
-constexpr int rungs = 41, rungs_to_double = 4;
+constexpr int scale_rungs = 41, rungs_to_double = 4;
 
 double factor_at(int rung) {
   return std::exp2(double(rung) / rungs_to_double);
 }
 
-// The first rung for which `before` is false, or `rungs`.
+// The first rung for which `before` is false, or `scale_rungs`.
 int first_rung_not(const std::function<bool(int)>& before) {
-  int low = -1, high = rungs;  // before(low), not before(high)
+  int low = -1, high = scale_rungs;  // before(low), not before(high)
   while (high - low > 1) {
     const int middle = (low + high) / 2;
     (before(middle) ? low : high) = middle;
@@ -61,7 +61,7 @@ PackedModel with_scaled_steps(const PackedModel& model, double factor) {
 StepScaling finest_within_bytes(std::uint64_t max_bytes, const MeasureScaling& measure) {
   if (const StepScaling unchanged = measure(1); unchanged.bytes <= max_bytes) return unchanged;
   const int rung = first_rung_not([&](int r) { return measure(factor_at(r)).bytes > max_bytes; });
-  return measure(factor_at(std::min(rung, rungs - 1)));
+  return measure(factor_at(std::min(rung, scale_rungs - 1)));
 }
 
 StepScaling coarsest_within_error(double max_error, const MeasureScaling& measure) {

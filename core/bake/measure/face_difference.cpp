@@ -15,7 +15,7 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t random_poses = 256;
-constexpr float active_share = 0.25f;  // of the controls of a random pose
+constexpr float random_active_share = 0.25f;  // of the controls of a random pose
 
 struct CommonControl {
   std::size_t before, now;  // indices
@@ -117,7 +117,7 @@ void compare_random(FaceDifference& found, const PackedModel& before, const Pack
     old.pose = old_rest;
     fresh.pose = fresh_rest;
     for (const CommonControl& control : common) {
-      const bool active = random.uniform() < active_share;
+      const bool active = random.uniform() < random_active_share;
       const float value = random.uniform(control.minimum, control.maximum);
       if (!active || control.minimum > control.maximum) continue;
       old.pose[control.before] = fresh.pose[control.now] = value;
@@ -169,8 +169,8 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
   if (found.rest.max > 0) found.rest_place = map.name_of(found.rest.worst_vertex);
   compare_controls(found, before, now, common, map);
   compare_random(found, before, now, common, map);
-  found.equal = found.schema.empty() && found.added.empty() && found.removed.empty() && found.same_polygons && found.same_uvs &&
-                found.controls.empty() && found.rest.max == 0 && found.random.max == 0;
+  found.equal = found.schema.empty() && found.added.empty() && found.removed.empty() && found.same_polygons &&
+                found.same_uvs && found.controls.empty() && found.rest.max == 0 && found.random.max == 0;
   found.diagonal = units;
   return found;
 }

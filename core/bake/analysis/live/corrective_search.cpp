@@ -13,7 +13,7 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t poses_in_memory = 512;     // whose residuals are held at once: 37 MB of 6,000 vertices
+constexpr std::size_t sampled_poses_in_memory = 512;  // whose residuals are held at once: 37 MB of 6,000 vertices
 constexpr std::size_t most_inner_pairs = 10000;  // candidates up to which a position inside the ranges is tried too
 // Beyond pairs, candidates are ranked in batches of so many for every corrective wanted: all by one pose, some of them
 // by their subsets too. The next batch is ranked while fewer interact than are wanted. On Aura, where few do, ten
@@ -265,7 +265,8 @@ void CorrectiveSearch::evaluate_candidates(const char* stage_name, std::span<Can
   for (std::size_t begin = 0; begin < samplings.size();) {
     std::vector<std::size_t> first;  // residual of each candidate of this block
     std::size_t end = begin, poses = 0;
-    for (; end < samplings.size() && (end == begin || poses + samplings[end].size() <= poses_in_memory); ++end) {
+    for (; end < samplings.size() && (end == begin || poses + samplings[end].size() <= sampled_poses_in_memory);
+         ++end) {
       first.push_back(poses);
       poses += samplings[end].size();
     }

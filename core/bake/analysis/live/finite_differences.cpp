@@ -13,7 +13,7 @@ namespace {
 
 // Differences of each control. With 64, regions and inputs of the sample face came out worse: an mse of 2.4e-7 instead
 // of 1.1e-7. add_missed_correctives looks for what so few do not show.
-constexpr std::size_t most_rounds = 16;
+constexpr std::size_t most_probing_rounds = 16;
 
 // Uses of the seed, one random stream for each item of a use.
 enum class Draw : std::uint64_t { order = 1, pose = 2, difference = 3 };
@@ -94,10 +94,10 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Pro
   const std::size_t width = schema.control_count(), size = rig.coordinate_count();
   const std::size_t per_pose = std::clamp<std::size_t>(width / 16, 2, 16), poses = (width + per_pose - 1) / per_pose;
   // At most a quarter of the remaining budget: correctives need more.
-  const std::size_t rounds = std::min<std::uint64_t>(most_rounds, rig.remaining() / 4 / (width + poses));
-  if (rounds < most_rounds)
+  const std::size_t rounds = std::min<std::uint64_t>(most_probing_rounds, rig.remaining() / 4 / (width + poses));
+  if (rounds < most_probing_rounds)
     progress.note(format("the budget of rig calls allows for %zu of %zu differences of each control in dense poses",
-                         rounds, most_rounds));
+                         rounds, most_probing_rounds));
   DenseDifferences dense;
   dense.poses = rounds * poses;
   dense.differences = plan_differences(schema, seed, rounds, per_pose);

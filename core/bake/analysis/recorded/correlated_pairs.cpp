@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t sketch_width = 48;  // numbers a pose that its residual is projected to
 constexpr std::size_t rounds = 4;
-constexpr std::size_t poses_in_memory = 128;
 constexpr Eigen::Index fewest_poses = 8;  // with both controls active, for a pair to be considered
 
 std::vector<float> draw_projection(std::size_t size, std::uint64_t seed) {

@@ -9,7 +9,6 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t poses_in_memory = 128;
 constexpr std::size_t tile_rows = 768;  // coordinates of a parallel task
 constexpr double standard_errors = 4;
 

@@ -40,7 +40,7 @@ std::vector<float> part_motion(const RigSchema& schema, std::span<const SparseBl
 
 namespace {
 
-constexpr std::size_t poses_in_memory = 64;
+constexpr std::size_t poses_a_block = 64;
 
 // Sums over poses of squared residuals over D^2, of each vertex.
 struct ResidualSums {
@@ -56,8 +56,8 @@ ResidualSums sum_residuals(const RecordedPoses& recorded, std::size_t vertices, 
                     std::vector<std::size_t>(width)};
   std::vector<float> residuals, squares;
   progress.begin("measuring residuals of recorded poses", count);
-  for (std::size_t first = 0; first < count; first += poses_in_memory) {
-    const std::size_t poses = std::min(poses_in_memory, count - first);
+  for (std::size_t first = 0; first < count; first += poses_a_block) {
+    const std::size_t poses = std::min(poses_a_block, count - first);
     residuals.resize(poses * size);
     squares.resize(poses * vertices);
     recorded.read(first, poses, residuals, parallel);
