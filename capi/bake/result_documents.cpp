@@ -87,12 +87,39 @@ Json kind_list(const EvalReport& report) {
   return list;
 }
 
+// Where the gap of touching surfaces is off most.
+Json worst_contact_of(const EvalReport& report) {
+  const ContactErrors& contact = report.quality->contact;
+  if (contact.pairs == 0) return nullptr;
+  std::size_t frame = contact.worst_frame, clip = 0;
+  for (; frame >= report.clips.at(clip).frames.size(); ++clip) frame -= report.clips[clip].frames.size();
+  return {{"clip", report.clips[clip].name},
+          {"frame", frame},
+          {"vertex", contact.worst_vertex},
+          {"place", report.worst_contact},
+          {"error", contact.worst}};
+}
+
+Json contact_of(const EvalReport& report) {
+  const ContactErrors& contact = report.quality->contact;
+  return {{"looked_at", contact.looked_at},
+          {"frames", contact.frames},
+          {"pairs", contact.pairs},
+          {"rms", contact.rms},
+          {"max", contact.max},
+          {"visible", visible_gap},
+          {"open", contact.open},
+          {"deep", contact.deep},
+          {"worst", worst_contact_of(report)}};
+}
+
 Json quality_of(const EvalReport& report) {
   if (!report.quality) return nullptr;
   const Quality& q = *report.quality;
   return {{"normal_degrees_rms", q.normal_rms}, {"normal_degrees_p99", q.normal_p99}, {"jitter", q.jitter},
           {"jitter_frames", q.jitter_frames},   {"border_jump", q.border_jump},       {"inside_jump", q.inside_jump},
-          {"border_edges", q.border_edges},     {"regions", region_list(q)},          {"controls", control_list(q)}};
+          {"border_edges", q.border_edges},     {"contact", contact_of(report)},      {"regions", region_list(q)},
+          {"controls", control_list(q)}};
 }
 
 Json locality_of(const std::optional<Locality>& locality) {

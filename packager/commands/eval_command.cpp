@@ -34,11 +34,13 @@ std::string eval_text(const FaceFigures& figures) {
   const MethodFigures& face = figures.methods.at(0);
   for (const ClipErrors& clip : face.clips) add(clip.name, clip.kind, clip.split, clip.errors);
   add("total", "", "", face.total);
+  const std::string contact = face.quality ? contact_text(face.quality->contact) + "\n" : "";
   return table.text() +
          format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", figures.diagonal,
                 figures.units.c_str()) +
          format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n", face.touched.mean,
-                static_cast<unsigned long long>(face.touched.p95));
+                static_cast<unsigned long long>(face.touched.p95)) +
+         contact;
 }
 
 std::int32_t split_from(const std::string& name) {

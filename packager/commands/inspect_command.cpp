@@ -79,6 +79,7 @@ std::string certificate_text(const Json& certificate) {
     add_error_list(table, "  kind ", unseen, "kinds", "kind");
     add_error_list(table, "  clip ", unseen, "clips", "name");
     add_error_list(table, "  region ", unseen, "regions", "name");
+    add_errors(table, "  gaps of what touches", unseen.value("contact", Json()));
   }
   for (const char* key : {"quantisation", "repacked", "bound"}) add_errors(table, key, certificate.value(key, Json()));
   std::string text = table.text();

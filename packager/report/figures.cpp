@@ -3,10 +3,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/status.h"
+
 namespace fb::tool {
 namespace {
 
 using Json = nlohmann::json;
+
+unsigned long long count(std::uint64_t number) {
+  return number;
+}
 
 double number(const Json& json) {
   return json.is_number() ? json.get<double>() : NAN;
@@ -62,6 +68,26 @@ std::vector<ControlErrors> controls_of(const Json& list) {
   return controls;
 }
 
+Contact contact_of(const Json& json) {
+  Contact contact;
+  json.at("looked_at").get_to(contact.looked_at);
+  json.at("frames").get_to(contact.frames);
+  json.at("pairs").get_to(contact.pairs);
+  contact.rms = number(json, "rms");
+  contact.max = number(json, "max");
+  contact.visible = number(json, "visible");
+  json.at("open").get_to(contact.open);
+  json.at("deep").get_to(contact.deep);
+  if (const Json& worst = json.at("worst"); worst.is_object()) {
+    worst.at("clip").get_to(contact.worst_clip);
+    worst.at("place").get_to(contact.worst_place);
+    worst.at("frame").get_to(contact.worst_frame);
+    worst.at("vertex").get_to(contact.worst_vertex);
+    contact.worst = number(worst, "error");
+  }
+  return contact;
+}
+
 Quality quality_of(const Json& json) {
   Quality quality;
   quality.normal_rms = number(json, "normal_degrees_rms");
@@ -71,6 +97,7 @@ Quality quality_of(const Json& json) {
   quality.inside_jump = number(json, "inside_jump");
   json.at("jitter_frames").get_to(quality.jitter_frames);
   json.at("border_edges").get_to(quality.border_edges);
+  quality.contact = contact_of(json.at("contact"));
   quality.regions = regions_of(json.at("regions"));
   quality.controls = controls_of(json.at("controls"));
   for (const double rms : numbers(json.at("vertex_rms"))) quality.vertex_rms.push_back(static_cast<float>(rms));
@@ -151,6 +178,21 @@ MethodFigures method_of(const Json& json) {
 }
 
 }  // namespace
+
+std::string contact_text(const Contact& contact) {
+  if (contact.pairs == 0)
+    return format("No surfaces touch in the %llu frames that were searched for contact.", count(contact.looked_at));
+  return format(
+      "Surfaces touch in %llu of %llu frames searched: in %llu pairs of places, whose gaps are off by %.1e of the "
+      "diagonal "
+      "rms, at most by %.1e (%s, in frame %llu of \"%s\" at vertex %llu, %s). %llu are further apart than in the rig "
+      "by more "
+      "than %.0e, and %llu further in each other.",
+      count(contact.frames), count(contact.looked_at), count(contact.pairs), contact.rms, contact.max,
+      contact.worst > 0 ? "apart" : "in each other", count(contact.worst_frame), contact.worst_clip.c_str(),
+      count(contact.worst_vertex), contact.worst_place.c_str(), count(contact.open), contact.visible,
+      count(contact.deep));
+}
 
 FaceFigures read_figures(const facebaker::Report& report) {
   const Json json = Json::parse(report.details());

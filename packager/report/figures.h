@@ -51,10 +51,22 @@ struct ErrorsAlone {
   double max = 0, motion = 0;
 };
 
+// Where surfaces touch in the true rig: how far the face opens gaps there, or moves one surface into the other.
+struct Contact {
+  std::uint64_t looked_at = 0, frames = 0, pairs = 0;  // frames searched, those with contact, touching pairs in them
+  double rms = 0, max = 0;                             // errors of gaps, over the diagonal
+  double visible = 0;                                  // what is seen
+  std::uint64_t open = 0, deep = 0;                    // pairs further apart, and further in each other, than visible
+  std::string worst_clip, worst_place;
+  std::uint64_t worst_frame = 0, worst_vertex = 0;
+  double worst = 0;  // error; negative: in each other
+};
+
 struct Quality {
   double normal_rms = 0, normal_p99 = 0;  // degrees
   double jitter = 0, border_jump = 0, inside_jump = 0;
   std::uint64_t jitter_frames = 0, border_edges = 0;
+  Contact contact;
   std::vector<RegionErrors> regions;
   std::vector<ControlErrors> controls;
   std::vector<float> vertex_rms;           // one a vertex
@@ -150,6 +162,9 @@ struct FaceFigures {
   std::vector<MethodFailure> failures;
   std::vector<StageCalls> calls;  // of a live rig, by all methods
 };
+
+// A sentence on contact, for people.
+std::string contact_text(const Contact& contact);
 
 // Of a report of bake, compare or eval, which must outlive the result.
 FaceFigures read_figures(const facebaker::Report& report);

@@ -6,7 +6,7 @@
 namespace fb::tool {
 namespace {
 
-constexpr std::array<GlossaryEntry, 40> entries = {{
+constexpr std::array<GlossaryEntry, 43> entries = {{
     {"mse", "Mean over vertices and frames of the squared distance from the true rig, over D squared."},
     {"rms", "Root of the mse: the same as a length, over D."},
     {"p99", "99 % of all vertices in all frames are nearer to the true rig than this, over D."},
@@ -34,6 +34,10 @@ constexpr std::array<GlossaryEntry, 40> entries = {{
     {"jump inside", "The same inside those regions."},
     {"ratio", "Jump at borders over jump inside: a seam shows as a ratio well above 1."},
     {"border edges", "Edges of the mesh where two regions meet."},
+    {"gaps rms / D", "Root mean square error of the gap between places that touch in the rig, over D."},
+    {"gaps max / D", "The largest error of such a gap, open or in each other, over D."},
+    {"gaps opened",
+     "Share of the places that touch in the rig which the method parts by more than 1e-3 D, about a pixel."},
     {"largest leak / D", "Furthest that the archive moves a vertex with a control that leaves it alone in the rig."},
     {"leak / D", "Furthest that the archive moves a vertex with this control, which leaves it alone in the rig."},
     {"controls above the tolerance", "Share of the measured controls that leak more than tolerated."},

@@ -48,6 +48,13 @@ void add_leaks(std::vector<std::string>& items, const Locality& locality) {
       100 * locality.share_above, locality.tolerance, locality.worst[0].control.c_str(), locality.worst[0].distance));
 }
 
+void add_contact(std::vector<std::string>& items, const Contact& contact) {
+  if (contact.max > contact.visible)
+    items.push_back(
+        "What touches in the rig is seen apart or in each other in the face; more poses that close it would help. " +
+        contact_text(contact));
+}
+
 }  // namespace
 
 bool is_advice(const std::string& note) {
@@ -62,6 +69,7 @@ void add_advice(Html& page, const ReportView& view) {
   if (view.measured() && ours.quality) {
     add_weakest_region(items, *ours.quality);
     add_hardest_control(items, *ours.quality);
+    add_contact(items, ours.quality->contact);
     const Quality& q = *ours.quality;
     if (q.border_edges > 0 && q.border_jump > seam_ratio * q.inside_jump)
       items.push_back(

@@ -91,6 +91,14 @@ std::vector<FrameAddress> worst_frames_of(const FrameReader& reader, const Metho
   return worst;
 }
 
+// The frame in which touching surfaces are furthest off, if that is seen.
+std::vector<PosedFrame> read_contact(FrameReader& reader, const ReportView& view) {
+  if (!view.ours().quality) return {};
+  const Contact& contact = view.ours().quality->contact;
+  if (contact.max <= contact.visible) return {};
+  return {reader.read(reader.find(contact.worst_clip, contact.worst_frame), {&view.ours()})};
+}
+
 // The methods whose errors over the face are shown: of the use of ours, which is among them.
 std::vector<const MethodFigures*> mapped_methods(const ReportView& view) {
   std::vector<const MethodFigures*> mapped;
@@ -167,7 +175,9 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
   const std::vector<PosedFrame> figure_1 = read_figure_1(reader, view),
                                 expressive = read_all(reader, pick_expressive(source, view.ours().clips), faces),
                                 worst = read_all(reader, worst_frames_of(reader, view.ours()), {&view.ours()});
+  const std::vector<PosedFrame> contact = read_contact(reader, view);
   std::vector<PosedFrame> all = figure_1;
+  all.insert(all.end(), contact.begin(), contact.end());
   all.insert(all.end(), expressive.begin(), expressive.end());
   all.insert(all.end(), worst.begin(), worst.end());
   float largest = 0;
@@ -182,6 +192,11 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
       "of the diagonal apart.");
   add_scale(page, pictures);
   add_frames(page, worst, pictures, "worst", "worst", progress, "drawing worst frames");
+  if (!contact.empty()) {
+    page.subheading("Worst contact");
+    page.paragraph(contact_text(view.ours().quality->contact));
+    add_frames(page, contact, pictures, "contact", "contact", progress, "drawing worst contact");
+  }
   add_error_maps(page, view, pictures);
   add_figure_1(page, figure_1, pictures);
   page.heading("Figure 3: posed faces");

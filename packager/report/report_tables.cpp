@@ -156,14 +156,15 @@ void add_methods(Html& page, const ReportView& view) {
 
 void add_smoothness(Html& page, const ReportView& view) {
   if (!view.measured() || !view.ours().quality) return;
-  page.heading("Smoothness");
+  page.heading("Smoothness and contact");
   page.paragraph(
       "Normals: degrees between the area-weighted vertex normals of the rig and of the method. Jitter: root mean "
       "square of the second difference in time of the error, over consecutive frames of shots. Jump: root mean "
       "square difference of the error between the ends of an edge, where two regions of the method meet and inside "
-      "the two that meet there; a seam shows as a ratio well above 1.");
+      "the two that meet there; a seam shows as a ratio well above 1. Gaps: where surfaces touch in the rig, such as "
+      "closed lips or a lid on the eye, how far the method parts them or moves them into each other.");
   Rows rows = {{"method", "normals rms", "normals p99", "jitter / D", "jump at borders", "jump inside", "ratio",
-                "border edges"}};
+                "border edges", "gaps rms / D", "gaps max / D", "gaps opened"}};
   for (const MethodFigures& m : view.methods()) {
     if (!m.quality) continue;
     const Quality& q = *m.quality;
@@ -172,8 +173,16 @@ void add_smoothness(Html& page, const ReportView& view) {
                     q.jitter_frames > 0 ? figure_text(q.jitter) : "-", border ? figure_text(q.border_jump) : "-",
                     figure_text(q.inside_jump), border ? format("%.2f", q.border_jump / q.inside_jump) : "-",
                     std::to_string(q.border_edges)});
+    const Contact& contact = q.contact;
+    const bool touching = contact.pairs > 0;
+    rows.back().push_back(touching ? figure_text(contact.rms) : "-");
+    rows.back().push_back(touching ? figure_text(contact.max) : "-");
+    rows.back().push_back(
+        touching ? format("%.2f %%", 100 * static_cast<double>(contact.open) / static_cast<double>(contact.pairs))
+                 : "-");
   }
   page.table(rows);
+  page.paragraph(contact_text(view.ours().quality->contact));
 }
 
 void add_locality(Html& page, const ReportView& view) {

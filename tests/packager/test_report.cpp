@@ -112,8 +112,8 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
   CHECK(unbalanced(page) == std::vector<std::string>{});
-  for (const char* section : {"What to do", "By control", "By kind of clip", "Figures explained",
-                              "Colours mean the same in all pictures", "error_map.png"})
+  for (const char* section : {"What to do", "No surfaces touch in the", "By control", "By kind of clip",
+                              "Figures explained", "Colours mean the same in all pictures", "error_map.png"})
     CHECK_MESSAGE(contains(page, section), section);
   for (const char* heading : {"p99", "max", "mfm", "combined: frames", "alone: poses"})
     CHECK_MESSAGE(contains(page, "\">" + std::string(heading) + "</th>"), heading);  // explained on hover
@@ -123,6 +123,9 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
     CHECK(method.at("quality").at("normal_degrees_p99") >= method.at("quality").at("normal_degrees_rms"));
     CHECK(method.at("quality").at("jitter_frames") > 0);
     CHECK(method.at("quality").contains("border_jump"));
+    CHECK(method.at("quality").at("contact").at("looked_at") > 0);
+    CHECK(method.at("quality").at("contact").at("pairs") == 0);  // of one sheet
+    CHECK(method.at("quality").at("contact").at("worst").is_null());
     CHECK(method.at("locality").at("largest") >= 0);
     CHECK(method.at("locality").at("share_above") <= 1);
     CHECK(method.at("locality").at("alone").at(0).at("poses") >= 1);
@@ -165,6 +168,21 @@ TEST_CASE("a recording is measured on its single poses, and bars and pictures ca
       CHECK(page.substr(0, at).ends_with("<div class=\"wide\" tabindex=\"0\">"));
 }
 
+TEST_CASE("contact is told in words") {
+  Contact contact;
+  contact.looked_at = 250;
+  CHECK(contact_text(contact) == "No surfaces touch in the 250 frames that were searched for contact.");
+  contact = {250, 120, 4000, 3e-4, 5e-3, 1e-3, 30, 7, "story", "mouth, lower left", 12, 614, -5e-3};
+  const std::string text = contact_text(contact);
+  CHECK(contains(text, "in 120 of 250 frames searched: in 4000 pairs"));
+  CHECK(contains(text,
+                 "off by 3.0e-04 of the diagonal rms, at most by 5.0e-03 (in each other, in frame 12 of \"story\" at "
+                 "vertex 614, mouth, lower left)"));
+  CHECK(contains(text, "30 are further apart than in the rig by more than 1e-03, and 7 further in each other"));
+  contact.worst = 5e-3;
+  CHECK(contains(contact_text(contact), "(apart, in frame 12"));
+}
+
 TEST_CASE("regions are named, listed with what moves them, and mapped in the colours of the list") {
   const ScratchFolder folder;
   const std::string data = folder / "data", face = folder / "face.fbk", report = folder / "report";
@@ -185,6 +203,7 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
   quality.regions = {{"a", "mouth, lower <left>", {"jaw", "smile"}, 10, 3e-6, 0.01},
                      {"b", "brow, upper right", {}, 5, 1e-6, 0.01}};
   for (std::size_t v = 0; v < quality.vertex_region.size(); ++v) quality.vertex_region[v] = v % 2;
+  quality.contact = {1, 1, 10, 1e-3, 2e-3, 1e-3, 3, 0, figures.methods[0].clips.at(0).name, "lids", 0, 5, 2e-3};
   const OutputLock lock = claim_report_folder(report);
   write_face_report(report, {"title", "measured", figures, source}, {}, silent_progress());
   const std::string page = text_of(report + "/index.html");
@@ -198,4 +217,9 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
   CHECK(contains(page, "\">moved by</th>"));
   CHECK(contains(page, "of the squared error of all regions lies in &quot;mouth, lower &lt;left&gt;&quot;"));
   CHECK(text_of(report + "/regions.png").starts_with("\x89PNG"));
+  // Contact that is seen is advice, a picture, and a share of the touching pairs.
+  CHECK(contains(page, "What touches in the rig is seen apart or in each other"));
+  CHECK(contains(page, "<td>30.00 %</td>"));
+  CHECK(contains(page, "\">gaps opened</th>"));
+  CHECK(text_of(report + "/contact.png").starts_with("\x89PNG"));
 }

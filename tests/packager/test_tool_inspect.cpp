@@ -63,18 +63,19 @@ TEST_CASE("inspect shows certificate and licence, and survives invalid ones") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   const char* certificate = R"({"dependency":{"frames":7,"mse":1e-8,"max":0.25},"independent":{"frames":5,"mse":2e-8,
-    "kinds":[{"kind":"shot","mse":3e-8}],"clips":[{"name":"story","mse":4e-8}],"normals":{"rms_degrees":1.5}}})";
+    "kinds":[{"kind":"shot","mse":3e-8}],"clips":[{"name":"story","mse":4e-8}],"normals":{"rms_degrees":1.5},
+    "contact":{"looked_at":9,"frames":8,"pairs":70,"rms":6e-5,"max":1.25e-3,"open":1,"deep":0}}})";
   fb::write_file(archive,
                  fb::archive::write_archive(fb::tiny_packed_model(), {}, {"All rights reserved.", certificate}));
   const ToolRun run = run_tool({"inspect", archive});
-  for (const char* part :
-       {"trained on", "1e-08", "kind shot", "clip story", "1.5 degrees", "All rights reserved.", "recipe: tiny"})
+  for (const char* part : {"trained on", "1e-08", "kind shot", "clip story", "gaps of what touches", "0.00125",
+                           "1.5 degrees", "All rights reserved.", "recipe: tiny"})
     CHECK_MESSAGE(run.out.find(part) != std::string::npos, part);
   const Json json = Json::parse(run_tool({"inspect", archive, "--json"}).out);
   CHECK(json.at("certificate").at("dependency").at("max") == 0.25);
   CHECK(json.at("licence") == "All rights reserved.");
-  for (const char* nonsense :
-       {"[1]", "{\"dependency\":3}", "{\"independent\":{\"clips\":{},\"kinds\":[3],\"normals\":[]}}", "\xff"}) {
+  for (const char* nonsense : {"[1]", "{\"dependency\":3}",
+                               "{\"independent\":{\"clips\":{},\"kinds\":[3],\"normals\":[],\"contact\":7}}", "\xff"}) {
     fb::write_file(archive, fb::archive::write_archive(fb::tiny_packed_model(), {}, {"", nonsense}));
     CHECK(run_tool({"inspect", archive}).exit_code == 0);
     CHECK(run_tool({"inspect", archive, "--json"}).exit_code == 0);

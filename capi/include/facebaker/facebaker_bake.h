@@ -205,7 +205,8 @@ FB_API uint32_t fb_recipe_count(void);
 FB_API const char* fb_recipe_name(uint32_t index);
 
 /* What to measure; or-ed. */
-#define FB_MEASURE_QUALITY 1u /**< normals, jitter, jumps at borders, errors by region, control, vertex and frame */
+#define FB_MEASURE_QUALITY \
+  1u /**< normals, jitter, border jumps, contact, errors by region, control, vertex and frame */
 #define FB_MEASURE_LOCALITY                                                                 \
   2u /**< whether controls move vertices that they do not move in the rig; of a live source \
         only, else left out */

@@ -76,6 +76,14 @@ Json independent_errors(const EvalReport& report, Split split) {
         {{"name", part.name}, {"vertices", part.count}, {"mse", rounded(part.mse)}, {"max", rounded(part.max)}});
   json["normals"] = {{"rms_degrees", rounded(report.quality->normal_rms)},
                      {"p99_degrees", rounded(report.quality->normal_p99)}};
+  const ContactErrors& contact = report.quality->contact;
+  json["contact"] = {{"looked_at", contact.looked_at},
+                     {"frames", contact.frames},
+                     {"pairs", contact.pairs},
+                     {"rms", rounded(contact.rms)},
+                     {"max", rounded(contact.max)},
+                     {"open", contact.open},
+                     {"deep", contact.deep}};
   return json;
 }
 

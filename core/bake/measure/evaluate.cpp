@@ -22,6 +22,7 @@ constexpr float bad_share = 0.25;           // of the largest error, for a frame
 constexpr std::size_t worst_frames_kept = 16;
 constexpr std::size_t part_poses = 256;      // that vertices are assigned to regions by
 constexpr std::size_t compared_poses = 256;  // with the rest mesh
+constexpr std::size_t contact_frames = 256;  // in which touching surfaces are searched
 constexpr double negligible = 1e-5;          // over D: of rms errors, where nothing moves
 
 struct Sums {
@@ -70,7 +71,8 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
           continue;
         }
         blocks[b].errors.add_frame(mine.predicted, truth);
-        if (basis) blocks[b].quality->add_frame(pose, mine.predicted, truth, shot);
+        const bool contact = basis && (done + i - first) % basis->contact_step == 0;
+        if (basis) blocks[b].quality->add_frame(pose, mine.predicted, truth, shot, contact);
       }
     });
     for (const Sums& block : blocks) sums.append(block);
@@ -119,13 +121,14 @@ class FrameDifference {
 };
 
 // What Detail::quality measures by.
-QualityBasis quality_basis(const PackedModel& model, const PoseSet& poses, const Parallel& parallel) {
-  const FaceMap map(model, parallel);
+QualityBasis quality_basis(const PackedModel& model, const FaceMap& map, const PoseSet& poses) {
   FaceParts parts = face_parts(model, poses.subsampled(part_poses).controls());
   describe(parts, map, model.schema);
   std::vector<std::vector<std::uint32_t>> moved;
   for (std::size_t c = 0; c < model.schema.control_count(); ++c) moved.push_back(map.moved_by(c));
-  return QualityBasis(model.rest, model.schema, std::move(parts), std::move(moved));
+  QualityBasis basis(poses.source().rest(), model.schema, std::move(parts), std::move(moved));
+  basis.contact_step = (poses.size() + contact_frames - 1) / contact_frames;
+  return basis;
 }
 
 }  // namespace
@@ -163,7 +166,8 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
     fail(Status::bad_data, "\"%s\" has no clip%s%s to measure on", source.schema().name.c_str(),
          split ? " of the split " : "", split ? name_of(*split) : "");
   std::optional<QualityBasis> basis;
-  if (detail == Detail::quality) basis.emplace(quality_basis(model, all, parallel));
+  std::optional<FaceMap> map;
+  if (detail == Detail::quality) basis.emplace(quality_basis(model, map.emplace(model, parallel), all));
   const QualityBasis* by = basis ? &*basis : nullptr;
 
   EvalReport report;
@@ -188,6 +192,8 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
   report.total = total.errors.figures(report.diagonal);
   if (total.quality) {
     report.quality = total.quality->figures();
+    if (const ContactErrors& contact = report.quality->contact; contact.pairs > 0)
+      report.worst_contact = map->name_of(contact.worst_vertex);
     report.worst = worst_frames(report, source, worst_frames_kept);
   }
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });

@@ -46,10 +46,11 @@ struct EvalReport {
   Errors total;                        // over the frames of all clips
   BytesRead bytes_read;                // by poses of those clips that are shots, or of all if none is
   std::optional<Quality> quality;      // of the same clips, with Detail::quality
+  std::string worst_contact;           // where the vertex of the worst contact lies, see FaceMap::name_of
   std::vector<FrameOfClip> worst;      // see worst_frames; with Detail::quality
 };
 
-// What is measured: errors alone, or normals, jitter, seams, regions and controls too, which takes longer.
+// What is measured: errors alone, or normals, jitter, seams, contact, regions and controls too, which takes longer.
 enum class Detail { errors, quality };
 
 // Checks that a model is of the source's face: same controls, same vertices at the same rest positions. Fails with

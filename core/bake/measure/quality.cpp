@@ -36,7 +36,8 @@ QualityBasis::QualityBasis(const Mesh& rest, const RigSchema& rig, FaceParts of_
       diagonal(rest.diagonal()),
       parts(std::move(of_face)),
       moved(std::move(moved_by)),
-      triangles(rest.triangles()) {
+      triangles(rest.triangles()),
+      contact(rest) {
   moved.resize(schema.control_count());
   const SurfaceGraph graph(rest, {});
   for (std::uint32_t v = 0; v < graph.size(); ++v)
@@ -62,12 +63,14 @@ void QualitySums::add_warm_up(std::span<const float> predicted, std::span<const 
 }
 
 void QualitySums::add_frame(std::span<const float> controls, std::span<const float> predicted,
-                            std::span<const float> truth, bool shot) {
+                            std::span<const float> truth, bool shot, bool contact) {
   std::vector<float> error = error_of(predicted, truth, basis_->diagonal);
   frames_.push_back(add_vertices(error));
   add_controls(controls, frames_.back());
   add_jumps(error);
-  add_normals(predicted, truth);
+  const std::vector<Vector3> normals = vertex_normals(basis_->triangles, truth);
+  add_normals(vertex_normals(basis_->triangles, predicted), normals);
+  if (contact) contact_.add_frame(frames_.size() - 1, basis_->contact.touching(truth, normals), error);
   if (shot) add_jitter(std::move(error), true);
 }
 
@@ -147,12 +150,10 @@ void QualitySums::add_jumps(const std::vector<float>& error) {
     inside_squares_ += basis_->inside_weights[basis_->parts.labels[edge[0]]] * jump(edge);
 }
 
-void QualitySums::add_normals(std::span<const float> predicted, std::span<const float> truth) {
-  const std::vector<Vector3> ours = vertex_normals(basis_->triangles, predicted);
-  const std::vector<Vector3> theirs = vertex_normals(basis_->triangles, truth);
-  for (std::size_t v = 0; v < ours.size(); ++v) {
-    if (square(ours[v]) == 0 || square(theirs[v]) == 0) continue;
-    const double angle = degrees_between(ours[v], theirs[v]);
+void QualitySums::add_normals(const std::vector<Vector3>& predicted, const std::vector<Vector3>& truth) {
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    if (square(predicted[v]) == 0 || square(truth[v]) == 0) continue;
+    const double angle = degrees_between(predicted[v], truth[v]);
     normal_squares_ += angle * angle;
     angles_.add(static_cast<float>(angle));
     ++normals_;
@@ -180,6 +181,7 @@ void QualitySums::append(const QualitySums& later) {
   normal_squares_ += later.normal_squares_;
   jitter_squares_ += later.jitter_squares_;
   angles_.append(later.angles_);
+  contact_.append(later.contact_, frames_.size());
   frames_.insert(frames_.end(), later.frames_.begin(), later.frames_.end());
   vertex_squares_.resize(later.vertex_squares_.size());
   vertex_worst_.resize(later.vertex_worst_.size());
@@ -207,6 +209,7 @@ Quality QualitySums::figures() const {
   quality.border_jump = root_mean(border_squares_, basis_->borders.size() * frames_.size());
   quality.inside_jump = root_mean(inside_squares_, frames_.size());
   quality.border_edges = basis_->borders.size();
+  quality.contact = contact_.figures();
   quality.parts = basis_->parts;
   for (std::size_t c = 0; c < controls_.size(); ++c) {
     const std::string& name = basis_->schema.controls[c].name;

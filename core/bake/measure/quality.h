@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/measure/contact.h"
 #include "bake/measure/face_parts.h"
 #include "bake/measure/histogram.h"
 #include "model/mesh.h"
@@ -49,6 +50,7 @@ struct Quality {
   // a border_jump above inside_jump. Without border edges inside_jump is over all edges inside parts.
   double border_jump = 0, inside_jump = 0;
   std::size_t border_edges = 0;
+  ContactErrors contact;                 // of every contact_step-th frame
   std::vector<PartErrors> regions;       // parts of the face that have vertices
   std::vector<ControlQuality> controls;  // those that are beyond half their reach in some frame
   std::vector<float> vertex_rms;         // one a vertex
@@ -66,6 +68,8 @@ struct QualityBasis {
   FaceParts parts;
   std::vector<std::vector<std::uint32_t>> moved;
   std::vector<std::uint32_t> triangles;
+  ContactFinder contact;
+  std::size_t contact_step = 1;                                // contact is searched in every so many frames
   std::vector<std::array<std::uint32_t, 2>> borders, insides;  // edges between parts, and inside one
   std::vector<double>
       inside_weights;  // by part: weight of the squared jump of an inside edge, see Quality::inside_jump
@@ -78,9 +82,10 @@ class QualitySums {
 
   // A frame of a shot before those that are measured: only for the second differences of jitter.
   void add_warm_up(std::span<const float> predicted, std::span<const float> truth);
-  // `shot`: the frame follows in time the one added (or warmed up with) before.
+  // `shot`: the frame follows in time the one added (or warmed up with) before. `contact`: look for touching surfaces,
+  // which takes longer than all else.
   void add_frame(std::span<const float> controls, std::span<const float> predicted, std::span<const float> truth,
-                 bool shot);
+                 bool shot, bool contact = true);
   void append(const QualitySums& later);
   Quality figures() const;
   const std::vector<FrameErrors>& frames() const { return frames_; }  // in the order they were added
@@ -101,13 +106,14 @@ class QualitySums {
   FrameErrors errors_where_moved(std::size_t control, const FrameErrors& frame) const;
   void add_controls(std::span<const float> controls, const FrameErrors& frame);
   void add_jumps(const std::vector<float>& error);
-  void add_normals(std::span<const float> predicted, std::span<const float> truth);
+  void add_normals(const std::vector<Vector3>& predicted, const std::vector<Vector3>& truth);
   void add_jitter(std::vector<float> error, bool count);
 
   const QualityBasis* basis_;
   std::size_t jitter_frames_ = 0, normals_ = 0;
   double border_squares_ = 0, inside_squares_ = 0, normal_squares_ = 0, jitter_squares_ = 0;
   Histogram angles_;  // degrees
+  ContactSums contact_;
   std::vector<FrameErrors> frames_;
   std::vector<double> vertex_squares_;
   std::vector<float> vertex_worst_;
