@@ -40,8 +40,8 @@ TEST_CASE("bench times a face beside float networks, and names processor and com
        {"positions", "positions, baked order", "positions, halves", "positions and normals", "coefficients", "at rest",
         "same model, floats, Eigen", "paper's network, Eigen", "cold: positions", "cold: paper's network, Eigen",
         "batch of 4: positions", "batch of 4: paper's network, Eigen", "batch of 4: writing alone"}) {
-    CHECK_MESSAGE(median_of(figures, figure) > 0, figure);
-    CHECK_MESSAGE(run.out.find(figure) != std::string::npos, figure);
+    CHECK_MESSAGE(median_of(figures, figure) > 0, std::string(figure));
+    CHECK_MESSAGE(run.out.find(figure) != std::string::npos, std::string(figure));
   }
   CHECK(figures.find("processor,compiler,flags,instruction set") == 0);
   const std::size_t lines = std::count(figures.begin(), figures.end(), '\n');

@@ -21,9 +21,9 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::uint32_t pose_sweeps = 4;     // of fitting bones to a pose
-constexpr double motion_threshold = 1e-4;    // over the diagonal: a control that moves a group less is no input of it
-constexpr double pose_visits = 2e6;          // of each training
+constexpr std::uint32_t pose_sweeps = 4;   // of fitting bones to a pose
+constexpr double motion_threshold = 1e-4;  // over the diagonal: a control that moves a group less is no input of it
+constexpr double pose_visits = 2e6;        // of each training
 constexpr std::size_t bone_poses_per_read = 256;  // while fitting bones
 constexpr LocalBasisOptions group_basis = {.max_error = 5e-4, .max_components = 64};
 
