@@ -7,7 +7,7 @@
 
 #include "archive/coding/writer/coding_writer.h"
 #include "base/random.h"
-#include "compress/grid_quads.h"
+#include "grid_quads.h"
 
 using namespace fb;
 using namespace fb::archive;

@@ -10,7 +10,7 @@
 #include "bake/measure/float_face.h"
 #include "base/random.h"
 #include "base/status.h"
-#include "compress/grid_quads.h"
+#include "grid_quads.h"
 #include "test_models.h"
 
 using namespace fb;

@@ -9,6 +9,7 @@
 #include "bake/compress/pack_model.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/evaluate.h"
+#include "grid_quads.h"
 #include "memory_source.h"
 
 using namespace fb;
@@ -26,12 +27,7 @@ void add_sheet(Mesh& mesh, float height, bool up, float shift = 0) {
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x)
       mesh.points.insert(mesh.points.end(), {float(x) + shift, float(y), height});
-  for (std::uint32_t y = 0; y + 1 < side; ++y)
-    for (std::uint32_t x = 0; x + 1 < side; ++x) {
-      const std::uint32_t a = first + y * side + x, b = a + 1, c = a + side + 1, d = a + side;
-      mesh.polygon_sizes.push_back(4);
-      for (const std::uint32_t corner : {a, up ? b : d, c, up ? d : b}) mesh.polygon_corners.push_back(corner);
-    }
+  add_grid_quads(mesh, side, first, up);
 }
 
 // Two lips, `gap` apart: the lower one faces up, the upper one down.
