@@ -30,8 +30,8 @@ Eigen::MatrixXf sketch_poses(const RecordedPoses& recorded, std::uint64_t seed, 
   Eigen::MatrixXf sketch(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(sketch_width));
   std::vector<float> residuals, flat;
   progress.begin("finding pairs in recorded poses", count);
-  for (std::size_t first = 0; first < count; first += poses_in_memory) {
-    const std::size_t poses = std::min(poses_in_memory, count - first);
+  for (std::size_t first = 0; first < count; first += recorded_poses_in_memory) {
+    const std::size_t poses = std::min(recorded_poses_in_memory, count - first);
     residuals.resize(poses * size);
     flat.resize(poses * sketch_width);
     recorded.read(first, poses, residuals, parallel);

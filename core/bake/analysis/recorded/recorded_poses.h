@@ -15,7 +15,7 @@
 
 namespace fb::bake {
 
-constexpr std::size_t poses_in_memory = 128;  // whose residuals are held at once
+constexpr std::size_t recorded_poses_in_memory = 128;  // whose residuals are held at once
 
 // Some poses of a set, seen as residuals: recorded displacements minus a base. Refers to everything it is given.
 struct RecordedPoses {
