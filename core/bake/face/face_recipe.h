@@ -16,7 +16,8 @@ struct FaceRecipe {
   AnalysisOptions analysis;
   RegionOptions regions;
   LocalBasisOptions basis;
-  // Bytes of correctives that a pose may read on average; pruned ones are left to the networks.
+  // Bytes of correctives that a pose may read on average; pruned ones are left to the networks. Where nothing else
+  // needs a network, half of max_bytes_read.
   double corrective_bytes = 0;
   // Parameters of all networks together, distributed by the error each region is expected to leave. With fewer poses
   // than full_size_poses they shrink with the cube root of the number of poses, down to min_parameter_share: on the

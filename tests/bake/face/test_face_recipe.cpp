@@ -4,9 +4,11 @@
 #include <numeric>
 
 #include "bake/face/assemble_basis.h"
+#include "bake/face/face_recipe.h"
 #include "bake/face/network_inputs.h"
 #include "bake/face/network_sizes.h"
-#include "memory_source.h"
+#include "bake/rig/rig_evaluator.h"
+#include "toy_faces.h"
 
 using namespace fb;
 using namespace fb::bake;
@@ -129,4 +131,27 @@ TEST_CASE("unused features are removed, and indices of the others are updated") 
   CHECK(network.features[network.features[3].second].control == 3);
   CHECK(network.features[network.regions[0].features[0]].control == 2);
   CHECK(network.features[network.regions[0].gate.features[1]].control == 3);
+}
+
+TEST_CASE("correctives are left to networks only where something else needs a network") {
+  const auto both_formula = [](const float* controls, std::span<float> points) {
+    curved_formula(controls, points);
+    points[0] += std::sin(5 * controls[0] * controls[3]);
+  };
+  for (const bool needed : {false, true}) {
+    CAPTURE(needed);
+    MemorySource source = needed ? face_of(both_formula, true) : face_of(curved_formula, true);
+    source.add_clip("dense", ClipKind::dense, Split::train, 400, 0.6f, 1);
+    RigEvaluator rig(source);
+    const WorkFolder folder;
+    BakeOptions options;
+    options.epochs = 1;
+    options.work = folder.path;
+    std::filesystem::create_directories(options.work);
+    FaceRecipe recipe = compact_recipe();
+    recipe.corrective_bytes = 1;
+    const TrainedFace face = train_face(recipe, training_poses(source, Use::variant), &rig, options, silent_progress());
+    CHECK(face.model.network.regions.empty() == !needed);
+    if (!needed) CHECK(face.rms_error < 1e-5);
+  }
 }
