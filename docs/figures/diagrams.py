@@ -1,4 +1,5 @@
 """The pictures that need no baked face: diagrams of the model and of a bake, and plots of the formulas."""
+from budget_plot import budget_plot
 from svg import Axes, Svg
 
 
@@ -118,4 +119,5 @@ def gate_plot():
     return svg.page()
 
 
-DIAGRAMS = {"model.svg": model_diagram, "bake.svg": bake_diagram, "features.svg": feature_plots, "gate.svg": gate_plot}
+DIAGRAMS = {"model.svg": model_diagram, "bake.svg": bake_diagram, "features.svg": feature_plots, "gate.svg": gate_plot,
+            "rig_budget.svg": budget_plot}
