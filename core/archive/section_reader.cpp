@@ -21,7 +21,7 @@ Feature read_feature(ByteReader& in) {
   return feature;
 }
 
-PackedLayer read_layer(ByteReader& in, bool in_planes) {
+PackedLayer read_layer(ByteReader& in) {
   PackedLayer layer;
   layer.inputs = in.number<std::uint32_t>("a layer's width");
   layer.outputs = in.number<std::uint32_t>("a layer's width");
@@ -31,11 +31,8 @@ PackedLayer read_layer(ByteReader& in, bool in_planes) {
     fail(Status::unsupported, "%s has a layer of unknown flags 0x%x", in.where().c_str(), flags);
   layer.skip = flags & layer_skip_flag;
   layer.wide = flags & layer_16_bit_flag;
-  const auto floats = [&](const char* what) {
-    return in_planes ? in.float_planes(layer.outputs, what) : in.numbers<float>(layer.outputs, what);
-  };
-  layer.bias = floats("biases");
-  layer.scales = floats("weight scales");
+  layer.bias = in.float_planes(layer.outputs, "biases");
+  layer.scales = in.float_planes(layer.outputs, "weight scales");
   return layer;
 }
 
@@ -62,7 +59,7 @@ Definition read_definition(ByteReader& in) {
   return definition;
 }
 
-void read_network(ByteReader& in, PackedModel& model, ReadLayerWeights read_layer_weights) {
+void read_network(ByteReader& in, PackedModel& model) {
   const std::uint32_t features = in.count(9, "features");
   in.budget().reserve(model.features, features, "features");
   for (std::uint32_t f = 0; f < features; ++f) model.features.push_back(read_feature(in));
@@ -76,10 +73,7 @@ void read_network(ByteReader& in, PackedModel& model, ReadLayerWeights read_laye
     region.gate.slope = in.number<float>("a gate's slope");
     const std::uint32_t layers = in.count(18, "layers");
     in.budget().reserve(region.layers, layers, "layers");
-    for (std::uint32_t l = 0; l < layers; ++l) {
-      region.layers.push_back(read_layer(in, read_layer_weights == nullptr));
-      if (read_layer_weights) read_layer_weights(in, region.layers.back());
-    }
+    for (std::uint32_t l = 0; l < layers; ++l) region.layers.push_back(read_layer(in));
   }
   in.end();
 }

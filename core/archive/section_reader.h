@@ -22,10 +22,8 @@ struct Definition {
 
 Definition read_definition(ByteReader& in);
 
-// Fills features, direct and regions, except weights. Versions before 1.0 stored a layer's weights after the layer, and
-// biases and scales as plain numbers: they pass `read_layer_weights`.
-using ReadLayerWeights = void (*)(ByteReader& in, PackedLayer& layer);
-void read_network(ByteReader& in, PackedModel& model, ReadLayerWeights read_layer_weights = nullptr);
+// Fills features, direct and regions, except weights.
+void read_network(ByteReader& in, PackedModel& model);
 
 // `controls`, `vertices`: how many the model has.
 Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices);

@@ -71,10 +71,9 @@ struct ArchiveEditor {
   std::vector<Section> sections;
 
   // Opens an archive and decompresses all its sections, to at most `limit` bytes.
-  explicit ArchiveEditor(std::span<const std::byte> bytes, FormatVersion version = {}, std::uint64_t limit = UINT64_MAX)
-      : major(version.major), minor(version.minor) {
+  explicit ArchiveEditor(std::span<const std::byte> bytes, std::uint64_t limit = UINT64_MAX) {
     MemoryBudget budget(limit);
-    for (const StoredSection& section : read_container(bytes, version)) {
+    for (const StoredSection& section : read_container(bytes)) {
       sections.push_back({section.info.name, section.info.required ? section_required : 0u, 0, 0, {}});
       std::pmr::vector<std::byte> unpacked(&budget);
       const auto contents = section.contents(budget, unpacked);

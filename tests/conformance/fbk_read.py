@@ -34,7 +34,7 @@ def read_sections(data):
     require(data[:8] == bytes.fromhex("8946424b0d0a1a0a"), "not an .fbk archive")
     require(len(data) >= 24, "truncated within the header")
     major, _, count, size = struct.unpack_from("<HHIQ", data, 8)
-    require(major == 1, f"unsupported: major version {major}")
+    require(major == 2, f"unsupported: major version {major}")
     require(count <= 64, "too many sections")
     table = 24 + 56 * count
     require(len(data) >= table + 16, "truncated within the section table")
@@ -60,8 +60,8 @@ def read_sections(data):
 def decompress(sections, name):
     require(name in sections, f"no section {name}")
     _, codec, raw, stored = sections[name]
-    require(codec in (0, 2), f"{name}: unsupported codec {codec}")
-    if codec == 2:
+    require(codec in (0, 1), f"{name}: unsupported codec {codec}")
+    if codec == 1:
         stream = zlib.decompressobj()
         stored = stream.decompress(stored, raw + 1)
         require(stream.eof and not stream.unused_data, f"{name}: not exactly one zlib stream")

@@ -20,15 +20,12 @@ T load(const Bytes& bytes, std::size_t at) {
 
 // Corrects signature, version, sizes and checksums. Sections follow each other by their stored sizes; the last extends
 // to the end.
-inline Bytes with_valid_checksums(Bytes bytes, fb::archive::FormatVersion version = {}) {
+inline Bytes with_valid_checksums(Bytes bytes) {
   using namespace fb::archive;
   using fb::patch;
   if (bytes.size() < header_bytes) return bytes;
   std::memcpy(bytes.data(), archive_signature, sizeof archive_signature);
-  if (version.major == 0) {
-    patch(bytes, 8, version.major);
-    patch(bytes, 10, version.minor);
-  }
+  patch(bytes, 8, archive_major);
   const auto count = load<std::uint32_t>(bytes, 12) % (max_sections + 1);
   patch(bytes, 12, std::uint32_t(count));
   const std::size_t table = fb::table_at(count, 0), begin = table + checksum_bytes;
@@ -53,12 +50,11 @@ inline Bytes with_valid_checksums(Bytes bytes, fb::archive::FormatVersion versio
 extern "C" std::size_t LLVMFuzzerMutate(unsigned char* data, std::size_t size, std::size_t max_size);
 
 // Changes the decompressed contents of one section of a whole archive, or any bytes of what is none.
-inline std::size_t mutate(unsigned char* data, std::size_t size, std::size_t max_size, unsigned seed,
-                          fb::archive::FormatVersion version = {}) {
+inline std::size_t mutate(unsigned char* data, std::size_t size, std::size_t max_size, unsigned seed) {
   const auto* first = reinterpret_cast<const std::byte*>(data);
   try {
     if (seed % 8 == 0) return LLVMFuzzerMutate(data, size, max_size);
-    fb::ArchiveEditor editor(with_valid_checksums({first, first + size}, version), version, std::uint64_t(1) << 24);
+    fb::ArchiveEditor editor(with_valid_checksums({first, first + size}), std::uint64_t(1) << 24);
     if (editor.sections.empty()) return LLVMFuzzerMutate(data, size, max_size);
     fb::ArchiveEditor::Section& section = editor.sections[seed / 8 % editor.sections.size()];
     Bytes contents = section.stored;

@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 what=${1:?give seconds, or keep}
 shift
-[ $# -gt 0 ] || set -- archive migrate dataset npy gltf plugin rig_messages work
+[ $# -gt 0 ] || set -- archive dataset npy gltf plugin rig_messages work
 build=build/fuzz
 sanitizers=address,undefined,fuzzer-no-link
 CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DFB_FUZZ=ON -DFB_SANITIZE=$sanitizers \
@@ -28,7 +28,7 @@ for name; do
     continue
   fi
   seeds=tests/golden
-  [ "$name" = archive ] || [ "$name" = migrate ] || seeds=
+  [ "$name" = archive ] || seeds=
   echo "fuzz_$name:"
   nice -n 19 "$program" -max_total_time="$what" -timeout=20 -rss_limit_mb=4096 -max_len=65536 -reload=0 \
     -print_final_stats=1 -artifact_prefix=$build/crashes/"$name"/ "$found" "$corpus" $seeds >$build/"$name".log 2>&1 || failed=1

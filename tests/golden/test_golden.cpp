@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "archive/migrate/version_0_2.h"
 #include "archive/reader.h"
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
@@ -21,7 +20,7 @@ namespace {
 using Path = std::filesystem::path;
 
 // The committed archives, and those written during the build.
-const std::vector<Path> folders = {FB_GOLDEN "/1.0", FB_GOLDEN_NEW};
+const std::vector<Path> folders = {FB_GOLDEN "/2.0", FB_GOLDEN_NEW};
 
 std::vector<Path> files_of(const Path& folder) {
   std::vector<Path> files;
@@ -89,18 +88,4 @@ TEST_CASE("an accepted archive survives being written and read again") {
     CHECK_MESSAGE(again == write_archive(read_archive(again).model, first.proof, first.text), file);
     verify_archive(again);
   }
-}
-
-TEST_CASE("an archive of version 0.2 is recognised and converted") {
-  const auto old = read_file(FB_GOLDEN "/0.2/tri.fbk");
-  CHECK_THROWS_WITH_AS(read_archive(old), doctest::Contains("facebaker pack"), Error);
-  REQUIRE(is_version_0_2(old));
-  const Archive archive = read_version_0_2(old);
-  CHECK(archive.format_version == 2);
-  CHECK(archive.model.schema.controls[0].name == "up");
-  CHECK(archive.model.row_blocks[0].values == std::vector<std::int16_t>{0, 0, 0, 0, 0, 0, 0, 127, 0});
-  const auto fresh = write_archive(archive.model, make_proof(archive.model, 1));
-  CHECK(verify_archive(fresh).poses == 11);
-  CHECK(!is_version_0_2(fresh));
-  for (std::size_t size = 0; size < old.size(); ++size) CHECK_THROWS_AS(read_version_0_2({old.data(), size}), Error);
 }

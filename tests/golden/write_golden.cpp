@@ -54,7 +54,7 @@ void deflate_section(ArchiveEditor::Section& section) {
   compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(section.stored.data()),
             section.stored.size(), 1);
   packed.resize(size);
-  section.codec = 2;
+  section.codec = 1;
   section.stored = packed;
 }
 
@@ -225,13 +225,14 @@ void write_rejected_containers(const RejectedWriter& out) {
 }
 
 void write_rejected_sections(const RejectedWriter& out) {
-  out.write("unsupported-major.fbk", edited([](ArchiveEditor& archive) { archive.major = 2; }));
+  out.write("unsupported-major.fbk", edited([](ArchiveEditor& archive) { archive.major = 3; }));
   out.write("unsupported-required.fbk", edited([](ArchiveEditor& archive) {
               archive["hair"].set(text("something newer"));
               archive["hair"].flags = section_required;
             }));
   out.write("unsupported-flags.fbk", edited([](ArchiveEditor& archive) { archive["proof"].flags = 2; }));
-  out.write("unsupported-codec.fbk", edited([](ArchiveEditor& archive) { archive["network"].codec = 1; }));
+  out.write("unsupported-version-1.fbk", edited([](ArchiveEditor& archive) { archive.major = 1; }));
+  out.write("unsupported-codec.fbk", edited([](ArchiveEditor& archive) { archive["network"].codec = 2; }));
   out.write("corrupt-twice.fbk",
             edited([](ArchiveEditor& archive) { archive.sections.push_back(archive.sections[0]); }));
   out.write("corrupt-missing.fbk",

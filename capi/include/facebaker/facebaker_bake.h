@@ -348,7 +348,7 @@ FB_API fb_status fb_report_verify(const fb_report* report, fb_verify_result* res
 typedef struct fb_pack_desc {
   uint32_t struct_size;
   uint32_t force;      /**< 1: write a face that does not meet max_bytes or max_error; 0 (default): fail with LIMIT */
-  const char* path;    /**< the archive to pack, of this format version or 0.2 */
+  const char* path;    /**< the archive to pack */
   const void* bytes;   /**< in place of path: the archive in memory */
   uint64_t byte_count; /**< of bytes */
   const char* out;     /**< the .fbk to write: complete or not at all; may be path; null: only into the report */

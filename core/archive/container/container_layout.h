@@ -7,15 +7,14 @@
 namespace fb::archive {
 
 inline constexpr unsigned char archive_signature[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
-inline constexpr std::uint16_t archive_major = 1, archive_minor = 0;
+inline constexpr std::uint16_t archive_major = 2, archive_minor = 0;
 
 inline constexpr std::size_t header_bytes = 24, table_row_bytes = 56, checksum_bytes = 8, section_name_bytes = 16;
 inline constexpr std::uint32_t max_sections = 64;
 inline constexpr std::uint32_t max_string_bytes = 0xffff;
 
 inline constexpr std::uint32_t section_required = 1;  // the only section flag
-// zstd: versions before 1.0 only.
-enum class Codec : std::uint32_t { none = 0, zstd = 1, deflate = 2 };
+enum class Codec : std::uint32_t { none = 0, deflate = 1 };
 
 namespace section {
 inline constexpr const char* definition = "definition";

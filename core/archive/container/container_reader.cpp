@@ -99,7 +99,7 @@ struct Header {
 };
 
 // Checks signature and version.
-Header read_header(std::span<const std::byte> bytes, FormatVersion version) {
+Header read_header(std::span<const std::byte> bytes) {
   check_signature(bytes);
   MemoryBudget budget;
   ByteReader header(bytes.first(header_bytes), "the header", budget);
@@ -108,10 +108,9 @@ Header read_header(std::span<const std::byte> bytes, FormatVersion version) {
   const auto minor = header.number<std::uint16_t>("the version");
   const auto count = header.number<std::uint32_t>("the number of sections");
   const auto size = header.number<std::uint64_t>("the size");
-  if (major != version.major || (major == 0 && minor != version.minor))
-    fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u%s", major, minor,
-         version.major, version.minor,
-         major == 0 && minor == 2 ? "; \"facebaker pack\" converts it to the current version" : "");
+  if (major != archive_major)
+    fail(Status::unsupported, "the archive has format version %u.%u; this library reads %u.%u", major, minor,
+         archive_major, archive_minor);
   if (count > max_sections)
     fail(Status::corrupt, "the header (byte 12) declares %u sections; at most %u are allowed", count, max_sections);
   return {count, size};
@@ -155,11 +154,11 @@ std::span<const std::byte> StoredSection::contents(MemoryBudget& budget, std::pm
 }
 
 std::uint64_t archive_size(std::span<const std::byte> beginning) {
-  return read_header(beginning, {}).size;
+  return read_header(beginning).size;
 }
 
-std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version) {
-  const Header header = read_header(bytes, version);
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes) {
+  const Header header = read_header(bytes);
   const std::uint32_t count = header.sections;
   const std::size_t table_end = header_bytes + count * table_row_bytes;
   check_table(bytes, header, table_end);

@@ -32,13 +32,9 @@ struct StoredSection {
   std::span<const std::byte> contents(MemoryBudget& budget, std::pmr::vector<std::byte>& unpacked) const;
 };
 
-struct FormatVersion {
-  std::uint16_t major = archive_major, minor = archive_minor;
-};
-
 // All sections in file order. Verifies every checksum and accounts for every byte of the file. Refuses other major
-// versions than that of `version` as unsupported; of major version 0, other minor versions too.
-std::vector<StoredSection> read_container(std::span<const std::byte> bytes, FormatVersion version = {});
+// versions as unsupported.
+std::vector<StoredSection> read_container(std::span<const std::byte> bytes);
 
 // The size of the whole archive, as its header says; `beginning`: its first header_bytes bytes. Fails as
 // read_container() does with what is no archive, or one of another version.

@@ -31,10 +31,6 @@ RestPoints read_draco(ByteReader& in, PointOrder order, std::uint32_t vertices, 
 
 // Fills polygon_sizes and polygon_corners. `triangles`: those of RestPoints.
 void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh);
-// Parts of read_polygons that version 0.2 shares. Returns the number of corners.
-std::uint32_t read_polygon_sizes(ByteReader& in, Mesh& mesh);
-// Corners coded as differences, to the end of the section.
-void read_polygon_deltas(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh);
 
 // Fills uvs and uv_corners. The polygons have been read.
 void read_uvs(ByteReader& in, std::uint32_t vertices, Mesh& mesh);

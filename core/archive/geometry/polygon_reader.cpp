@@ -55,29 +55,21 @@ void read_along_triangles(ByteReader& in, std::uint32_t vertices, const std::vec
 
 }  // namespace
 
-std::uint32_t read_polygon_sizes(ByteReader& in, Mesh& mesh) {
+void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh) {
   const auto polygons = in.number<std::uint32_t>("the number of polygons");
   const auto corners = in.number<std::uint32_t>("the number of corners");
   mesh.polygon_sizes = in.planes(polygons, "polygon sizes");
   std::uint64_t sum = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) sum += size;
   if (sum != corners) in.corrupt("polygon sizes do not add up to the number of corners");
-  return corners;
-}
-
-void read_polygon_deltas(ByteReader& in, std::uint32_t vertices, std::uint32_t corners, Mesh& mesh) {
-  mesh.polygon_corners =
-      read_corner_deltas(in, mesh.polygon_sizes, corners, vertices, "a polygon names a vertex that does not exist");
-}
-
-void read_polygons(ByteReader& in, std::uint32_t vertices, const std::vector<std::uint32_t>& triangles, Mesh& mesh) {
-  const std::uint32_t corners = read_polygon_sizes(in, mesh);
   for (const std::uint32_t size : mesh.polygon_sizes)
     if (size < 3) in.corrupt("a polygon has less than three corners");
   const auto coding = in.number<std::uint32_t>("the coding of corners");
   switch (static_cast<CornerCoding>(coding)) {
     case CornerCoding::deltas:
-      return read_polygon_deltas(in, vertices, corners, mesh);
+      mesh.polygon_corners =
+          read_corner_deltas(in, mesh.polygon_sizes, corners, vertices, "a polygon names a vertex that does not exist");
+      return;
     case CornerCoding::along_triangles:
       return read_along_triangles(in, vertices, triangles, corners, mesh);
   }

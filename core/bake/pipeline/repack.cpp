@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "archive/migrate/version_0_2.h"
+#include "archive/reader.h"
 #include "archive/writer.h"
 #include "bake/compress/step_scaling.h"
 #include "bake/measure/certificate.h"
@@ -91,10 +91,6 @@ class Repacker {
        allowed.error);
 }
 
-archive::Archive read_any(std::span<const std::byte> bytes) {
-  return archive::is_version_0_2(bytes) ? archive::read_version_0_2(bytes) : archive::read_archive(bytes);
-}
-
 }  // namespace
 
 double default_repack_error(const std::string& certificate) {
@@ -105,7 +101,7 @@ double default_repack_error(const std::string& certificate) {
 RepackResult repack(std::span<const std::byte> archive, const RepackOptions& options, Progress& progress) {
   if (!std::isfinite(options.max_error) || options.max_error < 0)
     fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
-  archive::Archive face = read_any(archive);
+  archive::Archive face = archive::read_archive(archive);
   if (!options.licence.empty()) face.text.licence = options.licence;
   if (face.proof.hashes.empty()) face.proof = make_proof(face.model, options.seed);
   RepackResult result;

@@ -1,5 +1,5 @@
-// Packing an archive anew, without poses and without training: into this version of the format, with another licence,
-// or into fewer bytes by larger quantisation steps of the basis.
+// Packing an archive anew, without poses and without training: with another licence, or into fewer bytes by larger
+// quantisation steps of the basis.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ struct RepackResult {
 // that states none.
 double default_repack_error(const std::string& certificate);
 
-// Reads an archive of this format or of 0.2 and packs it anew. Without limits it poses as before, to the last bit; with
+// Reads an archive and packs it anew. Without limits it poses as before, to the last bit; with
 // limits the certificate states the displacement (add_requantisation_errors). Displacements are measured with the
 // runtime on the rest pose, both ends of all controls and seeded dense poses: harder poses than those of shots. Fails
 // with invalid_argument on an error that is negative or not finite; as read_archive does; and, without `force`, with
