@@ -170,6 +170,37 @@ inline PackedModel tiny_packed_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// Two meshes, "head" of 3 x 6 vertices and "teeth" of 2 x 6, with texture coordinates, materials and images, moved as
+// tiny_packed_model is, in three row blocks.
+inline PackedModel character_model(std::uint64_t seed = 1) {
+  PackedModel model = tiny_packed_model(seed);
+  model.rest = grid_mesh(6, 3, seed);
+  const Mesh teeth = grid_mesh(6, 2, seed + 1);
+  for (std::size_t i = 0; i < teeth.points.size(); ++i)
+    model.rest.points.push_back(teeth.points[i] - (i % 3 == 2 ? 4 : 0));
+  for (const std::uint32_t corner : teeth.polygon_corners) model.rest.polygon_corners.push_back(18 + corner);
+  model.rest.polygon_sizes.insert(model.rest.polygon_sizes.end(), 5, 4);
+  give_uvs_by_vertex(model.rest);
+  model.rest.parts = {{"head", 18, 10, {{6, 0}, {4, no_material}}}, {"teeth", 12, 5, {{5, 1}}}};
+  for (std::uint32_t i = 0; i < 30; ++i) model.order[i] = i < 18 ? 17 - i : 18 + (5 * i) % 12;
+  Random random(seed, 2);
+  model.row_blocks = {random_row_block(random, 0, 27, {0, 2, 3, 4}, 0.5f),
+                      random_row_block(random, 27, 27, {0, 1, 3}, 0.5f),
+                      random_row_block(random, 54, 36, {0, 1, 2}, 0.5f)};
+  const auto image = [](const char* name, const char* type, std::size_t size) {
+    return Image{name, type, std::vector<std::byte>(size, std::byte(0x89))};
+  };
+  model.character.images = {image("skin", "image/png", 20), image("bumps", "image/jpeg", 7),
+                            image("", "image/ktx2", 0)};
+  Material skin{"skin", {0.5f, 0.25f, 0.125f, 1}, 0, 0.75f, {0, 0.5f, 0}};
+  skin.alpha_mode = AlphaMode::mask;
+  skin.alpha_cutoff = 0.25f;
+  skin.double_sided = true;
+  skin.textures = {{TextureSlot::base_colour, 0}, {TextureSlot::normal, 1, Wrap::clamp, Wrap::mirror, 0.5f}};
+  model.character.materials = {skin, {"", {1, 1, 1, 0.5f}, 1, 0, {0, 0, 0}, AlphaMode::blend}};
+  return model;
+}
+
 // A pose within the controls' ranges.
 inline std::vector<float> random_pose(const RigSchema& schema, Random& random) {
   std::vector<float> pose;

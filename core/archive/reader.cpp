@@ -2,6 +2,7 @@
 
 #include <initializer_list>
 
+#include "archive/character_reader.h"
 #include "archive/coding/coding_reader.h"
 #include "archive/geometry/geometry_reader.h"
 #include "archive/section_reader.h"
@@ -10,9 +11,10 @@ namespace fb::archive {
 namespace {
 
 bool is_known(std::string_view name) {
-  for (const char* known : {section::definition, section::polygons, section::geometry, section::network,
-                            section::weights, section::basis, section::basis_values, section::uvs, section::provenance,
-                            section::licence, section::certificate, section::proof})
+  for (const char* known :
+       {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
+        section::basis_values, section::uvs, section::meshes, section::materials, section::images, section::provenance,
+        section::licence, section::certificate, section::proof})
     if (name == known) return true;
   return false;
 }
@@ -62,6 +64,17 @@ class ArchiveReader {
     if (!mesh) return;
     model_.rest.points = std::move(rest.points);
     if (contains(section::uvs)) read(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model_.rest); });
+    if (contains(section::meshes)) model_.rest.parts = read(section::meshes, read_meshes);
+    for (const MeshPart& part : model_.rest.parts) count_names({&part.name});
+    read_character();
+  }
+
+  void read_character() {
+    Character& character = model_.character;
+    if (contains(section::materials)) character.materials = read(section::materials, read_materials);
+    for (const Material& material : character.materials) count_names({&material.name});
+    if (contains(section::images)) character.images = read(section::images, read_images);
+    for (const Image& image : character.images) count_names({&image.name, &image.media_type});
   }
 
   void read_behaviour() {
@@ -93,6 +106,7 @@ class ArchiveReader {
     // What the checks allocate: a set of names, and a mark a vertex.
     const ScopedCharge names(budget_, model_.schema.control_count(), 96, "control names");
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
+    const ScopedCharge part_names(budget_, model_.rest.parts.size(), 96, "mesh names");
     try {
       check(model_);
     } catch (const Error& error) {

@@ -1,5 +1,6 @@
 #include "archive/writer.h"
 
+#include "archive/character_writer.h"
 #include "archive/coding/writer/coding_writer.h"
 #include "archive/container/container_writer.h"
 #include "archive/geometry/geometry_writer.h"
@@ -28,6 +29,10 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   compress(section::basis, true, write_basis(model));
   store(section::basis_values, write_basis_values(model));
   if (!model.rest.uvs.empty()) compress(section::uvs, false, write_uvs(model.rest));
+  if (!model.rest.parts.empty()) compress(section::meshes, false, write_meshes(model.rest.parts));
+  const Character& character = model.character;
+  if (!character.materials.empty()) compress(section::materials, false, write_materials(character.materials));
+  if (!character.images.empty()) compress(section::images, false, write_images(character.images));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);

@@ -1,6 +1,8 @@
 #include "model/mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "base/status.h"
 
@@ -21,6 +23,43 @@ void check_uvs(const Mesh& mesh) {
   for (std::size_t c = 0; c < needed; ++c)
     if (mesh.uv_corners[c] >= pairs)
       fail(Status::bad_data, "rest mesh: corner %zu names texture coordinate %u of %zu", c, mesh.uv_corners[c], pairs);
+}
+
+// Fails unless the polygons, from `polygon` on, of a part whose vertices are first...end have no other vertices, and
+// its material runs cover them. Advances `polygon` and `corner` past them.
+void check_part(const Mesh& mesh, const MeshPart& part, std::size_t first, std::size_t end, std::size_t& polygon,
+                std::size_t& corner) {
+  const char* name = part.name.c_str();
+  if (part.vertices == 0) fail(Status::bad_data, "mesh \"%s\" has no vertices", name);
+  if (end > mesh.vertex_count() || part.polygons > mesh.polygon_sizes.size() - polygon)
+    fail(Status::bad_data, "mesh \"%s\" has more vertices or polygons than are left", name);
+  for (std::uint32_t p = 0; p < part.polygons; ++p, ++polygon)
+    for (std::uint32_t k = 0; k < mesh.polygon_sizes[polygon]; ++k, ++corner)
+      if (mesh.polygon_corners[corner] < first || mesh.polygon_corners[corner] >= end)
+        fail(Status::bad_data, "mesh \"%s\": polygon %zu has vertex %u of another mesh", name, polygon,
+             mesh.polygon_corners[corner]);
+  std::uint64_t covered = 0;
+  for (const MaterialRun& run : part.materials) {
+    if (run.polygons == 0) fail(Status::bad_data, "mesh \"%s\" has a material without polygons", name);
+    covered += run.polygons;
+  }
+  if (covered != part.polygons)
+    fail(Status::bad_data, "mesh \"%s\": materials of %llu polygons for %u", name, (unsigned long long)covered,
+         part.polygons);
+}
+
+void check_parts(const Mesh& mesh) {
+  std::unordered_set<std::string_view> names;
+  std::size_t vertex = 0, polygon = 0, corner = 0;
+  for (const MeshPart& part : mesh.parts) {
+    if (part.name.empty()) fail(Status::bad_data, "a mesh without a name");
+    if (!names.insert(part.name).second) fail(Status::bad_data, "two meshes named \"%s\"", part.name.c_str());
+    check_part(mesh, part, vertex, vertex + part.vertices, polygon, corner);
+    vertex += part.vertices;
+  }
+  if (vertex != mesh.vertex_count() || polygon != mesh.polygon_sizes.size())
+    fail(Status::bad_data, "the meshes have %zu vertices and %zu polygons of %zu and %zu", vertex, polygon,
+         mesh.vertex_count(), mesh.polygon_sizes.size());
 }
 
 }  // namespace
@@ -46,6 +85,7 @@ void check(const Mesh& mesh) {
   if (corners != mesh.polygon_corners.size())
     fail(Status::bad_data, "rest mesh: polygons use %zu of %zu corners", corners, mesh.polygon_corners.size());
   check_uvs(mesh);
+  if (!mesh.parts.empty()) check_parts(mesh);
   if (!(mesh.diagonal() > 0)) fail(Status::bad_data, "rest mesh: all vertices lie on one point");
 }
 

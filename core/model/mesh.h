@@ -2,14 +2,35 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/surface.h"
 
 namespace fb {
 
-// A polygon mesh as the source gave it: vertices are never merged, dropped or reordered; polygons keep their order and
-// their first corner. Isolated, duplicate and non-manifold vertices are allowed.
+inline constexpr std::uint32_t no_material = 0xffffffff;
+
+// Consecutive polygons of a mesh part that have the same material.
+struct MaterialRun {
+  std::uint32_t polygons = 0;            // at least 1
+  std::uint32_t material = no_material;  // index of Character::materials
+  bool operator==(const MaterialRun&) const = default;
+};
+
+// One of the meshes of a character: the vertices and polygons that follow those of the part before it. Its polygons use
+// its own vertices only.
+struct MeshPart {
+  std::string name;            // unique, not empty
+  std::uint32_t vertices = 0;  // at least 1
+  std::uint32_t polygons = 0;
+  std::vector<MaterialRun> materials = {};  // of all its polygons, in order
+  bool operator==(const MeshPart&) const = default;
+};
+
+// The meshes of a character in one pool of vertices, as the source gave them: vertices are never merged, dropped or
+// reordered; polygons keep their order and their first corner. Isolated, duplicate and non-manifold vertices are
+// allowed.
 struct Mesh {
   std::vector<float> points;                   // 3 x vertices, xyz interleaved
   std::vector<std::uint32_t> polygon_sizes;    // corners of each polygon, >= 3
@@ -18,6 +39,7 @@ struct Mesh {
   // corner the index of its uv pair. A vertex on a seam has several. Both are empty without texture coordinates.
   std::vector<float> uvs = {};
   std::vector<std::uint32_t> uv_corners = {};
+  std::vector<MeshPart> parts = {};  // of all vertices and polygons; empty: one mesh without a name
 
   std::size_t vertex_count() const { return points.size() / 3; }
   // Length of the diagonal of the bounding box of all vertices: the unit of reported errors.
@@ -27,8 +49,8 @@ struct Mesh {
 };
 
 // Fails, naming the vertex or polygon, on an empty mesh, a point that is not finite, a polygon of fewer than three
-// corners, a corner index out of range, texture coordinates that are not finite or not one a corner, inconsistent
-// counts, or a bounding box of zero size.
+// corners, a corner index out of range, texture coordinates that are not finite or not one a corner, parts
+// that do not cover the mesh or share vertices, inconsistent counts, or a bounding box of zero size.
 void check(const Mesh& mesh);
 
 }  // namespace fb

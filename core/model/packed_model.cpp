@@ -54,6 +54,31 @@ void check_row_block(const PackedRowBlock& block, std::size_t index, std::uint32
     fail(Status::limit, "basis: row block %zu has %zu inputs; at most %u are supported", index, inputs, max_row_inputs);
 }
 
+void check_materials(const Mesh& rest, std::size_t materials) {
+  for (const MeshPart& part : rest.parts)
+    for (const MaterialRun& run : part.materials)
+      if (run.material != no_material && run.material >= materials)
+        fail(Status::bad_data, "mesh \"%s\" names material %u of %zu", part.name.c_str(), run.material, materials);
+}
+
+// Fails if a row block has vertices of two parts of the mesh, which could not be posed without each other.
+void check_blocks_of_parts(const PackedModel& model) {
+  const std::vector<MeshPart>& parts = model.rest.parts;
+  if (parts.size() < 2) return;
+  std::vector<std::uint32_t> ends;
+  for (const MeshPart& part : parts) ends.push_back((ends.empty() ? 0 : ends.back()) + part.vertices);
+  const auto part_of = [&](std::uint32_t row) {
+    return std::upper_bound(ends.begin(), ends.end(), static_cast<std::uint32_t>(model.coordinate(row) / 3)) -
+           ends.begin();
+  };
+  for (std::size_t b = 0; b < model.row_blocks.size(); ++b) {
+    const PackedRowBlock& block = model.row_blocks[b];
+    const auto part = part_of(block.first_row);
+    for (std::uint32_t row = block.first_row + 1; row < block.first_row + block.row_count; ++row)
+      if (part_of(row) != part) fail(Status::bad_data, "basis: row block %zu has vertices of two meshes", b);
+  }
+}
+
 }  // namespace
 
 std::size_t PackedModel::parameter_count() const {
@@ -97,6 +122,9 @@ void check(const PackedModel& model) {
   }
   if (row != rows) fail(Status::bad_data, "basis: row blocks cover %zu rows of %zu coordinates", row, rows);
   check_order(model.order, rows);
+  check(model.character);
+  check_materials(model.rest, model.character.materials.size());
+  check_blocks_of_parts(model);
 }
 
 }  // namespace fb

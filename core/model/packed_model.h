@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/character.h"
 #include "model/mesh.h"
 #include "model/network.h"
 #include "model/rig_schema.h"
@@ -69,7 +70,8 @@ struct PackedModel {
   std::uint32_t columns = 0;               // of the basis: the number of coefficients
   std::vector<std::uint32_t> order;        // see Basis::order
   std::vector<PackedRowBlock> row_blocks;  // ascending, without gaps or overlaps, covering 3 x vertices rows
-  std::string provenance;                  // a JSON object, for people and `inspect`
+  Character character = {};
+  std::string provenance;  // a JSON object, for people and `inspect`
 
   std::size_t parameter_count() const;  // weights and biases
   std::size_t value_count() const;      // of the basis

@@ -2,43 +2,18 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-
 #include <functional>
 
 #include "archive/reader.h"
 #include "archive/writer.h"
 #include "archive_editor.h"
 #include "base/status.h"
+#include "refusals.h"
 #include "test_models.h"
 
 namespace fb {
 using namespace archive;
 namespace {
-
-struct Outcome {
-  Status status = Status::ok;
-  std::string message;
-};
-
-Outcome outcome(std::span<const std::byte> bytes, const ReadLimits& limits = {}) {
-  try {
-    read_archive(bytes, limits);
-    return {};
-  } catch (const Error& error) {
-    return {error.status(), error.what()};
-  }
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-void check_refused(std::span<const std::byte> bytes, Status status, const std::string& part,
-                   const ReadLimits& limits = {}) {
-  const Outcome seen = outcome(bytes, limits);
-  CHECK_MESSAGE(seen.status == status, "status " << static_cast<int>(seen.status) << ": " << seen.message);
-  CHECK_MESSAGE(contains(seen.message, part), seen.message);
-}
 
 Bytes tiny_archive() {
   PackedModel model = tiny_packed_model();

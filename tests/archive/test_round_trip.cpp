@@ -29,6 +29,8 @@ void check_same(const PackedModel& a, const PackedModel& b) {
   CHECK(a.rest.polygon_corners == b.rest.polygon_corners);
   CHECK(a.rest.uvs == b.rest.uvs);
   CHECK(a.rest.uv_corners == b.rest.uv_corners);
+  CHECK(a.rest.parts == b.rest.parts);
+  CHECK(a.character == b.character);
   CHECK(a.provenance == b.provenance);
 
   REQUIRE(a.features.size() == b.features.size());
@@ -119,7 +121,8 @@ TEST_CASE("a model is restored with all its parts") {
 
 TEST_CASE("many seeds, sizes and values are restored") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
-    check_same(tiny_packed_model(seed), read_archive(write_archive(tiny_packed_model(seed), {})).model);
+    for (const PackedModel& model : {tiny_packed_model(seed), character_model(seed)})
+      check_same(model, read_archive(write_archive(model, {})).model);
 }
 
 TEST_CASE("the limits of all ranges are restored") {

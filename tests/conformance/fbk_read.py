@@ -21,6 +21,7 @@ import zlib
 
 import numpy as np
 
+import fbk_character
 import fbk_evaluate
 from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 
@@ -70,7 +71,7 @@ def decompress(sections, name):
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
-OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs")
+OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images")
 
 
 # ---- Sections
@@ -504,6 +505,11 @@ class Face:
         read_basis_values(decompress(sections, "basis-values"), self)
         if "uvs" in sections:
             read_uvs(decompress(sections, "uvs"), self)
+        self.meshes, self.materials, self.images = [], [], []
+        for name in ("meshes", "materials", "images"):
+            if name in sections:
+                getattr(fbk_character, "read_" + name)(decompress(sections, name), self)
+        fbk_character.check(self)
         self.text = {n: read_text(decompress(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:

@@ -161,6 +161,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("regular-points.fbk", with_proof(regular(false)));
   write("uvs.fbk", with_proof(with_uvs(give_uvs)));
   write("uvs-by-vertex.fbk", with_proof(with_uvs(give_uvs_by_vertex)));
+  write("character.fbk", with_proof(character_model()));
   write("rows-1.fbk", with_proof(split_model(1, true)));
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));
@@ -275,6 +276,34 @@ void write_rejected_geometry(const RejectedWriter& out) {
   out.patched("unsupported-uvs.fbk", "uvs", 4, std::uint32_t(2), seam);
 }
 
+void write_rejected_characters(const RejectedWriter& out) {
+  const PackedModel model = character_model();
+  for (const char* name : {"meshes", "materials", "images"}) {
+    out.write(format("corrupt-no-%s.fbk", name).c_str(), changed(
+                                                             name, [](Bytes& b) { b.assign(4, {}); }, model));
+    out.write(format("corrupt-%s-more.fbk", name).c_str(), changed(
+                                                               name, [](Bytes& b) { b.resize(b.size() + 2); }, model));
+  }
+  out.patched("corrupt-mesh-vertices.fbk", "meshes", 12, std::uint32_t(17), model);
+  out.patched("corrupt-mesh-run.fbk", "meshes", 24, std::uint32_t(7), model);
+  out.patched("corrupt-mesh-material.fbk", "meshes", 28, std::uint32_t(2), model);
+  PackedModel points = model;
+  points.rest.polygon_sizes.clear(), points.rest.polygon_corners.clear();
+  points.rest.uvs.clear(), points.rest.uv_corners.clear();
+  points.rest.parts = {{"head", 18, 0}, {"teeth", 12, 0}};
+  const auto move_vertex = [](Bytes& b) {  // to the other mesh, so that a row block has vertices of both
+    patch(b, 12, std::uint32_t(17));
+    patch(b, 24 + 9, std::uint32_t(13));
+  };
+  out.write("corrupt-mesh-rows.fbk", changed("meshes", move_vertex, points));
+  out.patched("corrupt-material-factor.fbk", "materials", 12, std::uint32_t(0x7fc00000), model);
+  out.patched("corrupt-material-image.fbk", "materials", 61, std::uint32_t(3), model);
+  out.patched("unsupported-alpha-mode.fbk", "materials", 48, std::uint8_t(3), model);
+  out.patched("unsupported-material-flags.fbk", "materials", 53, std::uint8_t(3), model);
+  out.patched("unsupported-texture-slot.fbk", "materials", 58, std::uint8_t(5), model);
+  out.patched("unsupported-texture-wrap.fbk", "materials", 60, std::uint8_t(3), model);
+}
+
 void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
@@ -310,6 +339,7 @@ void write_rejected(const std::filesystem::path& folder) {
   write_rejected_containers(out);
   write_rejected_sections(out);
   write_rejected_geometry(out);
+  write_rejected_characters(out);
   write_rejected_behaviour(out);
   write_rejected_texts_and_proofs(out);
 }

@@ -8,9 +8,10 @@
 
 namespace fb::bake {
 
-// Cuts the vertices of each label into blocks of at most `largest` neighbours, by recursive bisection along the longest
-// axis of their positions: as few blocks as possible, of nearly equal size. `labels`: by vertex, any numbers. Blocks of
-// one label follow each other, ascending by label; vertices of a block ascend; every vertex is in one block.
+// Cuts the vertices of each label, in each part of the mesh, into blocks of at most `largest` neighbours, by recursive
+// bisection along the longest axis of their positions: as few blocks as possible, of nearly equal size. `labels`: by
+// vertex, any numbers. Blocks of one part and label follow each other, ascending by part, then by label; vertices of a
+// block ascend; every vertex is in one block.
 std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::span<const std::uint32_t> labels,
                                                       std::uint32_t largest);
 

@@ -38,6 +38,7 @@ class DatasetSource final : public Source {
 
   const RigSchema& schema() const override { return schema_; }
   const Mesh& rest() const override { return rest_; }
+  const Character& character() const override { return character_; }
   const std::vector<Clip>& clips() const override { return clips_; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   bool readable(std::size_t clip) const override { return points_.at(clip).rows() > 0; }
@@ -50,6 +51,7 @@ class DatasetSource final : public Source {
   std::filesystem::path folder_;
   RigSchema schema_;
   Mesh rest_;
+  Character character_;
   double diagonal_ = 0;  // of the rest mesh
   std::vector<Clip> clips_;
   std::vector<ShardedArray> points_;  // of each clip

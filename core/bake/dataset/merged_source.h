@@ -18,6 +18,7 @@ class MergedSource final : public Source {
 
   const RigSchema& schema() const override { return sources_[0]->schema(); }
   const Mesh& rest() const override { return sources_[0]->rest(); }
+  const Character& character() const override { return sources_[0]->character(); }
   const std::vector<Clip>& clips() const override { return clips_; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   bool readable(std::size_t clip) const override;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "archive/writer.h"
+#include "bake/compress/mesh_blocks.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
@@ -223,8 +224,10 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
     baked.stats.notes.push_back(*note);
   }
 
+  if (!result.packed) result.model.basis = cut_at_parts(std::move(result.model.basis), result.model.rest);
   progress.begin("packing", 2);
   face.model = ask_during(progress, [&] { return take_packed(result); });
+  face.model.character = data.character();
   progress.step(1);
   baked.quantisation =
       quantisation_errors(result.model, face.model, quantisation_poses(poses, options.seed), options.parallel);

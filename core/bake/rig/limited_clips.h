@@ -20,6 +20,7 @@ class LimitedClips final : public Source {
 
   const RigSchema& schema() const override { return source_->schema(); }
   const Mesh& rest() const override { return source_->rest(); }
+  const Character& character() const override { return source_->character(); }
   const std::vector<Clip>& clips() const override { return clips_; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   bool readable(std::size_t clip) const override { return source_->readable(origins_.at(clip).clip); }

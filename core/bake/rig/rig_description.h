@@ -5,6 +5,7 @@
 
 #include "bake/rig/source.h"
 #include "facebaker/facebaker_rig.h"
+#include "model/character.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
@@ -17,6 +18,7 @@ inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
 struct RigDescription {
   RigSchema schema;
   Mesh rest;
+  Character character = {};
   std::vector<Clip> clips;
   std::size_t preferred_block = 0;  // poses, see Source::preferred_block
   std::string version = {};         // see Source::version

@@ -83,6 +83,7 @@ class RigEvaluator final : public Source {
 
   const RigSchema& schema() const override { return source_.schema(); }
   const Mesh& rest() const override { return source_.rest(); }
+  const Character& character() const override { return source_.character(); }
   const std::vector<Clip>& clips() const override { return source_.clips(); }
   bool readable(std::size_t clip) const override { return source_.readable(clip); }
   std::vector<std::string> notes() const override { return source_.notes(); }

@@ -20,6 +20,7 @@ class RigSource final : public Source {
 
   const RigSchema& schema() const override { return description_.schema; }
   const Mesh& rest() const override { return description_.rest; }
+  const Character& character() const override { return description_.character; }
   const std::vector<Clip>& clips() const override { return description_.clips; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   std::vector<std::string> notes() const override { return notes_; }

@@ -44,6 +44,11 @@ std::span<const float> frames_of(const Clip& clip, std::size_t first, std::size_
   return std::span(clip.controls).subspan(first * width, count * width);
 }
 
+const Character& Source::character() const {
+  static const Character none;
+  return none;
+}
+
 std::unique_ptr<EvaluationBackend> Source::make_backend(const Parallel& parallel) {
   return std::make_unique<ThreadBackend>(*this, parallel);
 }

@@ -12,6 +12,7 @@
 
 #include "base/parallel.h"
 #include "base/status.h"
+#include "model/character.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
@@ -66,6 +67,8 @@ class Source {
 
   virtual const RigSchema& schema() const = 0;
   virtual const Mesh& rest() const = 0;
+  // Materials and all else that goes into the archive as it is; empty where the source has none.
+  virtual const Character& character() const;
   virtual const std::vector<Clip>& clips() const = 0;
   // Frames [first, first + count) of a clip as points: count x 3 x vertices floats, object space, in the schema's
   // units. Recorded ones are read, a live rig's are evaluated. Fails by clip, frame and vertex on what is not finite or

@@ -17,6 +17,7 @@ class ProcessSource final : public Source {
 
   const RigSchema& schema() const override { return workers_.description().schema; }
   const Mesh& rest() const override { return workers_.description().rest; }
+  const Character& character() const override { return workers_.description().character; }
   const std::vector<Clip>& clips() const override { return workers_.description().clips; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   bool live() const override { return true; }

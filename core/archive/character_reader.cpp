@@ -1,0 +1,89 @@
+#include "archive/character_reader.h"
+
+namespace fb::archive {
+namespace {
+
+// A number that stands for one of a few things: 0 to `last`.
+template <class Kind>
+Kind read_kind(ByteReader& in, Kind last, const char* what) {
+  const auto kind = in.number<std::uint8_t>(what);
+  if (kind > static_cast<std::uint8_t>(last))
+    fail(Status::unsupported, "%s has unknown number %u for %s", in.where().c_str(), kind, what);
+  return static_cast<Kind>(kind);
+}
+
+template <std::size_t count>
+void read_floats(ByteReader& in, std::array<float, count>& values, const char* what) {
+  for (float& value : values) value = in.number<float>(what);
+}
+
+Texture read_texture(ByteReader& in) {
+  Texture texture;
+  texture.slot = read_kind(in, TextureSlot::emissive, "a texture's slot");
+  texture.wrap_u = read_kind(in, Wrap::mirror, "a texture's wrap");
+  texture.wrap_v = read_kind(in, Wrap::mirror, "a texture's wrap");
+  texture.image = in.number<std::uint32_t>("a texture's image");
+  texture.scale = in.number<float>("a texture's scale");
+  return texture;
+}
+
+}  // namespace
+
+std::vector<MeshPart> read_meshes(ByteReader& in) {
+  std::vector<MeshPart> meshes;
+  in.budget().resize(meshes, in.count(16, "meshes"), "meshes");
+  for (MeshPart& mesh : meshes) {
+    mesh.name = in.string("a mesh's name");
+    mesh.vertices = in.number<std::uint32_t>("a mesh's vertices");
+    mesh.polygons = in.number<std::uint32_t>("a mesh's polygons");
+    in.budget().resize(mesh.materials, in.count(8, "material runs"), "material runs");
+    for (MaterialRun& run : mesh.materials) {
+      run.polygons = in.number<std::uint32_t>("a material run's polygons");
+      run.material = in.number<std::uint32_t>("a material run's material");
+    }
+  }
+  if (meshes.empty()) in.corrupt("there are no meshes");
+  in.end();
+  return meshes;
+}
+
+std::vector<Material> read_materials(ByteReader& in) {
+  std::vector<Material> materials;
+  in.budget().resize(materials, in.count(50, "materials"), "materials");
+  for (Material& material : materials) {
+    material.name = in.string("a material's name");
+    read_floats(in, material.base_colour, "a base colour");
+    material.metallic = in.number<float>("a material's factors");
+    material.roughness = in.number<float>("a material's factors");
+    read_floats(in, material.emissive, "an emissive colour");
+    material.alpha_mode = read_kind(in, AlphaMode::blend, "an alpha mode");
+    material.alpha_cutoff = in.number<float>("an alpha cutoff");
+    const auto flags = in.number<std::uint8_t>("a material's flags");
+    if (flags & ~material_double_sided_flag)
+      fail(Status::unsupported, "%s has a material of unknown flags 0x%x", in.where().c_str(), flags);
+    material.double_sided = flags & material_double_sided_flag;
+    const std::uint32_t textures = in.count(11, "textures");
+    in.budget().reserve(material.textures, textures, "textures");
+    for (std::uint32_t t = 0; t < textures; ++t) material.textures.push_back(read_texture(in));
+  }
+  if (materials.empty()) in.corrupt("there are no materials");
+  in.end();
+  return materials;
+}
+
+std::vector<Image> read_images(ByteReader& in) {
+  std::vector<Image> images;
+  in.budget().resize(images, in.count(12, "images"), "images");
+  for (Image& image : images) {
+    image.name = in.string("an image's name");
+    image.media_type = in.string("an image's media type");
+    const auto bytes = in.take(in.number<std::uint32_t>("an image's size"), "an image");
+    in.budget().resize(image.bytes, bytes.size(), "an image");
+    std::copy(bytes.begin(), bytes.end(), image.bytes.begin());
+  }
+  if (images.empty()) in.corrupt("there are no images");
+  in.end();
+  return images;
+}
+
+}  // namespace fb::archive

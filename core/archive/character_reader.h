@@ -1,0 +1,19 @@
+// Reads the sections of what a character has besides vertices that move. Input is untrusted: every function fails with
+// `corrupt`, `unsupported` or `limit` and names section and byte offset.
+#pragma once
+
+#include <vector>
+
+#include "archive/container/byte_reader.h"
+#include "model/character.h"
+#include "model/mesh.h"
+
+namespace fb::archive {
+
+inline constexpr std::uint8_t material_double_sided_flag = 1;
+
+std::vector<MeshPart> read_meshes(ByteReader& in);
+std::vector<Material> read_materials(ByteReader& in);
+std::vector<Image> read_images(ByteReader& in);
+
+}  // namespace fb::archive

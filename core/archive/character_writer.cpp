@@ -1,0 +1,67 @@
+#include "archive/character_writer.h"
+
+#include "archive/character_reader.h"
+
+namespace fb::archive {
+namespace {
+
+template <std::size_t count>
+void write_floats(ByteWriter& out, const std::array<float, count>& values) {
+  for (const float value : values) out.number(value);
+}
+
+}  // namespace
+
+ByteWriter write_meshes(const std::vector<MeshPart>& meshes) {
+  ByteWriter out;
+  out.count(meshes.size(), "meshes");
+  for (const MeshPart& mesh : meshes) {
+    out.string(mesh.name, "a mesh's name");
+    out.number(mesh.vertices);
+    out.number(mesh.polygons);
+    out.count(mesh.materials.size(), "material runs");
+    for (const MaterialRun& run : mesh.materials) {
+      out.number(run.polygons);
+      out.number(run.material);
+    }
+  }
+  return out;
+}
+
+ByteWriter write_materials(const std::vector<Material>& materials) {
+  ByteWriter out;
+  out.count(materials.size(), "materials");
+  for (const Material& material : materials) {
+    out.string(material.name, "a material's name");
+    write_floats(out, material.base_colour);
+    out.number(material.metallic);
+    out.number(material.roughness);
+    write_floats(out, material.emissive);
+    out.number(static_cast<std::uint8_t>(material.alpha_mode));
+    out.number(material.alpha_cutoff);
+    out.number(static_cast<std::uint8_t>(material.double_sided ? material_double_sided_flag : 0));
+    out.count(material.textures.size(), "textures");
+    for (const Texture& texture : material.textures) {
+      out.number(static_cast<std::uint8_t>(texture.slot));
+      out.number(static_cast<std::uint8_t>(texture.wrap_u));
+      out.number(static_cast<std::uint8_t>(texture.wrap_v));
+      out.number(texture.image);
+      out.number(texture.scale);
+    }
+  }
+  return out;
+}
+
+ByteWriter write_images(const std::vector<Image>& images) {
+  ByteWriter out;
+  out.count(images.size(), "images");
+  for (const Image& image : images) {
+    out.string(image.name, "an image's name");
+    out.string(image.media_type, "an image's media type");
+    out.count(image.bytes.size(), "bytes of an image");
+    out.raw(image.bytes);
+  }
+  return out;
+}
+
+}  // namespace fb::archive

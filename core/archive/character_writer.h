@@ -1,0 +1,16 @@
+// Writes the sections that character_reader.h reads.
+#pragma once
+
+#include <vector>
+
+#include "archive/container/byte_writer.h"
+#include "model/character.h"
+#include "model/mesh.h"
+
+namespace fb::archive {
+
+ByteWriter write_meshes(const std::vector<MeshPart>& meshes);
+ByteWriter write_materials(const std::vector<Material>& materials);
+ByteWriter write_images(const std::vector<Image>& images);
+
+}  // namespace fb::archive

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace fb {
+
+// A picture file as it is, such as a texture.
+struct Image {
+  std::string name;
+  std::string media_type;  // "image/png", "image/jpeg", "image/ktx2", ...
+  std::vector<std::byte> bytes;
+  bool operator==(const Image&) const = default;
+};
+
+// How a texture goes on beyond its borders.
+enum class Wrap : std::uint8_t { repeat = 0, clamp = 1, mirror = 2 };
+
+// What a texture is to a material: as in glTF 2.0, which defines how each is shaded.
+enum class TextureSlot : std::uint8_t {
+  base_colour = 0,
+  metallic_roughness = 1,
+  normal = 2,
+  occlusion = 3,
+  emissive = 4
+};
+
+struct Texture {
+  TextureSlot slot = TextureSlot::base_colour;
+  std::uint32_t image = 0;  // index of Character::images
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  float scale = 1;  // of a normal texture; strength of an occlusion texture
+  bool operator==(const Texture&) const = default;
+};
+
+enum class AlphaMode : std::uint8_t { opaque = 0, mask = 1, blend = 2 };
+
+// The metallic-roughness material of glTF 2.0; its textures use the texture coordinates of the mesh.
+struct Material {
+  std::string name;                                 // may be empty
+  std::array<float, 4> base_colour = {1, 1, 1, 1};  // linear red, green, blue, and alpha
+  float metallic = 1, roughness = 1;
+  std::array<float, 3> emissive = {0, 0, 0};
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;  // of AlphaMode::mask
+  bool double_sided = false;
+  std::vector<Texture> textures = {};  // at most one a slot
+  bool operator==(const Material&) const = default;
+};
+
+// What a character has that no pose changes, besides its mesh: carried from the source into the archive as it is.
+struct Character {
+  std::vector<Material> materials;
+  std::vector<Image> images;
+  bool operator==(const Character&) const = default;
+};
+
+// Fails, naming the material, on a factor that is not finite, two textures in one slot, or an image there is not.
+void check(const Character& character);
+
+}  // namespace fb

@@ -1,0 +1,122 @@
+// Meshes, materials and images of an archive: what is inconsistent, cut short or forged is refused.
+#include <doctest/doctest.h>
+
+#include <functional>
+
+#include "archive/writer.h"
+#include "archive_editor.h"
+#include "refusals.h"
+#include "test_models.h"
+
+namespace fb {
+namespace {
+
+const char* const sections[] = {"meshes", "materials", "images"};
+
+void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message) {
+  PackedModel model = character_model();
+  change(model);
+  CHECK_THROWS_WITH_AS(write_archive(model, {}), doctest::Contains(message), Error);
+}
+
+TEST_CASE("meshes that do not make up the whole are refused") {
+  using Model = PackedModel;
+  check_unwritable([](Model& m) { m.rest.parts[0].name.clear(); }, "a mesh without a name");
+  check_unwritable([](Model& m) { m.rest.parts[1].name = "head"; }, "two meshes named \"head\"");
+  check_unwritable([](Model& m) { m.rest.parts[0].vertices = 0; }, "mesh \"head\" has no vertices");
+  check_unwritable([](Model& m) { m.rest.parts[1].vertices = 13; }, "mesh \"teeth\" has more vertices");
+  check_unwritable([](Model& m) { m.rest.parts[1].vertices = UINT32_MAX; }, "mesh \"teeth\" has more vertices");
+  check_unwritable([](Model& m) { m.rest.parts[1].polygons = 6; }, "mesh \"teeth\" has more vertices or polygons");
+  check_unwritable([](Model& m) { m.rest.parts[0].polygons = 11; }, "polygon 10 has vertex 18 of another mesh");
+  check_unwritable([](Model& m) { m.rest.parts.pop_back(); }, "18 vertices and 10 polygons of 30 and 15");
+  check_unwritable([](Model& m) { m.rest.parts[0].materials[0].polygons = 5; }, "materials of 9 polygons for 10");
+  check_unwritable([](Model& m) { m.rest.parts[0].materials.push_back({0, 0}); }, "a material without polygons");
+  check_unwritable([](Model& m) { m.rest.parts[1].materials[0].material = 2; }, "names material 2 of 2");
+  check_unwritable(
+      [](Model& m) {
+        Random random(1);
+        m.row_blocks = {random_row_block(random, 0, 57, {0}, 1), random_row_block(random, 57, 33, {0}, 1)};
+      },
+      "row block 0 has vertices of two meshes");
+}
+
+TEST_CASE("materials that contradict themselves are refused") {
+  using Model = PackedModel;
+  const auto skin = [](Model& m) -> Material& { return m.character.materials[0]; };
+  check_unwritable([&](Model& m) { skin(m).roughness = NAN; }, "material 0 (\"skin\") has a factor that is not finite");
+  check_unwritable([&](Model& m) { skin(m).emissive[2] = INFINITY; }, "not finite");
+  check_unwritable([&](Model& m) { skin(m).textures[1].scale = NAN; }, "not finite");
+  check_unwritable([&](Model& m) { skin(m).textures[1].image = 3; }, "image 3 of 3");
+  check_unwritable([&](Model& m) { skin(m).textures[1].slot = TextureSlot::base_colour; }, "two textures in one slot");
+}
+
+TEST_CASE("forged sections of a character are refused by name") {
+  const Bytes bytes = write_archive(character_model(), {});
+  const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* message) {
+    ArchiveEditor archive(bytes);
+    Bytes contents = archive[section].stored;
+    patch(contents, at, value);
+    archive[section].set(contents);
+    check_refused(archive.bytes(), status, message);
+  };
+  lie("meshes", 0, std::uint32_t(1), Status::corrupt, "should end here");
+  lie("meshes", 0, UINT32_MAX, Status::corrupt, "meshes need more than");
+  lie("meshes", 4, UINT32_MAX, Status::corrupt, "section \"meshes\"");
+  lie("meshes", 20, UINT32_MAX, Status::corrupt, "material runs need more than");
+  lie("meshes", 28, std::uint32_t(2), Status::corrupt, "names material 2 of 2");
+  lie("materials", 0, UINT32_MAX, Status::corrupt, "materials need more than");
+  lie("materials", 48, std::uint8_t(3), Status::unsupported, "unknown number 3 for an alpha mode");
+  lie("materials", 53, std::uint8_t(3), Status::unsupported, "unknown flags 0x3");
+  lie("materials", 54, UINT32_MAX, Status::corrupt, "textures need more than");
+  lie("materials", 58, std::uint8_t(5), Status::unsupported, "unknown number 5 for a texture's slot");
+  lie("materials", 59, std::uint8_t(3), Status::unsupported, "unknown number 3 for a texture's wrap");
+  lie("images", 0, UINT32_MAX, Status::corrupt, "images need more than");
+  lie("images", 4 + 8 + 13, UINT32_MAX, Status::corrupt, "an image needs");
+  for (const char* section : sections) {
+    ArchiveEditor archive(bytes);
+    archive[section].set(Bytes(4));
+    check_refused(archive.bytes(), Status::corrupt, "there are no");
+  }
+}
+
+TEST_CASE("sections of a character that are cut short, too long or changed never crash the reader") {
+  const ArchiveEditor whole(write_archive(character_model(), {}));
+  for (const char* name : sections) {
+    INFO(name);
+    ArchiveEditor archive = whole;
+    const Bytes contents = archive[name].stored;
+    for (std::size_t size = 0; size < contents.size(); ++size) {
+      archive[name].set({contents.begin(), contents.begin() + std::ptrdiff_t(size)});
+      REQUIRE(outcome(archive.bytes()).status == Status::corrupt);
+    }
+    Bytes longer = contents;
+    longer.push_back(std::byte(0));
+    archive[name].set(longer);
+    check_refused(archive.bytes(), Status::corrupt, "should end here");
+    archive[name].set(contents);
+    for (std::byte& byte : archive[name].stored)
+      for (const int mask : {0x01, 0x80, 0xff}) {
+        byte ^= std::byte(mask);
+        const Outcome seen = outcome(archive.bytes(), {std::uint64_t(1) << 24});
+        REQUIRE((seen.status == Status::ok || !seen.message.empty()));
+        byte ^= std::byte(mask);
+      }
+  }
+}
+
+TEST_CASE("names and pictures of a character count towards the limits") {
+  PackedModel model = character_model();
+  model.rest.parts[1].name = std::string(2000, 'n');
+  const Bytes named = write_archive(model, {});
+  ReadLimits limits;
+  limits.max_name_bytes = 1900;
+  check_refused(named, Status::limit, "bytes of names and texts", limits);
+  model = character_model();
+  model.character.images[0].bytes.resize(1 << 20);
+  const Bytes pictured = write_archive(model, {});
+  check_refused(pictured, Status::limit, "beyond the limit", {std::uint64_t(1) << 20});
+  CHECK(outcome(pictured, {std::uint64_t(1) << 23}).status == Status::ok);
+}
+
+}  // namespace
+}  // namespace fb

@@ -1,0 +1,74 @@
+"""The sections of an .fbk archive that no pose changes: meshes, materials and images."""
+import numpy as np
+
+from fbk_bytes import require
+
+NO_MATERIAL = 2**32 - 1
+SLOTS, WRAPS, ALPHA_MODES = 5, 3, 3
+
+
+def read_meshes(c, face):
+    vertex = polygon = 0
+    count = c.u32()
+    require(count > 0, "meshes: none")
+    for _ in range(count):
+        name, vertices, polygons = c.string(), c.u32(), c.u32()
+        runs = [(c.u32(), c.u32()) for _ in range(c.u32())]
+        require(name and name not in (m[0] for m in face.meshes), f"meshes: name {name!r}")
+        require(vertices > 0 and vertex + vertices <= face.vertices, f"meshes: vertices of {name}")
+        require(polygon + polygons <= len(face.polygons), f"meshes: polygons of {name}")
+        for corners in face.polygons[polygon : polygon + polygons]:
+            require(all(vertex <= v < vertex + vertices for v in corners), f"meshes: {name} has a vertex of another")
+        require(all(count > 0 for count, _ in runs), f"meshes: an empty run of {name}")
+        require(sum(count for count, _ in runs) == polygons, f"meshes: runs of {name}")
+        face.meshes.append((name, vertices, polygons, runs))
+        vertex, polygon = vertex + vertices, polygon + polygons
+    require(vertex == face.vertices and polygon == len(face.polygons), "meshes: not all of the mesh")
+    c.end()
+
+
+def read_materials(c, face):
+    count = c.u32()
+    require(count > 0, "materials: none")
+    for _ in range(count):
+        name, factors = c.string(), c.array("f4", 9)
+        mode, cutoff, flags = c.number("B"), c.array("f4", 1), c.number("B")
+        require(np.isfinite(factors).all() and np.isfinite(cutoff).all(), f"materials: {name}: not finite")
+        require(mode < ALPHA_MODES, f"materials: unsupported alpha mode {mode}")
+        require(flags < 2, f"materials: unsupported flags {flags}")
+        textures = []
+        for _ in range(c.u32()):
+            slot, wrap_u, wrap_v, image, scale = *(c.number("B") for _ in range(3)), c.u32(), c.array("f4", 1)
+            require(slot < SLOTS and wrap_u < WRAPS and wrap_v < WRAPS, "materials: unsupported slot or wrap")
+            require(slot not in (t[0] for t in textures), f"materials: {name}: two textures in slot {slot}")
+            require(np.isfinite(scale).all(), f"materials: {name}: not finite")
+            textures.append((slot, image))
+        face.materials.append((name, textures))
+    c.end()
+
+
+def read_images(c, face):
+    count = c.u32()
+    require(count > 0, "images: none")
+    for _ in range(count):
+        face.images.append((c.string(), c.string(), bytes(c.take(c.u32()))))
+    c.end()
+
+
+def check(face):
+    for name, textures in face.materials:
+        require(all(image < len(face.images) for _, image in textures), f"materials: {name} names no image")
+    for name, _, _, runs in face.meshes:
+        known = range(len(face.materials))
+        require(all(m in known or m == NO_MATERIAL for _, m in runs), f"meshes: {name} names no material")
+    check_row_blocks(face)
+
+
+def check_row_blocks(face):
+    if len(face.meshes) < 2:
+        return
+    mesh = np.repeat(np.arange(len(face.meshes)), [m[1] for m in face.meshes])
+    of_row = np.repeat(mesh[face.order], 3)
+    for block in face.row_blocks:
+        parts = of_row[block["first"] : block["first"] + block["rows"]]
+        require((parts == parts[0]).all(), "meshes: a row block has vertices of two")
