@@ -11,8 +11,7 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/shown_path.h"
-#include "host_memory.h"
-#include "runtime/evaluator.h"
+#include "loaded_model.h"
 #include "runtime/float_mode.h"
 #include "stream_reader.h"
 #include "version.h"
@@ -23,46 +22,6 @@ using fb::capi::abi_guard;
 using fb::capi::fill_struct;
 using fb::capi::read_struct;
 using fb::capi::require;
-
-struct fb_model {
-  // `limit`: what loading may take; the archive is charged to it.
-  fb_model(fb::archive::Archive archive, const fb_load_desc& desc, std::unique_ptr<fb::MemoryBudget> limit)
-      : memory(desc.allocator),
-        budget(std::move(limit)),
-        charged(memory, *budget),
-        evaluator(charge_names(archive.model, *budget), {desc.allocator.allocate ? &charged : nullptr, budget.get()},
-                  fb::runtime::choose_kernels(desc.instruction_set)),
-        rest_pose(archive.model.schema.rest_pose()),
-        polygon_sizes(archive.model.rest.polygon_sizes.begin(), archive.model.rest.polygon_sizes.end(), &charged),
-        polygon_corners(archive.model.rest.polygon_corners.begin(), archive.model.rest.polygon_corners.end(), &charged),
-        uv_corners(archive.model.rest.uv_corners.begin(), archive.model.rest.uv_corners.end(), &charged),
-        uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &charged),
-        diagonal(archive.model.rest.diagonal()),
-        provenance(std::move(archive.model.provenance)) {}
-
-  // Charges the names that a model copies from an archive, and the rest pose.
-  static const fb::PackedModel& charge_names(const fb::PackedModel& model, fb::MemoryBudget& budget) {
-    const fb::RigSchema& schema = model.schema;
-    budget.take(schema.controls.size(), sizeof(fb::Control) + 3 * sizeof(float), "controls");
-    budget.take(model.regions.size(), 3 * sizeof(std::string), "regions");
-    budget.take_text(schema.name.size(), "names");
-    for (const fb::Control& control : schema.controls)
-      for (const std::string* text : {&control.name, &control.group}) budget.take_text(text->size(), "names");
-    for (const fb::PackedRegion& region : model.regions) budget.take_text(region.name.size(), "names");
-    return model;
-  }
-
-  mutable std::atomic<std::uint32_t> references = 1;
-  mutable fb::capi::HostMemory memory;       // of scratches
-  std::unique_ptr<fb::MemoryBudget> budget;  // that the model's own memory is charged to
-  fb::ChargedMemory charged;
-  fb::runtime::Evaluator evaluator;
-  std::vector<float> rest_pose;
-  std::pmr::vector<std::uint32_t> polygon_sizes, polygon_corners, uv_corners;
-  std::pmr::vector<float> uvs;
-  double diagonal;
-  std::string provenance;
-};
 
 namespace {
 

@@ -27,9 +27,13 @@ void check_material(const Material& material, std::size_t index, std::size_t ima
 
 }  // namespace
 
-void check(const Character& character) {
-  for (std::size_t m = 0; m < character.materials.size(); ++m)
-    check_material(character.materials[m], m, character.images.size());
+void check(const Character& character, const Mesh& rest) {
+  const std::size_t materials = character.materials.size();
+  for (std::size_t m = 0; m < materials; ++m) check_material(character.materials[m], m, character.images.size());
+  for (const MeshPart& part : rest.parts)
+    for (const MaterialRun& run : part.materials)
+      if (run.material != no_material && run.material >= materials)
+        fail(Status::bad_data, "mesh \"%s\" names material %u of %zu", part.name.c_str(), run.material, materials);
 }
 
 }  // namespace fb

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "model/mesh.h"
+
 namespace fb {
 
 // A picture file as it is, such as a texture.
@@ -58,7 +60,8 @@ struct Character {
   bool operator==(const Character&) const = default;
 };
 
-// Fails, naming the material, on a factor that is not finite, two textures in one slot, or an image there is not.
-void check(const Character& character);
+// Fails, naming material or mesh, on a factor that is not finite, two textures in one slot, or an image or a material
+// that there is not. `rest`: the mesh, which has been checked.
+void check(const Character& character, const Mesh& rest);
 
 }  // namespace fb

@@ -54,13 +54,6 @@ void check_row_block(const PackedRowBlock& block, std::size_t index, std::uint32
     fail(Status::limit, "basis: row block %zu has %zu inputs; at most %u are supported", index, inputs, max_row_inputs);
 }
 
-void check_materials(const Mesh& rest, std::size_t materials) {
-  for (const MeshPart& part : rest.parts)
-    for (const MaterialRun& run : part.materials)
-      if (run.material != no_material && run.material >= materials)
-        fail(Status::bad_data, "mesh \"%s\" names material %u of %zu", part.name.c_str(), run.material, materials);
-}
-
 // Fails if a row block has vertices of two parts of the mesh, which could not be posed without each other.
 void check_blocks_of_parts(const PackedModel& model) {
   const std::vector<MeshPart>& parts = model.rest.parts;
@@ -122,8 +115,7 @@ void check(const PackedModel& model) {
   }
   if (row != rows) fail(Status::bad_data, "basis: row blocks cover %zu rows of %zu coordinates", row, rows);
   check_order(model.order, rows);
-  check(model.character);
-  check_materials(model.rest, model.character.materials.size());
+  check(model.character, model.rest);
   check_blocks_of_parts(model);
 }
 

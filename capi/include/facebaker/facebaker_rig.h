@@ -7,7 +7,7 @@
 #ifndef FACEBAKER_FACEBAKER_RIG_H
 #define FACEBAKER_FACEBAKER_RIG_H
 
-#include <facebaker/facebaker.h>
+#include <facebaker/facebaker_character.h>
 #include <string.h>
 
 #ifdef __cplusplus
@@ -88,20 +88,30 @@ typedef struct fb_rig {
                         uint32_t message_size);
   /** Frees everything the rig owns; may be null. */
   void (*destroy)(void* user);
-  uint32_t uv_count;          /**< texture coordinates; 0, or a struct_size that ends before them: none */
-  uint32_t reserved_uv;       /**< 0 */
-  const float* uvs;           /**< 2 x uv_count: u and v interleaved, v growing upwards */
-  const uint32_t* uv_corners; /**< for each of polygon_corners its pair of uvs, < uv_count */
-  uint32_t preferred_block;   /**< poses that a call of evaluate should have, for a rig that works on several at once,
-                                 such as several processes behind one plugin; more than 4,096 are 4,096. Calls have as
-                                 many while there are, even if they then take seconds; a user can stop the work only
-                                 between them. 0, or a struct_size that ends before it: any number will do, and calls
-                                 of slow rigs take a fifth of a second */
-  uint32_t reserved_block;    /**< 0 */
-  const char* version;        /**< a text that changes when evaluate gives other positions, so that what was evaluated
-                                 before is not taken for its answers: data beside a plugin has changed, or what a
-                                 server behind it does. A plugin's own file is known by its bytes. Null, or a
-                                 struct_size that ends before it: none */
+  uint32_t uv_count;            /**< texture coordinates; 0, or a struct_size that ends before them: none */
+  uint32_t reserved_uv;         /**< 0 */
+  const float* uvs;             /**< 2 x uv_count: u and v interleaved, v growing upwards */
+  const uint32_t* uv_corners;   /**< for each of polygon_corners its pair of uvs, < uv_count */
+  uint32_t preferred_block;     /**< poses that a call of evaluate should have, for a rig that works on several at once,
+                                   such as several processes behind one plugin; more than 4,096 are 4,096. Calls have as
+                                   many while there are, even if they then take seconds; a user can stop the work only
+                                   between them. 0, or a struct_size that ends before it: any number will do, and calls
+                                   of slow rigs take a fifth of a second */
+  uint32_t reserved_block;      /**< 0 */
+  const char* version;          /**< a text that changes when evaluate gives other positions, so that what was evaluated
+                                   before is not taken for its answers: data beside a plugin has changed, or what a
+                                   server behind it does. A plugin's own file is known by its bytes. Null, or a
+                                   struct_size that ends before it: none */
+  uint32_t mesh_count;          /**< meshes that vertices and polygons are divided into; 0, or a struct_size that ends
+                                   before `images`: one, without a name or materials */
+  uint32_t mesh_stride;         /**< bytes from a mesh to the next: sizeof(fb_mesh) as compiled */
+  const fb_mesh* meshes;        /**< mesh_count of them, with names; together all vertices and polygons */
+  uint32_t material_count;      /**< may be 0 */
+  uint32_t material_stride;     /**< bytes from a material to the next: sizeof(fb_material) as compiled */
+  const fb_material* materials; /**< material_count of them */
+  uint32_t image_count;         /**< may be 0 */
+  uint32_t image_stride;        /**< bytes from an image to the next: sizeof(fb_image) as compiled */
+  const fb_image* images;       /**< image_count of them */
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */
@@ -111,6 +121,9 @@ static inline void fb_rig_init(fb_rig* rig) {
   rig->abi = FB_RIG_ABI;
   rig->control_stride = (uint32_t)sizeof(fb_rig_control);
   rig->clip_stride = (uint32_t)sizeof(fb_rig_clip);
+  rig->mesh_stride = (uint32_t)sizeof(fb_mesh);
+  rig->material_stride = (uint32_t)sizeof(fb_material);
+  rig->image_stride = (uint32_t)sizeof(fb_image);
 }
 
 /** Fills *rig: the one symbol that a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so

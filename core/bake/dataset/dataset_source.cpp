@@ -76,7 +76,7 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
     points_.push_back(std::move(points));
   }
   with_context(shown(folder / dataset_file), [&] {
-    check_source(schema_, rest_);
+    check_source(schema_, rest_, character_);
     check_clips(clips_);
   });
   diagonal_ = rest_.diagonal();

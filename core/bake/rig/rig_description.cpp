@@ -8,10 +8,11 @@
 namespace fb::bake {
 namespace {
 
-// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, and with its version.
+// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, and with images.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
                       rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
-                      rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version);
+                      rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version),
+                      rig_with_images = offsetof(fb_rig, images) + sizeof(fb_rig::images);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -98,6 +99,79 @@ struct Reader {
     return mesh;
   }
 
+  std::vector<MeshPart> parts(const fb_rig& rig) const {
+    std::vector<MeshPart> parts;
+    if (rig.mesh_count == 0) return parts;
+    const fb_mesh* meshes = array(rig.meshes, rig.mesh_count, "meshes", "mesh_count");
+    check_stride<fb_mesh>(rig.mesh_stride, "mesh_stride", "fb_mesh");
+    for (std::uint32_t m = 0; m < rig.mesh_count; ++m) {
+      const fb_mesh& from = element(meshes, rig.mesh_stride, m);
+      MeshPart& part = parts.emplace_back();
+      part.name = text(from.name, format("the name of mesh %u", m).c_str());
+      part.vertices = from.vertex_count;
+      part.polygons = from.polygon_count;
+      if (from.run_count > 0 && !from.runs)
+        fail(Status::rig, "%s: the runs of mesh \"%s\" are null", label.c_str(), from.name);
+      for (std::uint32_t r = 0; r < from.run_count; ++r)
+        part.materials.push_back({from.runs[r].polygon_count, from.runs[r].material});
+      if (from.run_count == 0 && part.polygons > 0) part.materials = {{part.polygons, no_material}};
+    }
+    return parts;
+  }
+
+  Material material(const fb_material& from, std::uint32_t index) const {
+    const auto known = [&](std::uint32_t value, std::uint32_t last, const char* what) {
+      if (value > last) fail(Status::rig, "%s: material %u has unknown %s %u", label.c_str(), index, what, value);
+      return static_cast<std::uint8_t>(value);
+    };
+    Material material;
+    if (from.name) material.name = from.name;
+    std::copy_n(from.base_colour, 4, material.base_colour.begin());
+    material.metallic = from.metallic;
+    material.roughness = from.roughness;
+    std::copy_n(from.emissive, 3, material.emissive.begin());
+    material.alpha_mode = static_cast<AlphaMode>(known(from.alpha_mode, FB_ALPHA_BLEND, "alpha_mode"));
+    material.alpha_cutoff = from.alpha_cutoff;
+    material.double_sided = from.double_sided != 0;
+    if (from.texture_count > 0 && !from.textures)
+      fail(Status::rig, "%s: the textures of material %u are null", label.c_str(), index);
+    for (std::uint32_t t = 0; t < from.texture_count; ++t) {
+      const fb_texture& texture = from.textures[t];
+      material.textures.push_back({static_cast<TextureSlot>(known(texture.slot, FB_TEXTURE_EMISSIVE, "texture slot")),
+                                   texture.image, static_cast<Wrap>(known(texture.wrap_u, FB_WRAP_MIRROR, "wrap")),
+                                   static_cast<Wrap>(known(texture.wrap_v, FB_WRAP_MIRROR, "wrap")), texture.scale});
+    }
+    return material;
+  }
+
+  Image image(const fb_image& from, std::uint32_t index) const {
+    Image image;
+    if (from.name) image.name = from.name;
+    image.media_type = text(from.media_type, format("the media type of image %u", index).c_str());
+    if (!from.bytes || from.byte_count == 0) fail(Status::rig, "%s: image %u has no bytes", label.c_str(), index);
+    if (from.byte_count > UINT32_MAX) fail(Status::rig, "%s: image %u has 4 GiB or more", label.c_str(), index);
+    const auto* bytes = static_cast<const std::byte*>(from.bytes);
+    image.bytes.assign(bytes, bytes + from.byte_count);
+    return image;
+  }
+
+  Character character(const fb_rig& rig) const {
+    Character character;
+    if (rig.material_count > 0) {
+      const fb_material* materials = array(rig.materials, rig.material_count, "materials", "material_count");
+      check_stride<fb_material>(rig.material_stride, "material_stride", "fb_material");
+      for (std::uint32_t m = 0; m < rig.material_count; ++m)
+        character.materials.push_back(material(element(materials, rig.material_stride, m), m));
+    }
+    if (rig.image_count > 0) {
+      const fb_image* images = array(rig.images, rig.image_count, "images", "image_count");
+      check_stride<fb_image>(rig.image_stride, "image_stride", "fb_image");
+      for (std::uint32_t i = 0; i < rig.image_count; ++i)
+        character.images.push_back(image(element(images, rig.image_stride, i), i));
+    }
+    return character;
+  }
+
   Clip clip(const fb_rig_clip& from, std::uint32_t index, const RigSchema& schema) const {
     Clip clip;
     clip.name = text(from.name, format("the name of clip %u", index).c_str());
@@ -131,7 +205,11 @@ RigDescription describe(const fb_rig& rig) {
   RigDescription description;
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
-  reader.check_rules([&] { check_source(description.schema, description.rest); });
+  if (rig.struct_size >= rig_with_images) {
+    description.rest.parts = reader.parts(rig);
+    description.character = reader.character(rig);
+  }
+  reader.check_rules([&] { check_source(description.schema, description.rest, description.character); });
   if (rig.clip_count > 0) {
     if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.label.c_str());
     reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");

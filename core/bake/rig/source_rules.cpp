@@ -6,11 +6,12 @@
 
 namespace fb::bake {
 
-void check_source(const RigSchema& schema, const Mesh& rest) {
+void check_source(const RigSchema& schema, const Mesh& rest, const Character& character) {
   if (schema.name.empty()) fail(Status::bad_data, "the character has no name");
   if (schema.units.empty()) fail(Status::bad_data, "rig \"%s\" has no units", schema.name.c_str());
   check(schema);
   check(rest);
+  check(character, rest);
   for (std::size_t i = 0; i < rest.points.size(); ++i)
     if (std::abs(rest.points[i]) > largest_coordinate)
       fail(Status::bad_data, "rest mesh: vertex %zu %c = %g is beyond %g, the largest coordinate", i / 3, "xyz"[i % 3],

@@ -312,7 +312,7 @@ RigDescription description_of(const RigMessage& answer) {
   numbers.finish();
   rig.preferred_block = std::min<std::size_t>(fields.count_or_zero("preferred_block"), most_preferred_poses);
   rig.version = fields.text_or("rig_version", "");
-  check_source(rig.schema, rig.rest);
+  check_source(rig.schema, rig.rest, rig.character);
   check_clips(rig.clips);
   for (const Clip& clip : rig.clips) check_values(clip, rig.schema);
   return rig;

@@ -1,0 +1,130 @@
+/** @file
+ * What a character has besides positions: its meshes, materials and images. C99; statuses and fb_model are those of
+ * facebaker.h, functions are in libfacebaker. The same structs describe a loaded face here and a rig in
+ * facebaker_rig.h.
+ *
+ * All functions are thread-safe. Structs, strings and arrays that are filled point into the model and live as long as
+ * it does. A count of a null model is 0.
+ */
+#ifndef FACEBAKER_FACEBAKER_CHARACTER_H
+#define FACEBAKER_FACEBAKER_CHARACTER_H
+
+#include <facebaker/facebaker.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Meshes ------------------------------------------------------------------------------------------------------ */
+
+#define FB_NO_MATERIAL 0xffffffffu /**< in fb_material_run: these polygons have none */
+
+/** Consecutive polygons of a mesh that have one material. Never grows. */
+typedef struct fb_material_run {
+  uint32_t polygon_count; /**< at least 1 */
+  uint32_t material;      /**< index of a material, or FB_NO_MATERIAL */
+} fb_material_run;
+
+/** One of the meshes of a character. All share one pool of vertices, polygons and polygon corners, which fb_evaluate
+ * poses as a whole: those of a mesh follow those of the mesh before it, and its polygons have vertices of its own only.
+ * The first_ fields and the number of corners are filled by fb_mesh_at, and not read from a rig. */
+typedef struct fb_mesh {
+  uint32_t struct_size;
+  uint32_t run_count;          /**< of runs; 0 in a rig: no materials */
+  const char* name;            /**< unique; "" for the one mesh of a face whose source names none */
+  const fb_material_run* runs; /**< they have all polygons of the mesh, in order */
+  uint32_t vertex_count;       /**< at least 1 */
+  uint32_t polygon_count;      /**< may be 0 */
+  uint32_t first_vertex;       /**< index of its first vertex, as in positions */
+  uint32_t first_polygon;      /**< index of its first polygon, as in fb_polygon_sizes */
+  uint32_t first_corner;       /**< index of its first corner, as in fb_polygon_corners and fb_uv_corners */
+  uint32_t corner_count;       /**< corners of all its polygons */
+} fb_mesh;
+
+FB_API void fb_mesh_fill(fb_mesh* to, uint32_t struct_size);
+static inline void fb_mesh_init(fb_mesh* to) {
+  fb_mesh_fill(to, (uint32_t)sizeof *to);
+}
+/** Meshes of the face, at least 1. */
+FB_API uint32_t fb_mesh_count(const fb_model* model);
+/** Fills *mesh, up to its struct_size, for index < fb_mesh_count. */
+FB_API fb_status fb_mesh_at(const fb_model* model, uint32_t index, fb_mesh* mesh);
+/** Finds a mesh by its exact name; FB_ERROR_NOT_FOUND names those there are. */
+FB_API fb_status fb_find_mesh(const fb_model* model, const char* name, uint32_t* index);
+
+/* ---- Materials --------------------------------------------------------------------------------------------------- */
+
+/* What a texture is to a material, as in glTF 2.0. */
+#define FB_TEXTURE_BASE_COLOUR 0        /**< sRGB colour and alpha */
+#define FB_TEXTURE_METALLIC_ROUGHNESS 1 /**< roughness in green, metallic in blue */
+#define FB_TEXTURE_NORMAL 2             /**< tangent space */
+#define FB_TEXTURE_OCCLUSION 3          /**< in red */
+#define FB_TEXTURE_EMISSIVE 4           /**< sRGB colour */
+
+/* How a texture goes on beyond its borders. */
+#define FB_WRAP_REPEAT 0
+#define FB_WRAP_CLAMP 1 /**< to the edge */
+#define FB_WRAP_MIRROR 2
+
+/* What alpha means. */
+#define FB_ALPHA_OPAQUE 0
+#define FB_ALPHA_MASK 1 /**< transparent below alpha_cutoff */
+#define FB_ALPHA_BLEND 2
+
+/** A texture of a material, mapped by the texture coordinates of the mesh. Never grows. */
+typedef struct fb_texture {
+  uint32_t slot;   /**< FB_TEXTURE_...; at most one texture a slot */
+  uint32_t image;  /**< index of an image */
+  uint32_t wrap_u; /**< FB_WRAP_... */
+  uint32_t wrap_v; /**< FB_WRAP_... */
+  float scale;     /**< of a normal texture; strength of an occlusion texture; 1 in other slots */
+} fb_texture;
+
+/** A material, with the meaning that glTF 2.0 gives to these fields. */
+typedef struct fb_material {
+  uint32_t struct_size;
+  uint32_t alpha_mode;        /**< FB_ALPHA_... */
+  const char* name;           /**< may be "" */
+  float base_colour[4];       /**< linear red, green and blue, alpha */
+  float metallic;             /**< 0 to 1 */
+  float roughness;            /**< 0 to 1 */
+  float emissive[3];          /**< linear red, green and blue */
+  float alpha_cutoff;         /**< of FB_ALPHA_MASK */
+  uint32_t double_sided;      /**< 0 or 1 */
+  uint32_t texture_count;     /**< of textures */
+  const fb_texture* textures; /**< null if there are none */
+} fb_material;
+
+/** Defaults are those of glTF 2.0: white, metallic and roughness 1, opaque. */
+FB_API void fb_material_fill(fb_material* to, uint32_t struct_size);
+static inline void fb_material_init(fb_material* to) {
+  fb_material_fill(to, (uint32_t)sizeof *to);
+}
+/** Materials of the face; may be 0. */
+FB_API uint32_t fb_material_count(const fb_model* model);
+/** Fills *material, up to its struct_size, for index < fb_material_count. */
+FB_API fb_status fb_material_at(const fb_model* model, uint32_t index, fb_material* material);
+
+/** A picture file as it is, such as a texture. */
+typedef struct fb_image {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;       /**< may be "" */
+  const char* media_type; /**< "image/png", "image/jpeg", "image/ktx2", ... */
+  const void* bytes;      /**< the file's bytes */
+  uint64_t byte_count;    /**< of bytes; below 2^32 */
+} fb_image;
+
+FB_API void fb_image_fill(fb_image* to, uint32_t struct_size);
+static inline void fb_image_init(fb_image* to) {
+  fb_image_fill(to, (uint32_t)sizeof *to);
+}
+/** Images of the face; may be 0. */
+FB_API uint32_t fb_image_count(const fb_model* model);
+/** Fills *image, up to its struct_size, for index < fb_image_count. */
+FB_API fb_status fb_image_at(const fb_model* model, uint32_t index, fb_image* image);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,72 @@
+#include "loaded_character.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace fb::capi {
+
+LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
+    : parts_(std::move(model.rest.parts)), character_(std::move(model.character)) {
+  if (parts_.empty()) {
+    const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
+    const auto polygons = static_cast<std::uint32_t>(model.rest.polygon_sizes.size());
+    parts_ = {{"", vertices, polygons}};
+    if (polygons > 0) parts_[0].materials = {{polygons, no_material}};
+  }
+  std::size_t runs = 0, textures = 0;
+  for (const MeshPart& part : parts_) runs += part.materials.size();
+  for (const Material& material : character_.materials) textures += material.textures.size();
+  budget.reserve(meshes, parts_.size(), "meshes");
+  budget.reserve(runs_, runs, "material runs");
+  budget.reserve(materials, character_.materials.size(), "materials");
+  budget.reserve(textures_, textures, "textures");
+  budget.reserve(images, character_.images.size(), "images");
+  describe_meshes(model.rest);
+  describe_materials();
+  for (const Image& image : character_.images)
+    images.push_back(
+        {sizeof(fb_image), 0, image.name.c_str(), image.media_type.c_str(), image.bytes.data(), image.bytes.size()});
+}
+
+void LoadedCharacter::describe_meshes(const Mesh& rest) {
+  fb_mesh mesh = {};
+  mesh.struct_size = sizeof mesh;
+  for (const MeshPart& part : parts_) {
+    mesh.name = part.name.c_str();
+    mesh.runs = runs_.data() + runs_.size();
+    mesh.run_count = static_cast<std::uint32_t>(part.materials.size());
+    for (const MaterialRun& run : part.materials) runs_.push_back({run.polygons, run.material});
+    mesh.vertex_count = part.vertices;
+    mesh.polygon_count = part.polygons;
+    mesh.corner_count = 0;
+    for (std::uint32_t p = 0; p < part.polygons; ++p) mesh.corner_count += rest.polygon_sizes[mesh.first_polygon + p];
+    meshes.push_back(mesh);
+    mesh.first_vertex += part.vertices;
+    mesh.first_polygon += part.polygons;
+    mesh.first_corner += mesh.corner_count;
+  }
+}
+
+void LoadedCharacter::describe_materials() {
+  for (const Material& from : character_.materials) {
+    fb_material material = {};
+    material.struct_size = sizeof material;
+    material.alpha_mode = static_cast<std::uint32_t>(from.alpha_mode);
+    material.name = from.name.c_str();
+    std::ranges::copy(from.base_colour, material.base_colour);
+    material.metallic = from.metallic;
+    material.roughness = from.roughness;
+    std::ranges::copy(from.emissive, material.emissive);
+    material.alpha_cutoff = from.alpha_cutoff;
+    material.double_sided = from.double_sided;
+    material.texture_count = static_cast<std::uint32_t>(from.textures.size());
+    material.textures = from.textures.empty() ? nullptr : textures_.data() + textures_.size();
+    for (const Texture& texture : from.textures)
+      textures_.push_back({static_cast<std::uint32_t>(texture.slot), texture.image,
+                           static_cast<std::uint32_t>(texture.wrap_u), static_cast<std::uint32_t>(texture.wrap_v),
+                           texture.scale});
+    materials.push_back(material);
+  }
+}
+
+}  // namespace fb::capi

@@ -1,0 +1,35 @@
+// Meshes, materials and images of a loaded face, as hosts see them.
+#pragma once
+
+#include <facebaker/facebaker_character.h>
+
+#include <vector>
+
+#include "base/memory_budget.h"
+#include "model/packed_model.h"
+
+namespace fb::capi {
+
+class LoadedCharacter {
+ public:
+  // Takes names and images out of the model, whose memory is charged already; what is made here is charged to `budget`.
+  LoadedCharacter(PackedModel& model, MemoryBudget& budget);
+  // The structs point into it.
+  LoadedCharacter(const LoadedCharacter&) = delete;
+  LoadedCharacter& operator=(const LoadedCharacter&) = delete;
+
+  std::vector<fb_mesh> meshes;
+  std::vector<fb_material> materials;
+  std::vector<fb_image> images;
+
+ private:
+  void describe_meshes(const Mesh& rest);
+  void describe_materials();
+
+  std::vector<MeshPart> parts_;
+  Character character_;
+  std::vector<fb_material_run> runs_;
+  std::vector<fb_texture> textures_;
+};
+
+}  // namespace fb::capi
