@@ -1,4 +1,4 @@
-// The worked example of FORMAT.md matches what this library writes and reads.
+// The worked example of EXAMPLE.md matches what this library writes and reads.
 #include <doctest/doctest.h>
 
 #include <cctype>
@@ -27,9 +27,9 @@ PackedModel example_model() {
   return model;
 }
 
-// The bytes of the lines "0040  89 46 ..." of FORMAT.md; each line's offset must continue the one before.
+// The bytes of the lines "0040  89 46 ..." of EXAMPLE.md; each line's offset must continue the one before.
 Bytes documented_bytes() {
-  const Bytes file = read_file(FB_FORMAT_MD);
+  const Bytes file = read_file(FB_EXAMPLE_MD);
   std::istringstream lines(std::string(reinterpret_cast<const char*>(file.data()), file.size()));
   Bytes bytes;
   for (std::string line; std::getline(lines, line);) {
@@ -43,7 +43,7 @@ Bytes documented_bytes() {
 
 }  // namespace
 
-TEST_CASE("the example in FORMAT.md reads as the model it describes") {
+TEST_CASE("the example in EXAMPLE.md reads as the model it describes") {
   const Archive archive = read_archive(documented_bytes());
   const PackedModel model = example_model();
   CHECK(archive.model.schema.controls[0].name == "up");
@@ -53,7 +53,7 @@ TEST_CASE("the example in FORMAT.md reads as the model it describes") {
   CHECK(archive.model.row_blocks[0].columns[0].scale == model.row_blocks[0].columns[0].scale);
 }
 
-TEST_CASE("the writer produces the example in FORMAT.md") {
+TEST_CASE("the writer produces the example in EXAMPLE.md") {
   const Bytes written = write_archive(example_model(), {});
   if (std::getenv("FB_PRINT_EXAMPLE"))
     for (std::size_t at = 0; at < written.size(); at += 16) {

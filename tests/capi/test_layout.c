@@ -71,6 +71,49 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, tangent_vertex_stride, 168);
 }
 
+static void layout_of_characters(void** state) {
+  (void)state;
+  assert_int_equal(sizeof(fb_material_run), 8);
+  assert_at(fb_material_run, polygon_count, 0);
+  assert_at(fb_material_run, material, 4);
+
+  assert_int_equal(sizeof(fb_mesh), 48);
+  assert_at(fb_mesh, run_count, 4);
+  assert_at(fb_mesh, name, 8);
+  assert_at(fb_mesh, runs, 16);
+  assert_at(fb_mesh, vertex_count, 24);
+  assert_at(fb_mesh, polygon_count, 28);
+  assert_at(fb_mesh, first_vertex, 32);
+  assert_at(fb_mesh, first_polygon, 36);
+  assert_at(fb_mesh, first_corner, 40);
+  assert_at(fb_mesh, corner_count, 44);
+
+  assert_int_equal(sizeof(fb_texture), 20);
+  assert_at(fb_texture, slot, 0);
+  assert_at(fb_texture, image, 4);
+  assert_at(fb_texture, wrap_u, 8);
+  assert_at(fb_texture, wrap_v, 12);
+  assert_at(fb_texture, scale, 16);
+
+  assert_int_equal(sizeof(fb_material), 72);
+  assert_at(fb_material, alpha_mode, 4);
+  assert_at(fb_material, name, 8);
+  assert_at(fb_material, base_colour, 16);
+  assert_at(fb_material, metallic, 32);
+  assert_at(fb_material, roughness, 36);
+  assert_at(fb_material, emissive, 40);
+  assert_at(fb_material, alpha_cutoff, 52);
+  assert_at(fb_material, double_sided, 56);
+  assert_at(fb_material, texture_count, 60);
+  assert_at(fb_material, textures, 64);
+
+  assert_int_equal(sizeof(fb_image), 40);
+  assert_at(fb_image, name, 8);
+  assert_at(fb_image, media_type, 16);
+  assert_at(fb_image, bytes, 24);
+  assert_at(fb_image, byte_count, 32);
+}
+
 static void layout_of_rigs(void** state) {
   (void)state;
   assert_int_equal(sizeof(fb_rig_control), 32);
@@ -88,7 +131,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 168);
+  assert_int_equal(sizeof(fb_rig), 216);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -114,6 +157,15 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, uv_corners, 144);
   assert_at(fb_rig, preferred_block, 152);
   assert_at(fb_rig, version, 160);
+  assert_at(fb_rig, mesh_count, 168);
+  assert_at(fb_rig, mesh_stride, 172);
+  assert_at(fb_rig, meshes, 176);
+  assert_at(fb_rig, material_count, 184);
+  assert_at(fb_rig, material_stride, 188);
+  assert_at(fb_rig, materials, 192);
+  assert_at(fb_rig, image_count, 200);
+  assert_at(fb_rig, image_stride, 204);
+  assert_at(fb_rig, images, 208);
 }
 
 static void layout_of_sources(void** state) {
@@ -442,6 +494,7 @@ static void version_as_string_and_number_agree(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(layout_of_runtime_structs),
+      cmocka_unit_test(layout_of_characters),
       cmocka_unit_test(layout_of_rigs),
       cmocka_unit_test(layout_of_sources),
       cmocka_unit_test(layout_of_requests),

@@ -47,7 +47,7 @@ class FaceTest(unittest.TestCase):
         self.assertEqual(facebaker.__version__, version.read_text().strip())
 
     def test_an_archive_without_provenance(self):
-        text = (pathlib.Path(__file__).parents[3] / "core/archive/FORMAT.md").read_text()
+        text = (pathlib.Path(__file__).parents[3] / "core/archive/EXAMPLE.md").read_text()
         dump = re.findall(r"^[0-9a-f]{4}((?:  ?[0-9a-f]{2})+)$", text, re.MULTILINE)
         face = facebaker.load(bytes.fromhex("".join(dump)))
         self.assertEqual(face.name, "tri")

@@ -1,0 +1,146 @@
+/* What a face says about its meshes, materials and images. */
+#include "capi_test.h"
+
+#include <facebaker/facebaker_character.h>
+#include <stdlib.h>
+#include <string.h>
+
+static fb_model *character, *tiny;
+
+static int load(void** state) {
+  (void)state;
+  return fb_load(FB_CHARACTER, NULL, &character) != FB_OK || fb_load(FB_FIXTURE, NULL, &tiny) != FB_OK;
+}
+
+static int release(void** state) {
+  (void)state;
+  fb_release(character);
+  fb_release(tiny);
+  return 0;
+}
+
+static fb_mesh mesh_of(const fb_model* model, uint32_t index) {
+  fb_mesh mesh;
+  fb_mesh_init(&mesh);
+  assert_ok(fb_mesh_at(model, index, &mesh));
+  return mesh;
+}
+
+static void meshes_divide_the_pool(void** state) {
+  (void)state;
+  assert_int_equal(fb_mesh_count(character), 2);
+  const fb_mesh head = mesh_of(character, 0), teeth = mesh_of(character, 1);
+  assert_string_equal(head.name, "head");
+  assert_int_equal(head.first_vertex, 0);
+  assert_int_equal(head.vertex_count, 18);
+  assert_int_equal(head.polygon_count, 10);
+  assert_int_equal(head.corner_count, 40);
+  assert_int_equal(head.run_count, 2);
+  assert_int_equal(head.runs[0].polygon_count, 6);
+  assert_int_equal(head.runs[0].material, 0);
+  assert_int_equal(head.runs[1].polygon_count, 4);
+  assert_int_equal(head.runs[1].material, FB_NO_MATERIAL);
+  assert_string_equal(teeth.name, "teeth");
+  assert_int_equal(teeth.first_vertex, 18);
+  assert_int_equal(teeth.vertex_count, 12);
+  assert_int_equal(teeth.first_polygon, 10);
+  assert_int_equal(teeth.first_corner, 40);
+  for (uint32_t c = 0; c < fb_polygon_corner_count(character); ++c)
+    assert_int_equal(fb_polygon_corners(character)[c] >= teeth.first_vertex, c >= teeth.first_corner);
+}
+
+static void a_face_without_meshes_is_one_without_a_name(void** state) {
+  (void)state;
+  assert_int_equal(fb_mesh_count(tiny), 1);
+  const fb_mesh mesh = mesh_of(tiny, 0);
+  assert_string_equal(mesh.name, "");
+  assert_int_equal(mesh.vertex_count, fb_vertex_count(tiny));
+  assert_int_equal(mesh.polygon_count, fb_polygon_count(tiny));
+  assert_int_equal(mesh.corner_count, fb_polygon_corner_count(tiny));
+  assert_int_equal(mesh.run_count, 1);
+  assert_int_equal(mesh.runs[0].material, FB_NO_MATERIAL);
+  assert_int_equal(fb_material_count(tiny), 0);
+  assert_int_equal(fb_image_count(tiny), 0);
+}
+
+static void meshes_are_found_by_name(void** state) {
+  (void)state;
+  uint32_t index = 7;
+  assert_ok(fb_find_mesh(character, "teeth", &index));
+  assert_int_equal(index, 1);
+  assert_int_equal(fb_find_mesh(character, "tooth", &index), FB_ERROR_NOT_FOUND);
+  assert_non_null(strstr(fb_last_error(), "\"head\", \"teeth\""));
+  assert_int_equal(index, 1);
+  assert_int_equal(fb_find_mesh(NULL, "teeth", &index), FB_ERROR_INVALID_ARGUMENT);
+}
+
+static void materials_and_images_are_those_of_the_source(void** state) {
+  (void)state;
+  fb_material material;
+  fb_material_init(&material);
+  assert_true(material.base_colour[3] == 1 && material.metallic == 1 && material.alpha_cutoff == 0.5f);
+  assert_int_equal(fb_material_count(character), 2);
+  assert_ok(fb_material_at(character, 0, &material));
+  assert_string_equal(material.name, "skin");
+  assert_true(material.base_colour[1] == 0.25f && material.roughness == 0.75f && material.emissive[1] == 0.5f);
+  assert_int_equal(material.alpha_mode, FB_ALPHA_MASK);
+  assert_true(material.alpha_cutoff == 0.25f);
+  assert_int_equal(material.double_sided, 1);
+  assert_int_equal(material.texture_count, 2);
+  assert_int_equal(material.textures[1].slot, FB_TEXTURE_NORMAL);
+  assert_int_equal(material.textures[1].image, 1);
+  assert_int_equal(material.textures[1].wrap_u, FB_WRAP_CLAMP);
+  assert_int_equal(material.textures[1].wrap_v, FB_WRAP_MIRROR);
+  assert_true(material.textures[1].scale == 0.5f);
+  assert_ok(fb_material_at(character, 1, &material));
+  assert_int_equal(material.alpha_mode, FB_ALPHA_BLEND);
+  assert_null(material.textures);
+  fb_image image;
+  fb_image_init(&image);
+  assert_int_equal(fb_image_count(character), 3);
+  assert_ok(fb_image_at(character, 1, &image));
+  assert_string_equal(image.name, "bumps");
+  assert_string_equal(image.media_type, "image/jpeg");
+  assert_int_equal(image.byte_count, 7);
+  assert_int_equal(((const unsigned char*)image.bytes)[6], 0x89);
+}
+
+static void wrong_use_is_refused(void** state) {
+  (void)state;
+  fb_mesh mesh;
+  fb_mesh_init(&mesh);
+  assert_int_equal(fb_mesh_at(character, 2, &mesh), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_mesh_at(character, 0, NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_mesh_at(NULL, 0, &mesh), FB_ERROR_INVALID_ARGUMENT);
+  mesh.struct_size = 0;
+  assert_int_equal(fb_mesh_at(character, 0, &mesh), FB_ERROR_INVALID_ARGUMENT);
+  fb_material material;
+  fb_material_init(&material);
+  assert_int_equal(fb_material_at(character, 2, &material), FB_ERROR_INVALID_ARGUMENT);
+  fb_image image;
+  fb_image_init(&image);
+  assert_int_equal(fb_image_at(tiny, 0, &image), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_mesh_count(NULL), 0);
+  assert_int_equal(fb_material_count(NULL), 0);
+  assert_int_equal(fb_image_count(NULL), 0);
+}
+
+static void an_older_host_gets_the_fields_it_knows(void** state) {
+  (void)state;
+  fb_mesh mesh;
+  memset(&mesh, 0x5a, sizeof mesh);
+  mesh.struct_size = offsetof(fb_mesh, vertex_count);
+  assert_ok(fb_mesh_at(character, 1, &mesh));
+  assert_int_equal(mesh.struct_size, offsetof(fb_mesh, vertex_count));
+  assert_string_equal(mesh.name, "teeth");
+  assert_int_equal(mesh.vertex_count, 0x5a5a5a5a);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(meshes_divide_the_pool),   cmocka_unit_test(a_face_without_meshes_is_one_without_a_name),
+      cmocka_unit_test(meshes_are_found_by_name), cmocka_unit_test(materials_and_images_are_those_of_the_source),
+      cmocka_unit_test(wrong_use_is_refused),     cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
+  };
+  return cmocka_run_group_tests(tests, load, release);
+}
