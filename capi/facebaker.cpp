@@ -47,7 +47,10 @@ thread_local char last_error[2048];
 
 struct fb_scratch {
   fb_scratch(const fb_model* model, std::uint32_t workers)
-      : owner(model), workspaces(&model->memory), regions(model->evaluator.region_names().size(), &model->memory) {
+      : owner(model),
+        workspaces(&model->memory),
+        regions(model->evaluator.region_names().size(), &model->memory),
+        meshes(model->evaluator.mesh_count(), &model->memory) {
     workspaces.reserve(workers);
     for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
   }
@@ -55,7 +58,7 @@ struct fb_scratch {
   std::atomic<bool> busy = false;
   Reference owner;  // before the members that use the model's memory
   std::pmr::vector<fb::runtime::Workspace> workspaces;
-  std::pmr::vector<std::uint8_t> regions;  // the region mask of a batch
+  std::pmr::vector<std::uint8_t> regions, meshes;  // the masks of a batch
   std::uint64_t clamped = 0;
 };
 
@@ -115,17 +118,31 @@ std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
   return desc.parallel_for ? workers : std::min(workers, fb::worker_count({}));
 }
 
-fb::runtime::RegionMask region_mask(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
-  if (!desc.regions) return {};
-  for (std::uint64_t i = 0; i < desc.region_count; ++i)
-    if (desc.regions[i] >= mask.size())
-      fail(Status::invalid_argument, "fb_batch_desc: region %u of %zu", desc.regions[i], mask.size());
-  std::fill(mask.begin(), mask.end(), std::uint8_t(0));
-  for (std::uint64_t i = 0; i < desc.region_count; ++i) mask[desc.regions[i]] = 1;
-  return mask;
+// 1 for those that a list names, or for all without a list. `what`: "region".
+void fill_mask(std::pmr::vector<std::uint8_t>& mask, const std::uint32_t* list, std::uint64_t count, const char* what) {
+  for (std::uint64_t i = 0; list && i < count; ++i)
+    if (list[i] >= mask.size())
+      fail(Status::invalid_argument, "fb_batch_desc: %s %u of %zu", what, list[i], mask.size());
+  std::fill(mask.begin(), mask.end(), std::uint8_t(list ? 0 : 1));
+  for (std::uint64_t i = 0; list && i < count; ++i) mask[list[i]] = 1;
 }
 
-fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::uint8_t>& mask) {
+// Regions that move none of the meshes to be posed are left out, too.
+fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch) {
+  fb::runtime::PoseMasks masks;
+  if (desc.regions || desc.meshes) {
+    fill_mask(scratch.regions, desc.regions, desc.region_count, "region");
+    masks.regions = scratch.regions;
+  }
+  if (desc.meshes) {
+    fill_mask(scratch.meshes, desc.meshes, desc.mesh_count, "mesh");
+    masks.meshes = scratch.meshes;
+    scratch.owner.model->evaluator.leave_out_idle_regions(scratch.meshes, scratch.regions);
+  }
+  return masks;
+}
+
+fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
     if (!desc.normals && !desc.tangents) require(desc.positions, "fb_batch_desc: positions");
@@ -144,7 +161,7 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, std::pmr::vector<std::u
     batch.tangents = {desc.tangents, desc.tangent_numbers, desc.tangent_pose_stride, desc.tangent_vertex_stride};
   batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
-  batch.regions = region_mask(desc, mask);
+  batch.masks = read_masks(desc, scratch);
   return batch;
 }
 
@@ -504,7 +521,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     const fb_batch_desc known = read_struct(*desc, fb_batch_desc_init, "fb_batch_desc");
     const fb::Parallel parallel = {static_cast<int>(batch_threads(known, scratch->workspaces.size())),
                                    known.parallel_for, known.parallel_user};
-    model->evaluator.evaluate_batch(read_batch(known, scratch->regions), scratch->workspaces, parallel);
+    model->evaluator.evaluate_batch(read_batch(known, *scratch), scratch->workspaces, parallel);
     scratch->clamped = 0;
     for (const fb::runtime::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
   });

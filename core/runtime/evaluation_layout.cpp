@@ -54,6 +54,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       rest_rows(model.rest.points.size(), &memory),
       order(model.order.begin(), model.order.end(), &memory),
       baked_index(inverse(model.order, memory)),
+      meshes(model, memory, *from.heap),
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
       tangents(model.rest, baked_index, normals, memory, *from.heap),
       coefficient_count(model.columns) {

@@ -10,6 +10,7 @@
 #include "model/packed_model.h"
 #include "runtime/csr_table.h"
 #include "runtime/feature_graph.h"
+#include "runtime/mesh_layout.h"
 #include "runtime/metered_memory.h"
 #include "runtime/region_network.h"
 #include "runtime/row_block_matrix.h"
@@ -79,6 +80,7 @@ struct EvaluationLayout {
   CsrTable<RegionInputs> row_block_regions;             // by row block
   std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows
   std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
+  MeshLayout meshes;
   VertexNormals normals;
   VertexTangents tangents;
   std::size_t coefficient_count;

@@ -31,7 +31,18 @@ void Evaluator::coefficients(const float* controls, float* coefficients, Workspa
                              RegionMask regions) const {
   refuse_nan(controls);
   workspace.clamped_ = 0;
-  with_float_mode([&] { PoseExecution(layout_, regions, workspace).run_coefficients(controls, coefficients); });
+  with_float_mode(
+      [&] { PoseExecution(layout_, {.regions = regions}, workspace).run_coefficients(controls, coefficients); });
+}
+
+void Evaluator::leave_out_idle_regions(MeshMask meshes, std::span<std::uint8_t> regions) const {
+  constexpr std::uint8_t needed = 2;
+  for (std::size_t b = 0; b < layout_.row_blocks.size(); ++b) {
+    if (!meshes[layout_.meshes.row_block_meshes[b]]) continue;
+    for (const auto& inputs : layout_.row_block_regions.row(b))
+      if (regions[inputs.region]) regions[inputs.region] = needed;
+  }
+  for (std::uint8_t& region : regions) region = region == needed;
 }
 
 }  // namespace fb::runtime

@@ -33,7 +33,7 @@ struct Batch {
   BatchOutput positions, normals = {}, tangents = {};  // tangents: only of faces with texture coordinates
   VertexOrder order = VertexOrder::source;
   NumberFormat format = NumberFormat::float32;
-  RegionMask regions = {};
+  PoseMasks masks = {};
 };
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.
@@ -55,6 +55,9 @@ class Evaluator {
   std::size_t vertex_count() const { return layout_.vertex_count(); }
   std::span<const float> rest_positions() const { return layout_.rest_positions; }
   std::uint64_t bytes() const { return layout_.memory.bytes(); }
+  std::size_t mesh_count() const { return layout_.meshes.count(); }
+  // Takes the regions that move no vertex of these meshes out of a mask of regions, which is not empty.
+  void leave_out_idle_regions(MeshMask meshes, std::span<std::uint8_t> regions) const;
   const std::vector<std::string>& region_names() const { return layout_.region_names; }
   const std::pmr::vector<RowBlockMatrix>& row_blocks() const { return layout_.row_blocks; }
   // See Basis::order.

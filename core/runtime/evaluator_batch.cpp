@@ -66,9 +66,11 @@ void Evaluator::check_batch(const Batch& batch) const {
   if (batch.tangents.first && layout_.tangents.signs().empty())
     fail(Status::invalid_argument, "a face without texture coordinates has no tangents");
   check_output(batch.tangents, "tangents", batch.poses, vertex_count());
-  if (!batch.regions.empty() && batch.regions.size() != layout_.networks.size())
-    fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", batch.regions.size(),
-         layout_.networks.size());
+  const auto [regions, meshes] = batch.masks;
+  if (!regions.empty() && regions.size() != layout_.networks.size())
+    fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", regions.size(), layout_.networks.size());
+  if (!meshes.empty() && meshes.size() != mesh_count())
+    fail(Status::invalid_argument, "a mask of %zu meshes for a model of %zu", meshes.size(), mesh_count());
   for (std::size_t pose = 0; pose < batch.poses; ++pose) {
     const std::size_t control = find_nan(batch.controls.data() + pose * control_stride);
     if (control < control_count())
@@ -98,7 +100,7 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
       fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu", task, tasks,
            worker, workspaces.size());
     Workspace& workspace = workspaces[worker];
-    PoseExecution execution(layout_, batch.regions, workspace);
+    PoseExecution execution(layout_, batch.masks, workspace);
     const std::size_t pose = task < blocks ? task * poses_per_block : task + blocks * (poses_per_block - 1);
     const float* controls = batch.controls.data() + pose * control_stride;
     if (task >= blocks) {

@@ -108,14 +108,23 @@ void PoseExecution::run_row_blocks(float* const* rows) {
   for (std::size_t first = 0; first < layout_.row_blocks.size(); first += per_pass) {
     const std::size_t end = std::min(first + per_pass, layout_.row_blocks.size());
     for (std::size_t b = first; b < end; ++b)
-      quantise_inputs<poses>(b, workspace_.quantised_.data() + layout_.row_block_entries(first, b) * poses,
-                             inputs[b - first]);
-    for (std::size_t b = first; b < end; ++b) run_row_block<poses>(b, inputs[b - first], rows, in_workspace);
+      if (is_posed(b))
+        quantise_inputs<poses>(b, workspace_.quantised_.data() + layout_.row_block_entries(first, b) * poses,
+                               inputs[b - first]);
+    for (std::size_t b = first; b < end; ++b)
+      if (is_posed(b)) run_row_block<poses>(b, inputs[b - first], rows, in_workspace);
   }
 }
 
 void PoseExecution::write(const float* rows, const VertexOutput& output) {
-  write_vertices(layout_.kernels, rows, layout_.vertex_count(), layout_.baked_index, workspace_.halves_.data(), output);
+  const VertexWriter writer(layout_.kernels, rows, layout_.baked_index, workspace_.halves_.data(), output);
+  if (meshes_.empty()) {
+    const VertexRange all = {0, static_cast<std::uint32_t>(layout_.vertex_count())};
+    writer.write(all, {&all, 1});
+    return;
+  }
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
 }
 
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {

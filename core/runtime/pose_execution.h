@@ -18,12 +18,18 @@ struct PoseOutput {
   VertexOutput positions, normals, tangents;
 };
 
+// What is left out of poses.
+struct PoseMasks {
+  RegionMask regions = {};
+  MeshMask meshes = {};  // the vertices of those that are not posed are not written
+};
+
 // Evaluates poses of a layout in a workspace: features, input lists, networks, row blocks, output. All calls run under
 // with_float_mode(), on controls without NaN. Refers to its arguments.
 class PoseExecution {
  public:
-  PoseExecution(const EvaluationLayout& layout, RegionMask regions, Workspace& workspace)
-      : layout_(layout), regions_(regions), workspace_(workspace) {}
+  PoseExecution(const EvaluationLayout& layout, const PoseMasks& masks, Workspace& workspace)
+      : layout_(layout), regions_(masks.regions), meshes_(masks.meshes), workspace_(workspace) {}
 
   // One pose. Adds the number of clamped controls to the workspace, as the others do.
   void run_pose(const float* controls, const PoseOutput& output);
@@ -51,9 +57,11 @@ class PoseExecution {
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
   void write(const float* rows, const VertexOutput& output);
+  bool is_posed(std::size_t block) const { return meshes_.empty() || meshes_[layout_.meshes.row_block_meshes[block]]; }
 
   const EvaluationLayout& layout_;
   const RegionMask regions_;
+  const MeshMask meshes_;
   Workspace& workspace_;
 };
 

@@ -9,18 +9,19 @@
 namespace fb::runtime {
 namespace {
 
-// index_of(v): the index in `rows` of the vertex that is written as the v-th. Without gaps, four numbers are copied,
+// Writes vertices begin..end - 1. index_of(v): the index in `rows` of vertex v. Without gaps, four numbers are copied,
 // which is one instruction; the next vertex overwrites the fourth.
 template <class Number, class IndexOf>
-void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, IndexOf&& index_of) {
+void copy(const Number* rows, VertexRange range, const VertexOutput& output, IndexOf&& index_of) {
   auto* to = static_cast<Number*>(output.first);
-  if (vertices == 0) return;
-  const std::size_t last = vertices - 1;
+  if (range.begin == range.end) return;
+  const std::size_t last = range.end - 1;
   if (output.vertex_stride == 3)
 #pragma GCC unroll 4
-    for (std::size_t v = 0; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
+    for (std::size_t v = range.begin; v < last; ++v)
+      std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
   else
-    for (std::size_t v = 0; v < last; ++v)
+    for (std::size_t v = range.begin; v < last; ++v)
       std::memcpy(to + v * output.vertex_stride, rows + 3 * index_of(v), 3 * sizeof(Number));
   std::memcpy(to + last * output.vertex_stride, rows + 3 * index_of(last), 3 * sizeof(Number));
 }
@@ -28,8 +29,9 @@ void copy(const Number* rows, std::size_t vertices, const VertexOutput& output, 
 #if defined(__SSE2__)
 // Non-temporal stores of aligned vectors: four vertices are three vectors.
 template <class IndexOf>
-void stream(const float* rows, std::size_t vertices, float* to, IndexOf&& index_of) {
-  std::size_t v = 0;
+void stream(const float* rows, VertexRange range, float* to, IndexOf&& index_of) {
+  std::size_t v = range.begin;
+  const std::size_t vertices = range.end;
   for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
     std::memcpy(to + 3 * v, rows + 3 * index_of(v), 3 * sizeof(float));
   for (; v + 4 <= vertices; v += 4) {
@@ -47,28 +49,31 @@ void stream(const float* rows, std::size_t vertices, float* to, IndexOf&& index_
 #endif
 
 template <class Number, class IndexOf>
-void write(const Number* rows, std::size_t vertices, const VertexOutput& output, IndexOf&& index_of) {
+void write_range(const Number* rows, VertexRange range, const VertexOutput& output, IndexOf&& index_of) {
 #if defined(__SSE2__)
   if constexpr (sizeof(Number) == sizeof(float))
     if (output.streamed && output.vertex_stride == 3)
-      return stream(rows, vertices, static_cast<float*>(output.first), index_of);
+      return stream(rows, range, static_cast<float*>(output.first), index_of);
 #endif
-  copy(rows, vertices, output, index_of);
+  copy(rows, range, output, index_of);
 }
 
 }  // namespace
 
-void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
-                    std::span<const std::uint32_t> baked_index, std::uint16_t* halves, const VertexOutput& output) {
-  const auto write_ordered = [&](const auto* numbers) {
-    if (baked_index.empty() || output.order == VertexOrder::baked)
-      write(numbers, vertices, output, [](std::size_t v) { return v; });
-    else
-      write(numbers, vertices, output, [&](std::size_t v) { return std::size_t(baked_index[v]); });
-  };
-  if (output.format == NumberFormat::float32) return write_ordered(rows);
-  kernels.convert_to_half(rows, halves, 3 * vertices);
-  write_ordered(static_cast<const std::uint16_t*>(halves));
+template <class Number>
+void VertexWriter::write_numbers(const Number* rows, VertexRange source, std::span<const VertexRange> baked) const {
+  if (!baked_index_.empty() && output_.order == VertexOrder::source)
+    write_range(rows, source, output_, [&](std::size_t v) { return std::size_t(baked_index_[v]); });
+  else
+    for (const VertexRange range : baked) write_range(rows, range, output_, [](std::size_t v) { return v; });
+}
+
+void VertexWriter::write(VertexRange source, std::span<const VertexRange> baked) const {
+  if (output_.format == NumberFormat::float32) return write_numbers(rows_, source, baked);
+  for (const auto [begin, end] : baked)
+    kernels_.convert_to_half(rows_ + 3 * std::size_t(begin), halves_ + 3 * std::size_t(begin),
+                             3 * std::size_t(end - begin));
+  write_numbers(static_cast<const std::uint16_t*>(halves_), source, baked);
 }
 
 }  // namespace fb::runtime

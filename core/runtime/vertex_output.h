@@ -6,6 +6,7 @@
 #include <span>
 
 #include "runtime/kernels/pose_kernels.h"
+#include "runtime/mesh_layout.h"
 
 namespace fb::runtime {
 
@@ -25,8 +26,25 @@ struct VertexOutput {
 
 // Writes vertices from `rows`, which holds 3 floats a vertex in baked order and is readable one float beyond.
 // baked_index[v]: the index of source vertex v in baked order; empty if both orders are the same. `halves`: a buffer of
-// as many numbers as `rows` has.
-void write_vertices(const PoseKernels& kernels, const float* rows, std::size_t vertices,
-                    std::span<const std::uint32_t> baked_index, std::uint16_t* halves, const VertexOutput& output);
+// as many numbers as `rows` has. Refers to its arguments.
+class VertexWriter {
+ public:
+  VertexWriter(const PoseKernels& kernels, const float* rows, std::span<const std::uint32_t> baked_index,
+               std::uint16_t* halves, const VertexOutput& output)
+      : kernels_(kernels), rows_(rows), baked_index_(baked_index), halves_(halves), output_(output) {}
+
+  // Some vertices, given in the source's order and in baked order.
+  void write(VertexRange source, std::span<const VertexRange> baked) const;
+
+ private:
+  template <class Number>
+  void write_numbers(const Number* rows, VertexRange source, std::span<const VertexRange> baked) const;
+
+  const PoseKernels& kernels_;
+  const float* rows_;
+  std::span<const std::uint32_t> baked_index_;
+  std::uint16_t* halves_;
+  const VertexOutput& output_;
+};
 
 }  // namespace fb::runtime

@@ -105,6 +105,89 @@ static void materials_and_images_are_those_of_the_source(void** state) {
   assert_int_equal(((const unsigned char*)image.bytes)[6], 0x89);
 }
 
+enum { VERTICES = 30, HEAD = 18, POSES = 9, FLOATS = 3 * VERTICES };
+
+/* Some poses, as random as they need to be. */
+static void fill_controls(float* controls, uint32_t width) {
+  for (uint32_t i = 0; i < POSES * width; ++i) controls[i] = (float)(i * 37 % 101) / 101;
+}
+
+/* Positions, normals and tangents of poses in one buffer; what is not written keeps its value. */
+static void pose(float* out, const float* controls, const uint32_t* meshes, uint64_t count, uint32_t order) {
+  fb_scratch* scratch;
+  assert_ok(fb_scratch_create(character, 1, &scratch));
+  fb_batch_desc desc;
+  fb_batch_desc_init(&desc);
+  desc.poses = POSES;
+  desc.controls = controls;
+  desc.control_floats = POSES * fb_control_count(character);
+  desc.positions = out;
+  desc.normals = out + POSES * FLOATS;
+  desc.tangents = out + 2 * POSES * FLOATS;
+  desc.position_floats = desc.normal_numbers = desc.tangent_numbers = POSES * FLOATS;
+  desc.vertex_order = order;
+  /* Before, others are posed with the same scratch. */
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  for (int i = 0; i < 3 * POSES * FLOATS; ++i) out[i] = 77;
+  desc.meshes = meshes;
+  desc.mesh_count = count;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  fb_scratch_destroy(scratch);
+}
+
+static void chosen_meshes_alone_are_posed(void** state) {
+  (void)state;
+  static float whole[3 * POSES * FLOATS], some[3 * POSES * FLOATS];
+  float controls[POSES * 5];
+  assert_int_equal(fb_control_count(character), 5);
+  fill_controls(controls, 5);
+  const uint32_t head = 0, teeth = 1, both[] = {1, 0};
+  for (uint32_t order = FB_ORDER_SOURCE; order <= FB_ORDER_BAKED; ++order) {
+    pose(whole, controls, NULL, 0, order);
+    pose(some, controls, both, 2, order);
+    assert_memory_equal(whole, some, sizeof whole);
+    for (int mesh = 0; mesh < 2; ++mesh) {
+      pose(some, controls, mesh == 0 ? &head : &teeth, 1, order);
+      for (int i = 0; i < 3 * POSES * FLOATS; ++i) /* the baked order keeps the meshes apart, too */
+        assert_true(some[i] == ((i % FLOATS / 3 >= HEAD) == mesh ? whole[i] : 77));
+    }
+    pose(some, controls, both, 0, order);
+    for (int i = 0; i < 3 * POSES * FLOATS; ++i) assert_true(some[i] == 77);
+  }
+}
+
+static void masks_of_meshes_work_with_halves_strides_and_threads(void** state) {
+  (void)state;
+  enum { stride = 5 };
+  static uint16_t halves[2][POSES * VERTICES * stride];
+  float controls[POSES * 5];
+  fill_controls(controls, 5);
+  fb_scratch* scratch;
+  assert_ok(fb_scratch_create(character, 2, &scratch));
+  const uint32_t teeth = 1, missing = 2;
+  fb_batch_desc desc;
+  fb_batch_desc_init(&desc);
+  desc.poses = POSES;
+  desc.controls = controls;
+  desc.control_floats = POSES * 5;
+  desc.position_floats = POSES * VERTICES * stride;
+  desc.vertex_stride = stride;
+  desc.format = FB_FLOAT16;
+  desc.positions = halves[0];
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  desc.positions = halves[1];
+  desc.meshes = &teeth;
+  desc.mesh_count = 1;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  for (int v = 0; v < POSES * VERTICES; ++v)
+    for (int axis = 0; axis < 3; ++axis)
+      assert_int_equal(halves[1][v * stride + axis], v % VERTICES < HEAD ? 0 : halves[0][v * stride + axis]);
+  desc.meshes = &missing;
+  assert_int_equal(fb_evaluate_batch(character, scratch, &desc), FB_ERROR_INVALID_ARGUMENT);
+  assert_string_equal(fb_last_error(), "fb_batch_desc: mesh 2 of 2");
+  fb_scratch_destroy(scratch);
+}
+
 static void wrong_use_is_refused(void** state) {
   (void)state;
   fb_mesh mesh;
@@ -138,9 +221,14 @@ static void an_older_host_gets_the_fields_it_knows(void** state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(meshes_divide_the_pool),   cmocka_unit_test(a_face_without_meshes_is_one_without_a_name),
-      cmocka_unit_test(meshes_are_found_by_name), cmocka_unit_test(materials_and_images_are_those_of_the_source),
-      cmocka_unit_test(wrong_use_is_refused),     cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
+      cmocka_unit_test(meshes_divide_the_pool),
+      cmocka_unit_test(a_face_without_meshes_is_one_without_a_name),
+      cmocka_unit_test(meshes_are_found_by_name),
+      cmocka_unit_test(materials_and_images_are_those_of_the_source),
+      cmocka_unit_test(chosen_meshes_alone_are_posed),
+      cmocka_unit_test(masks_of_meshes_work_with_halves_strides_and_threads),
+      cmocka_unit_test(wrong_use_is_refused),
+      cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
   };
   return cmocka_run_group_tests(tests, load, release);
 }

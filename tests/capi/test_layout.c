@@ -44,7 +44,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 176);
+  assert_int_equal(sizeof(fb_batch_desc), 192);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -69,6 +69,8 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, tangent_numbers, 152);
   assert_at(fb_batch_desc, tangent_pose_stride, 160);
   assert_at(fb_batch_desc, tangent_vertex_stride, 168);
+  assert_at(fb_batch_desc, meshes, 176);
+  assert_at(fb_batch_desc, mesh_count, 184);
 }
 
 static void layout_of_characters(void** state) {

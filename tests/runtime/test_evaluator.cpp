@@ -281,7 +281,7 @@ TEST_CASE("a batch that does not fit is refused before anything is written") {
   refuses({2, input, SIZE_MAX / 2, whole});
   refuses({SIZE_MAX, input, 0, whole});
   const std::vector<std::uint8_t> mask(3, 1);
-  refuses({.poses = 2, .controls = input, .positions = whole, .regions = mask});
+  refuses({.poses = 2, .controls = input, .positions = whole, .masks = {.regions = mask}});
   input[7] = NAN;
   refuses({2, input, 0, whole});
 }

@@ -341,6 +341,10 @@ typedef struct fb_batch_desc {
   uint64_t tangent_numbers;       /**< size of that buffer, in numbers */
   uint64_t tangent_pose_stride;   /**< as for positions */
   uint64_t tangent_vertex_stride; /**< as for positions */
+  const uint32_t* meshes;         /**< indices of the meshes that are posed (facebaker_character.h); vertices of the
+                                     others are not written, and networks that move none of them do not run. Null: all
+                                     are posed */
+  uint64_t mesh_count;            /**< of that list; with a list, 0 is none */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);

@@ -1,0 +1,34 @@
+// Where the meshes of a face are among its vertices and row blocks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "model/packed_model.h"
+#include "runtime/csr_table.h"
+
+namespace fb::runtime {
+
+// By mesh, 0 for those that are not posed. Empty: all are.
+using MeshMask = std::span<const std::uint8_t>;
+
+// Vertices begin..end - 1.
+struct VertexRange {
+  std::uint32_t begin, end;
+};
+
+struct MeshLayout {
+  // A face that names no meshes is one.
+  MeshLayout(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);
+
+  std::size_t count() const { return source.size(); }
+
+  std::pmr::vector<VertexRange> source;              // by mesh: its vertices in the source's order
+  CsrTable<VertexRange> baked;                       // by mesh: in baked order, where they may lie in several ranges
+  std::pmr::vector<std::uint32_t> row_block_meshes;  // by row block
+};
+
+}  // namespace fb::runtime
