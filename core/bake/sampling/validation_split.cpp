@@ -9,6 +9,11 @@ namespace fb::bake {
 namespace {
 
 constexpr std::size_t max_segment_frames = 96;
+// Of shots, a segment may be a fifth of all frames, where that is more than the share: neighbours in time of what is
+// trained on tell little. On a rig of 303 controls, five takes of 60 frames, of which pieces of 15 were held back, told
+// 0.58 to 0.94 of the rms error of other takes (four seeds); a whole take tells 0.83 to 1.05, and the faces are as
+// good.
+constexpr std::size_t shot_parts = 5;
 // Consecutive frames belong to one sequence if they are closer than this share of the distance of unrelated frames.
 constexpr double related_share = 0.5;
 
@@ -83,9 +88,10 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
         frames += range.count;
       }
     const auto wanted = static_cast<std::size_t>(std::llround(share * static_cast<double>(frames)));
+    const std::size_t enough = kind == ClipKind::shot && wanted > 0 ? frames / shot_parts : 0,
+                      longest = std::clamp<std::size_t>(std::max(wanted, enough), 1, max_segment_frames);
     std::vector<Segment> segments;
-    for (const PoseSet::Range* range : ranges)
-      splitter.split(*range, std::clamp<std::size_t>(wanted, 1, max_segment_frames), segments);
+    for (const PoseSet::Range* range : ranges) splitter.split(*range, longest, segments);
     Random random = open_stream(seed, Stream::validation, static_cast<std::uint64_t>(kind));
     for (std::size_t i = 0, taken = 0; i < segments.size() && taken < wanted; ++i) {
       std::swap(segments[i], segments[i + random.below(static_cast<std::uint32_t>(segments.size() - i))]);

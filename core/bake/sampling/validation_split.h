@@ -15,10 +15,11 @@ struct ValidationSplit {
 
 // The validation poses are all frames of clips of the split validation, and about `share` (0..1) of the training frames
 // of each kind of clip: whole sequences where they are short, else segments of at most 96 consecutive frames, drawn by
-// the seed. A shot is one sequence; elsewhere a sequence ends where two consecutive frames are about as far apart as
-// any two of their clip, so that neighbours in time stay together and poses drawn one by one are sequences of one
-// frame. Excitations are all trained on: no other pose replaces them. A kind of which one segment would be more than
-// half gives none. Fails with invalid_argument on a share outside its range or a set with frames of a test clip.
+// the seed; of shots, a segment may exceed the share, up to a fifth. A shot is one sequence; elsewhere a sequence ends
+// where two consecutive frames are about as far apart as any two of their clip, so that neighbours in time stay
+// together and poses drawn one by one are sequences of one frame. Excitations are all trained on: no other pose
+// replaces them. A kind of which one segment would be more than half gives none. Fails with invalid_argument on a share
+// outside its range or a set with frames of a test clip.
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed);
 
 // The split that recipes, and what measures their faces, agree on: with a twentieth of the poses held back.

@@ -96,6 +96,19 @@ TEST_CASE("sequences are kept whole, long ones are cut into long pieces") {
   CHECK(runs <= 3);
 }
 
+TEST_CASE("of few short shots, a whole one is held back") {
+  MemorySource shots = still_face();
+  for (std::uint64_t take = 0; take < 5; ++take)
+    shots.add_clip("take" + std::to_string(take), ClipKind::shot, Split::train, 60, 1, 10 + take);
+  const PoseSet takes = all_of(shots);
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const std::vector<std::uint32_t> held = validation_split(takes, 0.05, seed).validation;
+    REQUIRE(held.size() == 60);
+    CHECK(held.front() % 60 == 0);
+    CHECK(held.back() == held.front() + 59);
+  }
+}
+
 TEST_CASE("a set keeps enough to train on, and test clips are refused") {
   MemorySource source = still_face();
   source.add_clip("short", ClipKind::shot, Split::train, 3, 1, 7);
