@@ -95,7 +95,7 @@ Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvalu
   return face;
 }
 
-std::vector<std::string> summary_notes(const Decomposition& face, double rms_error) {
+std::vector<std::string> summary_notes(const Decomposition& face, double share_left) {
   std::size_t values = 0;
   for (const SparseShape& shape : face.analysis.base.shapes) values += shape.offsets.size();
   std::vector<std::string> notes = {
@@ -106,8 +106,8 @@ std::vector<std::string> summary_notes(const Decomposition& face, double rms_err
   if (face.regions.empty())
     notes.push_back("the blendshapes leave no residual: there are no networks");
   else
-    notes.push_back(format("%zu networks leave an rms error of %.1e of the diagonal on validation poses",
-                           face.regions.size(), rms_error));
+    notes.push_back(format("%zu networks leave %.3g %% of the squared residual of the poses held back",
+                           face.regions.size(), 100 * share_left));
   return notes;
 }
 
@@ -129,7 +129,7 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
   RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
-  face.stats.notes = summary_notes(parts, networks.rms_error);
+  face.stats.notes = summary_notes(parts, networks.share_left);
   face.model.network.regions = std::move(networks.regions);
   for (CurveTable& table : tables) {
     face.model.network.regions.push_back(std::move(table.network));

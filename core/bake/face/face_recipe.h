@@ -53,7 +53,7 @@ FaceRecipe compact_recipe();
 struct TrainedFace {
   FaceModel model;
   std::vector<std::vector<float>> covariance;  // of each region's coefficients over the poses, see blockwise_pca
-  double rms_error = 0;                        // of the networks, at a vertex on validation poses, over D
+  double rms_error = 0;                        // of the networks, see RegionNetworks
   bool additive = false;  // shapes of single controls only, like morph targets: all error comes from quantisation
   BakeStats stats;
 };

@@ -176,7 +176,7 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
   const std::vector<std::uint32_t> widths = training.widths();
   const std::vector<TrainedLayers> trained = training.run(widths, progress);
 
-  double squares = 0;
+  double squares = 0, energy = 0;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double error = relative_error(trained[r], training.sets[r]);
     networks.regions.push_back({regions[r].name, inputs.of_region[r], trained[r].layers, inputs.gates[r]});
@@ -184,7 +184,9 @@ RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const F
                               network_parameters(training.demands[r], recipe.hidden_layers, widths[r]),
                               regions[r].energy, error, trained[r].epochs, trained[r].restarts});
     squares += error * training.energies[r];
+    energy += training.energies[r];
   }
+  networks.share_left = energy > 0 ? squares / energy : 0;
   networks.rms_error = std::sqrt(squares / static_cast<double>(rest.vertex_count())) / rest.diagonal();
   return networks;
 }

@@ -11,7 +11,9 @@ namespace fb::bake {
 struct RegionNetworks {
   std::vector<Region> regions;
   std::vector<RegionStats> stats;
-  double rms_error = 0;  // at a vertex on validation poses, over D
+  // The share of the squared residual that they leave, of validation poses, or of trained ones where there are none;
+  // and what that is of the residual of all poses at a vertex, over D (rms).
+  double share_left = 0, rms_error = 0;
 };
 
 // Trains one network a region on the coefficients of its basis, within the recipe's parameters and floating-point

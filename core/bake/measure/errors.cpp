@@ -30,6 +30,7 @@ void ErrorSums::add_frame(std::span<const float> predicted, std::span<const floa
     worst_vertex_ = worst_vertex;
   }
   squares_ += squares;
+  fourth_ += std::pow(squares / static_cast<double>(vertices), 2);
   distances_ += distances;
   frame_worsts_ += worst;
   vertices_ += vertices;
@@ -45,6 +46,7 @@ void ErrorSums::append(const ErrorSums& later) {
     worst_vertex_ = later.worst_vertex_;
   }
   squares_ += later.squares_;
+  fourth_ += later.fourth_;
   distances_ += later.distances_;
   frame_worsts_ += later.frame_worsts_;
   vertices_ += later.vertices_;
@@ -57,6 +59,11 @@ Errors ErrorSums::figures(double diagonal) const {
   if (frames_ == 0) return errors;
   errors.mse = squares_ / static_cast<double>(vertices_) / (diagonal * diagonal);
   errors.rms = std::sqrt(errors.mse);
+  if (errors.mse > 0) {
+    const double mean_square = squares_ / static_cast<double>(vertices_), frames = static_cast<double>(frames_);
+    const double variance = std::max(0.0, fourth_ / frames - mean_square * mean_square);
+    errors.rms_deviation = errors.rms * std::sqrt(variance / frames) / (2 * mean_square);
+  }
   errors.mean = distances_ / static_cast<double>(vertices_) / diagonal;
   errors.max = worst_ / diagonal;
   errors.mfm = frame_worsts_ / static_cast<double>(frames_) / diagonal;

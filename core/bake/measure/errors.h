@@ -13,8 +13,10 @@ namespace fb::bake {
 // vertices and frames.
 struct Errors {
   std::size_t frames = 0;
-  double mse = 0;   // mean of e^2 / D^2
-  double rms = 0;   // its square root
+  double mse = 0;  // mean of e^2 / D^2
+  double rms = 0;  // its square root
+  // Standard error of rms as that of more such frames, if each was drawn by itself; consecutive ones tell less.
+  double rms_deviation = 0;
   double mean = 0;  // mean of e / D
   double p99 = 0;   // 99th percentile of e / D; resolved to 1 %
   double max = 0;   // largest e / D
@@ -36,6 +38,7 @@ class ErrorSums {
   std::size_t frames_ = 0, vertices_ = 0, worst_frame_ = 0;
   std::uint32_t worst_vertex_ = 0;
   double squares_ = 0, distances_ = 0, frame_worsts_ = 0, worst_ = 0;
+  double fourth_ = 0;    // squares of the frames' mean squares
   Histogram histogram_;  // of e^2
 };
 

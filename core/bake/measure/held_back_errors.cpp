@@ -37,8 +37,11 @@ std::string text_of(const HeldBackErrors& errors) {
   std::string kinds;
   for (const KindErrors& kind : errors.kinds)
     kinds += format("%s%s %.1e", kinds.empty() ? "" : ", ", name_of(kind.kind), kind.errors.rms);
-  return format("on %zu poses held back from every fit, the rms error is %.1e of the diagonal (%s), the largest %.1e",
-                errors.total.frames, errors.total.rms, kinds.c_str(), errors.total.max);
+  const Errors& total = errors.total;
+  return format(
+      "on %zu poses held back from every fit, the rms error is %.1e of the diagonal (%s), give or take %.0f %%; the "
+      "largest %.1e",
+      total.frames, total.rms, kinds.c_str(), total.rms > 0 ? 100 * total.rms_deviation / total.rms : 0, total.max);
 }
 
 }  // namespace fb::bake

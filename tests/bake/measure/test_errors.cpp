@@ -31,6 +31,8 @@ TEST_CASE("figures are those of their definitions, over the diagonal") {
   CHECK(e.frames == 2);
   CHECK(e.mse == doctest::Approx((1 + 4 + 1 + 16) / 8.0 / 100));
   CHECK(e.rms == doctest::Approx(std::sqrt(e.mse)));
+  // The frames' mean squares, 1.5 and 4, lie 1.25 from their mean, 2.75; a mean of two is off by 1 / sqrt(2) of that.
+  CHECK(e.rms_deviation == doctest::Approx(e.rms * 1.25 / std::sqrt(2.0) / (2 * 2.75)));
   CHECK(e.mean == doctest::Approx(8 / 8.0 / 10));
   CHECK(e.max == doctest::Approx(0.4));
   CHECK(e.mfm == doctest::Approx((0.2 + 0.4) / 2));
@@ -61,6 +63,7 @@ TEST_CASE("sums joined in order are the sums of all frames") {
   const Errors a = all.figures(3), b = joined.figures(3);
   CHECK(a.frames == b.frames);
   CHECK(a.mse == doctest::Approx(b.mse));
+  CHECK(a.rms_deviation == doctest::Approx(b.rms_deviation));
   CHECK(a.mfm == doctest::Approx(b.mfm));
   CHECK(a.p99 == b.p99);
   CHECK(a.max == b.max);
