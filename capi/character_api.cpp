@@ -1,6 +1,7 @@
 #include <facebaker/facebaker_character.h>
 
 #include "abi_guard.h"
+#include "base/shown_path.h"
 #include "loaded_model.h"
 
 using fb::fail;
@@ -30,6 +31,29 @@ fb_status copy_at(const fb_model* model, std::vector<Struct> LoadedCharacter::*l
   });
 }
 
+// The index of the element of this name. `what`: "mesh".
+template <class Struct>
+fb_status find(const fb_model* model, std::vector<Struct> LoadedCharacter::*list, const char* name,
+               std::uint32_t* index, const char* what) {
+  return abi_guard([&] {
+    constexpr std::size_t longest = 400;  // of the names there are, in the message
+    require(model, "model");
+    require(name, "name");
+    require(index, "index");
+    std::string names;
+    const std::vector<Struct>& all = model->character.*list;
+    for (std::uint32_t i = 0; i < all.size(); ++i) {
+      if (std::strcmp(all[i].name, name) == 0) {
+        *index = i;
+        return;
+      }
+      if (names.size() < longest) names += fb::format("%s\"%s\"", i == 0 ? "" : ", ", fb::shown(all[i].name).c_str());
+    }
+    fail(Status::not_found, "there is no %s \"%s\"; there are %s", what, fb::shown(name).c_str(),
+         names.empty() ? "none" : names.c_str());
+  });
+}
+
 }  // namespace
 
 void fb_mesh_fill(fb_mesh* to, uint32_t struct_size) {
@@ -45,21 +69,7 @@ fb_status fb_mesh_at(const fb_model* model, uint32_t index, fb_mesh* mesh) {
 }
 
 fb_status fb_find_mesh(const fb_model* model, const char* name, uint32_t* index) {
-  return abi_guard([&] {
-    require(model, "model");
-    require(name, "name");
-    require(index, "index");
-    std::string names;
-    const std::vector<fb_mesh>& meshes = model->character.meshes;
-    for (std::uint32_t m = 0; m < meshes.size(); ++m) {
-      if (std::strcmp(meshes[m].name, name) == 0) {
-        *index = m;
-        return;
-      }
-      if (names.size() < 400) names += fb::format("%s\"%s\"", m == 0 ? "" : ", ", meshes[m].name);
-    }
-    fail(Status::not_found, "no mesh is named \"%s\"; there are %s", name, names.c_str());
-  });
+  return find(model, &LoadedCharacter::meshes, name, index, "mesh");
 }
 
 void fb_material_fill(fb_material* to, uint32_t struct_size) {
@@ -89,4 +99,20 @@ uint32_t fb_image_count(const fb_model* model) {
 
 fb_status fb_image_at(const fb_model* model, uint32_t index, fb_image* image) {
   return copy_at(model, &LoadedCharacter::images, index, image, "fb_image");
+}
+
+void fb_socket_fill(fb_socket* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+uint32_t fb_socket_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::sockets);
+}
+
+fb_status fb_socket_at(const fb_model* model, uint32_t index, fb_socket* socket) {
+  return copy_at(model, &LoadedCharacter::sockets, index, socket, "fb_socket");
+}
+
+fb_status fb_find_socket(const fb_model* model, const char* name, uint32_t* index) {
+  return find(model, &LoadedCharacter::sockets, name, index, "socket");
 }

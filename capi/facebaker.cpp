@@ -145,7 +145,7 @@ fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch
 fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
-    if (!desc.normals && !desc.tangents) require(desc.positions, "fb_batch_desc: positions");
+    if (!desc.normals && !desc.tangents && !desc.sockets) require(desc.positions, "fb_batch_desc: positions");
   }
   if (desc.vertex_order > FB_ORDER_BAKED)
     fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
@@ -162,6 +162,7 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
   batch.masks = read_masks(desc, scratch);
+  if (desc.sockets) batch.sockets = {desc.sockets, desc.socket_floats, desc.socket_pose_stride};
   return batch;
 }
 

@@ -21,11 +21,21 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(materials, character_.materials.size(), "materials");
   budget.reserve(textures_, textures, "textures");
   budget.reserve(images, character_.images.size(), "images");
+  budget.reserve(sockets, character_.sockets.size(), "sockets");
   describe_meshes(model.rest);
   describe_materials();
   for (const Image& image : character_.images)
     images.push_back(
         {sizeof(fb_image), 0, image.name.c_str(), image.media_type.c_str(), image.bytes.data(), image.bytes.size()});
+  for (const Socket& from : character_.sockets) {
+    fb_socket& socket = sockets.emplace_back(fb_socket{sizeof(fb_socket),
+                                                       static_cast<std::uint32_t>(from.vertices.size()),
+                                                       from.name.c_str(),
+                                                       from.vertices.data(),
+                                                       from.weights.data(),
+                                                       {}});
+    std::ranges::copy(from.frame, socket.frame);
+  }
 }
 
 void LoadedCharacter::describe_meshes(const Mesh& rest) {

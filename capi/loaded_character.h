@@ -1,4 +1,4 @@
-// Meshes, materials and images of a loaded face, as hosts see them.
+// Meshes, materials, images and sockets of a loaded face, as hosts see them.
 #pragma once
 
 #include <facebaker/facebaker_character.h>
@@ -21,6 +21,7 @@ class LoadedCharacter {
   std::vector<fb_mesh> meshes;
   std::vector<fb_material> materials;
   std::vector<fb_image> images;
+  std::vector<fb_socket> sockets;
 
  private:
   void describe_meshes(const Mesh& rest);

@@ -86,4 +86,19 @@ std::vector<Image> read_images(ByteReader& in) {
   return images;
 }
 
+std::vector<Socket> read_sockets(ByteReader& in) {
+  std::vector<Socket> sockets;
+  in.budget().resize(sockets, in.count(56, "sockets"), "sockets");
+  for (Socket& socket : sockets) {
+    socket.name = in.string("a socket's name");
+    const std::uint32_t vertices = in.count(8, "vertices of a socket");
+    socket.vertices = in.numbers<std::uint32_t>(vertices, "vertices of a socket");
+    socket.weights = in.numbers<float>(vertices, "weights of a socket");
+    read_floats(in, socket.frame, "a socket's frame");
+  }
+  if (sockets.empty()) in.corrupt("there are no sockets");
+  in.end();
+  return sockets;
+}
+
 }  // namespace fb::archive

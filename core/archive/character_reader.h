@@ -15,5 +15,6 @@ inline constexpr std::uint8_t material_double_sided_flag = 1;
 std::vector<MeshPart> read_meshes(ByteReader& in);
 std::vector<Material> read_materials(ByteReader& in);
 std::vector<Image> read_images(ByteReader& in);
+std::vector<Socket> read_sockets(ByteReader& in);
 
 }  // namespace fb::archive

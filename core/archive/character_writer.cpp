@@ -64,4 +64,17 @@ ByteWriter write_images(const std::vector<Image>& images) {
   return out;
 }
 
+ByteWriter write_sockets(const std::vector<Socket>& sockets) {
+  ByteWriter out;
+  out.count(sockets.size(), "sockets");
+  for (const Socket& socket : sockets) {
+    out.string(socket.name, "a socket's name");
+    out.count(socket.vertices.size(), "vertices of a socket");
+    out.numbers(socket.vertices);
+    out.numbers(socket.weights);
+    write_floats(out, socket.frame);
+  }
+  return out;
+}
+
 }  // namespace fb::archive

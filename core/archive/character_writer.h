@@ -12,5 +12,6 @@ namespace fb::archive {
 ByteWriter write_meshes(const std::vector<MeshPart>& meshes);
 ByteWriter write_materials(const std::vector<Material>& materials);
 ByteWriter write_images(const std::vector<Image>& images);
+ByteWriter write_sockets(const std::vector<Socket>& sockets);
 
 }  // namespace fb::archive

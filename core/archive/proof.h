@@ -14,6 +14,7 @@ struct Proof {
   std::vector<std::uint64_t> hashes;    // per pose: hash64_of the positions of all vertices
   std::vector<std::uint32_t> vertices;  // a sample of vertices
   std::vector<float> positions;         // poses x sampled vertices x 3, to show how far a pose is off
+  std::vector<float> frames = {};       // poses x sockets x 12
 };
 
 // Texts for people and reports. Empty: the archive does not have it.

@@ -13,8 +13,8 @@ namespace {
 bool is_known(std::string_view name) {
   for (const char* known :
        {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
-        section::basis_values, section::uvs, section::meshes, section::materials, section::images, section::provenance,
-        section::licence, section::certificate, section::proof})
+        section::basis_values, section::uvs, section::meshes, section::materials, section::images, section::sockets,
+        section::provenance, section::licence, section::certificate, section::proof})
     if (name == known) return true;
   return false;
 }
@@ -77,6 +77,13 @@ class ArchiveReader {
     for (const Image& image : character.images) count_names({&image.name, &image.media_type});
   }
 
+  // A part of the mesh, which the proof needs, too.
+  void read_sockets_section() {
+    std::vector<Socket>& sockets = model_.character.sockets;
+    if (contains(section::sockets)) sockets = read(section::sockets, read_sockets);
+    for (const Socket& socket : sockets) count_names({&socket.name});
+  }
+
   void read_behaviour() {
     read(section::network, [&](ByteReader& in) { read_network(in, model_); });
     check_limit(model_.features.size(), limits_.max_features, "features");
@@ -97,7 +104,7 @@ class ArchiveReader {
   void read_proof_section() {
     if (contains(section::proof))
       archive.proof = read(section::proof, [&](ByteReader& in) {
-        return read_proof(in, model_.schema.control_count(), archive.vertices);
+        return read_proof(in, model_.schema.control_count(), archive.vertices, model_.character.sockets.size());
       });
   }
 
@@ -106,7 +113,7 @@ class ArchiveReader {
     // What the checks allocate: a set of names, and a mark a vertex.
     const ScopedCharge names(budget_, model_.schema.control_count(), 96, "control names");
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
-    const ScopedCharge part_names(budget_, model_.rest.parts.size(), 96, "mesh names");
+    const ScopedCharge part_names(budget_, model_.rest.parts.size() + model_.character.sockets.size(), 96, "names");
     try {
       check(model_);
     } catch (const Error& error) {
@@ -154,6 +161,7 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   reader.read_definition_section();
   const bool mesh = has(parts, Parts::mesh), behaviour = has(parts, Parts::behaviour);
   if (mesh || behaviour) reader.read_mesh(mesh);
+  if (mesh || has(parts, Parts::proof)) reader.read_sockets_section();
   if (behaviour) reader.read_behaviour();
   if (has(parts, Parts::text)) reader.read_texts();
   if (mesh && behaviour) reader.check_model();

@@ -26,7 +26,7 @@ struct ReadLimits {
 // Parts of an archive that can be read by themselves. The definition is always read.
 enum class Parts : std::uint32_t {
   definition = 0,  // names, units, controls, the number of vertices
-  mesh = 1,        // polygons, rest points, texture coordinates, meshes, materials and images
+  mesh = 1,        // polygons, rest points, texture coordinates, meshes, materials, images and sockets
   behaviour = 2,   // network and basis
   text = 4,        // provenance, licence, certificate
   proof = 8,

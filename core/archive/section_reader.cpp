@@ -78,7 +78,7 @@ void read_network(ByteReader& in, PackedModel& model) {
   in.end();
 }
 
-Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices) {
+Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices, std::size_t sockets) {
   Proof proof;
   const auto poses = in.number<std::uint32_t>("the number of poses");
   proof.controls = in.numbers<float>(checked_multiply(poses, controls, "proof controls"), "proof controls");
@@ -89,6 +89,8 @@ Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices) {
   proof.positions =
       in.numbers<float>(checked_multiply(poses, checked_multiply(proof.vertices.size(), 3, "proof"), "proof positions"),
                         "proof positions");
+  proof.frames = in.numbers<float>(checked_multiply(poses, checked_multiply(sockets, 12, "proof"), "proof frames"),
+                                   "proof frames");
   in.end();
   return proof;
 }

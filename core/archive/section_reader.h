@@ -25,8 +25,8 @@ Definition read_definition(ByteReader& in);
 // Fills features, direct and regions, except weights.
 void read_network(ByteReader& in, PackedModel& model);
 
-// `controls`, `vertices`: how many the model has.
-Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices);
+// `controls`, `vertices`, `sockets`: how many the model has.
+Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices, std::size_t sockets);
 std::string read_text(ByteReader& in);
 
 }  // namespace fb::archive

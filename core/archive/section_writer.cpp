@@ -78,6 +78,9 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
          "the proof has %zu hashes, %zu control values and %zu coordinates for %zu controls and %zu "
          "vertices",
          poses, proof.controls.size(), proof.positions.size(), controls, proof.vertices.size());
+  if (proof.frames.size() != poses * model.character.sockets.size() * 12)
+    fail(Status::bad_data, "the proof has %zu numbers of frames for %zu poses of %zu sockets", proof.frames.size(),
+         poses, model.character.sockets.size());
   for (const std::uint32_t vertex : proof.vertices)
     if (vertex >= model.rest.vertex_count())
       fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.vertex_count());
@@ -87,6 +90,7 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   out.numbers(proof.hashes);
   write_list(out, proof.vertices, "proof vertices");
   out.numbers(proof.positions);
+  out.numbers(proof.frames);
   return out;
 }
 

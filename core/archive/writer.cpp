@@ -33,6 +33,7 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   const Character& character = model.character;
   if (!character.materials.empty()) compress(section::materials, false, write_materials(character.materials));
   if (!character.images.empty()) compress(section::images, false, write_images(character.images));
+  if (!character.sockets.empty()) compress(section::sockets, false, write_sockets(character.sockets));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);

@@ -1,6 +1,8 @@
 #include "model/character.h"
 
+#include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "base/status.h"
 
@@ -25,7 +27,51 @@ void check_material(const Material& material, std::size_t index, std::size_t ima
   if (!finite) fail(Status::not_finite, "%s has a factor that is not finite", name.c_str());
 }
 
+// The index of the part that a vertex belongs to.
+std::size_t part_of(const Mesh& rest, std::uint32_t vertex) {
+  std::size_t part = 0;
+  for (std::uint32_t end = 0; part < rest.parts.size(); ++part)
+    if (vertex < (end += rest.parts[part].vertices)) break;
+  return part;
+}
+
+void check_socket(const Socket& socket, const Mesh& rest) {
+  const char* name = socket.name.c_str();
+  if (socket.vertices.size() < 3)
+    fail(Status::bad_data, "socket \"%s\" has %zu vertices; a frame takes three", name, socket.vertices.size());
+  if (socket.weights.size() != socket.vertices.size())
+    fail(Status::bad_data, "socket \"%s\" has %zu weights for %zu vertices", name, socket.weights.size(),
+         socket.vertices.size());
+  for (const std::uint32_t vertex : socket.vertices) {
+    if (vertex >= rest.vertex_count())
+      fail(Status::bad_data, "socket \"%s\" names vertex %u of %zu", name, vertex, rest.vertex_count());
+    if (part_of(rest, vertex) != part_of(rest, socket.vertices[0]))
+      fail(Status::bad_data, "socket \"%s\" has vertices of two meshes", name);
+  }
+  for (const float weight : socket.weights)
+    if (!(weight > 0) || !std::isfinite(weight))
+      fail(Status::bad_data, "socket \"%s\" has a weight of %g; weights are above 0", name, double(weight));
+  if (!std::all_of(socket.frame.begin(), socket.frame.end(), [](float value) { return std::isfinite(value); }))
+    fail(Status::not_finite, "socket \"%s\": its frame is not finite", name);
+}
+
 }  // namespace
+
+std::array<float, 12> frame_at_centre(const Socket& socket, std::span<const float> points) {
+  double centre[3] = {}, sum = 0;
+  for (std::size_t i = 0; i < std::min(socket.vertices.size(), socket.weights.size()); ++i) {
+    const std::size_t at = 3 * std::size_t(socket.vertices[i]);
+    if (at >= points.size()) continue;
+    for (std::size_t a = 0; a < 3; ++a) centre[a] += double(socket.weights[i]) * points[at + a];
+    sum += socket.weights[i];
+  }
+  std::array<float, 12> frame = {};
+  for (std::size_t a = 0; a < 3; ++a) {
+    frame[5 * a] = 1;
+    frame[4 * a + 3] = static_cast<float>(centre[a] / sum);
+  }
+  return frame;
+}
 
 void check(const Character& character, const Mesh& rest) {
   const std::size_t materials = character.materials.size();
@@ -34,6 +80,12 @@ void check(const Character& character, const Mesh& rest) {
     for (const MaterialRun& run : part.materials)
       if (run.material != no_material && run.material >= materials)
         fail(Status::bad_data, "mesh \"%s\" names material %u of %zu", part.name.c_str(), run.material, materials);
+  std::unordered_set<std::string_view> names;
+  for (const Socket& socket : character.sockets) {
+    if (socket.name.empty()) fail(Status::bad_data, "a socket without a name");
+    if (!names.insert(socket.name).second) fail(Status::bad_data, "two sockets named \"%s\"", socket.name.c_str());
+    check_socket(socket, rest);
+  }
 }
 
 }  // namespace fb

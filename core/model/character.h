@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,15 +54,30 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+// A named frame that follows the surface, for what hangs on it: glasses, hair, an earring.
+struct Socket {
+  std::string name;                     // unique, not empty
+  std::vector<std::uint32_t> vertices;  // at least 3, of one mesh
+  std::vector<float> weights;           // of each, above 0
+  std::array<float, 12> frame = {};     // at rest: the upper three rows of a 4 x 4 matrix, row after row; its last
+                                        // column is the origin
+  bool operator==(const Socket&) const = default;
+};
+
 // What a character has that no pose changes, besides its mesh: carried from the source into the archive as it is.
 struct Character {
   std::vector<Material> materials;
   std::vector<Image> images;
+  std::vector<Socket> sockets;
   bool operator==(const Character&) const = default;
 };
 
-// Fails, naming material or mesh, on a factor that is not finite, two textures in one slot, or an image or a material
-// that there is not. `rest`: the mesh, which has been checked.
+// The axes, at the weighted centre of a socket's vertices. Vertices and weights there are not are left out.
+std::array<float, 12> frame_at_centre(const Socket& socket, std::span<const float> points);
+
+// Fails, naming material, mesh or socket, on a factor that is not finite, two textures in one slot, an image or a
+// material that there is not, and a socket of vertices that there are not, of several meshes, or of too few. `rest`:
+// the mesh, which has been checked.
 void check(const Character& character, const Mesh& rest);
 
 }  // namespace fb

@@ -55,6 +55,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       order(model.order.begin(), model.order.end(), &memory),
       baked_index(inverse(model.order, memory)),
       meshes(model, memory, *from.heap),
+      sockets(model, baked_index, memory),
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
       tangents(model.rest, baked_index, normals, memory, *from.heap),
       coefficient_count(model.columns) {

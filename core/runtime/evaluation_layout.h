@@ -14,6 +14,7 @@
 #include "runtime/metered_memory.h"
 #include "runtime/region_network.h"
 #include "runtime/row_block_matrix.h"
+#include "runtime/socket_frames.h"
 #include "runtime/vertex_normals.h"
 #include "runtime/vertex_tangents.h"
 
@@ -81,6 +82,7 @@ struct EvaluationLayout {
   std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows
   std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
   MeshLayout meshes;
+  SocketFrames sockets;
   VertexNormals normals;
   VertexTangents tangents;
   std::size_t coefficient_count;

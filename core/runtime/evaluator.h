@@ -26,6 +26,13 @@ struct BatchOutput {
   std::size_t vertex_stride = 0;  // >= 3; 0: 3
 };
 
+// A buffer for the frames of sockets: socket s of pose p begins at first + p * pose_stride + 12 * s floats.
+struct SocketOutput {
+  float* first = nullptr;       // null: no output
+  std::size_t size = 0;         // of the buffer, in floats
+  std::size_t pose_stride = 0;  // 0: 12 * sockets
+};
+
 struct Batch {
   std::size_t poses = 0;
   std::span<const float> controls;
@@ -34,6 +41,7 @@ struct Batch {
   VertexOrder order = VertexOrder::source;
   NumberFormat format = NumberFormat::float32;
   PoseMasks masks = {};
+  SocketOutput sockets = {};
 };
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.
@@ -55,6 +63,7 @@ class Evaluator {
   std::size_t vertex_count() const { return layout_.vertex_count(); }
   std::span<const float> rest_positions() const { return layout_.rest_positions; }
   std::uint64_t bytes() const { return layout_.memory.bytes(); }
+  std::size_t socket_count() const { return layout_.sockets.count(); }
   std::size_t mesh_count() const { return layout_.meshes.count(); }
   // Takes the regions that move no vertex of these meshes out of a mask of regions, which is not empty.
   void leave_out_idle_regions(MeshMask meshes, std::span<std::uint8_t> regions) const;

@@ -66,6 +66,15 @@ void Evaluator::check_batch(const Batch& batch) const {
   if (batch.tangents.first && layout_.tangents.signs().empty())
     fail(Status::invalid_argument, "a face without texture coordinates has no tangents");
   check_output(batch.tangents, "tangents", batch.poses, vertex_count());
+  if (batch.sockets.first && socket_count() == 0) fail(Status::invalid_argument, "the face has no sockets");
+  const std::size_t frames = SocketFrames::frame_floats * socket_count();
+  const std::size_t stride = batch.sockets.pose_stride ? batch.sockets.pose_stride : frames;
+  const std::size_t frames_needed = batch.sockets.first ? extent(batch.poses, stride, frames) : 0;
+  if (batch.sockets.size < frames_needed)
+    fail(Status::invalid_argument, "%zu poses need %zu floats of sockets; the buffer has %zu", batch.poses,
+         frames_needed, batch.sockets.size);
+  if (batch.sockets.first && batch.poses > 1 && stride < frames)
+    fail(Status::invalid_argument, "sockets of poses overlap: %zu numbers apart, %zu long", stride, frames);
   const auto [regions, meshes] = batch.masks;
   if (!regions.empty() && regions.size() != layout_.networks.size())
     fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", regions.size(), layout_.networks.size());
@@ -87,10 +96,15 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
   for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
   const std::size_t vertices = vertex_count(), workers = worker_count(within);
+  const std::size_t socket_stride =
+      batch.sockets.pose_stride ? batch.sockets.pose_stride : SocketFrames::frame_floats * socket_count();
+  const auto sockets_at = [&](std::size_t pose) {
+    return batch.sockets.first ? batch.sockets.first + pose * socket_stride : nullptr;
+  };
   const auto output_at = [&](std::size_t pose) {
     return PoseOutput{output_of(batch, batch.positions, pose, vertices),
-                      output_of(batch, batch.normals, pose, vertices),
-                      output_of(batch, batch.tangents, pose, vertices)};
+                      output_of(batch, batch.normals, pose, vertices), output_of(batch, batch.tangents, pose, vertices),
+                      sockets_at(pose)};
   };
   // Whole blocks first, if there are enough for all workers; then the remaining poses.
   const std::size_t blocks = batch.poses / poses_per_block >= workers ? batch.poses / poses_per_block : 0;

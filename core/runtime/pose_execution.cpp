@@ -152,6 +152,8 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
     rows[p] =
         direct ? static_cast<float*>(outputs[p].positions.first) : workspace_.rows_.data() + p * layout_.row_stride();
   run_row_blocks<poses>(rows);
+  for (std::size_t p = 0; p < poses; ++p)
+    if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
   for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p]);
 }
 

@@ -16,6 +16,7 @@ using RegionMask = std::span<const std::uint8_t>;
 // The outputs of one pose.
 struct PoseOutput {
   VertexOutput positions, normals, tangents;
+  float* sockets = nullptr;  // frames; null: no output
 };
 
 // What is left out of poses.

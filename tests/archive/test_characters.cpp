@@ -11,7 +11,7 @@
 namespace fb {
 namespace {
 
-const char* const sections[] = {"meshes", "materials", "images"};
+const char* const sections[] = {"meshes", "materials", "images", "sockets"};
 
 void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message) {
   PackedModel model = character_model();
@@ -50,6 +50,20 @@ TEST_CASE("materials that contradict themselves are refused") {
   check_unwritable([&](Model& m) { skin(m).textures[1].slot = TextureSlot::base_colour; }, "two textures in one slot");
 }
 
+TEST_CASE("sockets that cannot follow a surface are refused") {
+  using Model = PackedModel;
+  const auto nose = [](Model& m) -> Socket& { return m.character.sockets[0]; };
+  check_unwritable([&](Model& m) { nose(m).name = "tooth"; }, "two sockets named \"tooth\"");
+  check_unwritable([&](Model& m) { nose(m).name = ""; }, "a socket without a name");
+  check_unwritable([&](Model& m) { nose(m).vertices.resize(2); }, "socket \"nose\" has 2 vertices");
+  check_unwritable([&](Model& m) { nose(m).weights.pop_back(); }, "4 weights for 5 vertices");
+  check_unwritable([&](Model& m) { nose(m).vertices[4] = 30; }, "names vertex 30 of 30");
+  check_unwritable([&](Model& m) { nose(m).vertices[4] = 18; }, "vertices of two meshes");
+  check_unwritable([&](Model& m) { nose(m).weights[1] = 0; }, "a weight of 0");
+  check_unwritable([&](Model& m) { nose(m).weights[1] = INFINITY; }, "a weight of inf");
+  check_unwritable([&](Model& m) { nose(m).frame[11] = NAN; }, "its frame is not finite");
+}
+
 TEST_CASE("forged sections of a character are refused by name") {
   const Bytes bytes = write_archive(character_model(), {});
   const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* message) {
@@ -72,6 +86,9 @@ TEST_CASE("forged sections of a character are refused by name") {
   lie("materials", 59, std::uint8_t(3), Status::unsupported, "unknown number 3 for a texture's wrap");
   lie("images", 0, UINT32_MAX, Status::corrupt, "images need more than");
   lie("images", 4 + 8 + 13, UINT32_MAX, Status::corrupt, "an image needs");
+  lie("sockets", 0, UINT32_MAX, Status::corrupt, "sockets need more than");
+  lie("sockets", 12, UINT32_MAX, Status::corrupt, "vertices of a socket need more than");
+  lie("sockets", 16, std::uint32_t(30), Status::corrupt, "names vertex 30 of 30");
   for (const char* section : sections) {
     ArchiveEditor archive(bytes);
     archive[section].set(Bytes(4));

@@ -69,7 +69,7 @@ static void meshes_are_found_by_name(void** state) {
   assert_ok(fb_find_mesh(character, "teeth", &index));
   assert_int_equal(index, 1);
   assert_int_equal(fb_find_mesh(character, "tooth", &index), FB_ERROR_NOT_FOUND);
-  assert_non_null(strstr(fb_last_error(), "\"head\", \"teeth\""));
+  assert_non_null(strstr(fb_last_error(), "there is no mesh \"tooth\"; there are \"head\", \"teeth\""));
   assert_int_equal(index, 1);
   assert_int_equal(fb_find_mesh(NULL, "teeth", &index), FB_ERROR_INVALID_ARGUMENT);
 }
@@ -188,6 +188,85 @@ static void masks_of_meshes_work_with_halves_strides_and_threads(void** state) {
   fb_scratch_destroy(scratch);
 }
 
+static void sockets_are_those_of_the_source(void** state) {
+  (void)state;
+  uint32_t index = 7;
+  fb_socket socket;
+  fb_socket_init(&socket);
+  assert_int_equal(fb_socket_count(character), 2);
+  assert_ok(fb_find_socket(character, "tooth", &index));
+  assert_ok(fb_socket_at(character, index, &socket));
+  assert_string_equal(socket.name, "tooth");
+  assert_int_equal(socket.vertex_count, 3);
+  assert_int_equal(socket.vertices[0], 29);
+  assert_true(socket.weights[2] == 1 && socket.frame[11] == -4);
+  assert_int_equal(fb_socket_at(character, 2, &socket), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_find_socket(tiny, "tooth", &index), FB_ERROR_NOT_FOUND);
+  assert_string_equal(fb_last_error(), "there is no socket \"tooth\"; there are none");
+  assert_int_equal(fb_socket_count(NULL), 0);
+}
+
+/* Sockets of poses: beside positions in any order, alone, one by one, with meshes left out. */
+static void frames_are_the_same_with_any_other_output(void** state) {
+  (void)state;
+  enum { frames = 2 * FB_FRAME_FLOATS, stride = frames + 3 };
+  float positions[POSES * FLOATS], expected[POSES * frames], found[POSES * stride];
+  float controls[POSES * 5];
+  fill_controls(controls, 5);
+  for (int i = 0; i < 5; ++i) controls[i] = fb_rest_controls(character)[i];
+  fb_scratch* scratch;
+  assert_ok(fb_scratch_create(character, 2, &scratch));
+  fb_batch_desc desc;
+  fb_batch_desc_init(&desc);
+  desc.poses = POSES;
+  desc.controls = controls;
+  desc.control_floats = POSES * 5;
+  desc.sockets = expected;
+  desc.socket_floats = POSES * frames;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  for (uint32_t s = 0; s < 2; ++s) { /* exact at rest */
+    fb_socket socket;
+    fb_socket_init(&socket);
+    assert_ok(fb_socket_at(character, s, &socket));
+    assert_memory_equal(expected + s * FB_FRAME_FLOATS, socket.frame, sizeof socket.frame);
+  }
+  for (uint32_t order = FB_ORDER_SOURCE; order <= FB_ORDER_BAKED; ++order)
+    for (uint64_t poses = 1; poses <= POSES; poses += POSES - 1) {
+      desc.vertex_order = order;
+      desc.positions = positions;
+      desc.position_floats = POSES * FLOATS;
+      desc.sockets = found;
+      desc.socket_floats = POSES * stride;
+      desc.socket_pose_stride = stride;
+      desc.poses = poses;
+      for (int i = 0; i < POSES * stride; ++i) found[i] = 77;
+      for (uint64_t p = 0; p < POSES; p += poses) {
+        desc.controls = controls + 5 * p;
+        desc.control_floats = poses * 5;
+        desc.sockets = found + p * stride;
+        desc.socket_floats = (POSES - p) * stride;
+        assert_ok(fb_evaluate_batch(character, scratch, &desc));
+      }
+      for (int p = 0; p < POSES; ++p) {
+        assert_memory_equal(found + p * stride, expected + p * frames, frames * sizeof(float));
+        for (int i = frames; i < stride; ++i) assert_true(found[p * stride + i] == 77);
+      }
+    }
+  const uint32_t teeth = 1;
+  desc.meshes = &teeth;
+  desc.mesh_count = 1;
+  desc.poses = 1;
+  desc.controls = controls + 5;
+  for (int i = 0; i < frames; ++i) found[i] = 77;
+  desc.sockets = found;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  assert_true(found[0] == 77 && found[FB_FRAME_FLOATS - 1] == 77);
+  assert_memory_equal(found + FB_FRAME_FLOATS, expected + frames + FB_FRAME_FLOATS, FB_FRAME_FLOATS * sizeof(float));
+  desc.socket_floats = frames - 1;
+  assert_int_equal(fb_evaluate_batch(character, scratch, &desc), FB_ERROR_INVALID_ARGUMENT);
+  fb_scratch_destroy(scratch);
+}
+
 static void wrong_use_is_refused(void** state) {
   (void)state;
   fb_mesh mesh;
@@ -227,6 +306,8 @@ int main(void) {
       cmocka_unit_test(materials_and_images_are_those_of_the_source),
       cmocka_unit_test(chosen_meshes_alone_are_posed),
       cmocka_unit_test(masks_of_meshes_work_with_halves_strides_and_threads),
+      cmocka_unit_test(sockets_are_those_of_the_source),
+      cmocka_unit_test(frames_are_the_same_with_any_other_output),
       cmocka_unit_test(wrong_use_is_refused),
       cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
   };

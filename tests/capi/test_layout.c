@@ -44,7 +44,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 192);
+  assert_int_equal(sizeof(fb_batch_desc), 216);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -71,6 +71,9 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, tangent_vertex_stride, 168);
   assert_at(fb_batch_desc, meshes, 176);
   assert_at(fb_batch_desc, mesh_count, 184);
+  assert_at(fb_batch_desc, sockets, 192);
+  assert_at(fb_batch_desc, socket_floats, 200);
+  assert_at(fb_batch_desc, socket_pose_stride, 208);
 }
 
 static void layout_of_characters(void** state) {
@@ -114,6 +117,13 @@ static void layout_of_characters(void** state) {
   assert_at(fb_image, media_type, 16);
   assert_at(fb_image, bytes, 24);
   assert_at(fb_image, byte_count, 32);
+
+  assert_int_equal(sizeof(fb_socket), 80);
+  assert_at(fb_socket, vertex_count, 4);
+  assert_at(fb_socket, name, 8);
+  assert_at(fb_socket, vertices, 16);
+  assert_at(fb_socket, weights, 24);
+  assert_at(fb_socket, frame, 32);
 }
 
 static void layout_of_rigs(void** state) {
@@ -133,7 +143,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 216);
+  assert_int_equal(sizeof(fb_rig), 232);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -168,6 +178,9 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, image_count, 200);
   assert_at(fb_rig, image_stride, 204);
   assert_at(fb_rig, images, 208);
+  assert_at(fb_rig, socket_count, 216);
+  assert_at(fb_rig, socket_stride, 220);
+  assert_at(fb_rig, sockets, 224);
 }
 
 static void layout_of_sources(void** state) {

@@ -23,6 +23,7 @@ import numpy as np
 
 import fbk_character
 import fbk_evaluate
+import fbk_sockets
 from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 
 F = np.float32
@@ -71,7 +72,7 @@ def decompress(sections, name):
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
-OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images")
+OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets")
 
 
 # ---- Sections
@@ -487,6 +488,7 @@ def read_proof(c, face):
     require((face.proof_vertices < face.vertices).all(), "proof: no such vertex")
     count = len(face.proof_vertices)
     face.proof_positions = c.array("f4", poses * count * 3).reshape(poses, count, 3)
+    face.proof_frames = c.array("f4", poses * len(face.sockets) * 12).reshape(poses, len(face.sockets) * 12)
     c.end()
 
 
@@ -510,6 +512,9 @@ class Face:
             if name in sections:
                 getattr(fbk_character, "read_" + name)(decompress(sections, name), self)
         fbk_character.check(self)
+        self.sockets = []
+        if "sockets" in sections:
+            fbk_sockets.read_sockets(decompress(sections, "sockets"), self)
         self.text = {n: read_text(decompress(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:
@@ -524,6 +529,8 @@ class Face:
                 require(now.tobytes() == then.tobytes(), f"pose {pose}, vertex {v}: {now}, archived {then}")
             found = xxh64(positions.astype("<f4").tobytes())
             require(found == self.proof_hashes[pose], f"pose {pose}: hash {found:016x}, not {self.proof_hashes[pose]:016x}")
+            frames = fbk_sockets.posed_frames(self, positions)
+            require(frames.tobytes() == self.proof_frames[pose].tobytes(), f"pose {pose}: the frames of sockets differ")
         return len(self.proof_controls)
 
 

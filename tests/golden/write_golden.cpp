@@ -278,7 +278,7 @@ void write_rejected_geometry(const RejectedWriter& out) {
 
 void write_rejected_characters(const RejectedWriter& out) {
   const PackedModel model = character_model();
-  for (const char* name : {"meshes", "materials", "images"}) {
+  for (const char* name : {"meshes", "materials", "images", "sockets"}) {
     out.write(format("corrupt-no-%s.fbk", name).c_str(), changed(
                                                              name, [](Bytes& b) { b.assign(4, {}); }, model));
     out.write(format("corrupt-%s-more.fbk", name).c_str(), changed(
@@ -291,6 +291,7 @@ void write_rejected_characters(const RejectedWriter& out) {
   points.rest.polygon_sizes.clear(), points.rest.polygon_corners.clear();
   points.rest.uvs.clear(), points.rest.uv_corners.clear();
   points.rest.parts = {{"head", 18, 0}, {"teeth", 12, 0}};
+  points.character.sockets.clear();
   const auto move_vertex = [](Bytes& b) {  // to the other mesh, so that a row block has vertices of both
     patch(b, 12, std::uint32_t(17));
     patch(b, 24 + 9, std::uint32_t(13));
@@ -298,6 +299,12 @@ void write_rejected_characters(const RejectedWriter& out) {
   out.write("corrupt-mesh-rows.fbk", changed("meshes", move_vertex, points));
   out.patched("corrupt-material-factor.fbk", "materials", 12, std::uint32_t(0x7fc00000), model);
   out.patched("corrupt-material-image.fbk", "materials", 61, std::uint32_t(3), model);
+  out.patched("corrupt-socket-vertex.fbk", "sockets", 16, std::uint32_t(30), model);
+  out.patched("corrupt-socket-meshes.fbk", "sockets", 16, std::uint32_t(18), model);
+  out.patched("corrupt-socket-weight.fbk", "sockets", 16 + 5 * 4, 0.0f, model);
+  out.patched("corrupt-socket-frame.fbk", "sockets", 16 + 5 * 8, std::uint32_t(0x7f800000), model);
+  out.write("unproven-frame.fbk", changed(
+                                      "proof", [](Bytes& b) { b.back() ^= std::byte(1); }, model));
   out.patched("unsupported-alpha-mode.fbk", "materials", 48, std::uint8_t(3), model);
   out.patched("unsupported-material-flags.fbk", "materials", 53, std::uint8_t(3), model);
   out.patched("unsupported-texture-slot.fbk", "materials", 58, std::uint8_t(5), model);

@@ -315,7 +315,7 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;  /**< size of that buffer, in floats */
   uint64_t control_stride;  /**< in floats; 0: fb_control_count */
   void* positions;          /**< vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                               null if normals or tangents are given */
+                               null if normals, tangents or sockets are given */
   uint64_t position_floats; /**< size of that buffer, in numbers */
   uint64_t pose_stride;     /**< in numbers; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;   /**< in numbers, >= 3; 0: 3. Gaps between vertices are not written. */
@@ -345,6 +345,12 @@ typedef struct fb_batch_desc {
                                      others are not written, and networks that move none of them do not run. Null: all
                                      are posed */
   uint64_t mesh_count;            /**< of that list; with a list, 0 is none */
+  float* sockets;                 /**< frames of the sockets (facebaker_character.h), 12 floats each, in their order;
+                                     those of meshes that are not posed are not written. The same bits on every
+                                     machine; about a microsecond each. Refused for a face without sockets. Null: no
+                                     output. */
+  uint64_t socket_floats;         /**< size of that buffer, in floats */
+  uint64_t socket_pose_stride;    /**< in floats; 0: 12 * fb_socket_count */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);

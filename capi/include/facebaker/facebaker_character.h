@@ -1,6 +1,6 @@
 /** @file
- * What a character has besides positions: its meshes, materials and images. C99; statuses and fb_model are those of
- * facebaker.h, functions are in libfacebaker. The same structs describe a loaded face here and a rig in
+ * What a character has besides positions: its meshes, materials, images and sockets. C99; statuses and fb_model are
+ * those of facebaker.h, functions are in libfacebaker. The same structs describe a loaded face here and a rig in
  * facebaker_rig.h.
  *
  * All functions are thread-safe. Structs, strings and arrays that are filled point into the model and live as long as
@@ -123,6 +123,34 @@ static inline void fb_image_init(fb_image* to) {
 FB_API uint32_t fb_image_count(const fb_model* model);
 /** Fills *image, up to its struct_size, for index < fb_image_count. */
 FB_API fb_status fb_image_at(const fb_model* model, uint32_t index, fb_image* image);
+
+/* ---- Sockets ----------------------------------------------------------------------------------------------------- */
+
+/** Floats of a frame: the upper three rows of a 4 x 4 matrix, row after row. Its last column is the origin. */
+#define FB_FRAME_FLOATS 12
+
+/** A named frame that follows the surface, for what hangs on it: glasses, hair, an earring, the centre of an eye. In a
+ * pose it moves with its vertices as a rigid body does: by the rotation and translation that fit their posed positions
+ * best, by weighted squared distances. fb_batch_desc::sockets gives the frames of poses. */
+typedef struct fb_socket {
+  uint32_t struct_size;
+  uint32_t vertex_count;        /**< at least 3 */
+  const char* name;             /**< unique, not empty */
+  const uint32_t* vertices;     /**< of one mesh, and not on one line: a frame could turn around it */
+  const float* weights;         /**< of each vertex, above 0; null in a rig: all 1 */
+  float frame[FB_FRAME_FLOATS]; /**< at rest; all 0 in a rig: the axes, at the weighted centre of the vertices */
+} fb_socket;
+
+FB_API void fb_socket_fill(fb_socket* to, uint32_t struct_size);
+static inline void fb_socket_init(fb_socket* to) {
+  fb_socket_fill(to, (uint32_t)sizeof *to);
+}
+/** Sockets of the face; may be 0. */
+FB_API uint32_t fb_socket_count(const fb_model* model);
+/** Fills *socket, up to its struct_size, for index < fb_socket_count. */
+FB_API fb_status fb_socket_at(const fb_model* model, uint32_t index, fb_socket* socket);
+/** Finds a socket by its exact name; FB_ERROR_NOT_FOUND names those there are. */
+FB_API fb_status fb_find_socket(const fb_model* model, const char* name, uint32_t* index);
 
 #ifdef __cplusplus
 }

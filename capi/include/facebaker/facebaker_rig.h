@@ -103,7 +103,7 @@ typedef struct fb_rig {
                                    server behind it does. A plugin's own file is known by its bytes. Null, or a
                                    struct_size that ends before it: none */
   uint32_t mesh_count;          /**< meshes that vertices and polygons are divided into; 0, or a struct_size that ends
-                                   before `images`: one, without a name or materials */
+                                   before `sockets`: one, without a name or materials */
   uint32_t mesh_stride;         /**< bytes from a mesh to the next: sizeof(fb_mesh) as compiled */
   const fb_mesh* meshes;        /**< mesh_count of them, with names; together all vertices and polygons */
   uint32_t material_count;      /**< may be 0 */
@@ -112,6 +112,9 @@ typedef struct fb_rig {
   uint32_t image_count;         /**< may be 0 */
   uint32_t image_stride;        /**< bytes from an image to the next: sizeof(fb_image) as compiled */
   const fb_image* images;       /**< image_count of them */
+  uint32_t socket_count;        /**< may be 0 */
+  uint32_t socket_stride;       /**< bytes from a socket to the next: sizeof(fb_socket) as compiled */
+  const fb_socket* sockets;     /**< socket_count of them */
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */
@@ -124,6 +127,7 @@ static inline void fb_rig_init(fb_rig* rig) {
   rig->mesh_stride = (uint32_t)sizeof(fb_mesh);
   rig->material_stride = (uint32_t)sizeof(fb_material);
   rig->image_stride = (uint32_t)sizeof(fb_image);
+  rig->socket_stride = (uint32_t)sizeof(fb_socket);
 }
 
 /** Fills *rig: the one symbol that a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so

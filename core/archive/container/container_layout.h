@@ -24,6 +24,7 @@ inline constexpr const char* uvs = "uvs";
 inline constexpr const char* meshes = "meshes";
 inline constexpr const char* materials = "materials";
 inline constexpr const char* images = "images";
+inline constexpr const char* sockets = "sockets";
 inline constexpr const char* network = "network";
 inline constexpr const char* weights = "weights";
 inline constexpr const char* basis = "basis";

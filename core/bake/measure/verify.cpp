@@ -18,15 +18,20 @@ namespace {
 constexpr std::size_t dense_poses = 8, shown_vertices = 16;
 constexpr std::uint32_t range_steps = 64;  // reference poses lie on 1/64 of a control's range: they pack better
 
-// Calls visit(pose, positions of all vertices) for every pose.
+// Calls visit(pose, positions of all vertices, frames of all sockets) for every pose.
 template <class Visit>
 void for_each_pose(const PackedModel& model, std::span<const float> controls, Visit&& visit) {
   const runtime::Evaluator face(model);
   runtime::Workspace workspace(face);
-  std::vector<float> positions(model.rest.points.size());
+  std::vector<float> positions(model.rest.points.size()), frames(12 * model.character.sockets.size());
+  runtime::Batch batch;
+  batch.poses = 1;
+  batch.positions = {positions.data(), positions.size()};
+  if (!frames.empty()) batch.sockets = {frames.data(), frames.size()};
   for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
-    face.evaluate(controls.data() + pose * face.control_count(), positions.data(), workspace);
-    visit(pose, std::span<const float>(positions));
+    batch.controls = controls.subspan(pose * face.control_count(), face.control_count());
+    face.evaluate_batch(batch, {&workspace, 1});
+    visit(pose, std::span<const float>(positions), std::span<const float>(frames));
   }
 }
 
@@ -48,11 +53,13 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
   }
   const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
-  for_each_pose(model, proof.controls, [&](std::size_t, std::span<const float> positions) {
-    proof.hashes.push_back(hash64_little(positions));
-    for (const std::uint32_t v : proof.vertices)
-      proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
-  });
+  for_each_pose(
+      model, proof.controls, [&](std::size_t, std::span<const float> positions, std::span<const float> frames) {
+        proof.frames.insert(proof.frames.end(), frames.begin(), frames.end());
+        proof.hashes.push_back(hash64_little(positions));
+        for (const std::uint32_t v : proof.vertices)
+          proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
+      });
   return proof;
 }
 
@@ -63,23 +70,33 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
 VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
   const archive::Proof& proof = read.proof;
   const VerifyReport report{bytes, proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
-  for_each_pose(read.model, proof.controls, [&](std::size_t pose, std::span<const float> positions) {
-    const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
-    for (const std::uint32_t vertex : proof.vertices)
-      for (std::size_t axis = 0; axis < 3; ++axis, ++kept) {
-        const float now = positions[3 * std::size_t(vertex) + axis];
-        if (std::bit_cast<std::uint32_t>(now) != std::bit_cast<std::uint32_t>(*kept))
+  for_each_pose(
+      read.model, proof.controls,
+      [&](std::size_t pose, std::span<const float> positions, std::span<const float> frames) {
+        const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
+        for (const std::uint32_t vertex : proof.vertices)
+          for (std::size_t axis = 0; axis < 3; ++axis, ++kept) {
+            const float now = positions[3 * std::size_t(vertex) + axis];
+            if (std::bit_cast<std::uint32_t>(now) != std::bit_cast<std::uint32_t>(*kept))
+              fail(
+                  Status::corrupt,
+                  "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
+                  pose, vertex, "xyz"[axis], now, *kept);
+          }
+        const std::uint64_t hash = hash64_little(positions);
+        if (hash != proof.hashes[pose])
           fail(Status::corrupt,
-               "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
-               pose, vertex, "xyz"[axis], now, *kept);
-      }
-    const std::uint64_t hash = hash64_little(positions);
-    if (hash != proof.hashes[pose])
-      fail(Status::corrupt,
-           "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and had "
-           "%016llx",
-           pose, static_cast<unsigned long long>(hash), static_cast<unsigned long long>(proof.hashes[pose]));
-  });
+               "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and "
+               "had "
+               "%016llx",
+               pose, static_cast<unsigned long long>(hash), static_cast<unsigned long long>(proof.hashes[pose]));
+        for (std::size_t i = 0; i < frames.size(); ++i)
+          if (std::bit_cast<std::uint32_t>(frames[i]) !=
+              std::bit_cast<std::uint32_t>(proof.frames[pose * frames.size() + i]))
+            fail(Status::corrupt,
+                 "the archive does not pose as it did: pose %zu of its proof gives socket \"%s\" another frame", pose,
+                 read.model.character.sockets[i / 12].name.c_str());
+      });
   return report;
 }
 
@@ -94,9 +111,9 @@ Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked
   const std::size_t width = model.rest.points.size();
   std::vector<float> kept;
   for_each_pose(model, controls,
-                [&](std::size_t, std::span<const float> p) { kept.insert(kept.end(), p.begin(), p.end()); });
+                [&](std::size_t, std::span<const float> p, auto) { kept.insert(kept.end(), p.begin(), p.end()); });
   ErrorSums sums;
-  for_each_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p) {
+  for_each_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p, auto) {
     sums.add_frame(p, std::span(kept).subspan(pose * width, width));
   });
   return sums.figures(model.rest.diagonal());

@@ -8,11 +8,12 @@
 namespace fb::bake {
 namespace {
 
-// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, and with images.
+// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, and with what a
+// character has.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
                       rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
                       rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version),
-                      rig_with_images = offsetof(fb_rig, images) + sizeof(fb_rig::images);
+                      rig_with_character = offsetof(fb_rig, sockets) + sizeof(fb_rig::sockets);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -155,6 +156,21 @@ struct Reader {
     return image;
   }
 
+  Socket socket(const fb_socket& from, std::uint32_t index, const fb_rig& rig) const {
+    Socket socket;
+    socket.name = text(from.name, format("the name of socket %u", index).c_str());
+    const std::uint32_t* vertices = array(from.vertices, from.vertex_count, "vertices of a socket", "vertex_count");
+    socket.vertices.assign(vertices, vertices + from.vertex_count);
+    if (from.weights)
+      socket.weights.assign(from.weights, from.weights + from.vertex_count);
+    else
+      socket.weights.assign(from.vertex_count, 1.0f);
+    std::copy_n(from.frame, FB_FRAME_FLOATS, socket.frame.begin());
+    if (std::all_of(from.frame, from.frame + FB_FRAME_FLOATS, [](float value) { return value == 0; }))
+      socket.frame = frame_at_centre(socket, {rig.rest_positions, std::size_t{3} * rig.vertex_count});
+    return socket;
+  }
+
   Character character(const fb_rig& rig) const {
     Character character;
     if (rig.material_count > 0) {
@@ -168,6 +184,12 @@ struct Reader {
       check_stride<fb_image>(rig.image_stride, "image_stride", "fb_image");
       for (std::uint32_t i = 0; i < rig.image_count; ++i)
         character.images.push_back(image(element(images, rig.image_stride, i), i));
+    }
+    if (rig.socket_count > 0) {
+      const fb_socket* sockets = array(rig.sockets, rig.socket_count, "sockets", "socket_count");
+      check_stride<fb_socket>(rig.socket_stride, "socket_stride", "fb_socket");
+      for (std::uint32_t s = 0; s < rig.socket_count; ++s)
+        character.sockets.push_back(socket(element(sockets, rig.socket_stride, s), s, rig));
     }
     return character;
   }
@@ -205,7 +227,7 @@ RigDescription describe(const fb_rig& rig) {
   RigDescription description;
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
-  if (rig.struct_size >= rig_with_images) {
+  if (rig.struct_size >= rig_with_character) {
     description.rest.parts = reader.parts(rig);
     description.character = reader.character(rig);
   }
