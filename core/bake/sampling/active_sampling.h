@@ -26,8 +26,11 @@ std::vector<std::uint32_t> select_poses(const RigSchema& schema, std::span<const
                                         double random_share, const EnsembleVariance& variance, std::uint64_t seed);
 
 struct ActiveSamplingOptions {
-  std::uint32_t rounds = 4;   // after the first poses, which are drawn without an ensemble
-  double first_share = 0.5;   // of the new poses that are drawn so, beyond those of single controls within a budget
+  std::uint32_t rounds = 4;  // after the first poses, which are drawn without an ensemble
+  // Of the new poses that are drawn so, beyond those of single controls within a budget. On a rig of 303 controls with
+  // a budget of 3,000, hero left an mse of 1.4e-7, 5.6e-7 and 4.3e-7 with 0.25, 1.3e-7, 5.7e-7 and 4.3e-7 with 0.5, and
+  // 1.5e-7, 6.4e-7 and 5.0e-7 with 0.8.
+  double first_share = 0.5;
   double random_share = 0.1;  // of every round
   std::uint32_t pool = 4;     // candidates of a round for each pose selected
 };

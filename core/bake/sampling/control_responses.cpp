@@ -35,7 +35,8 @@ std::vector<float> direction(const std::vector<float>& rest, const float* points
 }
 
 // Of a budget, for each control: on a rig of 303 controls, two values left as little error as five with 3,000 poses,
-// and five would be 40 % of these.
+// and five would be 40 % of these; with 9,000, hero left an mse of 5.3e-8, 2.0e-7 and 1.7e-7 with five, 6.7e-8, 2.1e-7
+// and 2.0e-7 with two.
 constexpr std::uint64_t enough_poses = 20;
 
 // Values of each control that a budget allows for.
