@@ -116,6 +116,7 @@ class ArchiveReader {
     const ScopedCharge part_names(budget_, model_.rest.parts.size() + model_.character.sockets.size(), 96, "names");
     try {
       check(model_);
+      check(model_.character, model_.rest);
     } catch (const Error& error) {
       if (error.status() == Status::unsupported) throw;
       fail(Status::corrupt, "the archive contradicts itself: %s", error.what());

@@ -10,6 +10,7 @@ namespace fb::archive {
 
 std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proof, const ArchiveText& text) {
   check(model);
+  check(model.character, model.rest);
   std::vector<WrittenSection> sections;
   const auto compress = [&](const char* name, bool required, ByteWriter contents) {
     sections.push_back(compressed_section(name, required, std::move(contents.bytes)));

@@ -57,7 +57,9 @@ void check_socket(const Socket& socket, const Mesh& rest) {
 
 }  // namespace
 
-std::array<float, 12> frame_at_centre(const Socket& socket, std::span<const float> points) {
+void set_default_frame(Socket& socket, std::span<const float> points) {
+  std::array<float, 12>& frame = socket.frame;
+  if (std::any_of(frame.begin(), frame.end(), [](float value) { return value != 0; })) return;
   double centre[3] = {}, sum = 0;
   for (std::size_t i = 0; i < std::min(socket.vertices.size(), socket.weights.size()); ++i) {
     const std::size_t at = 3 * std::size_t(socket.vertices[i]);
@@ -65,12 +67,10 @@ std::array<float, 12> frame_at_centre(const Socket& socket, std::span<const floa
     for (std::size_t a = 0; a < 3; ++a) centre[a] += double(socket.weights[i]) * points[at + a];
     sum += socket.weights[i];
   }
-  std::array<float, 12> frame = {};
   for (std::size_t a = 0; a < 3; ++a) {
     frame[5 * a] = 1;
     frame[4 * a + 3] = static_cast<float>(centre[a] / sum);
   }
-  return frame;
 }
 
 void check(const Character& character, const Mesh& rest) {

@@ -72,8 +72,9 @@ struct Character {
   bool operator==(const Character&) const = default;
 };
 
-// The axes, at the weighted centre of a socket's vertices. Vertices and weights there are not are left out.
-std::array<float, 12> frame_at_centre(const Socket& socket, std::span<const float> points);
+// Gives a socket whose frame is all 0 the axes, at the weighted centre of its vertices. Vertices and weights that there
+// are not are left out.
+void set_default_frame(Socket& socket, std::span<const float> points);
 
 // Fails, naming material, mesh or socket, on a factor that is not finite, two textures in one slot, an image or a
 // material that there is not, and a socket of vertices that there are not, of several meshes, or of too few. `rest`:

@@ -115,7 +115,6 @@ void check(const PackedModel& model) {
   }
   if (row != rows) fail(Status::bad_data, "basis: row blocks cover %zu rows of %zu coordinates", row, rows);
   check_order(model.order, rows);
-  check(model.character, model.rest);
   check_blocks_of_parts(model);
 }
 

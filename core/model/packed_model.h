@@ -84,7 +84,7 @@ struct PackedModel {
 // scale * values of a column of a row block (`column` counts within the block): row_count displacements.
 std::vector<float> displacements(const PackedRowBlock& block, std::size_t column);
 
-// Validates every part and their sizes against each other; fails with the part's name.
+// Validates every part and their sizes against each other, except the character; fails with the part's name.
 void check(const PackedModel& model);
 
 }  // namespace fb

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
+#include "bake/rig/character_json.h"
 #include "base/file.h"
 #include "base/json_depth.h"
 #include "base/shown_path.h"
@@ -92,6 +93,24 @@ class Field {
     return names;
   }
 
+  // The character's fields of this object.
+  void read_character(DatasetIndex& index) const {
+    try {
+      bake::read_character(
+          value_,
+          [&](const json& image) {
+            const auto file = image.find("file");
+            if (file == image.end() || !file->is_string() || file->get<std::string>().empty())
+              fail(Status::bad_data, "images[%zu] has no \"file\"", index.image_files.size());
+            index.image_files.push_back(file->get<std::string>());
+            return std::vector<std::byte>();
+          },
+          index.parts, index.character);
+    } catch (const Error& error) {
+      refuse(error.what(), error.status());
+    }
+  }
+
   bool is_text() const { return value_.is_string(); }
 
   // Calls read(text), adding this field's path to messages of errors.
@@ -162,6 +181,7 @@ DatasetIndex read_index(const Field& root) {
     if (!names.insert(index.clips.back().name).second)
       item.refuse(format("clip name \"%s\" occurs twice", index.clips.back().name.c_str()));
   }
+  root.read_character(index);
   if (root.has("sampling")) {
     const Field sampling = root["sampling"];
     index.sampling =
@@ -241,6 +261,8 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
     if (!entry.points.empty()) clip["points"] = names(entry.points);
     root["clips"].push_back(clip);
   }
+  write_character(
+      index.parts, index.character, [&](std::size_t i, Ordered& image) { image["file"] = index.image_files[i]; }, root);
   if (index.sampling)
     root["sampling"] = {{"request", format("%016" PRIx64, index.sampling->request)},
                         {"plan", format("%016" PRIx64, index.sampling->plan)},

@@ -8,6 +8,8 @@
 
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/source.h"
+#include "model/character.h"
+#include "model/mesh.h"
 #include "model/rig_schema.h"
 
 namespace fb::bake {
@@ -34,7 +36,10 @@ struct DatasetIndex {
 
   RigSchema schema;
   MeshArrays rest_arrays;
-  std::string rest_mesh;  // a mesh file in place of rest_arrays; empty: none
+  std::string rest_mesh;                 // a mesh file in place of rest_arrays; empty: none
+  std::vector<MeshPart> parts;           // of the rest mesh
+  Character character;                   // without the bytes of images
+  std::vector<std::string> image_files;  // of each image
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
 };

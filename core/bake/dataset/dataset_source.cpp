@@ -46,6 +46,7 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
   schema_ = index.schema;
   rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays)
                                   : read_mesh(path_inside(folder, index.rest_mesh));
+  read_character(index);
   const std::size_t width = schema_.control_count();
   const std::string controls_need = format("(frames, %zu)", width);
   const std::string points_need = format("(frames, %zu, 3)", rest_.vertex_count());
@@ -80,6 +81,15 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
     check_clips(clips_);
   });
   diagonal_ = rest_.diagonal();
+}
+
+void DatasetSource::read_character(const DatasetIndex& index) {
+  constexpr std::uint64_t most_image_bytes = std::uint64_t{1} << 30;
+  rest_.parts = index.parts;
+  character_ = index.character;
+  for (std::size_t i = 0; i < character_.images.size(); ++i)
+    character_.images[i].bytes = read_file(path_inside(folder_, index.image_files[i]), most_image_bytes);
+  for (Socket& socket : character_.sockets) set_default_frame(socket, rest_.points);
 }
 
 // Recorded values outside their range are what the rig was posed with: they are kept and noted.

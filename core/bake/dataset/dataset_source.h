@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/rig/source.h"
 
@@ -47,6 +48,7 @@ class DatasetSource final : public Source {
 
  private:
   void note_range(const Clip& clip);
+  void read_character(const DatasetIndex& index);
 
   std::filesystem::path folder_;
   RigSchema schema_;

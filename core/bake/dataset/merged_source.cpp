@@ -15,6 +15,8 @@ void check_same_rest(const Mesh& a, const char* a_name, const Mesh& b, const cha
     fail(Status::bad_data, "%s and %s have different polygons", a_name, b_name);
   if (a.uvs != b.uvs || a.uv_corners != b.uv_corners)
     fail(Status::bad_data, "%s and %s have different texture coordinates", a_name, b_name);
+  if (!a.parts.empty() && !b.parts.empty() && a.parts != b.parts)
+    fail(Status::bad_data, "%s and %s have different meshes or materials of them", a_name, b_name);
   const double tolerance = 1e-5 * a.diagonal();
   for (std::size_t i = 0; i < a.points.size(); ++i)
     if (std::abs(double(a.points[i]) - b.points[i]) > tolerance)

@@ -11,8 +11,8 @@ namespace fb::bake {
 // Several sources of one character as one. Poses are evaluated by the first live one.
 class MergedSource final : public Source {
  public:
-  // Fails, naming the two sources, unless controls, vertex order, polygons and rest points (to 1e-5 of the diagonal)
-  // agree. A clip that occurs twice with the same controls is kept once; if only its name does, the later one is
+  // Fails, naming the two sources, unless controls, vertex order, polygons, meshes and rest points (to 1e-5 of the
+  // diagonal) agree. Meshes and character are those of the first source. A clip that occurs twice with the same controls is kept once; if only its name does, the later one is
   // renamed "NAME (2)". Both are noted. The same controls in two splits are refused: a test clip would be trained on.
   MergedSource(std::vector<std::unique_ptr<Source>> sources, const std::vector<std::string>& names);
 

@@ -227,7 +227,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   if (!result.packed) result.model.basis = cut_at_parts(std::move(result.model.basis), result.model.rest);
   progress.begin("packing", 2);
   face.model = ask_during(progress, [&] { return take_packed(result); });
-  face.model.character = data.character();
+  face.model.character = rig ? rig->character() : data.character();
   progress.step(1);
   baked.quantisation =
       quantisation_errors(result.model, face.model, quantisation_poses(poses, options.seed), options.parallel);

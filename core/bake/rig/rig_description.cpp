@@ -166,8 +166,7 @@ struct Reader {
     else
       socket.weights.assign(from.vertex_count, 1.0f);
     std::copy_n(from.frame, FB_FRAME_FLOATS, socket.frame.begin());
-    if (std::all_of(from.frame, from.frame + FB_FRAME_FLOATS, [](float value) { return value == 0; }))
-      socket.frame = frame_at_centre(socket, {rig.rest_positions, std::size_t{3} * rig.vertex_count});
+    set_default_frame(socket, {rig.rest_positions, std::size_t{3} * rig.vertex_count});
     return socket;
   }
 

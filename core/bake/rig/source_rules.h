@@ -19,9 +19,9 @@ inline constexpr double least_diagonal = 1e-25, largest_diagonal = 1e25, largest
 // there, and no less.
 inline constexpr double most_diagonals = 1e4;
 
-// Fails, naming what is wrong, as check(RigSchema), check(Mesh) and check(Character) do, and on a name or units that are empty or a mesh
-// beyond the limits above. A mesh may have no polygons: its points can be posed, and have no normals. A control needs
-// no group.
+// Fails, naming what is wrong, as check(RigSchema), check(Mesh) and check(Character) do, and on a name or units that
+// are empty or a mesh beyond the limits above. A mesh may have no polygons: its points can be posed, and have no
+// normals. A control needs no group.
 void check_source(const RigSchema& schema, const Mesh& rest, const Character& character);
 
 // Fails on a clip without name or frames, with a name that occurs twice, or a frame rate that is not above zero.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "bake/rig/character_json.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
 #include "base/json_depth.h"
@@ -75,6 +76,7 @@ class Fields {
     if (!value.is_number()) refuse(key, "is no number");
     return value.get<double>();
   }
+  const json& root() const { return root_; }
   std::vector<Fields> objects(const char* key) const {
     std::vector<Fields> found;
     if (!at(key).is_array()) refuse(key, "is no list");
@@ -261,23 +263,28 @@ RigMessage hello_answer(const Source& rig) {
                      {"split", name_of(clip.split)},
                      {"fps", clip.fps},
                      {"frames", clip.frames}});
-  RigMessage message = message_of({{"type", "hello"},
-                                   {"version", rig_protocol_version},
-                                   {"name", schema.name},
-                                   {"units", schema.units},
-                                   {"up_axis", schema.up_axis},
-                                   {"controls", controls},
-                                   {"vertices", rest.vertex_count()},
-                                   {"polygons", rest.polygon_sizes.size()},
-                                   {"uvs", rest.uvs.size() / 2},
-                                   {"clips", clips},
-                                   {"preferred_block", rig.preferred_block()},
-                                   {"rig_version", rig.version()}});
+  ordered_json hello = {{"type", "hello"},
+                        {"version", rig_protocol_version},
+                        {"name", schema.name},
+                        {"units", schema.units},
+                        {"up_axis", schema.up_axis},
+                        {"controls", controls},
+                        {"vertices", rest.vertex_count()},
+                        {"polygons", rest.polygon_sizes.size()},
+                        {"uvs", rest.uvs.size() / 2},
+                        {"clips", clips},
+                        {"preferred_block", rig.preferred_block()},
+                        {"rig_version", rig.version()}};
+  write_character(
+      rest.parts, rig.character(),
+      [&](std::size_t i, ordered_json& image) { image["bytes"] = rig.character().images[i].bytes.size(); }, hello);
+  RigMessage message = message_of(hello);
   append<float>(message.data, rest.points);
   append<std::uint32_t>(message.data, rest.polygon_sizes);
   append<std::uint32_t>(message.data, rest.polygon_corners);
   append<float>(message.data, rest.uvs);
   append<std::uint32_t>(message.data, rest.uv_corners);
+  for (const Image& image : rig.character().images) append<std::byte>(message.data, image.bytes);
   for (const Clip& clip : rig.clips()) append<float>(message.data, clip.controls);
   return message;
 }
@@ -308,6 +315,15 @@ RigDescription description_of(const RigMessage& answer) {
                                    from.text_or("group", "")});
   Numbers numbers(answer);
   rig.rest = read_mesh(fields, numbers);
+  try {
+    read_character(
+        fields.root(),
+        [&](const json& image) { return numbers.take<std::byte>(Fields(image, "image ").count("bytes"), "images"); },
+        rig.rest.parts, rig.character);
+  } catch (const Error& error) {
+    fail(Status::rig, "%s", error.what());
+  }
+  for (Socket& socket : rig.character.sockets) set_default_frame(socket, rig.rest.points);
   rig.clips = read_clips(fields, numbers, rig.schema.control_count());
   numbers.finish();
   rig.preferred_block = std::min<std::size_t>(fields.count_or_zero("preferred_block"), most_preferred_poses);

@@ -63,6 +63,13 @@ std::string file_stem(const std::string& name, std::vector<std::string>& taken) 
   return stem;
 }
 
+const char* extension_of(const std::string& media_type) {
+  return media_type == "image/png"    ? ".png"
+         : media_type == "image/jpeg" ? ".jpg"
+         : media_type == "image/ktx2" ? ".ktx2"
+                                      : "";
+}
+
 DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIndex::Sampling& sampling) {
   DatasetIndex index;
   index.schema = rig.schema();
@@ -71,6 +78,10 @@ DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIn
     index.rest_arrays.uvs = "uvs.npy";
     index.rest_arrays.uv_faces = "uv_faces.npy";
   }
+  index.parts = rig.rest().parts;
+  index.character = rig.character();
+  for (std::size_t i = 0; i < index.character.images.size(); ++i)
+    index.image_files.push_back(format("image%zu%s", i, extension_of(index.character.images[i].media_type)));
   index.sampling = sampling;
   std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces"};
   for (const Clip& clip : plan) {
@@ -166,6 +177,9 @@ class DatasetWriter {
     if (!is_array(folder_ / rest.points, {size_ / 3, 3}) || !fs::exists(folder_ / rest.faces) ||
         !fs::exists(folder_ / rest.uv_faces))
       write_npy_mesh(rig_.rest(), folder_, rest);
+    for (std::size_t i = 0; i < index_.image_files.size(); ++i)
+      if (!fs::exists(folder_ / index_.image_files[i]))
+        write_file(folder_ / index_.image_files[i], std::span(index_.character.images[i].bytes));
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       const fs::path path = folder_ / index_.clips[i].controls[0];
       const std::vector<std::size_t> shape = {plan_[i].frames, width_};

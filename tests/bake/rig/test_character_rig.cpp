@@ -1,0 +1,236 @@
+// A rig of several meshes with materials, images and sockets: from the C struct, through a dataset and the rig
+// protocol, into an archive.
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+
+#include "archive/reader.h"
+#include "bake/measure/verify.h"
+#include "bake/pipeline/bake.h"
+#include "bake/rig/rig_source.h"
+#include "bake/rig_process/rig_messages.h"
+#include "bake_test_support.h"
+#include "test_models.h"
+
+using namespace fb;
+using namespace fb::bake;
+using namespace fb::test;
+
+namespace {
+
+// The meshes of character_model() as a host's rig: control c moves the vertices of every fifth from c on, along z.
+struct HostRig {
+  PackedModel model = character_model();
+  std::vector<fb_rig_control> controls;
+  std::vector<fb_mesh> meshes;
+  std::vector<fb_material_run> runs;
+  std::vector<fb_material> materials;
+  std::vector<std::vector<fb_texture>> textures;
+  std::vector<fb_image> images;
+  std::vector<fb_socket> sockets;
+  fb_rig rig;
+  float scale;
+
+  explicit HostRig(float unit = 1) : scale(unit) {
+    for (float& x : model.rest.points) x *= scale;
+    for (Socket& socket : model.character.sockets)
+      for (const std::size_t i : {3u, 7u, 11u}) socket.frame[i] *= scale;
+    for (Image& image : model.character.images)
+      if (image.bytes.empty()) image.bytes.push_back(std::byte(1));
+    for (const Control& c : model.schema.controls)
+      controls.push_back({c.name.c_str(), c.group.c_str(), c.minimum, c.maximum, c.rest, 0});
+    describe_character();
+    const Mesh& rest = model.rest;
+    fb_rig_init(&rig);
+    rig.name = "character";
+    rig.units = "cm";
+    rig.up_axis = "y";
+    rig.control_count = static_cast<std::uint32_t>(controls.size());
+    rig.controls = controls.data();
+    rig.vertex_count = static_cast<std::uint32_t>(rest.vertex_count());
+    rig.rest_positions = rest.points.data();
+    rig.polygon_count = static_cast<std::uint32_t>(rest.polygon_sizes.size());
+    rig.polygon_sizes = rest.polygon_sizes.data();
+    rig.polygon_corners = rest.polygon_corners.data();
+    rig.uv_count = static_cast<std::uint32_t>(rest.uvs.size() / 2);
+    rig.uvs = rest.uvs.data();
+    rig.uv_corners = rest.uv_corners.data();
+    rig.user = this;
+    rig.evaluate = evaluate;
+    rig.mesh_count = static_cast<std::uint32_t>(meshes.size());
+    rig.meshes = meshes.data();
+    rig.material_count = static_cast<std::uint32_t>(materials.size());
+    rig.materials = materials.data();
+    rig.image_count = static_cast<std::uint32_t>(images.size());
+    rig.images = images.data();
+    rig.socket_count = static_cast<std::uint32_t>(sockets.size());
+    rig.sockets = sockets.data();
+  }
+  HostRig(const HostRig&) = delete;
+
+  void describe_character() {
+    runs.reserve(16);
+    for (const MeshPart& part : model.rest.parts) {
+      meshes.push_back({sizeof(fb_mesh), static_cast<std::uint32_t>(part.materials.size()), part.name.c_str(),
+                        runs.data() + runs.size(), part.vertices, part.polygons, 0, 0, 0, 0});
+      for (const MaterialRun& run : part.materials) runs.push_back({run.polygons, run.material});
+    }
+    const Character& from = model.character;
+    for (const Material& m : from.materials) {
+      std::vector<fb_texture>& of = textures.emplace_back();
+      for (const Texture& t : m.textures)
+        of.push_back({std::uint32_t(t.slot), t.image, std::uint32_t(t.wrap_u), std::uint32_t(t.wrap_v), t.scale});
+      fb_material material = {};
+      material.struct_size = sizeof material;
+      material.name = m.name.c_str();
+      std::ranges::copy(m.base_colour, material.base_colour);
+      std::ranges::copy(m.emissive, material.emissive);
+      material.metallic = m.metallic;
+      material.roughness = m.roughness;
+      material.alpha_mode = static_cast<std::uint32_t>(m.alpha_mode);
+      material.alpha_cutoff = m.alpha_cutoff;
+      material.double_sided = m.double_sided;
+      material.texture_count = static_cast<std::uint32_t>(of.size());
+      material.textures = of.data();
+      materials.push_back(material);
+    }
+    for (const Image& i : from.images)
+      images.push_back({sizeof(fb_image), 0, i.name.c_str(), i.media_type.c_str(), i.bytes.data(), i.bytes.size()});
+    for (const Socket& s : from.sockets) {
+      fb_socket socket = {sizeof(fb_socket), static_cast<std::uint32_t>(s.vertices.size()),
+                          s.name.c_str(),    s.vertices.data(),
+                          s.weights.data(),  {}};
+      std::ranges::copy(s.frame, socket.frame);
+      sockets.push_back(socket);
+    }
+  }
+
+  static fb_status evaluate(void* user, std::uint64_t poses, const float* controls, float* positions, char*,
+                            std::uint32_t) {
+    const PackedModel& model = static_cast<const HostRig*>(user)->model;
+    const float scale = static_cast<const HostRig*>(user)->scale;
+    const std::size_t width = model.schema.control_count();
+    for (std::uint64_t p = 0; p < poses; ++p, positions += model.rest.points.size()) {
+      std::copy(model.rest.points.begin(), model.rest.points.end(), positions);
+      for (std::size_t v = 0; v < model.rest.vertex_count(); ++v)
+        positions[3 * v + 2] += scale * (controls[p * width + v % width] - model.schema.controls[v % width].rest);
+    }
+    return FB_OK;
+  }
+};
+
+void check_same(const Source& source, const HostRig& rig) {
+  CHECK(source.rest().parts == rig.model.rest.parts);
+  CHECK(source.character() == rig.model.character);
+}
+
+void check_refused(const std::function<void(HostRig&)>& change, const char* message) {
+  HostRig rig;
+  change(rig);
+  CHECK(contains(failure(Status::rig, [&] { RigSource(rig.rig); }), message));
+}
+
+}  // namespace
+
+TEST_CASE("a rig gives meshes, materials, images and sockets") {
+  HostRig rig;
+  check_same(RigSource(rig.rig), rig);
+  rig.rig.struct_size = offsetof(fb_rig, mesh_count);
+  const RigSource older(rig.rig);
+  CHECK(older.rest().parts.empty());
+  CHECK(older.character() == Character{});
+}
+
+TEST_CASE("a rig may leave out runs, weights and frames") {
+  HostRig rig;
+  rig.meshes[0].run_count = 0;
+  rig.sockets[1].weights = nullptr;
+  std::fill_n(rig.sockets[1].frame, 12, 0.0f);
+  const RigSource source(rig.rig);
+  CHECK(source.rest().parts[0].materials == std::vector<MaterialRun>{{10, no_material}});
+  const Socket& tooth = source.character().sockets[1];
+  CHECK(tooth.weights == std::vector<float>{1, 1, 1});
+  CHECK(tooth.frame[0] == 1);
+  CHECK(tooth.frame[1] == 0);
+  const std::vector<float>& points = source.rest().points;
+  CHECK(tooth.frame[7] ==
+        doctest::Approx((points[3 * 29 + 1] + points[3 * 23 + 1] + points[3 * 18 + 1]) / 3).epsilon(1e-6));
+}
+
+TEST_CASE("a rig whose character contradicts itself is refused by name") {
+  check_refused([](HostRig& r) { r.meshes[1].name = nullptr; }, "the name of mesh 1 is null");
+  check_refused([](HostRig& r) { r.meshes[1].name = "head"; }, "two meshes named \"head\"");
+  check_refused([](HostRig& r) { r.meshes[0].runs = nullptr; }, "the runs of mesh \"head\" are null");
+  check_refused([](HostRig& r) { r.rig.mesh_stride = 8; }, "mesh_stride is 8");
+  check_refused([](HostRig& r) { r.materials[0].alpha_mode = 3; }, "material 0 has unknown alpha_mode 3");
+  check_refused([](HostRig& r) { r.textures[0][1].slot = 5; }, "material 0 has unknown texture slot 5");
+  check_refused([](HostRig& r) { r.textures[0][1].image = 3; }, "image 3 of 3");
+  check_refused([](HostRig& r) { r.materials[0].textures = nullptr; }, "the textures of material 0 are null");
+  check_refused([](HostRig& r) { r.images[1].bytes = nullptr; }, "image 1 has no bytes");
+  check_refused([](HostRig& r) { r.images[1].media_type = ""; }, "the media type of image 1 is empty");
+  check_refused([](HostRig& r) { r.sockets[0].vertex_count = 2; }, "socket \"nose\" has 2 vertices");
+  check_refused([](HostRig& r) { r.sockets[0].vertices = nullptr; }, "vertices of a socket is null");
+}
+
+TEST_CASE("the rig protocol carries a character") {
+  HostRig rig;
+  const RigDescription description = description_of(hello_answer(RigSource(rig.rig)));
+  CHECK(description.rest.parts == rig.model.rest.parts);
+  CHECK(description.character == rig.model.character);
+}
+
+TEST_CASE("a dataset folder keeps a character") {
+  HostRig rig;
+  RigSource source(rig.rig);
+  const Folder folder;
+  sample(source, {.poses = 40}, folder.path(), {}, silent_progress());
+  const OpenedSource recorded = open_source(folder.path());
+  check_same(*recorded, rig);
+  CHECK(std::filesystem::exists(folder.path() / "image0.png"));
+  std::filesystem::remove(folder.path() / "image0.png");
+  CHECK(contains(failure(Status::not_found, [&] { open_source(folder.path()); }), "image0.png"));
+}
+
+TEST_CASE("fields of a character in dataset.json are refused by name") {
+  HostRig rig;
+  RigSource source(rig.rig);
+  const Folder folder;
+  sample(source, {.poses = 40}, folder.path(), {}, silent_progress());
+  const std::filesystem::path file = folder.path() / "dataset.json";
+  const std::vector<std::byte> bytes = read_file(file);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto lie = [&](const std::string& from, const std::string& to, const char* message) {
+    std::string changed = text;
+    REQUIRE(changed.find(from) != std::string::npos);
+    changed.replace(changed.find(from), from.size(), to);
+    write_file(file, changed);
+    CHECK(contains(failure(Status::bad_data, [&] { open_source(folder.path()); }), message));
+  };
+  lie("\"vertices\": 18", "\"vertices\": -18", "meshes[0] vertices is no whole number");
+  lie("\"vertices\": 18", "\"vertices\": 17", "mesh \"head\": polygon");
+  lie("\"slot\": \"normal\"", "\"slot\": \"bump\"", "slot is \"bump\"; there are base_colour, metallic_roughness");
+  lie("\"alpha_mode\": \"mask\"", "\"alpha_mode\": 7", "materials[0] alpha_mode is no string");
+  lie("\"file\": \"image0.png\"", "\"file\": \"../image0.png\"", "does not lie in its folder");
+  lie("\"file\": \"image0.png\"", "\"path\": \"image0.png\"", "images[0] has no \"file\"");
+  lie("\"sockets\": [", "\"sockets\": 7, \"x\": [", "sockets is no list");
+}
+
+TEST_CASE("a bake keeps a character, whatever its scale and recipe") {
+  const std::pair<const char*, float> bakes[] = {{"linear", 1}, {"compact", 1}, {"compact", 0x1p40f}};
+  for (const auto& [recipe, scale] : bakes) {
+    HostRig rig(scale);
+    RigSource source(rig.rig);
+    const Folder folder;
+    BakeOptions options;
+    options.recipe = recipe;
+    options.poses = 300;
+    options.epochs = 2;
+    options.work = folder.path();
+    const Baked baked = bake_face(source, options, silent_progress());
+    const archive::Archive archive = archive::read_archive(baked.archive);
+    CHECK(archive.model.rest.parts == rig.model.rest.parts);
+    CHECK(archive.model.character == rig.model.character);
+    CHECK(verify_archive(baked.archive).poses == 11);
+    CHECK(baked.dependency.max < 1e-2);
+  }
+}
