@@ -11,6 +11,7 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/shown_path.h"
+#include "control_struct.h"
 #include "loaded_model.h"
 #include "runtime/float_mode.h"
 #include "stream_reader.h"
@@ -347,9 +348,8 @@ fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* contr
     fb::capi::require_size(control->struct_size, "fb_control");
     const auto& controls = model->evaluator.schema().controls;
     if (index >= controls.size()) fail(Status::invalid_argument, "control %u of %zu", index, controls.size());
-    const fb::Control& found = controls[index];
-    const fb_control full = {
-        control->struct_size, 0, found.name.c_str(), found.group.c_str(), found.minimum, found.maximum, found.rest, 0};
+    fb_control full = fb::capi::control_struct(model->evaluator.schema(), index);
+    full.struct_size = control->struct_size;
     std::memcpy(control, &full, std::min<std::size_t>(control->struct_size, sizeof full));
   });
 }

@@ -38,7 +38,9 @@ struct fb_model {
     budget.take(model.regions.size(), 3 * sizeof(std::string), "regions");
     budget.take_text(schema.name.size(), "names");
     for (const fb::Control& control : schema.controls)
-      for (const std::string* text : {&control.name, &control.group}) budget.take_text(text->size(), "names");
+      for (const std::string* text : {&control.name, &control.group, &control.labels.arkit, &control.labels.facs,
+                                      &control.labels.unit, &control.labels.mirror})
+        budget.take_text(text->size(), "names");
     for (const fb::PackedRegion& region : model.regions) budget.take_text(region.name.size(), "names");
     return model;
   }

@@ -197,6 +197,9 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
   skin.alpha_cutoff = 0.25f;
   skin.double_sided = true;
   skin.textures = {{TextureSlot::base_colour, 0}, {TextureSlot::normal, 1, Wrap::clamp, Wrap::mirror, 0.5f}};
+  model.schema.controls[0].labels = {"jawOpen", "AU26", "degrees", ""};
+  model.schema.controls[2].labels.mirror = "lid_close";
+  model.schema.controls[3].labels = {"eyeBlinkLeft", "", "", "brow_raise"};
   model.character.sockets = {{"nose", {1, 2, 7, 8, 13}, {1, 0.5f, 2, 1, 1}, {0, -1, 0, 2, 1, 0, 0, 1.5f, 0, 0, 1, 1}},
                              {"tooth", {29, 23, 18}, {1, 1, 1}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4}}};
   model.character.materials = {skin, {"", {1, 1, 1, 0.5f}, 1, 0, {0, 0, 0}, AlphaMode::blend}};

@@ -7,6 +7,7 @@
 #include "bake/rig_process/rig_host.h"
 #include "base/checked.h"
 #include "base/shown_path.h"
+#include "control_struct.h"
 
 using fb::fail;
 using fb::Status;
@@ -154,11 +155,10 @@ fb_status fb_source_describe(const fb_source* source, fb_source_info* info) {
 
 fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control) {
   return abi_guard([&] {
-    const auto& controls = source_of(source, "source").schema().controls;
-    if (index >= controls.size()) fail(Status::invalid_argument, "control %u of %zu", index, controls.size());
-    const fb::Control& found = controls[index];
-    write_struct(control, {0, 0, found.name.c_str(), found.group.c_str(), found.minimum, found.maximum, found.rest, 0},
-                 "fb_control");
+    const fb::RigSchema& schema = source_of(source, "source").schema();
+    if (index >= schema.control_count())
+      fail(Status::invalid_argument, "control %u of %zu", index, schema.control_count());
+    write_struct(control, control_struct(schema, index), "fb_control");
   });
 }
 

@@ -29,6 +29,22 @@ Texture read_texture(ByteReader& in) {
 
 }  // namespace
 
+void read_labels(ByteReader& in, RigSchema& schema) {
+  const std::size_t controls = schema.controls.size();
+  for (std::size_t c = 0; c < controls; ++c) {
+    ControlLabels& labels = schema.controls[c].labels;
+    labels.arkit = in.string("an ARKit name");
+    labels.facs = in.string("a FACS name");
+    labels.unit = in.string("a control's unit");
+    const auto mirror = in.number<std::uint32_t>("a mirror partner");
+    if (mirror == no_control) continue;
+    if (mirror >= controls) in.corrupt("a mirror partner that does not exist");
+    in.budget().take_text(schema.controls[mirror].name.size(), "names");
+    labels.mirror = schema.controls[mirror].name;
+  }
+  in.end();
+}
+
 std::vector<MeshPart> read_meshes(ByteReader& in) {
   std::vector<MeshPart> meshes;
   in.budget().resize(meshes, in.count(16, "meshes"), "meshes");

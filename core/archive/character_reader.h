@@ -7,11 +7,15 @@
 #include "archive/container/byte_reader.h"
 #include "model/character.h"
 #include "model/mesh.h"
+#include "model/rig_schema.h"
 
 namespace fb::archive {
 
 inline constexpr std::uint8_t material_double_sided_flag = 1;
+inline constexpr std::uint32_t no_control = 0xffffffff;  // in place of a mirror partner
 
+// Fills the labels of all controls.
+void read_labels(ByteReader& in, RigSchema& schema);
 std::vector<MeshPart> read_meshes(ByteReader& in);
 std::vector<Material> read_materials(ByteReader& in);
 std::vector<Image> read_images(ByteReader& in);

@@ -1,5 +1,8 @@
 #include "archive/character_writer.h"
 
+#include <algorithm>
+#include <unordered_map>
+
 #include "archive/character_reader.h"
 
 namespace fb::archive {
@@ -11,6 +14,24 @@ void write_floats(ByteWriter& out, const std::array<float, count>& values) {
 }
 
 }  // namespace
+
+bool has_labels(const RigSchema& schema) {
+  return std::any_of(schema.controls.begin(), schema.controls.end(),
+                     [](const Control& control) { return control.labels != ControlLabels{}; });
+}
+
+ByteWriter write_labels(const RigSchema& schema) {
+  std::unordered_map<std::string_view, std::uint32_t> index;
+  for (const Control& control : schema.controls) index.emplace(control.name, static_cast<std::uint32_t>(index.size()));
+  ByteWriter out;
+  for (const Control& control : schema.controls) {
+    out.string(control.labels.arkit, "an ARKit name");
+    out.string(control.labels.facs, "a FACS name");
+    out.string(control.labels.unit, "a control's unit");
+    out.number(control.labels.mirror.empty() ? no_control : index.at(control.labels.mirror));
+  }
+  return out;
+}
 
 ByteWriter write_meshes(const std::vector<MeshPart>& meshes) {
   ByteWriter out;

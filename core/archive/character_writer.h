@@ -6,9 +6,13 @@
 #include "archive/container/byte_writer.h"
 #include "model/character.h"
 #include "model/mesh.h"
+#include "model/rig_schema.h"
 
 namespace fb::archive {
 
+// Whether any control has a label.
+bool has_labels(const RigSchema& schema);
+ByteWriter write_labels(const RigSchema& schema);
 ByteWriter write_meshes(const std::vector<MeshPart>& meshes);
 ByteWriter write_materials(const std::vector<Material>& materials);
 ByteWriter write_images(const std::vector<Image>& images);

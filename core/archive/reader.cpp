@@ -13,8 +13,8 @@ namespace {
 bool is_known(std::string_view name) {
   for (const char* known :
        {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
-        section::basis_values, section::uvs, section::meshes, section::materials, section::images, section::sockets,
-        section::provenance, section::licence, section::certificate, section::proof})
+        section::basis_values, section::labels, section::uvs, section::meshes, section::materials, section::images,
+        section::sockets, section::provenance, section::licence, section::certificate, section::proof})
     if (name == known) return true;
   return false;
 }
@@ -52,7 +52,9 @@ class ArchiveReader {
     check_limit(archive.vertices, limits_.max_vertices, "vertices");
     const RigSchema& schema = model_.schema;
     count_names({&schema.name, &schema.units, &schema.up_axis});
-    for (const Control& control : schema.controls) count_names({&control.name, &control.group});
+    if (contains(section::labels)) read(section::labels, [&](ByteReader& in) { read_labels(in, model_.schema); });
+    for (const Control& control : schema.controls)
+      count_names({&control.name, &control.group, &control.labels.arkit, &control.labels.facs, &control.labels.unit});
   }
 
   // Positions and texture coordinates are kept only with `mesh`; polygons are needed to decode the basis, too.
@@ -111,7 +113,7 @@ class ArchiveReader {
   // Sections are valid by themselves; this checks that they fit each other and that all numbers are finite.
   void check_model() {
     // What the checks allocate: a set of names, and a mark a vertex.
-    const ScopedCharge names(budget_, model_.schema.control_count(), 96, "control names");
+    const ScopedCharge names(budget_, model_.schema.control_count(), 3 * 96, "control names");
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
     const ScopedCharge part_names(budget_, model_.rest.parts.size() + model_.character.sockets.size(), 96, "names");
     try {

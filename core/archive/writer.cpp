@@ -22,6 +22,7 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
     if (!words.empty()) compress(name, false, write_text(words, name));
   };
   compress(section::definition, true, write_definition(model));
+  if (has_labels(model.schema)) compress(section::labels, false, write_labels(model.schema));
   auto [geometry, triangles] = write_geometry(model.rest);
   compress(section::polygons, true, write_polygons(model.rest, triangles));
   compress(section::geometry, true, std::move(geometry));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "base/status.h"
@@ -17,6 +18,10 @@ float Control::reach() const {
 std::optional<std::size_t> RigSchema::find(std::string_view control) const {
   for (std::size_t i = 0; i < controls.size(); ++i)
     if (controls[i].name == control) return i;
+  if (control.empty()) return std::nullopt;
+  for (std::string ControlLabels::*const label : {&ControlLabels::arkit, &ControlLabels::facs})
+    for (std::size_t i = 0; i < controls.size(); ++i)
+      if (controls[i].labels.*label == control) return i;
   return std::nullopt;
 }
 
@@ -57,16 +62,40 @@ std::vector<float> RigSchema::rest_pose() const {
   return pose;
 }
 
+namespace {
+
+// `names`: those of all controls.
+void check_labels(const RigSchema& schema, const std::unordered_map<std::string_view, std::size_t>& names) {
+  std::unordered_set<std::string_view> arkit, facs;
+  for (const Control& c : schema.controls) {
+    const ControlLabels& labels = c.labels;
+    if (!labels.arkit.empty() && !arkit.insert(labels.arkit).second)
+      fail(Status::bad_data, "two controls have the ARKit name \"%s\"", labels.arkit.c_str());
+    if (!labels.facs.empty() && !facs.insert(labels.facs).second)
+      fail(Status::bad_data, "two controls have the FACS name \"%s\"", labels.facs.c_str());
+    if (labels.mirror.empty()) continue;
+    const auto partner = names.find(labels.mirror);
+    if (partner == names.end())
+      fail(Status::bad_data, "control \"%s\" mirrors \"%s\", which is no control", c.name.c_str(),
+           labels.mirror.c_str());
+    if (schema.controls[partner->second].labels.mirror != c.name || labels.mirror == c.name)
+      fail(Status::bad_data, "control \"%s\" mirrors \"%s\", which does not mirror it", c.name.c_str(),
+           labels.mirror.c_str());
+  }
+}
+
+}  // namespace
+
 void check(const RigSchema& schema) {
   if (schema.up_axis != "y" && schema.up_axis != "z")
     fail(Status::bad_data, "rig \"%s\": the up axis is \"%s\", not \"y\" or \"z\"", schema.name.c_str(),
          schema.up_axis.c_str());
   if (schema.controls.empty()) fail(Status::bad_data, "rig \"%s\" has no controls", schema.name.c_str());
-  std::unordered_set<std::string_view> names;
+  std::unordered_map<std::string_view, std::size_t> names;
   for (std::size_t i = 0; i < schema.controls.size(); ++i) {
     const Control& c = schema.controls[i];
     if (c.name.empty()) fail(Status::bad_data, "control %zu has no name", i);
-    if (!names.insert(c.name).second) fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
+    if (!names.emplace(c.name, i).second) fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
     if (!std::isfinite(c.minimum) || !std::isfinite(c.maximum) || !std::isfinite(c.rest))
       fail(Status::not_finite, "control \"%s\": its range or default is not a number", c.name.c_str());
     if (!(c.minimum < c.maximum))
@@ -76,6 +105,7 @@ void check(const RigSchema& schema) {
       fail(Status::bad_data, "control \"%s\": default %g is outside its range %g..%g", c.name.c_str(), c.rest,
            c.minimum, c.maximum);
   }
+  check_labels(schema, names);
 }
 
 void check_same_controls(const RigSchema& a, const char* a_name, const RigSchema& b, const char* b_name) {

@@ -8,12 +8,22 @@
 
 namespace fb {
 
+// What a control means, beside its name; each may be empty.
+struct ControlLabels {
+  std::string arkit;   // its name among the face blendshapes of ARKit: "jawOpen"
+  std::string facs;    // its action unit in the Facial Action Coding System: "AU26"
+  std::string unit;    // of its values: "degrees"
+  std::string mirror;  // the name of the control that does the same on the other side
+  bool operator==(const ControlLabels&) const = default;
+};
+
 // One scalar input of a rig.
 struct Control {
   std::string name;
   float minimum = 0, maximum = 1;  // minimum < maximum
   float rest = 0;                  // value in the rest pose ("default"), within the range
   std::string group;               // its control group, as the rig names it; may be empty
+  ControlLabels labels = {};
 
   // The larger distance from rest to an end of the range: one unit of an identity feature.
   float reach() const;
@@ -27,6 +37,7 @@ struct RigSchema {
   std::vector<Control> controls;
 
   std::size_t control_count() const { return controls.size(); }
+  // The control of this name; if there is none, the one of this ARKit name; if there is none, of this FACS name.
   std::optional<std::size_t> find(std::string_view control) const;
   // The control name with the smallest edit distance to `misspelt`, for messages, of as many as can be compared in a
   // few milliseconds; "" if that is none.
@@ -35,7 +46,8 @@ struct RigSchema {
 };
 
 // Fails, naming the control, on an invalid up axis, an empty list of controls, an empty or duplicate name, a range that
-// is empty or not finite, or a rest value outside its range.
+// is empty or not finite, a rest value outside its range, an ARKit or FACS name of two controls, or mirror partners
+// that are not each other's.
 void check(const RigSchema& schema);
 
 // Fails unless both have the same controls in the same order with the same ranges. `a_name`, `b_name`: the rigs' names

@@ -64,6 +64,16 @@ TEST_CASE("sockets that cannot follow a surface are refused") {
   check_unwritable([&](Model& m) { nose(m).frame[11] = NAN; }, "its frame is not finite");
 }
 
+TEST_CASE("labels that contradict each other are refused") {
+  using Model = PackedModel;
+  const auto labels = [](Model& m, std::size_t c) -> ControlLabels& { return m.schema.controls[c].labels; };
+  check_unwritable([&](Model& m) { labels(m, 1).arkit = "jawOpen"; }, "two controls have the ARKit name \"jawOpen\"");
+  check_unwritable([&](Model& m) { labels(m, 1).facs = "AU26"; }, "two controls have the FACS name \"AU26\"");
+  check_unwritable([&](Model& m) { labels(m, 1).mirror = "ear"; }, "mirrors \"ear\", which is no control");
+  check_unwritable([&](Model& m) { labels(m, 1).mirror = "lid_close"; }, "which does not mirror it");
+  check_unwritable([&](Model& m) { labels(m, 1).mirror = "mouth_side"; }, "which does not mirror it");
+}
+
 TEST_CASE("forged sections of a character are refused by name") {
   const Bytes bytes = write_archive(character_model(), {});
   const auto lie = [&](const char* section, std::size_t at, auto value, Status status, const char* message) {
@@ -86,6 +96,9 @@ TEST_CASE("forged sections of a character are refused by name") {
   lie("materials", 59, std::uint8_t(3), Status::unsupported, "unknown number 3 for a texture's wrap");
   lie("images", 0, UINT32_MAX, Status::corrupt, "images need more than");
   lie("images", 4 + 8 + 13, UINT32_MAX, Status::corrupt, "an image needs");
+  lie("labels", 0, UINT32_MAX, Status::corrupt, "section \"labels\"");
+  lie("labels", 30, std::uint32_t(5), Status::corrupt, "a mirror partner that does not exist");
+  lie("labels", 30, std::uint32_t(1), Status::corrupt, "which does not mirror it");
   lie("sockets", 0, UINT32_MAX, Status::corrupt, "sockets need more than");
   lie("sockets", 12, UINT32_MAX, Status::corrupt, "vertices of a socket need more than");
   lie("sockets", 16, std::uint32_t(30), Status::corrupt, "names vertex 30 of 30");
@@ -98,7 +111,7 @@ TEST_CASE("forged sections of a character are refused by name") {
 
 TEST_CASE("sections of a character that are cut short, too long or changed never crash the reader") {
   const ArchiveEditor whole(write_archive(character_model(), {}));
-  for (const char* name : sections) {
+  for (const std::string name : {"labels", "meshes", "materials", "images", "sockets"}) {
     INFO(name);
     ArchiveEditor archive = whole;
     const Bytes contents = archive[name].stored;

@@ -22,6 +22,7 @@ void check_same(const PackedModel& a, const PackedModel& b) {
     const Control &x = a.schema.controls[i], &y = b.schema.controls[i];
     CHECK(x.name == y.name);
     CHECK(x.group == y.group);
+    CHECK(x.labels == y.labels);
     CHECK(same_bits({x.minimum, x.maximum, x.rest}, {y.minimum, y.maximum, y.rest}));
   }
   CHECK(same_bits(a.rest.points, b.rest.points));

@@ -188,6 +188,33 @@ static void masks_of_meshes_work_with_halves_strides_and_threads(void** state) {
   fb_scratch_destroy(scratch);
 }
 
+static void controls_say_what_they_mean_and_are_found_by_it(void** state) {
+  (void)state;
+  uint32_t index = 7;
+  fb_control control;
+  fb_control_init(&control);
+  assert_ok(fb_control_at(character, 0, &control));
+  assert_string_equal(control.name, "jaw_open");
+  assert_string_equal(control.arkit, "jawOpen");
+  assert_string_equal(control.facs, "AU26");
+  assert_string_equal(control.unit, "degrees");
+  assert_int_equal(control.mirror, FB_NO_CONTROL);
+  assert_ok(fb_control_at(character, 3, &control));
+  assert_int_equal(control.mirror, 2);
+  assert_string_equal(control.facs, "");
+  assert_ok(fb_find_control(character, "jawOpen", &index));
+  assert_int_equal(index, 0);
+  assert_ok(fb_find_control(character, "eyeBlinkLeft", &index));
+  assert_int_equal(index, 3);
+  assert_ok(fb_find_control(character, "AU26", &index));
+  assert_int_equal(index, 0);
+  assert_int_equal(fb_find_control(character, "", &index), FB_ERROR_NOT_FOUND);
+  assert_int_equal(fb_find_control(tiny, "jawOpen", &index), FB_ERROR_NOT_FOUND);
+  assert_ok(fb_control_at(tiny, 0, &control));
+  assert_string_equal(control.arkit, "");
+  assert_int_equal(control.mirror, FB_NO_CONTROL);
+}
+
 static void sockets_are_those_of_the_source(void** state) {
   (void)state;
   uint32_t index = 7;
@@ -306,6 +333,7 @@ int main(void) {
       cmocka_unit_test(materials_and_images_are_those_of_the_source),
       cmocka_unit_test(chosen_meshes_alone_are_posed),
       cmocka_unit_test(masks_of_meshes_work_with_halves_strides_and_threads),
+      cmocka_unit_test(controls_say_what_they_mean_and_are_found_by_it),
       cmocka_unit_test(sockets_are_those_of_the_source),
       cmocka_unit_test(frames_are_the_same_with_any_other_output),
       cmocka_unit_test(wrong_use_is_refused),

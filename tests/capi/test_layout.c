@@ -29,14 +29,17 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_load_desc, max_polygons, 96);
   assert_at(fb_load_desc, max_features, 104);
 
-  assert_int_equal(sizeof(fb_control), 40);
+  assert_int_equal(sizeof(fb_control), 64);
   assert_at(fb_control, struct_size, 0);
   assert_at(fb_control, name, 8);
   assert_at(fb_control, group, 16);
   assert_at(fb_control, minimum, 24);
   assert_at(fb_control, maximum, 28);
   assert_at(fb_control, rest, 32);
-  assert_at(fb_control, reserved_float, 36);
+  assert_at(fb_control, mirror, 36);
+  assert_at(fb_control, arkit, 40);
+  assert_at(fb_control, facs, 48);
+  assert_at(fb_control, unit, 56);
 
   assert_int_equal(sizeof(fb_row_block), 16);
   assert_at(fb_row_block, struct_size, 0);
@@ -129,6 +132,11 @@ static void layout_of_characters(void** state) {
 static void layout_of_rigs(void** state) {
   (void)state;
   assert_int_equal(sizeof(fb_rig_control), 32);
+  assert_int_equal(sizeof(fb_rig_labels), 32);
+  assert_at(fb_rig_labels, arkit, 0);
+  assert_at(fb_rig_labels, facs, 8);
+  assert_at(fb_rig_labels, unit, 16);
+  assert_at(fb_rig_labels, mirror, 24);
   assert_at(fb_rig_control, name, 0);
   assert_at(fb_rig_control, group, 8);
   assert_at(fb_rig_control, minimum, 16);
@@ -143,7 +151,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 232);
+  assert_int_equal(sizeof(fb_rig), 248);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -178,9 +186,11 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, image_count, 200);
   assert_at(fb_rig, image_stride, 204);
   assert_at(fb_rig, images, 208);
-  assert_at(fb_rig, socket_count, 216);
-  assert_at(fb_rig, socket_stride, 220);
-  assert_at(fb_rig, sockets, 224);
+  assert_at(fb_rig, label_stride, 216);
+  assert_at(fb_rig, labels, 224);
+  assert_at(fb_rig, socket_count, 232);
+  assert_at(fb_rig, socket_stride, 236);
+  assert_at(fb_rig, sockets, 240);
 }
 
 static void layout_of_sources(void** state) {

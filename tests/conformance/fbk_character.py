@@ -3,8 +3,21 @@ import numpy as np
 
 from fbk_bytes import require
 
-NO_MATERIAL = 2**32 - 1
+NO_MATERIAL = NO_CONTROL = 2**32 - 1
 SLOTS, WRAPS, ALPHA_MODES = 5, 3, 3
+
+
+def read_labels(c, face):
+    count = len(face.controls)
+    labels = [(c.string(), c.string(), c.string(), c.u32()) for _ in range(count)]
+    for which in (0, 1):
+        names = [label[which] for label in labels if label[which]]
+        require(len(names) == len(set(names)), "labels: two controls have one name")
+    for i, (*_, mirror) in enumerate(labels):
+        if mirror != NO_CONTROL:
+            require(mirror < count and mirror != i and labels[mirror][3] == i, f"labels: mirror partner of {i}")
+    face.labels = labels
+    c.end()
 
 
 def read_meshes(c, face):

@@ -72,7 +72,7 @@ def decompress(sections, name):
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
-OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets")
+OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels")
 
 
 # ---- Sections
@@ -508,7 +508,7 @@ class Face:
         if "uvs" in sections:
             read_uvs(decompress(sections, "uvs"), self)
         self.meshes, self.materials, self.images = [], [], []
-        for name in ("meshes", "materials", "images"):
+        for name in ("labels", "meshes", "materials", "images"):
             if name in sections:
                 getattr(fbk_character, "read_" + name)(decompress(sections, name), self)
         fbk_character.check(self)

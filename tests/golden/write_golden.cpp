@@ -278,6 +278,11 @@ void write_rejected_geometry(const RejectedWriter& out) {
 
 void write_rejected_characters(const RejectedWriter& out) {
   const PackedModel model = character_model();
+  out.write("corrupt-labels-more.fbk", changed(
+                                           "labels", [](Bytes& b) { b.resize(b.size() + 2); }, model));
+  // The first control's texts take 4 + 7, 4 + 4 and 4 + 7 bytes; then its partner, and 16 bytes of the second control.
+  out.patched("corrupt-mirror-missing.fbk", "labels", 30, std::uint32_t(5), model);
+  out.patched("corrupt-mirror-alone.fbk", "labels", 30, std::uint32_t(1), model);
   for (const char* name : {"meshes", "materials", "images", "sockets"}) {
     out.write(format("corrupt-no-%s.fbk", name).c_str(), changed(
                                                              name, [](Bytes& b) { b.assign(4, {}); }, model));

@@ -181,16 +181,21 @@ FB_API const char* fb_units(const fb_model* model);      /**< of positions: "cm"
 FB_API const char* fb_up_axis(const fb_model* model);    /**< "y" or "z" */
 FB_API const char* fb_provenance(const fb_model* model); /**< a JSON object, as stored in the archive; "" if none */
 
-/** A control of a face. */
+#define FB_NO_CONTROL 0xffffffffu /**< no control, where one could be */
+
+/** A control of a face. Its own name is what it is called by; ARKit and FACS names stand beside it. */
 typedef struct fb_control {
   uint32_t struct_size;
   uint32_t reserved;
-  const char* name;     /**< unique, not empty */
-  const char* group;    /**< the control group it belongs to; "" if it has none */
-  float minimum;        /**< lower end of its range */
-  float maximum;        /**< upper end of its range */
-  float rest;           /**< value in the rest pose */
-  float reserved_float; /**< 0 */
+  const char* name;  /**< unique, not empty */
+  const char* group; /**< the control group it belongs to; "" if it has none */
+  float minimum;     /**< lower end of its range */
+  float maximum;     /**< upper end of its range */
+  float rest;        /**< value in the rest pose */
+  uint32_t mirror;   /**< index of the control that does the same on the other side; FB_NO_CONTROL: none is known */
+  const char* arkit; /**< its name among the face blendshapes of ARKit, such as "jawOpen"; "" if it has none */
+  const char* facs;  /**< its action unit in the Facial Action Coding System, such as "AU26"; "" if it has none */
+  const char* unit;  /**< of its values, such as "degrees"; "" if it has none */
 } fb_control;
 
 FB_API void fb_control_fill(fb_control* to, uint32_t struct_size);
@@ -200,7 +205,8 @@ static inline void fb_control_init(fb_control* to) {
 /** Fills *control, up to its struct_size, for the control at index < fb_control_count; the model owns its strings.
  * Poses list controls in this order. */
 FB_API fb_status fb_control_at(const fb_model* model, uint32_t index, fb_control* control);
-/** Finds a control by its exact name; on FB_ERROR_NOT_FOUND the message names the closest one. */
+/** Finds a control by its exact name, or else by its ARKit name, or else by its FACS name; on FB_ERROR_NOT_FOUND the
+ * message names the closest one. */
 FB_API fb_status fb_find_control(const fb_model* model, const char* name, uint32_t* index);
 /** The controls of the rest pose: fb_control_count floats. */
 FB_API const float* fb_rest_controls(const fb_model* model);

@@ -62,14 +62,14 @@ FB_API fb_status fb_find_mesh(const fb_model* model, const char* name, uint32_t*
 #define FB_TEXTURE_EMISSIVE 4           /**< sRGB colour */
 
 /* How a texture goes on beyond its borders. */
-#define FB_WRAP_REPEAT 0
-#define FB_WRAP_CLAMP 1 /**< to the edge */
-#define FB_WRAP_MIRROR 2
+#define FB_WRAP_REPEAT 0 /**< the texture begins again */
+#define FB_WRAP_CLAMP 1  /**< to the edge */
+#define FB_WRAP_MIRROR 2 /**< the texture goes back */
 
 /* What alpha means. */
-#define FB_ALPHA_OPAQUE 0
-#define FB_ALPHA_MASK 1 /**< transparent below alpha_cutoff */
-#define FB_ALPHA_BLEND 2
+#define FB_ALPHA_OPAQUE 0 /**< nothing */
+#define FB_ALPHA_MASK 1   /**< transparent below alpha_cutoff */
+#define FB_ALPHA_BLEND 2  /**< how much of the surface covers what is behind it */
 
 /** A texture of a material, mapped by the texture coordinates of the mesh. Never grows. */
 typedef struct fb_texture {

@@ -28,6 +28,14 @@ typedef struct fb_rig_control {
   uint32_t reserved; /**< 0 */
 } fb_rig_control;
 
+/** What a control means, beside its name. Null or "": nothing is known. */
+typedef struct fb_rig_labels {
+  const char* arkit;  /**< name among the face blendshapes of ARKit; no two controls have the same */
+  const char* facs;   /**< action unit in the Facial Action Coding System; no two controls have the same */
+  const char* unit;   /**< of its values, such as "degrees" */
+  const char* mirror; /**< name of the control that does the same on the other side, and names this one */
+} fb_rig_labels;
+
 /* Kinds of clips. */
 #define FB_CLIP_SHOT 0         /**< animation: consecutive frames */
 #define FB_CLIP_EXCITATION 1   /**< one control at a time */
@@ -98,20 +106,21 @@ typedef struct fb_rig {
                                    between them. 0, or a struct_size that ends before it: any number will do, and calls
                                    of slow rigs take a fifth of a second */
   uint32_t reserved_block;      /**< 0 */
-  const char* version;          /**< a text that changes when evaluate gives other positions, so that what was evaluated
-                                   before is not taken for its answers: data beside a plugin has changed, or what a
-                                   server behind it does. A plugin's own file is known by its bytes. Null, or a
+  const char* version;          /**< a text that changes when evaluate gives other positions, because of data beside a
+                                   plugin or a server behind it. A plugin's own file is known by its bytes. Null, or a
                                    struct_size that ends before it: none */
-  uint32_t mesh_count;          /**< meshes that vertices and polygons are divided into; 0, or a struct_size that ends
-                                   before `sockets`: one, without a name or materials */
+  uint32_t mesh_count;          /**< 0, or a struct_size that ends before `sockets`: one mesh, without a name */
   uint32_t mesh_stride;         /**< bytes from a mesh to the next: sizeof(fb_mesh) as compiled */
-  const fb_mesh* meshes;        /**< mesh_count of them, with names; together all vertices and polygons */
+  const fb_mesh* meshes;        /**< mesh_count of them, with names; they have all vertices and polygons */
   uint32_t material_count;      /**< may be 0 */
   uint32_t material_stride;     /**< bytes from a material to the next: sizeof(fb_material) as compiled */
   const fb_material* materials; /**< material_count of them */
   uint32_t image_count;         /**< may be 0 */
   uint32_t image_stride;        /**< bytes from an image to the next: sizeof(fb_image) as compiled */
   const fb_image* images;       /**< image_count of them */
+  uint32_t label_stride;        /**< bytes from one to the next: sizeof(fb_rig_labels) as compiled */
+  uint32_t reserved_labels;     /**< 0 */
+  const fb_rig_labels* labels;  /**< of each control, control_count of them; null: none */
   uint32_t socket_count;        /**< may be 0 */
   uint32_t socket_stride;       /**< bytes from a socket to the next: sizeof(fb_socket) as compiled */
   const fb_socket* sockets;     /**< socket_count of them */
@@ -124,6 +133,7 @@ static inline void fb_rig_init(fb_rig* rig) {
   rig->abi = FB_RIG_ABI;
   rig->control_stride = (uint32_t)sizeof(fb_rig_control);
   rig->clip_stride = (uint32_t)sizeof(fb_rig_clip);
+  rig->label_stride = (uint32_t)sizeof(fb_rig_labels);
   rig->mesh_stride = (uint32_t)sizeof(fb_mesh);
   rig->material_stride = (uint32_t)sizeof(fb_material);
   rig->image_stride = (uint32_t)sizeof(fb_image);

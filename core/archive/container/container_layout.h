@@ -20,6 +20,7 @@ namespace section {
 inline constexpr const char* definition = "definition";
 inline constexpr const char* polygons = "polygons";
 inline constexpr const char* geometry = "geometry";
+inline constexpr const char* labels = "labels";
 inline constexpr const char* uvs = "uvs";
 inline constexpr const char* meshes = "meshes";
 inline constexpr const char* materials = "materials";

@@ -137,7 +137,9 @@ Control read_control(const Field& field) {
   control.minimum = field["min"].single();
   control.maximum = field["max"].single();
   control.rest = field["default"].single();
-  if (field.has("group")) control.group = field["group"].text_or_empty();
+  const auto text = [&](const char* key) { return field.has(key) ? field[key].text_or_empty() : std::string(); };
+  control.group = text("group");
+  control.labels = {text("arkit"), text("facs"), text("unit"), text("mirror")};
   return control;
 }
 
@@ -248,7 +250,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
   root["controls"] = Ordered::array();
   for (const Control& c : index.schema.controls) {
     Ordered control = {{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}};
-    if (!c.group.empty()) control["group"] = c.group;
+    write_labels(c, control);
     root["controls"].push_back(control);
   }
   root["clips"] = Ordered::array();

@@ -182,6 +182,17 @@ ordered_json json_of(const MeshPart& part) {
 
 }  // namespace
 
+void write_labels(const Control& control, ordered_json& to) {
+  const ControlLabels& labels = control.labels;
+  const std::pair<const char*, const std::string*> fields[] = {{"group", &control.group},
+                                                               {"arkit", &labels.arkit},
+                                                               {"facs", &labels.facs},
+                                                               {"unit", &labels.unit},
+                                                               {"mirror", &labels.mirror}};
+  for (const auto& [key, text] : fields)
+    if (!text->empty()) to[key] = *text;
+}
+
 void write_character(const std::vector<MeshPart>& parts, const Character& character, const DescribeImage& describe,
                      ordered_json& to) {
   for (const MeshPart& part : parts) to["meshes"].push_back(json_of(part));

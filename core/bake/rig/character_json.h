@@ -6,8 +6,12 @@
 
 #include "model/character.h"
 #include "model/mesh.h"
+#include "model/rig_schema.h"
 
 namespace fb::bake {
+
+// Adds the fields "group", "arkit", "facs", "unit" and "mirror" to a control's object, those that are not empty.
+void write_labels(const Control& control, nlohmann::ordered_json& to);
 
 // Adds the fields "meshes", "materials", "images" and "sockets" to an object, those that are not empty. `describe`
 // writes where the bytes of an image are into its object.

@@ -74,6 +74,16 @@ struct Reader {
     return schema;
   }
 
+  void read_labels(const fb_rig& rig, RigSchema& schema) const {
+    if (!rig.labels) return;
+    check_stride<fb_rig_labels>(rig.label_stride, "label_stride", "fb_rig_labels");
+    const auto known = [](const char* text) { return text ? text : ""; };
+    for (std::uint32_t i = 0; i < rig.control_count; ++i) {
+      const fb_rig_labels& from = element(rig.labels, rig.label_stride, i);
+      schema.controls[i].labels = {known(from.arkit), known(from.facs), known(from.unit), known(from.mirror)};
+    }
+  }
+
   Mesh mesh(const fb_rig& rig) const {
     const float* points = array(rig.rest_positions, rig.vertex_count, "rest_positions", "vertex_count");
     Mesh mesh;
@@ -227,6 +237,7 @@ RigDescription describe(const fb_rig& rig) {
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
   if (rig.struct_size >= rig_with_character) {
+    reader.read_labels(rig, description.schema);
     description.rest.parts = reader.parts(rig);
     description.character = reader.character(rig);
   }

@@ -254,9 +254,10 @@ RigMessage hello_answer(const Source& rig) {
   const RigSchema& schema = rig.schema();
   const Mesh& rest = rig.rest();
   ordered_json controls = ordered_json::array(), clips = ordered_json::array();
-  for (const Control& c : schema.controls)
-    controls.push_back(
-        {{"name", c.name}, {"group", c.group}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
+  for (const Control& c : schema.controls) {
+    controls.push_back({{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
+    write_labels(c, controls.back());
+  }
   for (const Clip& clip : rig.clips())
     clips.push_back({{"name", clip.name},
                      {"kind", name_of(clip.kind)},
@@ -310,9 +311,13 @@ RigDescription description_of(const RigMessage& answer) {
   RigDescription rig;
   rig.schema = {fields.text("name"), fields.text("units"), fields.text("up_axis"), {}};
   for (const Fields& from : fields.objects("controls"))
-    rig.schema.controls.push_back({from.text("name"), static_cast<float>(from.number("min")),
-                                   static_cast<float>(from.number("max")), static_cast<float>(from.number("default")),
-                                   from.text_or("group", "")});
+    rig.schema.controls.push_back(
+        {from.text("name"),
+         static_cast<float>(from.number("min")),
+         static_cast<float>(from.number("max")),
+         static_cast<float>(from.number("default")),
+         from.text_or("group", ""),
+         {from.text_or("arkit", ""), from.text_or("facs", ""), from.text_or("unit", ""), from.text_or("mirror", "")}});
   Numbers numbers(answer);
   rig.rest = read_mesh(fields, numbers);
   try {

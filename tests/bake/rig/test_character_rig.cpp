@@ -22,6 +22,7 @@ namespace {
 struct HostRig {
   PackedModel model = character_model();
   std::vector<fb_rig_control> controls;
+  std::vector<fb_rig_labels> labels;
   std::vector<fb_mesh> meshes;
   std::vector<fb_material_run> runs;
   std::vector<fb_material> materials;
@@ -39,6 +40,8 @@ struct HostRig {
       if (image.bytes.empty()) image.bytes.push_back(std::byte(1));
     for (const Control& c : model.schema.controls)
       controls.push_back({c.name.c_str(), c.group.c_str(), c.minimum, c.maximum, c.rest, 0});
+    for (const Control& c : model.schema.controls)
+      labels.push_back({c.labels.arkit.c_str(), c.labels.facs.c_str(), c.labels.unit.c_str(), c.labels.mirror.c_str()});
     describe_character();
     const Mesh& rest = model.rest;
     fb_rig_init(&rig);
@@ -55,6 +58,7 @@ struct HostRig {
     rig.uv_count = static_cast<std::uint32_t>(rest.uvs.size() / 2);
     rig.uvs = rest.uvs.data();
     rig.uv_corners = rest.uv_corners.data();
+    rig.labels = labels.data();
     rig.user = this;
     rig.evaluate = evaluate;
     rig.mesh_count = static_cast<std::uint32_t>(meshes.size());
@@ -119,9 +123,16 @@ struct HostRig {
   }
 };
 
+std::vector<ControlLabels> labels_of(const RigSchema& schema) {
+  std::vector<ControlLabels> labels;
+  for (const Control& control : schema.controls) labels.push_back(control.labels);
+  return labels;
+}
+
 void check_same(const Source& source, const HostRig& rig) {
   CHECK(source.rest().parts == rig.model.rest.parts);
   CHECK(source.character() == rig.model.character);
+  CHECK(labels_of(source.schema()) == labels_of(rig.model.schema));
 }
 
 void check_refused(const std::function<void(HostRig&)>& change, const char* message) {
@@ -139,6 +150,7 @@ TEST_CASE("a rig gives meshes, materials, images and sockets") {
   const RigSource older(rig.rig);
   CHECK(older.rest().parts.empty());
   CHECK(older.character() == Character{});
+  CHECK(labels_of(older.schema()) == std::vector<ControlLabels>(5));
 }
 
 TEST_CASE("a rig may leave out runs, weights and frames") {
@@ -158,6 +170,7 @@ TEST_CASE("a rig may leave out runs, weights and frames") {
 }
 
 TEST_CASE("a rig whose character contradicts itself is refused by name") {
+  check_refused([](HostRig& r) { r.labels[1].mirror = "jaw_open"; }, "which does not mirror it");
   check_refused([](HostRig& r) { r.meshes[1].name = nullptr; }, "the name of mesh 1 is null");
   check_refused([](HostRig& r) { r.meshes[1].name = "head"; }, "two meshes named \"head\"");
   check_refused([](HostRig& r) { r.meshes[0].runs = nullptr; }, "the runs of mesh \"head\" are null");
@@ -177,6 +190,7 @@ TEST_CASE("the rig protocol carries a character") {
   const RigDescription description = description_of(hello_answer(RigSource(rig.rig)));
   CHECK(description.rest.parts == rig.model.rest.parts);
   CHECK(description.character == rig.model.character);
+  CHECK(labels_of(description.schema) == labels_of(rig.model.schema));
 }
 
 TEST_CASE("a dataset folder keeps a character") {
@@ -230,6 +244,7 @@ TEST_CASE("a bake keeps a character, whatever its scale and recipe") {
     const archive::Archive archive = archive::read_archive(baked.archive);
     CHECK(archive.model.rest.parts == rig.model.rest.parts);
     CHECK(archive.model.character == rig.model.character);
+    CHECK(labels_of(archive.model.schema) == labels_of(rig.model.schema));
     CHECK(verify_archive(baked.archive).poses == 11);
     CHECK(baked.dependency.max < 1e-2);
   }
