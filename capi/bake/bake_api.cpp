@@ -28,6 +28,7 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.examples = examples_of(desc, source, progress);
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
+  options.cache_bytes = desc.cache_bytes;
   options.reuse = text_or_empty(desc.reuse);
   return options;
 }
@@ -98,6 +99,7 @@ void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
   defaults.mix = "dense";
   defaults.seed = options.seed;
   defaults.normal_weight = options.normal_weight;
+  defaults.cache_bytes = options.cache_bytes;
   fill_struct(to, struct_size, defaults);
 }
 

@@ -17,10 +17,14 @@ namespace fb::tool {
 namespace {
 
 struct BakeCommand {
-  BakeCommand() { fb_bake_desc_init(&desc); }
+  BakeCommand() {
+    fb_bake_desc_init(&desc);
+    cache_mib = desc.cache_bytes >> 20;
+  }
 
   std::vector<std::string> sources, poses_like;
   std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, created;
+  std::uint64_t cache_mib;
   fb_bake_desc desc;
   Parallel parallel;
   RigOptions rigs;
@@ -78,6 +82,7 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.created = created.empty() ? nullptr : created.c_str();
   desc.work = work.empty() ? nullptr : work.c_str();
   desc.reuse = reuse.empty() ? nullptr : reuse.c_str();
+  desc.cache_bytes = cache_mib << 20;
   desc.measure = report.empty() ? 0 : FB_MEASURE_QUALITY | FB_MEASURE_LOCALITY;
   desc.callbacks = callbacks;
   facebaker::Report baked = facebaker::bake(desc);
@@ -102,6 +107,25 @@ void BakeCommand::run() {
   }
   if (!report.empty()) write_report(report, "bake", figures, bake_text(figures));
   print_result(json ? figures.c_str() : (out + "\n" + bake_text(figures)).c_str());
+}
+
+// What is kept of the work, and what is taken over of an earlier bake.
+void add_work_options(CLI::App& app, BakeCommand& command) {
+  app.add_option("--work", command.work,
+                 "Folder that keeps what makes resuming possible; by default <out>.work, which is "
+                 "removed once the archive is complete")
+      ->type_name("DIR");
+  app.add_option(
+         "--cache-mib", command.cache_mib,
+         "MiB of disk that evaluations of a slow rig may take in the work folder; what is not kept is evaluated "
+         "again after an interruption. What --rig-budget counts is kept in any case")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40))
+      ->type_name("N")
+      ->capture_default_str();
+  app.add_option("--reuse", command.reuse,
+                 "Work folder of an earlier bake: what the rig answered then and still holds after an edit is taken "
+                 "over, checked on a sample")
+      ->type_name("DIR");
 }
 
 }  // namespace
@@ -140,14 +164,7 @@ void add_bake(CLI::App& tool) {
   add_licence(*app, command->licence);
   app->add_option("--created", command->created, "A date to put into the archive; without it there is none")
       ->type_name("DATE");
-  app->add_option("--work", command->work,
-                  "Folder that keeps what makes resuming possible; by default <out>.work, which is "
-                  "removed once the archive is complete")
-      ->type_name("DIR");
-  app->add_option("--reuse", command->reuse,
-                  "Work folder of an earlier bake: what the rig answered then and still holds after an edit is taken "
-                  "over, checked on a sample")
-      ->type_name("DIR");
+  add_work_options(*app, *command);
   add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
   add_learning_curve(*app, command->learning_curve);
   add_seed(*app, command->desc.seed);

@@ -261,7 +261,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 184);
+  assert_int_equal(sizeof(fb_bake_desc), 192);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -287,6 +287,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, example_count, 164);
   assert_at(fb_bake_desc, examples, 168);
   assert_at(fb_bake_desc, normal_weight, 176);
+  assert_at(fb_bake_desc, cache_bytes, 184);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

@@ -1,6 +1,7 @@
 // What a rig answered before it was edited, as a user of the tool reuses it.
 #include <doctest/doctest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -79,4 +80,40 @@ TEST_CASE("a recording has nothing to reuse, and neither has a folder that is no
   const ToolRun none =
       run_tool({"bake", FB_TOY_RIG, "--out", folder / "face.fbk", "--recipe", "linear", "--reuse", folder / "none"});
   CHECK_MESSAGE(is_error_line(none.err, "bake", {"none: no such folder"}), none.err);
+}
+
+TEST_CASE("a bake that is repeated evaluates no frame of the rig's clips again") {
+  const ScratchFolder folder;
+  const auto frames = [&] {
+    const ToolRun run = bake(1, folder, "face", {});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const auto figures = nlohmann::json::parse(run.out);
+    for (const auto& stage : figures.at("asked_by_stage"))
+      if (stage.at("stage") == "clips and test poses") return stage.at("evaluated").get<int>();
+    return 0;
+  };
+  CHECK(frames() > 0);
+  CHECK(frames() == 0);
+}
+
+TEST_CASE("what is not kept on the disk is evaluated again, and the face is the same") {
+  const ScratchFolder folder;
+  const auto whole = [&](const std::string& name, const std::vector<std::string>& options) {
+    const ToolRun run = bake(1, folder, name, options);
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    return run;
+  };
+  for (const std::vector<std::string>& budget : {std::vector<std::string>{}, {"--rig-budget", "60"}}) {
+    std::vector<std::string> limited = budget;
+    limited.insert(limited.end(), {"--cache-mib", "0"});
+    const std::string kind = budget.empty() ? "free" : "budgeted", stopped = kind + " stopped";
+    const auto expected = nlohmann::json::parse(whole(kind, budget).out);
+    for (const int after : {150'000, 400'000, 800'000}) bake(1, folder, stopped, limited, after);
+    const ToolRun run = whole(stopped, limited);
+    CHECK(fb::read_file(folder / (stopped + ".fbk")) == fb::read_file(folder / (kind + ".fbk")));
+    if (!budget.empty()) CHECK(nlohmann::json::parse(run.out).at("asked") == expected.at("asked"));
+    CHECK(contains(run.err, "limit of 0 MiB") == budget.empty());
+    // What a budget counts is kept in any case.
+    CHECK(std::filesystem::exists(folder / (stopped + "/rig.evaluations")) == !budget.empty());
+  }
 }

@@ -251,6 +251,9 @@ typedef struct fb_bake_desc {
   double normal_weight; /**< how much errors of normals count beside distances when the face is rounded, 0 to 4: where
                            vertices lie densely, its values are finer in proportion to this power of their spacing, as
                            the same error turns normals more there. 0: distances alone; default 1 */
+  uint64_t cache_bytes; /**< size that evaluations of a slow source, kept in the work folder until the bake is done, may
+                           have: what is not kept is evaluated again after an interruption. What rig_budget counts, or
+                           reuse takes over, is kept in any case. Default 8 GiB */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

@@ -165,6 +165,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   const Recipe& recipe = checked_recipe(options);
   const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
+  evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
   std::unique_ptr<Source> sampled;
   EvaluationPlan plan;

@@ -121,6 +121,7 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
                                Progress& progress) {
   std::unique_ptr<Source> recorded;
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
+  evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   check_rig_unchanged(evaluator, options.seed, options.work, progress);
   const auto evaluating = static_cast<std::size_t>(std::count_if(
       methods.begin(), methods.end(), [](const std::string& method) { return find_recipe(method).evaluates_rig; }));

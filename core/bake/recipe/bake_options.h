@@ -38,7 +38,7 @@ struct BakeOptions {
   double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
   // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
   double normal_weight = 1;
-  bool force = false;           // where a target cannot be met, the nearest there is instead of a failure
+  bool force = false;  // where a target cannot be met, the nearest there is instead of a failure
   // Texts for the archive; empty: none. `created` is a date for the provenance.
   std::string licence, created;
   // Trains on parts of the poses too, for the error by their number (BakeStats::learning): takes about as long as the
@@ -49,6 +49,8 @@ struct BakeOptions {
   // missing; a later bake with the same options goes on from what is there, and with another target does not train
   // again.
   std::filesystem::path work;
+  // Evaluations of a slow rig kept there at most, in bytes. Those that rig_budget counts are kept in any case.
+  std::uint64_t cache_bytes = std::uint64_t{8} << 30;
   // Work folder of an earlier bake, of an earlier version of the rig, whose evaluations are taken over as far as they
   // still hold, see reuse_evaluations; empty: none.
   std::filesystem::path reuse;

@@ -38,6 +38,8 @@ class EvaluationCache {
 
   // Records so far, those included that are damaged or stored twice.
   std::uint64_t record_count() const { return record_count_; }
+  // Of the file, with one record more.
+  std::uint64_t bytes_with_another() const { return header_bytes_ + (record_count_ + 1) * record_bytes(); }
   // Reads a record; false if it is damaged or not flushed yet.
   bool read(std::uint64_t record, std::span<float> controls, std::span<float> points);
   // Hashes (hash64_of) of the controls of records of origin reused that were there when the file was opened.

@@ -134,7 +134,7 @@ void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, 
   const std::size_t width = rest_pose_.size();
   const std::span<const float> controls = frames_of(from, first, count, width);
   try {
-    evaluate_apart(controls, count, points);
+    evaluate_apart_cached(controls, count, points);
   } catch (const PoseError& error) {
     fail(error.status(), "clip \"%s\", frame %zu: %s (%s)", from.name.c_str(), first + error.pose(),
          error.reason().c_str(), describe_pose(schema(), controls.subspan(error.pose() * width, width)).c_str());
@@ -179,15 +179,16 @@ void RigEvaluator::run_backend(std::span<const float> controls, std::size_t coun
 void RigEvaluator::evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
   spend(controls, count);
-  run_cached(controls, count, points);
+  run_cached(controls, count, points, cache_limit_.keep_requested ? Keep::all : Keep::within_limit);
+  tell_limit();
 }
 
 void RigEvaluator::evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
   check_sizes(controls, count, points);
-  run_cached(controls, count, points);
+  run_cached(controls, count, points, Keep::within_limit);
 }
 
-void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count, std::span<float> points) {
+void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count, std::span<float> points, Keep keep) {
   if (!cache_) return run_backend(controls, count, points);
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   const auto pose = [&](std::size_t i) { return controls.subspan(i * width, width); };
@@ -195,6 +196,7 @@ void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count
   std::vector<std::size_t> missing;
   std::vector<std::pair<std::size_t, std::size_t>> copies;  // pose, an equal one before it
   std::unordered_map<std::uint64_t, std::size_t> seen;
+  std::unique_lock lock(caching_);
   const bool slow = missing_poses_ > 0 && missing_time_ >= static_cast<std::int64_t>(missing_poses_) * slow_pose;
   for (std::size_t i = 0; i < count; ++i) {
     if (cache_->find(pose(i), points_of(i))) continue;
@@ -207,12 +209,13 @@ void RigEvaluator::run_cached(std::span<const float> controls, std::size_t count
     }
     missing.push_back(i);
   }
-  evaluate_missing(controls, missing, points);
+  lock.unlock();
+  evaluate_missing(controls, missing, points, keep);
   for (const auto& [to, from] : copies) std::ranges::copy(points_of(from), points_of(to).begin());
 }
 
 void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing,
-                                    std::span<float> points) {
+                                    std::span<float> points, Keep keep) {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   std::vector<float> some_controls, some_points;
   std::vector<char> answered;
@@ -227,35 +230,49 @@ void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<c
     answered.assign(some.size(), 0);
     const EvaluationBlock block = {all ? controls : some_controls, some.size(), all ? points : some_points, answered};
     const auto start = std::chrono::steady_clock::now();
-    const auto keep = [&] {
+    const auto take = [&] {
       for (std::size_t k = 0; k < some.size(); ++k)
         if (!all && answered[k])
           std::ranges::copy(block.points.subspan(k * size, size), points.begin() + some[k] * size);
-      keep_slow(std::chrono::steady_clock::now() - start, block);
+      keep_slow(std::chrono::steady_clock::now() - start, block, keep);
     };
     try {
       run_block(block);
     } catch (const PoseError& error) {
-      keep();
+      take();
       throw PoseError(error.status(), some[error.pose()], error.reason());
     } catch (...) {
-      keep();
+      take();
       throw;
     }
-    keep();
+    take();
   }
 }
 
 // Adds the answered poses of a block to the cache, if the rig is slow.
-void RigEvaluator::keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block) {
+void RigEvaluator::keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block, Keep keep) {
+  const std::lock_guard lock(caching_);
   missing_time_ += took;
   missing_poses_ += block.count;
   if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return;
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
-  for (std::size_t i = 0; i < block.count; ++i)
-    if (block.answered[i])
-      cache_->store(block.controls.subspan(i * width, width), block.points.subspan(i * size, size));
+  for (std::size_t i = 0; i < block.count; ++i) {
+    if (!block.answered[i]) continue;
+    if (keep == Keep::within_limit && cache_->bytes_with_another() > cache_limit_.bytes) {
+      limit_reached_ = true;
+      break;
+    }
+    cache_->store(block.controls.subspan(i * width, width), block.points.subspan(i * size, size));
+  }
   cache_->flush();
+}
+
+void RigEvaluator::tell_limit() {
+  if (!limit_reached_ || !parallel_.progress || std::exchange(limit_told_, true)) return;
+  parallel_.progress->note(format(
+      "%llu evaluations of the rig are kept on the disk, as many as the limit of %.0f MiB "
+      "allows: the others are not, and an interrupted bake evaluates them again",
+      static_cast<unsigned long long>(cache_->record_count()), static_cast<double>(cache_limit_.bytes) / (1 << 20)));
 }
 
 void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {

@@ -61,6 +61,13 @@ struct EvaluationCount {
 };
 using EvaluationCounts = std::array<EvaluationCount, purpose_count>;
 
+// How much of what a slow rig evaluates is kept in a file. What is not kept is evaluated again when it is asked for.
+struct CacheLimit {
+  std::uint64_t bytes = std::uint64_t{8} << 30;  // nothing is added that would make the file larger
+  // What counts against budgets is added all the same, so that an interruption does not make the rig answer more.
+  bool keep_requested = false;
+};
+
 // A source whose evaluations are counted, kept within budgets, spread over a backend and, where the rig is slow, kept
 // in a file. Results come in the order of the poses and do not depend on backend, threads or cache. Of a recording,
 // only `read` works, and nothing is counted. What counts against budgets are different poses: a pose asked for again
@@ -72,7 +79,8 @@ using EvaluationCounts = std::array<EvaluationCount, purpose_count>;
 //
 // A pose that fails twice, see EvaluationBackend, is told by PoseError with its number within the call.
 //
-// `read` and `evaluate` may be called by several threads if the source is thread-safe; the others by one.
+// `read`, `evaluate` and what evaluates apart may be called by several threads if the source is thread-safe; the others
+// by one.
 class RigEvaluator final : public Source {
  public:
   // Evaluates by the source's own backend. `source` must outlive this. `cache`: file for evaluations, see
@@ -102,6 +110,7 @@ class RigEvaluator final : public Source {
   // The same for frames of clips, which count against no budget.
   void evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points);
 
+  void set_cache_limit(const CacheLimit& limit) { cache_limit_ = limit; }
   // What is kept in the file; null where there is none. Whoever reads it evaluates nothing meanwhile.
   EvaluationCache* cache() { return cache_ ? &*cache_ : nullptr; }
 
@@ -110,9 +119,9 @@ class RigEvaluator final : public Source {
   void recall(std::span<const float> controls) { spend(controls, controls.size() / rest_pose_.size()); }
 
   // evaluate, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose,
-  // equal poses of the call are evaluated once and what is evaluated is added to the cache; evaluating a pose of a
-  // quicker rig takes no longer than reading it. What was evaluated of a call that fails or is interrupted is added
-  // too.
+  // equal poses of the call are evaluated once and what is evaluated is added to the cache, within its limit;
+  // evaluating a pose of a quicker rig takes no longer than reading it. What was evaluated of a call that fails or is
+  // interrupted is added too.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
   // The same for frames of clips, which count against no budget.
   void evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
@@ -153,15 +162,21 @@ class RigEvaluator final : public Source {
   void check_sizes(std::span<const float> controls, std::size_t count, std::span<const float> points) const;
   void spend(std::span<const float> controls, std::size_t poses);
   void run_backend(std::span<const float> controls, std::size_t count, std::span<float> points);
-  void run_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
+  enum class Keep { within_limit, all };
+  void run_cached(std::span<const float> controls, std::size_t count, std::span<float> points, Keep keep);
   void run_block(const EvaluationBlock& block);
-  void keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block);
-  void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points);
+  void keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block, Keep keep);
+  void tell_limit();
+  void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points,
+                        Keep keep);
 
   Source& source_;
   const Parallel parallel_;
   const std::unique_ptr<EvaluationBackend> backend_;
+  std::mutex caching_;  // of the cache, and of how long missing poses take
   std::optional<EvaluationCache> cache_;
+  CacheLimit cache_limit_;
+  bool limit_reached_ = false, limit_told_ = false;
   const EvaluationBudget* budget_ = nullptr;  // the innermost
   std::mutex requesting_;
   std::unordered_set<std::uint64_t> known_;  // hashes of the poses requested so far, and of the rest pose

@@ -245,6 +245,54 @@ TEST_CASE("frames of clips of a slow rig are kept too, and count against no budg
   CHECK(budget.requested() == 0);
 }
 
+TEST_CASE("frames read of clips of a slow rig are kept, by any number of threads") {
+  struct SlowRig final : MemorySource {
+    SlowRig() : MemorySource(width, side, formula, true) { add_clip("shot", ClipKind::shot, Split::test, 64, 1, 3); }
+    void evaluate(std::span<const float> poses, std::size_t count, std::span<float> points) override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(count));
+      MemorySource::evaluate(poses, count, points);
+    }
+  };
+  const Folder folder;
+  SlowRig rig;
+  for (const std::uint64_t evaluated : {64, 0}) {
+    RigEvaluator evaluator(rig, {}, folder / "evaluations");
+    std::vector<float> points(64 * size);
+    parallel_for({.threads = 4}, 8, [&](std::size_t i, std::size_t) {
+      evaluator.read(0, 8 * i, 8, std::span(points).subspan(8 * i * size, 8 * size));
+    });
+    CHECK(points == truth(rig.clips()[0].controls));
+    CHECK(evaluator.evaluated() == evaluated);
+  }
+}
+
+TEST_CASE("beyond its limit nothing is kept but what a budget counts, and results are the same") {
+  const std::vector<float> poses = random_poses(60), frames = random_poses(30, 6);
+  std::vector<float> points(60 * size), shot(30 * size);
+  for (const bool keep_requested : {false, true}) {
+    const Folder folder;
+    const auto evaluated = [&] {
+      CountingRig rig(true);
+      RigEvaluator evaluator(rig, {}, folder / "evaluations");
+      evaluator.set_cache_limit({10'000, keep_requested});
+      evaluator.evaluate_apart_cached(frames, 30, shot);
+      const EvaluationBudget budget(evaluator, 60);
+      evaluator.evaluate_cached(poses, 60, points);
+      CHECK(points == truth(poses));
+      CHECK(shot == truth(frames));
+      CHECK(budget.requested() == 60);
+      return rig.evaluated();
+    };
+    CHECK(evaluated() == 90);
+    const std::uintmax_t bytes = std::filesystem::file_size(folder / "evaluations");
+    const std::size_t again = evaluated();
+    CHECK(std::filesystem::file_size(folder / "evaluations") == bytes);
+    CHECK(again > (keep_requested ? 0 : 60));
+    CHECK(again < (keep_requested ? 30 : 90));
+    CHECK((bytes <= 10'000) == !keep_requested);
+  }
+}
+
 TEST_CASE("a cache that is a pipe is refused at once, not waited for") {
   const Folder folder;
   const std::filesystem::path pipe = folder / "evaluations";
