@@ -6,8 +6,8 @@
 namespace fb::runtime {
 namespace {
 
-using Vector = std::array<double, 3>;
-using Matrix3 = std::array<Vector, 3>;
+using Vector3d = std::array<double, 3>;
+using Matrix3 = std::array<Vector3d, 3>;
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
 constexpr int squarings = 24;  // enough for vertices that lie within a band 500 times as long as it is wide
@@ -18,7 +18,7 @@ constexpr Matrix3 identity = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 // posed[b].
 Matrix4 shifted_horn_matrix(const Matrix3& s) {
   double squares = 0;
-  for (const Vector& row : s)
+  for (const Vector3d& row : s)
     for (const double value : row) squares += value * value;
   const double shift = 2 * std::sqrt(squares);
   const double xx = s[0][0], yy = s[1][1], zz = s[2][2];
@@ -70,8 +70,8 @@ Matrix3 best_rotation(const Matrix3& s) {
   return rotation_of(quaternion);
 }
 
-Vector rotated(const Matrix3& r, const Vector& v) {
-  Vector result;
+Vector3d rotated(const Matrix3& r, const Vector3d& v) {
+  Vector3d result;
   for (std::size_t a = 0; a < 3; ++a) result[a] = r[a][0] * v[0] + r[a][1] * v[1] + r[a][2] * v[2];
   return result;
 }
@@ -110,7 +110,7 @@ SocketFrames::SocketFrames(const PackedModel& model, std::span<const std::uint32
 
 void SocketFrames::run(const Socket& socket, const float* rows, float* frame) const {
   const auto points = std::span(points_).subspan(socket.first, socket.end - socket.first);
-  Vector centre = {};
+  Vector3d centre = {};
   for (const Point& point : points)
     for (std::size_t a = 0; a < 3; ++a) centre[a] += point.weight * rows[3 * std::size_t(point.index) + a];
   for (double& value : centre) value /= socket.weight;
@@ -123,7 +123,7 @@ void SocketFrames::run(const Socket& socket, const float* rows, float* frame) co
   const std::array<float, frame_floats>& rest = socket.frame;
   std::array<float, frame_floats> posed;
   for (std::size_t column = 0; column < 4; ++column) {
-    Vector axis = {rest[column], rest[4 + column], rest[8 + column]};
+    Vector3d axis = {rest[column], rest[4 + column], rest[8 + column]};
     if (column == 3)
       for (std::size_t a = 0; a < 3; ++a) axis[a] -= socket.centre[a];
     axis = rotated(rotation, axis);

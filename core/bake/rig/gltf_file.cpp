@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 #include <string_view>
 
 #include "base/checked.h"
@@ -52,10 +53,15 @@ GltfFile::GltfFile(std::span<const std::byte> bytes) : model_(std::make_unique<t
   const auto size = checked_u32(bytes.size(), "bytes");
   const bool binary = size >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
   check_json_depth(json_of(bytes, binary));
-  const bool loaded = binary ? loader.LoadBinaryFromMemory(model_.get(), &error, &warning,
-                                                           reinterpret_cast<const unsigned char*>(bytes.data()), size)
-                             : loader.LoadASCIIFromString(model_.get(), &error, &warning,
-                                                          reinterpret_cast<const char*>(bytes.data()), size, "");
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  bool loaded = false;
+  try {
+    loaded = binary ? loader.LoadBinaryFromMemory(model_.get(), &error, &warning,
+                                                  reinterpret_cast<const unsigned char*>(text), size)
+                    : loader.LoadASCIIFromString(model_.get(), &error, &warning, text, size, "");
+  } catch (const std::out_of_range&) {
+    error = "a buffer is empty";  // which the loader does not expect
+  }
   check_extensions(*model_);  // first: a required extension may be why it was not loaded
   while (!error.empty() && error.back() == '\n') error.pop_back();
   if (!loaded) fail(Status::bad_data, "is no whole glTF file%s%s", error.empty() ? "" : ": ", error.c_str());

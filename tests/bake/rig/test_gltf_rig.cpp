@@ -256,6 +256,7 @@ TEST_CASE("what cannot be a rig is refused by name") {
        "requires the glTF extension KHR_draco_mesh_compression"},
       {R"({"byteLength":240})", R"({"byteLength":240,"uri":"face.bin"})", Status::bad_data, "other files are not read"},
       {R"({"byteLength":240})", R"({"byteLength":241})", Status::bad_data, "is no whole glTF file"},
+      {R"({"byteLength":240})", R"({"byteLength":0})", Status::bad_data, "is no whole glTF file: a buffer is empty"},
   };
   for (const auto& wrong : wrongs) {
     CAPTURE(std::string(wrong.to));
