@@ -113,6 +113,32 @@ fb_status fb_socket_at(const fb_model* model, uint32_t index, fb_socket* socket)
   return copy_at(model, &LoadedCharacter::sockets, index, socket, "fb_socket");
 }
 
+const char* fb_about(const fb_model* model) {
+  return model ? model->character.about() : nullptr;
+}
+
+const void* fb_thumbnail(const fb_model* model, uint64_t* byte_count) {
+  const std::span<const std::byte> png = model ? model->character.thumbnail() : std::span<const std::byte>();
+  if (byte_count) *byte_count = png.size();
+  return png.empty() ? nullptr : png.data();
+}
+
 fb_status fb_find_socket(const fb_model* model, const char* name, uint32_t* index) {
   return find(model, &LoadedCharacter::sockets, name, index, "socket");
+}
+
+void fb_channel_fill(fb_channel* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+uint32_t fb_channel_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::channels);
+}
+
+fb_status fb_channel_at(const fb_model* model, uint32_t index, fb_channel* channel) {
+  return copy_at(model, &LoadedCharacter::channels, index, channel, "fb_channel");
+}
+
+fb_status fb_find_channel(const fb_model* model, const char* name, uint32_t* index) {
+  return find(model, &LoadedCharacter::channels, name, index, "channel");
 }

@@ -138,7 +138,7 @@ fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch
   if (desc.meshes) {
     fill_mask(scratch.meshes, desc.meshes, desc.mesh_count, "mesh");
     masks.meshes = scratch.meshes;
-    scratch.owner.model->evaluator.leave_out_idle_regions(scratch.meshes, scratch.regions);
+    scratch.owner.model->evaluator.leave_out_idle_regions(scratch.meshes, desc.channels, scratch.regions);
   }
   return masks;
 }
@@ -146,7 +146,8 @@ fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch
 fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
-    if (!desc.normals && !desc.tangents && !desc.sockets) require(desc.positions, "fb_batch_desc: positions");
+    if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside)
+      require(desc.positions, "fb_batch_desc: positions");
   }
   if (desc.vertex_order > FB_ORDER_BAKED)
     fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
@@ -164,6 +165,9 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
   batch.masks = read_masks(desc, scratch);
   if (desc.sockets) batch.sockets = {desc.sockets, desc.socket_floats, desc.socket_pose_stride};
+  if (desc.channels) batch.channels = {desc.channels, desc.channel_floats, desc.channel_pose_stride};
+  batch.errors = {desc.expected_errors, desc.expected_errors ? desc.expected_error_floats : 0,
+                  desc.expected_error_pose_stride, desc.outside};
   return batch;
 }
 
@@ -176,7 +180,7 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
 
 const fb::runtime::RowBlockMatrix& row_block_at(const fb_model* model, std::uint32_t index) {
   require(model, "model");
-  const auto& blocks = model->evaluator.row_blocks();
+  const std::span<const fb::runtime::RowBlockMatrix> blocks = model->evaluator.row_blocks();
   if (index >= blocks.size()) fail(Status::invalid_argument, "row block %u of %zu", index, blocks.size());
   return blocks[index];
 }
@@ -502,6 +506,17 @@ fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, c
     const Use use(scratch, model);
     model->evaluator.coefficients(controls, coefficients, scratch->workspaces[0]);
     scratch->clamped = scratch->workspaces[0].clamped();
+  });
+}
+
+fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const float* controls, float* errors,
+                            uint32_t* outside) {
+  return abi_guard([&] {
+    require(model, "model");
+    require(scratch, "scratch");
+    require(controls, "controls");
+    const Use use(scratch, model);
+    model->evaluator.expected_errors(controls, errors, outside, scratch->workspaces[0]);
   });
 }
 

@@ -6,9 +6,11 @@
 namespace fb::capi {
 
 LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
-    : parts_(std::move(model.rest.parts)), character_(std::move(model.character)) {
+    : parts_(std::move(model.rest.parts)),
+      channels_(std::move(model.schema.channels)),
+      character_(std::move(model.character)) {
   if (parts_.empty()) {
-    const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
+    const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
     const auto polygons = static_cast<std::uint32_t>(model.rest.polygon_sizes.size());
     parts_ = {{"", vertices, polygons}};
     if (polygons > 0) parts_[0].materials = {{polygons, no_material}};
@@ -22,6 +24,7 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(textures_, textures, "textures");
   budget.reserve(images, character_.images.size(), "images");
   budget.reserve(sockets, character_.sockets.size(), "sockets");
+  budget.reserve(channels, channels_.size(), "channels");
   describe_meshes(model.rest);
   describe_materials();
   for (const Image& image : character_.images)
@@ -36,6 +39,9 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
                                                        {}});
     std::ranges::copy(from.frame, socket.frame);
   }
+  for (const Channel& from : channels_)
+    channels.push_back(
+        {sizeof(fb_channel), 0, from.name.c_str(), from.unit.c_str(), from.minimum, from.maximum, from.rest});
 }
 
 void LoadedCharacter::describe_meshes(const Mesh& rest) {

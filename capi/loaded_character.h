@@ -1,8 +1,9 @@
-// Meshes, materials, images and sockets of a loaded face, as hosts see them.
+// Meshes, materials, images, sockets and channels of a loaded face, as hosts see them.
 #pragma once
 
 #include <facebaker/facebaker_character.h>
 
+#include <span>
 #include <vector>
 
 #include "base/memory_budget.h"
@@ -22,12 +23,17 @@ class LoadedCharacter {
   std::vector<fb_material> materials;
   std::vector<fb_image> images;
   std::vector<fb_socket> sockets;
+  std::vector<fb_channel> channels;
+
+  const char* about() const { return character_.about.c_str(); }
+  std::span<const std::byte> thumbnail() const { return character_.thumbnail; }
 
  private:
   void describe_meshes(const Mesh& rest);
   void describe_materials();
 
   std::vector<MeshPart> parts_;
+  std::vector<Channel> channels_;
   Character character_;
   std::vector<fb_material_run> runs_;
   std::vector<fb_texture> textures_;

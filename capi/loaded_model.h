@@ -29,6 +29,7 @@ struct fb_model {
         uvs(archive.model.rest.uvs.begin(), archive.model.rest.uvs.end(), &charged),
         diagonal(archive.model.rest.diagonal()),
         provenance(std::move(archive.model.provenance)),
+        error_regions(std::move(archive.model.expected.regions)),
         character(archive.model, *budget) {}
 
   // Charges the names that a model copies from an archive, and the rest pose.
@@ -41,6 +42,9 @@ struct fb_model {
       for (const std::string* text : {&control.name, &control.group, &control.labels.arkit, &control.labels.facs,
                                       &control.labels.unit, &control.labels.mirror})
         budget.take_text(text->size(), "names");
+    budget.take(schema.channels.size(), sizeof(fb::Channel), "channels");
+    for (const fb::Channel& channel : schema.channels)
+      for (const std::string* text : {&channel.name, &channel.unit}) budget.take_text(text->size(), "names");
     for (const fb::PackedRegion& region : model.regions) budget.take_text(region.name.size(), "names");
     return model;
   }
@@ -55,5 +59,6 @@ struct fb_model {
   std::pmr::vector<float> uvs;
   double diagonal;
   std::string provenance;
+  std::vector<fb::ExpectedErrors::Region> error_regions;
   fb::capi::LoadedCharacter character;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "base/random.h"
 #include "model/face_model.h"
@@ -170,8 +171,20 @@ inline PackedModel tiny_packed_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// A PNG of one white pixel.
+inline std::vector<std::byte> white_png() {
+  static constexpr unsigned char bytes[] = {
+      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+      0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
+      0x00, 0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8, 0x0f, 0x00, 0x01, 0x01, 0x01, 0x00,
+      0x1c, 0xb0, 0x8c, 0x99, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  const auto whole = std::as_bytes(std::span(bytes));
+  return {whole.begin(), whole.end()};
+}
+
 // Two meshes, "head" of 3 x 6 vertices and "teeth" of 2 x 6, with texture coordinates, materials and images, moved as
-// tiny_packed_model is, in three row blocks.
+// tiny_packed_model is, in three row blocks, and four channels in a fourth; with sockets, labels, a thumbnail, and
+// something said about it.
 inline PackedModel character_model(std::uint64_t seed = 1) {
   PackedModel model = tiny_packed_model(seed);
   model.rest = grid_mesh(6, 3, seed);
@@ -184,9 +197,16 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
   model.rest.parts = {{"head", 18, 10, {{6, 0}, {4, no_material}}}, {"teeth", 12, 5, {{5, 1}}}};
   for (std::uint32_t i = 0; i < 30; ++i) model.order[i] = i < 18 ? 17 - i : 18 + (5 * i) % 12;
   Random random(seed, 2);
-  model.row_blocks = {random_row_block(random, 0, 27, {0, 2, 3, 4}, 0.5f),
-                      random_row_block(random, 27, 27, {0, 1, 3}, 0.5f),
-                      random_row_block(random, 54, 36, {0, 1, 2}, 0.5f)};
+  model.row_blocks = {
+      random_row_block(random, 0, 27, {0, 2, 3, 4}, 0.5f), random_row_block(random, 27, 27, {0, 1, 3}, 0.5f),
+      random_row_block(random, 54, 36, {0, 1, 2}, 0.5f), random_row_block(random, 90, 6, {0, 2, 4}, 0.5f)};
+  model.schema.channels = {{"frown", "", 0, 1, 0, 0.75f},
+                           {"blush", "", 0, 1, 0.25f, 0.5f},
+                           {"eye_turn", "degrees", -30, 30, 0, 50},
+                           {"heat", "K", 300, 320, 310, 8}};
+  model.rest.channel_vertices = 2;
+  model.rest.points.resize(96);
+  model.order.insert(model.order.end(), {30, 31});
   const auto image = [](const char* name, const char* type, std::size_t size) {
     return Image{name, type, std::vector<std::byte>(size, std::byte(0x89))};
   };
@@ -202,7 +222,22 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
   model.schema.controls[3].labels = {"eyeBlinkLeft", "", "", "brow_raise"};
   model.character.sockets = {{"nose", {1, 2, 7, 8, 13}, {1, 0.5f, 2, 1, 1}, {0, -1, 0, 2, 1, 0, 0, 1.5f, 0, 0, 1, 1}},
                              {"tooth", {29, 23, 18}, {1, 1, 1}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -4}}};
+  model.expected.unit = 0.125f;
+  model.expected.regions = {{"mouth", 0.25f}, {"brows, upper left", 0}};
+  model.expected.runs = {{9, 0}, {12, 1}, {9, 0}};
+  const std::size_t controls = model.schema.control_count();
+  for (std::size_t i = 0; i < 2 * controls; ++i)
+    model.expected.weights.push_back(static_cast<std::uint8_t>(i == 2 ? 0 : 180 + 7 * i));
+  model.expected.trained_low.assign(controls, 10);
+  model.expected.trained_high.assign(controls, 200);
+  model.expected.untrained_pairs.resize(pair_bytes(controls));
+  model.expected.set_untrained(0, 1);
+  model.expected.set_untrained(1, 3);
   model.character.materials = {skin, {"", {1, 1, 1, 0.5f}, 1, 0, {0, 0, 0}, AlphaMode::blend}};
+  model.character.about =
+      "{\"author\":\"Ren\xc3\xa9"
+      "e\",\"rights\":{\"learning\":\"forbidden\"},\"shelf\":7}";
+  model.character.thumbnail = white_png();
   return model;
 }
 

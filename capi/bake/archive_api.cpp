@@ -57,7 +57,7 @@ fb_archive_info info_of(const fb_archive& archive) {
   info.note_count = static_cast<std::uint32_t>(contents.notes.size());
   info.proof_poses = static_cast<std::uint32_t>(contents.proof.hashes.size());
   info.proof_vertices = static_cast<std::uint32_t>(contents.proof.vertices.size());
-  info.vertex_count = static_cast<std::uint32_t>(model.rest.vertex_count());
+  info.vertex_count = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
   info.control_count = static_cast<std::uint32_t>(model.schema.control_count());
   info.feature_count = static_cast<std::uint32_t>(model.features.size());
   info.direct_count = static_cast<std::uint32_t>(model.direct.size());
@@ -65,6 +65,9 @@ fb_archive_info info_of(const fb_archive& archive) {
   info.coefficient_count = model.columns;
   info.parameter_count = model.parameter_count();
   info.value_count = model.value_count();
+  info.about = model.character.about.c_str();
+  info.thumbnail = model.character.thumbnail.empty() ? nullptr : model.character.thumbnail.data();
+  info.thumbnail_bytes = model.character.thumbnail.size();
   return info;
 }
 

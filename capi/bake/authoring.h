@@ -25,6 +25,7 @@
 
 struct fb_source {
   std::unique_ptr<fb::bake::Source> source;
+  std::vector<std::filesystem::path> files;  // that it was opened from: of a folder, dataset.json
 };
 
 struct fb_archive {
@@ -84,6 +85,11 @@ bake::Use use_of(std::int32_t use);
 // "" of null.
 inline std::string text_or_empty(const char* text) {
   return text ? text : "";
+}
+
+inline std::vector<std::byte> bytes_or_none(const void* bytes, std::uint64_t size) {
+  const auto* first = static_cast<const std::byte*>(bytes);
+  return first ? std::vector<std::byte>(first, first + size) : std::vector<std::byte>();
 }
 
 // What fb_bake_desc and fb_compare_desc have in common.

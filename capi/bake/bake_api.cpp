@@ -3,6 +3,7 @@
 
 #include "bake/authoring.h"
 #include "bake/pipeline/recipe_table.h"
+#include "base/sha256.h"
 
 using namespace fb::capi;
 
@@ -28,6 +29,11 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.examples = examples_of(desc, source, progress);
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
+  options.about = text_or_empty(desc.about);
+  options.thumbnail = bytes_or_none(desc.thumbnail, desc.thumbnail_bytes);
+  for (const std::filesystem::path& file : desc.source->files)
+    options.source_files.push_back(
+        {file.filename().string(), std::filesystem::file_size(file), fb::sha256_of_file(file)});
   options.cache_bytes = desc.cache_bytes;
   options.reuse = text_or_empty(desc.reuse);
   return options;

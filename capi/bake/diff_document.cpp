@@ -85,7 +85,7 @@ std::string diff_json(const std::string& before, const archive::Archive& old_arc
                     {"schema", difference.schema},
                     {"controls_added", difference.added},
                     {"controls_removed", difference.removed},
-                    {"vertices", change(old_model.rest.vertex_count(), model.rest.vertex_count())},
+                    {"vertices", change(old_model.rest.surface_vertex_count(), model.rest.surface_vertex_count())},
                     {"same_polygons", difference.same_polygons},
                     {"same_texture_coordinates", difference.same_uvs},
                     {"rest", errors(difference.rest, difference.rest_place)},
@@ -93,6 +93,7 @@ std::string diff_json(const std::string& before, const archive::Archive& old_arc
                     {"controls", control_list(difference)},
                     {"regions", region_list(difference)},
                     {"provenance", changes(old_model.provenance, model.provenance)},
+                    {"about", changes(old_model.character.about, model.character.about)},
                     {"certificate", changes(old_archive.text.certificate, new_archive.text.certificate)},
                     {"same_licence", old_archive.text.licence == new_archive.text.licence}});
 }

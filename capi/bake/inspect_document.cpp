@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/documents.h"
+#include "bake/rig/character_json.h"
 
 namespace fb::capi {
 namespace {
@@ -46,12 +47,14 @@ Json network_of(const PackedModel& model) {
 
 Json control_list(const RigSchema& schema) {
   Json controls = Json::array();
-  for (const Control& control : schema.controls)
-    controls.push_back({{"name", control.name},
-                        {"min", control.minimum},
-                        {"max", control.maximum},
-                        {"default", control.rest},
-                        {"group", control.group}});
+  for (const Control& control : schema.controls) {
+    Json& json = controls.emplace_back(Json{{"name", control.name},
+                                            {"min", control.minimum},
+                                            {"max", control.maximum},
+                                            {"default", control.rest},
+                                            {"group", control.group}});
+    bake::write_labels(control, json);
+  }
   return controls;
 }
 
@@ -74,27 +77,35 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   Json bytes = {{"total", total_bytes}};
   for (const archive::SectionInfo& section : archive.sections) bytes[section.name] = section.stored_bytes;
   const std::string recipe = recipe_of(archive);
-  return json_text(
-      {{"archive", path},
-       {"format_version", archive.format_version},
-       {"name", model.schema.name},
-       {"units", model.schema.units},
-       {"up_axis", model.schema.up_axis},
-       {"vertices", model.rest.vertex_count()},
-       {"controls", model.schema.control_count()},
-       {"polygons", model.rest.polygon_sizes.size()},
-       {"diagonal", model.rest.diagonal()},
-       {"recipe", recipe.empty() ? Json() : Json(recipe)},
-       {"bytes", std::move(bytes)},
-       {"runtime_bytes", runtime_bytes},
-       {"certificate", object_in(archive.text.certificate)},
-       {"network", network_of(model)},
-       {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
-       {"control_list", control_list(model.schema)},
-       {"licence", archive.text.licence},
-       {"proof", {{"poses", archive.proof.hashes.size()}, {"vertices", archive.proof.vertices.size()}}},
-       {"notes", archive.notes},
-       {"provenance", provenance_of(archive)}});
+  Json document = {
+      {"archive", path},
+      {"format_version", archive.format_version},
+      {"name", model.schema.name},
+      {"units", model.schema.units},
+      {"up_axis", model.schema.up_axis},
+      {"vertices", model.rest.surface_vertex_count()},
+      {"controls", model.schema.control_count()},
+      {"polygons", model.rest.polygon_sizes.size()},
+      {"diagonal", model.rest.diagonal()},
+      {"recipe", recipe.empty() ? Json() : Json(recipe)},
+      {"bytes", std::move(bytes)},
+      {"runtime_bytes", runtime_bytes},
+      {"certificate", object_in(archive.text.certificate)},
+      {"network", network_of(model)},
+      {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
+      {"control_list", control_list(model.schema)},
+      {"licence", archive.text.licence},
+      {"proof", {{"poses", archive.proof.hashes.size()}, {"vertices", archive.proof.vertices.size()}}},
+      {"notes", archive.notes},
+      {"provenance", provenance_of(archive)}};
+  const auto size_of = [&](std::size_t image, Json& json) {
+    json["bytes"] = model.character.images[image].bytes.size();
+  };
+  bake::write_character(model.rest.parts, model.character, size_of, document);
+  bake::write_channels(model.schema.channels, document);
+  if (!model.character.about.empty()) document["about"] = object_in(model.character.about);
+  if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
+  return json_text(document);
 }
 
 std::string recipe_of(const Archive& archive) {

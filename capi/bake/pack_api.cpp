@@ -1,5 +1,6 @@
 #include "bake/authoring.h"
 #include "bake/pipeline/repack.h"
+#include "bake/rig/about.h"
 #include "base/file.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
@@ -24,6 +25,9 @@ fb::bake::RepackOptions options_of(const fb_pack_desc& desc) {
   options.force = desc.force != 0;
   options.seed = desc.seed;
   options.licence = text_or_empty(desc.licence);
+  options.about = text_or_empty(desc.about);
+  fb::bake::merged_about("", options.about);  // what is wrong with it is no fault of the archive
+  options.thumbnail = bytes_or_none(desc.thumbnail, desc.thumbnail_bytes);
   return options;
 }
 
@@ -60,8 +64,9 @@ fb_status fb_pack(const fb_pack_desc* desc, fb_report** report) {
     const std::vector<std::byte> bytes = bytes_of(known);
     const std::string name = known.path ? known.path : "memory";
     HostProgress progress(known.callbacks);
+    const fb::bake::RepackOptions options = options_of(known);
     fb::bake::RepackResult repacked =
-        fb::with_context(fb::shown(name), [&] { return fb::bake::repack(bytes, options_of(known), progress); });
+        fb::with_context(fb::shown(name), [&] { return fb::bake::repack(bytes, options, progress); });
     if (known.out) fb::bake::write_verified_archive(known.out, repacked.archive);
     auto made = std::make_unique<fb_report>();
     made->packed = std::move(repacked.archive);

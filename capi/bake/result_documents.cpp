@@ -147,6 +147,16 @@ Json locality_of(const std::optional<Locality>& locality) {
           {"alone", std::move(alone)}};
 }
 
+Json expectation_of(const EvalReport& report) {
+  if (!report.expectation) return nullptr;
+  const Expectation& expected = *report.expectation;
+  return {{"frames", expected.frames},
+          {"rank", expected.rank},
+          {"within_two", expected.within_two},
+          {"constant_within_two", expected.constant_within_two},
+          {"outside", expected.outside}};
+}
+
 Json repeatability_of(const std::optional<Repeatability>& repeatability) {
   if (!repeatability) return nullptr;
   return {{"poses", repeatability->poses}, {"rms", repeatability->rms}, {"max", repeatability->max}};
@@ -200,6 +210,7 @@ Json method_of(const MethodReport& method) {
           {"poses", method.poses},
           {"train_seconds", method.train_seconds},
           {"rig_calls", method.stats.rig_calls},
+          {"expected", expectation_of(method.independent)},
           {"quality", quality_of(method.independent)},
           {"locality", locality_of(method.locality)}};
 }
@@ -213,11 +224,13 @@ Json failures_of(const CompareReport& report) {
 
 void add_frames(Json& clips, const EvalReport& report) {
   for (std::size_t c = 0; c < report.clips.size(); ++c) {
-    Json mse = Json::array(), max = Json::array();
+    Json mse = Json::array(), max = Json::array(), expected = Json::array();
     for (const FrameErrors& frame : report.clips[c].frames) {
       mse.push_back(frame.mse);
       max.push_back(frame.max);
+      if (report.expectation) expected.push_back(frame.expected);
     }
+    clips[c]["frame_expected"] = std::move(expected);
     clips[c]["frame_mse"] = std::move(mse);
     clips[c]["frame_max"] = std::move(max);
   }
@@ -319,6 +332,7 @@ std::string eval_json(const std::string& archive, const EvalReport& report, cons
                     {"kinds", kind_list(report)},
                     {"total", figures(report.total)},
                     {"touched_bytes", touched(report.bytes_read)},
+                    {"expected", expectation_of(report)},
                     {"quality", quality_of(report)},
                     {"locality", locality_of(locality)}});
 }

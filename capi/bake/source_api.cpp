@@ -1,6 +1,8 @@
 #include "bake/authoring.h"
+#include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
+#include "bake/rig/channel_points.h"
 #include "bake/rig/limited_clips.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
@@ -49,6 +51,18 @@ std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress&
   return std::make_unique<fb::bake::LimitedClips>(std::move(source), desc.clip_budget);
 }
 
+// What a source is known by: files, and the index of folders. There is none of a rig of the host, and of commands.
+std::vector<std::filesystem::path> files_of(const fb_source_desc& desc) {
+  std::vector<std::filesystem::path> files;
+  for (std::uint32_t p = 0; p < desc.path_count; ++p) {
+    std::filesystem::path path = desc.paths[p];
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) path /= fb::bake::dataset_file;
+    if (std::filesystem::is_regular_file(path, ignored)) files.push_back(std::move(path));
+  }
+  return files;
+}
+
 fb_source_info info_of(const fb::bake::Source& source) {
   const fb::RigSchema& schema = source.schema();
   const fb::Mesh& rest = source.rest();
@@ -60,7 +74,7 @@ fb_source_info info_of(const fb::bake::Source& source) {
   info.diagonal = rest.diagonal();
   info.control_count = static_cast<std::uint32_t>(schema.control_count());
   info.clip_count = static_cast<std::uint32_t>(source.clips().size());
-  info.vertex_count = static_cast<std::uint32_t>(rest.vertex_count());
+  info.vertex_count = static_cast<std::uint32_t>(rest.surface_vertex_count());
   info.polygon_count = static_cast<std::uint32_t>(rest.polygon_sizes.size());
   info.polygon_corner_count = static_cast<std::uint32_t>(rest.polygon_corners.size());
   info.uv_count = static_cast<std::uint32_t>(rest.uvs.size() / 2);
@@ -76,10 +90,21 @@ fb_source_info info_of(const fb::bake::Source& source) {
 void check_positions(const fb::bake::Source& source, std::uint64_t poses, const float* positions,
                      std::uint64_t position_floats) {
   require(positions, "positions");
-  const std::size_t needed = fb::checked_multiply(poses, source.rest().points.size(), "poses x 3 x vertices");
+  const std::size_t needed = fb::checked_multiply(poses, source.rest().surface_points().size(), "poses x 3 x vertices");
   if (position_floats < needed)
     fail(Status::invalid_argument, "positions has %llu floats, %llu poses need %zu",
          static_cast<unsigned long long>(position_floats), static_cast<unsigned long long>(poses), needed);
+}
+
+// Calls evaluate(points) for so many poses and writes the positions of the surface.
+template <class Evaluate>
+void write_positions(const fb::bake::Source& source, std::uint64_t poses, float* positions, const Evaluate& evaluate) {
+  const fb::RigSchema& schema = source.schema();
+  const std::size_t surface = poses * source.rest().surface_points().size();
+  if (schema.channels.empty()) return evaluate(std::span(positions, surface));
+  std::vector<float> points(poses * source.rest().points.size()), channels(poses * schema.channels.size());
+  evaluate(std::span(points));
+  fb::bake::split_channels(schema, points, poses, {positions, surface}, channels);
 }
 
 fb::RigSchema schema_of(const fb_model* model) {
@@ -120,7 +145,7 @@ fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
     require(source, "source");
     const fb_source_desc known = read_struct(*desc, fb_source_desc_init, "fb_source_desc");
     HostProgress progress(known.callbacks);
-    auto opened = std::make_unique<fb_source>(fb_source{open(known, progress)});
+    auto opened = std::make_unique<fb_source>(fb_source{open(known, progress), files_of(known)});
     for (const std::string& note : opened->source->notes()) progress.note(note);
     *source = opened.release();
   });
@@ -190,7 +215,7 @@ fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first, uint6
     if (!from.readable(clip))
       fail(Status::invalid_argument, "clip \"%s\" is a plan: it has no positions yet", found.name.c_str());
     check_positions(from, count, positions, position_floats);
-    from.read(clip, first, count, {positions, count * from.rest().points.size()});
+    write_positions(from, count, positions, [&](std::span<float> points) { from.read(clip, first, count, points); });
   });
 }
 
@@ -201,8 +226,10 @@ fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t 
     require(controls, "controls");
     check_positions(from, poses, positions, position_floats);
     const std::size_t width = fb::checked_multiply(poses, from.schema().control_count(), "poses x controls");
-    fb::bake::RigEvaluator(from, parallel_of(threads, nullptr))
-        .evaluate({controls, width}, poses, {positions, poses * from.rest().points.size()});
+    fb::bake::RigEvaluator rig(from, parallel_of(threads, nullptr));
+    write_positions(from, poses, positions, [&](std::span<float> points) {
+      rig.evaluate({controls, width}, poses, points);
+    });
   });
 }
 
@@ -211,9 +238,9 @@ fb_status fb_source_check_model(const fb_source* source, const fb_model* model) 
     const fb::bake::Source& from = source_of(source, "source");
     require(model, "model");
     check_same_controls(schema_of(model), "the archive", from.schema(), "the source");
-    if (from.rest().vertex_count() != fb_vertex_count(model))
+    if (from.rest().surface_vertex_count() != fb_vertex_count(model))
       fail(Status::bad_data, "the archive has %u vertices, the source %zu", fb_vertex_count(model),
-           from.rest().vertex_count());
+           from.rest().surface_vertex_count());
   });
 }
 

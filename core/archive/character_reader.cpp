@@ -117,4 +117,51 @@ std::vector<Socket> read_sockets(ByteReader& in) {
   return sockets;
 }
 
+std::vector<std::byte> read_thumbnail(ByteReader& in) {
+  const auto bytes = in.take(in.left(), "the thumbnail");
+  if (bytes.empty()) in.corrupt("there is no thumbnail");
+  std::vector<std::byte> png;
+  in.budget().resize(png, bytes.size(), "the thumbnail");
+  std::copy(bytes.begin(), bytes.end(), png.begin());
+  return png;
+}
+
+std::vector<Channel> read_channels(ByteReader& in) {
+  std::vector<Channel> channels;
+  in.budget().resize(channels, in.count(24, "channels"), "channels");
+  for (Channel& channel : channels) {
+    channel.name = in.string("a channel's name");
+    channel.unit = in.string("a channel's unit");
+    for (float* value : {&channel.minimum, &channel.maximum, &channel.rest, &channel.scale})
+      *value = in.number<float>("a channel's range");
+  }
+  if (channels.empty()) in.corrupt("there are no channels");
+  in.end();
+  return channels;
+}
+
+ExpectedErrors read_expected_errors(ByteReader& in, std::size_t controls) {
+  ExpectedErrors expected;
+  expected.unit = in.number<float>("the unit of errors");
+  in.budget().resize(expected.regions, in.count(8, "regions"), "regions");
+  for (ExpectedErrors::Region& region : expected.regions) {
+    region.name = in.string("a region's name");
+    region.constant = in.number<float>("a region's constant");
+  }
+  if (expected.regions.empty()) in.corrupt("there are no regions");
+  in.budget().resize(expected.runs, in.count(8, "runs of vertices"), "runs of vertices");
+  for (ExpectedErrors::Run& run : expected.runs) {
+    run.vertices = in.number<std::uint32_t>("a run's vertices");
+    run.region = in.number<std::uint32_t>("a run's region");
+  }
+  const auto bytes = [&](std::uint64_t count, const char* what) { return in.numbers<std::uint8_t>(count, what); };
+  expected.weights =
+      bytes(checked_multiply(controls, expected.regions.size(), "weights of errors"), "weights of errors");
+  expected.trained_low = bytes(controls, "trained values");
+  expected.trained_high = bytes(controls, "trained values");
+  expected.untrained_pairs = bytes(pair_bytes(controls), "pairs of controls");
+  in.end();
+  return expected;
+}
+
 }  // namespace fb::archive

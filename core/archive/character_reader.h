@@ -1,11 +1,12 @@
-// Reads the sections of what a character has besides vertices that move. Input is untrusted: every function fails with
-// `corrupt`, `unsupported` or `limit` and names section and byte offset.
+// Reads the sections of what a character has besides vertices that move, and what is known of its errors. Input is
+// untrusted: every function fails with `corrupt`, `unsupported` or `limit` and names section and byte offset.
 #pragma once
 
 #include <vector>
 
 #include "archive/container/byte_reader.h"
 #include "model/character.h"
+#include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
@@ -20,5 +21,9 @@ std::vector<MeshPart> read_meshes(ByteReader& in);
 std::vector<Material> read_materials(ByteReader& in);
 std::vector<Image> read_images(ByteReader& in);
 std::vector<Socket> read_sockets(ByteReader& in);
+std::vector<std::byte> read_thumbnail(ByteReader& in);
+std::vector<Channel> read_channels(ByteReader& in);
+// `controls`: how many the model has.
+ExpectedErrors read_expected_errors(ByteReader& in, std::size_t controls);
 
 }  // namespace fb::archive

@@ -98,4 +98,34 @@ ByteWriter write_sockets(const std::vector<Socket>& sockets) {
   return out;
 }
 
+ByteWriter write_channels(const std::vector<Channel>& channels) {
+  ByteWriter out;
+  out.count(channels.size(), "channels");
+  for (const Channel& channel : channels) {
+    out.string(channel.name, "a channel's name");
+    out.string(channel.unit, "a channel's unit");
+    for (const float value : {channel.minimum, channel.maximum, channel.rest, channel.scale}) out.number(value);
+  }
+  return out;
+}
+
+ByteWriter write_expected_errors(const ExpectedErrors& expected) {
+  ByteWriter out;
+  out.number(expected.unit);
+  out.count(expected.regions.size(), "regions");
+  for (const ExpectedErrors::Region& region : expected.regions) {
+    out.string(region.name, "a region's name");
+    out.number(region.constant);
+  }
+  out.count(expected.runs.size(), "runs of vertices");
+  for (const ExpectedErrors::Run& run : expected.runs) {
+    out.number(run.vertices);
+    out.number(run.region);
+  }
+  for (const auto* bytes :
+       {&expected.weights, &expected.trained_low, &expected.trained_high, &expected.untrained_pairs})
+    out.numbers(*bytes);
+  return out;
+}
+
 }  // namespace fb::archive

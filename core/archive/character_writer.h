@@ -5,6 +5,7 @@
 
 #include "archive/container/byte_writer.h"
 #include "model/character.h"
+#include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
@@ -17,5 +18,7 @@ ByteWriter write_meshes(const std::vector<MeshPart>& meshes);
 ByteWriter write_materials(const std::vector<Material>& materials);
 ByteWriter write_images(const std::vector<Image>& images);
 ByteWriter write_sockets(const std::vector<Socket>& sockets);
+ByteWriter write_channels(const std::vector<Channel>& channels);
+ByteWriter write_expected_errors(const ExpectedErrors& expected);
 
 }  // namespace fb::archive

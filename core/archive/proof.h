@@ -11,10 +11,14 @@ namespace fb::archive {
 // evaluating them again: hashes and positions must agree bit for bit. All empty: the archive carries no proof.
 struct Proof {
   std::vector<float> controls;          // poses x controls, in control order
-  std::vector<std::uint64_t> hashes;    // per pose: hash64_of the positions of all vertices
+  std::vector<std::uint64_t> hashes;    // per pose: hash64_of the positions of all vertices of the surface
   std::vector<std::uint32_t> vertices;  // a sample of vertices
   std::vector<float> positions;         // poses x sampled vertices x 3, to show how far a pose is off
   std::vector<float> frames = {};       // poses x sockets x 12
+  std::vector<float> channels = {};     // poses x channels
+  // Expected errors: poses x ExpectedErrors::count(), and how many controls are outside of what was trained.
+  std::vector<float> errors = {};
+  std::vector<std::uint32_t> outside = {};
 };
 
 // Texts for people and reports. Empty: the archive does not have it.

@@ -12,9 +12,11 @@ namespace {
 
 bool is_known(std::string_view name) {
   for (const char* known :
-       {section::definition, section::polygons, section::geometry, section::network, section::weights, section::basis,
-        section::basis_values, section::labels, section::uvs, section::meshes, section::materials, section::images,
-        section::sockets, section::provenance, section::licence, section::certificate, section::proof})
+       {section::definition, section::polygons,     section::geometry,   section::network,  section::weights,
+        section::basis,      section::basis_values, section::labels,     section::uvs,      section::meshes,
+        section::materials,  section::images,       section::sockets,    section::channels, section::expected_errors,
+        section::about,      section::thumbnail,    section::provenance, section::licence,  section::certificate,
+        section::proof})
     if (name == known) return true;
   return false;
 }
@@ -55,6 +57,9 @@ class ArchiveReader {
     if (contains(section::labels)) read(section::labels, [&](ByteReader& in) { read_labels(in, model_.schema); });
     for (const Control& control : schema.controls)
       count_names({&control.name, &control.group, &control.labels.arkit, &control.labels.facs, &control.labels.unit});
+    if (contains(section::channels)) model_.schema.channels = read(section::channels, read_channels);
+    for (const Channel& channel : schema.channels) count_names({&channel.name, &channel.unit});
+    model_.rest.channel_vertices = static_cast<std::uint32_t>((schema.channels.size() + 2) / 3);
   }
 
   // Positions and texture coordinates are kept only with `mesh`; polygons are needed to decode the basis, too.
@@ -65,6 +70,7 @@ class ArchiveReader {
     check_limit(model_.rest.polygon_sizes.size(), limits_.max_polygons, "polygons");
     if (!mesh) return;
     model_.rest.points = std::move(rest.points);
+    budget_.resize(model_.rest.points, 3 * std::size_t(archive.vertices + model_.rest.channel_vertices), "channels");
     if (contains(section::uvs)) read(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model_.rest); });
     if (contains(section::meshes)) model_.rest.parts = read(section::meshes, read_meshes);
     for (const MeshPart& part : model_.rest.parts) count_names({&part.name});
@@ -77,6 +83,9 @@ class ArchiveReader {
     for (const Material& material : character.materials) count_names({&material.name});
     if (contains(section::images)) character.images = read(section::images, read_images);
     for (const Image& image : character.images) count_names({&image.name, &image.media_type});
+    if (contains(section::about)) character.about = read(section::about, read_text);
+    count_names({&character.about});
+    if (contains(section::thumbnail)) character.thumbnail = read(section::thumbnail, read_thumbnail);
   }
 
   // A part of the mesh, which the proof needs, too.
@@ -86,13 +95,23 @@ class ArchiveReader {
     for (const Socket& socket : sockets) count_names({&socket.name});
   }
 
+  // A part of the behaviour, which the proof needs, too.
+  void read_errors_section() {
+    if (!contains(section::expected_errors)) return;
+    const std::size_t controls = model_.schema.control_count();
+    model_.expected =
+        read(section::expected_errors, [&](ByteReader& in) { return read_expected_errors(in, controls); });
+    for (const ExpectedErrors::Region& region : model_.expected.regions) count_names({&region.name});
+  }
+
   void read_behaviour() {
     read(section::network, [&](ByteReader& in) { read_network(in, model_); });
     check_limit(model_.features.size(), limits_.max_features, "features");
     for (const PackedRegion& region : model_.regions) count_names({&region.name});
     read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
-    read(section::basis, [&](ByteReader& in) { read_basis(in, archive.vertices, model_); });
-    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, archive.vertices, model_); });
+    const std::uint32_t vertices = archive.vertices + model_.rest.channel_vertices;
+    read(section::basis, [&](ByteReader& in) { read_basis(in, vertices, model_); });
+    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, model_); });
   }
 
   void read_texts() {
@@ -106,7 +125,8 @@ class ArchiveReader {
   void read_proof_section() {
     if (contains(section::proof))
       archive.proof = read(section::proof, [&](ByteReader& in) {
-        return read_proof(in, model_.schema.control_count(), archive.vertices, model_.character.sockets.size());
+        return read_proof(in, model_.schema, archive.vertices,
+                          {model_.character.sockets.size(), model_.expected.count()});
       });
   }
 
@@ -115,7 +135,10 @@ class ArchiveReader {
     // What the checks allocate: a set of names, and a mark a vertex.
     const ScopedCharge names(budget_, model_.schema.control_count(), 3 * 96, "control names");
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
-    const ScopedCharge part_names(budget_, model_.rest.parts.size() + model_.character.sockets.size(), 96, "names");
+    const ScopedCharge part_names(budget_,
+                                  model_.rest.parts.size() + model_.character.sockets.size() +
+                                      model_.schema.channels.size() + model_.expected.regions.size(),
+                                  96, "names");
     try {
       check(model_);
       check(model_.character, model_.rest);
@@ -166,6 +189,7 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   if (mesh || behaviour) reader.read_mesh(mesh);
   if (mesh || has(parts, Parts::proof)) reader.read_sockets_section();
   if (behaviour) reader.read_behaviour();
+  if (behaviour || has(parts, Parts::proof)) reader.read_errors_section();
   if (has(parts, Parts::text)) reader.read_texts();
   if (mesh && behaviour) reader.check_model();
   if (has(parts, Parts::proof)) reader.read_proof_section();

@@ -26,8 +26,8 @@ struct ReadLimits {
 // Parts of an archive that can be read by themselves. The definition is always read.
 enum class Parts : std::uint32_t {
   definition = 0,  // names, units, controls, the number of vertices
-  mesh = 1,        // polygons, rest points, texture coordinates, meshes, materials, images and sockets
-  behaviour = 2,   // network and basis
+  mesh = 1,        // polygons, rest points, texture coordinates, and all of the character
+  behaviour = 2,   // network, basis and expected errors
   text = 4,        // provenance, licence, certificate
   proof = 8,
   all = 15
@@ -41,7 +41,7 @@ constexpr Parts operator|(Parts a, Parts b) {
 
 struct Archive {
   PackedModel model;
-  std::uint32_t vertices = 0;  // of the rest mesh, known even if its points were not read
+  std::uint32_t vertices = 0;  // of the surface, known even if its points were not read
   Proof proof;
   ArchiveText text;
   std::uint32_t format_version = 0;  // major * 1000 + minor

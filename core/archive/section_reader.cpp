@@ -78,10 +78,11 @@ void read_network(ByteReader& in, PackedModel& model) {
   in.end();
 }
 
-Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices, std::size_t sockets) {
+Proof read_proof(ByteReader& in, const RigSchema& schema, std::uint32_t vertices, const ProofSizes& sizes) {
   Proof proof;
   const auto poses = in.number<std::uint32_t>("the number of poses");
-  proof.controls = in.numbers<float>(checked_multiply(poses, controls, "proof controls"), "proof controls");
+  proof.controls =
+      in.numbers<float>(checked_multiply(poses, schema.control_count(), "proof controls"), "proof controls");
   proof.hashes = in.numbers<std::uint64_t>(poses, "proof hashes");
   proof.vertices = in.numbers<std::uint32_t>(in.count(4, "proof vertices"), "proof vertices");
   for (const std::uint32_t vertex : proof.vertices)
@@ -89,8 +90,12 @@ Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices, s
   proof.positions =
       in.numbers<float>(checked_multiply(poses, checked_multiply(proof.vertices.size(), 3, "proof"), "proof positions"),
                         "proof positions");
-  proof.frames = in.numbers<float>(checked_multiply(poses, checked_multiply(sockets, 12, "proof"), "proof frames"),
-                                   "proof frames");
+  proof.frames = in.numbers<float>(
+      checked_multiply(poses, checked_multiply(sizes.sockets, 12, "proof"), "proof frames"), "proof frames");
+  proof.channels =
+      in.numbers<float>(checked_multiply(poses, schema.channels.size(), "proof channels"), "proof channels");
+  proof.errors = in.numbers<float>(checked_multiply(poses, sizes.errors, "proof errors"), "proof errors");
+  if (sizes.errors > 0) proof.outside = in.numbers<std::uint32_t>(poses, "proof errors");
   in.end();
   return proof;
 }

@@ -25,8 +25,14 @@ Definition read_definition(ByteReader& in);
 // Fills features, direct and regions, except weights.
 void read_network(ByteReader& in, PackedModel& model);
 
-// `controls`, `vertices`, `sockets`: how many the model has.
-Proof read_proof(ByteReader& in, std::size_t controls, std::uint32_t vertices, std::size_t sockets);
+// What a proof has of each pose besides positions.
+struct ProofSizes {
+  std::size_t sockets = 0;
+  std::size_t errors = 0;  // ExpectedErrors::count()
+};
+
+// `vertices`: of the surface.
+Proof read_proof(ByteReader& in, const RigSchema& schema, std::uint32_t vertices, const ProofSizes& sizes);
 std::string read_text(ByteReader& in);
 
 }  // namespace fb::archive

@@ -40,9 +40,9 @@ ByteWriter write_definition(const PackedModel& model) {
   out.string(schema.name, "the rig's name");
   out.string(schema.units, "the units");
   out.string(schema.up_axis, "the up axis");
-  if (model.rest.vertex_count() > max_vertices)
-    fail(Status::limit, "%zu vertices; an archive holds %u", model.rest.vertex_count(), max_vertices);
-  out.count(model.rest.vertex_count(), "vertices");
+  const std::size_t vertices = model.rest.surface_vertex_count();
+  if (vertices > max_vertices) fail(Status::limit, "%zu vertices; an archive holds %u", vertices, max_vertices);
+  out.count(vertices, "vertices");
   out.count(schema.control_count(), "controls");
   for (const Control& control : schema.controls) {
     out.string(control.name, "a control's name");
@@ -81,9 +81,16 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   if (proof.frames.size() != poses * model.character.sockets.size() * 12)
     fail(Status::bad_data, "the proof has %zu numbers of frames for %zu poses of %zu sockets", proof.frames.size(),
          poses, model.character.sockets.size());
+  if (proof.channels.size() != poses * model.schema.channels.size())
+    fail(Status::bad_data, "the proof has %zu values for %zu poses of %zu channels", proof.channels.size(), poses,
+         model.schema.channels.size());
+  const std::size_t errors = model.expected.count();
+  if (proof.errors.size() != poses * errors || proof.outside.size() != (errors > 0 ? poses : 0))
+    fail(Status::bad_data, "the proof has %zu expected errors for %zu poses of %zu", proof.errors.size(), poses,
+         errors);
   for (const std::uint32_t vertex : proof.vertices)
-    if (vertex >= model.rest.vertex_count())
-      fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.vertex_count());
+    if (vertex >= model.rest.surface_vertex_count())
+      fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.surface_vertex_count());
   ByteWriter out;
   out.count(poses, "proof poses");
   out.numbers(proof.controls);
@@ -91,6 +98,9 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   write_list(out, proof.vertices, "proof vertices");
   out.numbers(proof.positions);
   out.numbers(proof.frames);
+  out.numbers(proof.channels);
+  out.numbers(proof.errors);
+  out.numbers(proof.outside);
   return out;
 }
 

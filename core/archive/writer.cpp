@@ -15,8 +15,8 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   const auto compress = [&](const char* name, bool required, ByteWriter contents) {
     sections.push_back(compressed_section(name, required, std::move(contents.bytes)));
   };
-  const auto store = [&](const char* name, ByteWriter contents) {
-    sections.push_back(uncompressed_section(name, true, std::move(contents.bytes)));
+  const auto store = [&](const char* name, bool required, ByteWriter contents) {
+    sections.push_back(uncompressed_section(name, required, std::move(contents.bytes)));
   };
   const auto write_optional_text = [&](const char* name, const std::string& words) {
     if (!words.empty()) compress(name, false, write_text(words, name));
@@ -27,15 +27,23 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   compress(section::polygons, true, write_polygons(model.rest, triangles));
   compress(section::geometry, true, std::move(geometry));
   compress(section::network, true, write_network(model));
-  store(section::weights, write_weights(model));
+  store(section::weights, true, write_weights(model));
   compress(section::basis, true, write_basis(model));
-  store(section::basis_values, write_basis_values(model));
+  store(section::basis_values, true, write_basis_values(model));
   if (!model.rest.uvs.empty()) compress(section::uvs, false, write_uvs(model.rest));
   if (!model.rest.parts.empty()) compress(section::meshes, false, write_meshes(model.rest.parts));
   const Character& character = model.character;
   if (!character.materials.empty()) compress(section::materials, false, write_materials(character.materials));
   if (!character.images.empty()) compress(section::images, false, write_images(character.images));
   if (!character.sockets.empty()) compress(section::sockets, false, write_sockets(character.sockets));
+  write_optional_text(section::about, character.about);
+  if (!character.thumbnail.empty()) {
+    ByteWriter png;
+    png.raw(character.thumbnail);
+    store(section::thumbnail, false, std::move(png));
+  }
+  if (!model.schema.channels.empty()) compress(section::channels, true, write_channels(model.schema.channels));
+  if (!model.expected.regions.empty()) compress(section::expected_errors, false, write_expected_errors(model.expected));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);

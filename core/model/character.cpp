@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <unordered_set>
 
 #include "base/status.h"
+#include "base/utf8.h"
 
 namespace fb {
 namespace {
@@ -43,8 +45,8 @@ void check_socket(const Socket& socket, const Mesh& rest) {
     fail(Status::bad_data, "socket \"%s\" has %zu weights for %zu vertices", name, socket.weights.size(),
          socket.vertices.size());
   for (const std::uint32_t vertex : socket.vertices) {
-    if (vertex >= rest.vertex_count())
-      fail(Status::bad_data, "socket \"%s\" names vertex %u of %zu", name, vertex, rest.vertex_count());
+    if (vertex >= rest.surface_vertex_count())
+      fail(Status::bad_data, "socket \"%s\" names vertex %u of %zu", name, vertex, rest.surface_vertex_count());
     if (part_of(rest, vertex) != part_of(rest, socket.vertices[0]))
       fail(Status::bad_data, "socket \"%s\" has vertices of two meshes", name);
   }
@@ -53,6 +55,14 @@ void check_socket(const Socket& socket, const Mesh& rest) {
       fail(Status::bad_data, "socket \"%s\" has a weight of %g; weights are above 0", name, double(weight));
   if (!std::all_of(socket.frame.begin(), socket.frame.end(), [](float value) { return std::isfinite(value); }))
     fail(Status::not_finite, "socket \"%s\": its frame is not finite", name);
+}
+
+void check_about(const std::string& about) {
+  if (about.size() > most_about_bytes)
+    fail(Status::limit, "what is said about the character has %zu bytes; it may have %zu", about.size(),
+         most_about_bytes);
+  if (const auto fault = find_utf8_fault(about))
+    fail(Status::bad_data, "what is said about the character is no UTF-8 text at byte %zu", *fault);
 }
 
 }  // namespace
@@ -73,7 +83,27 @@ void set_default_frame(Socket& socket, std::span<const float> points) {
   }
 }
 
+void check_thumbnail(std::span<const std::byte> png) {
+  static constexpr unsigned char beginning[16] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
+                                                  0,    0,   0,   13,  'I',  'H',  'D',  'R'};
+  if (png.size() < 24 || std::memcmp(png.data(), beginning, sizeof beginning) != 0)
+    fail(Status::bad_data, "the thumbnail is no PNG");
+  const auto pixels = [&](std::size_t at) {
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < 4; ++i) number = number << 8 | std::to_integer<std::uint32_t>(png[at + i]);
+    return number;
+  };
+  const std::uint32_t width = pixels(16), height = pixels(20);
+  if (width != height || width == 0 || width > most_thumbnail_pixels)
+    fail(Status::bad_data, "the thumbnail has %u x %u pixels; it is square, with at most %u along an edge", width,
+         height, most_thumbnail_pixels);
+  if (png.size() > most_thumbnail_bytes)
+    fail(Status::limit, "the thumbnail has %zu bytes; it may have %zu", png.size(), most_thumbnail_bytes);
+}
+
 void check(const Character& character, const Mesh& rest) {
+  check_about(character.about);
+  if (!character.thumbnail.empty()) check_thumbnail(character.thumbnail);
   const std::size_t materials = character.materials.size();
   for (std::size_t m = 0; m < materials; ++m) check_material(character.materials[m], m, character.images.size());
   for (const MeshPart& part : rest.parts)

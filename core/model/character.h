@@ -64,11 +64,16 @@ struct Socket {
   bool operator==(const Socket&) const = default;
 };
 
+inline constexpr std::size_t most_about_bytes = 65536, most_thumbnail_bytes = 65536;
+inline constexpr std::uint32_t most_thumbnail_pixels = 512;  // along an edge
+
 // What a character has that no pose changes, besides its mesh: carried from the source into the archive as it is.
 struct Character {
   std::vector<Material> materials;
   std::vector<Image> images;
   std::vector<Socket> sockets;
+  std::string about;                 // whose it is and what may be done with it: a JSON object; may be empty
+  std::vector<std::byte> thumbnail;  // a square PNG; may be empty
   bool operator==(const Character&) const = default;
 };
 
@@ -76,9 +81,13 @@ struct Character {
 // are not are left out.
 void set_default_frame(Socket& socket, std::span<const float> points);
 
+// Fails unless a thumbnail begins as a PNG of such a size does.
+void check_thumbnail(std::span<const std::byte> png);
+
 // Fails, naming material, mesh or socket, on a factor that is not finite, two textures in one slot, an image or a
-// material that there is not, and a socket of vertices that there are not, of several meshes, or of too few. `rest`:
-// the mesh, which has been checked.
+// material that there is not, a socket of vertices that there are not, of several meshes, or of too few, and texts and
+// thumbnails that are too long or none; whether a text is JSON is not checked. `rest`: the mesh, which has been
+// checked.
 void check(const Character& character, const Mesh& rest);
 
 }  // namespace fb

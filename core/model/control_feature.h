@@ -15,7 +15,7 @@ enum class FeatureKind : std::uint32_t {
   minimum = 4,  // of two features
 };
 
-// FORMAT.md, "Features". `offset`: the control minus its rest value; u = offset * scale. max(NaN, 0) is 0.
+// EVALUATION.md, "Features". `offset`: the control minus its rest value; u = offset * scale. max(NaN, 0) is 0.
 [[gnu::always_inline]] inline float control_feature(FeatureKind kind, float scale, float threshold, float fall,
                                                     float offset) {
   const float u = offset != 0 ? offset * scale : 0;

@@ -31,7 +31,7 @@ void check_part(const Mesh& mesh, const MeshPart& part, std::size_t first, std::
                 std::size_t& corner) {
   const char* name = part.name.c_str();
   if (part.vertices == 0) fail(Status::bad_data, "mesh \"%s\" has no vertices", name);
-  if (end > mesh.vertex_count() || part.polygons > mesh.polygon_sizes.size() - polygon)
+  if (end > mesh.surface_vertex_count() || part.polygons > mesh.polygon_sizes.size() - polygon)
     fail(Status::bad_data, "mesh \"%s\" has more vertices or polygons than are left", name);
   for (std::uint32_t p = 0; p < part.polygons; ++p, ++polygon)
     for (std::uint32_t k = 0; k < mesh.polygon_sizes[polygon]; ++k, ++corner)
@@ -57,16 +57,25 @@ void check_parts(const Mesh& mesh) {
     check_part(mesh, part, vertex, vertex + part.vertices, polygon, corner);
     vertex += part.vertices;
   }
-  if (vertex != mesh.vertex_count() || polygon != mesh.polygon_sizes.size())
+  if (vertex != mesh.surface_vertex_count() || polygon != mesh.polygon_sizes.size())
     fail(Status::bad_data, "the meshes have %zu vertices and %zu polygons of %zu and %zu", vertex, polygon,
-         mesh.vertex_count(), mesh.polygon_sizes.size());
+         mesh.surface_vertex_count(), mesh.polygon_sizes.size());
 }
 
 }  // namespace
 
+std::vector<std::uint32_t> Mesh::part_ends() const {
+  std::vector<std::uint32_t> ends;
+  for (const MeshPart& part : parts) ends.push_back((ends.empty() ? 0 : ends.back()) + part.vertices);
+  if (parts.empty()) ends.push_back(static_cast<std::uint32_t>(surface_vertex_count()));
+  if (channel_vertices > 0) ends.push_back(static_cast<std::uint32_t>(vertex_count()));
+  return ends;
+}
+
 void check(const Mesh& mesh) {
   if (mesh.points.empty() || mesh.points.size() % 3 != 0)
     fail(Status::bad_data, "rest mesh: %zu coordinates are not a positive multiple of 3", mesh.points.size());
+  if (mesh.channel_vertices >= mesh.vertex_count()) fail(Status::bad_data, "rest mesh: it has no vertices");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!std::isfinite(mesh.points[i])) fail(Status::not_finite, "rest mesh: vertex %zu is not finite", i / 3);
   std::size_t corners = 0;
@@ -77,9 +86,9 @@ void check(const Mesh& mesh) {
       if (corners >= mesh.polygon_corners.size())
         fail(Status::bad_data, "rest mesh: polygon %zu runs past the %zu corners given", p,
              mesh.polygon_corners.size());
-      if (mesh.polygon_corners[corners] >= mesh.vertex_count())
+      if (mesh.polygon_corners[corners] >= mesh.surface_vertex_count())
         fail(Status::bad_data, "rest mesh: polygon %zu names vertex %u of %zu", p, mesh.polygon_corners[corners],
-             mesh.vertex_count());
+             mesh.surface_vertex_count());
     }
   }
   if (corners != mesh.polygon_corners.size())

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,11 +40,17 @@ struct Mesh {
   // corner the index of its uv pair. A vertex on a seam has several. Both are empty without texture coordinates.
   std::vector<float> uvs = {};
   std::vector<std::uint32_t> uv_corners = {};
-  std::vector<MeshPart> parts = {};  // of all vertices and polygons; empty: one mesh without a name
+  std::vector<MeshPart> parts = {};    // of the surface and all polygons; empty: one mesh without a name
+  std::uint32_t channel_vertices = 0;  // the last vertices that are no surface but carry channels, see Channel
 
   std::size_t vertex_count() const { return points.size() / 3; }
-  // Length of the diagonal of the bounding box of all vertices: the unit of reported errors.
-  double diagonal() const { return box_diagonal(points); }
+  std::size_t surface_vertex_count() const { return vertex_count() - channel_vertices; }
+  std::span<const float> surface_points() const { return std::span(points).first(3 * surface_vertex_count()); }
+  // Length of the diagonal of the bounding box of the surface: the unit of reported errors.
+  double diagonal() const { return box_diagonal(surface_points()); }
+  // Where the vertices of each part end, and those that carry channels, if there are any: rows of the basis that belong
+  // to different ones are in different row blocks.
+  std::vector<std::uint32_t> part_ends() const;
   // 3 vertex indices a triangle, in polygon order.
   std::vector<std::uint32_t> triangles() const { return triangle_fans(polygon_sizes, polygon_corners); }
 };

@@ -1,4 +1,4 @@
-// The graph from controls to coefficients, in floats. core/archive/FORMAT.md defines the evaluation.
+// The graph from controls to coefficients, in floats. core/archive/EVALUATION.md defines the evaluation.
 #pragma once
 
 #include <cstddef>

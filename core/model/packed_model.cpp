@@ -54,12 +54,11 @@ void check_row_block(const PackedRowBlock& block, std::size_t index, std::uint32
     fail(Status::limit, "basis: row block %zu has %zu inputs; at most %u are supported", index, inputs, max_row_inputs);
 }
 
-// Fails if a row block has vertices of two parts of the mesh, which could not be posed without each other.
+// Fails if a row block has vertices of two parts of the mesh, which could not be posed without each other, or of the
+// surface and of channels.
 void check_blocks_of_parts(const PackedModel& model) {
-  const std::vector<MeshPart>& parts = model.rest.parts;
-  if (parts.size() < 2) return;
-  std::vector<std::uint32_t> ends;
-  for (const MeshPart& part : parts) ends.push_back((ends.empty() ? 0 : ends.back()) + part.vertices);
+  const std::vector<std::uint32_t> ends = model.rest.part_ends();
+  if (ends.size() < 2) return;
   const auto part_of = [&](std::uint32_t row) {
     return std::upper_bound(ends.begin(), ends.end(), static_cast<std::uint32_t>(model.coordinate(row) / 3)) -
            ends.begin();
@@ -69,6 +68,22 @@ void check_blocks_of_parts(const PackedModel& model) {
     const auto part = part_of(block.first_row);
     for (std::uint32_t row = block.first_row + 1; row < block.first_row + block.row_count; ++row)
       if (part_of(row) != part) fail(Status::bad_data, "basis: row block %zu has vertices of two meshes", b);
+  }
+}
+
+// Fails unless the vertices that carry channels are as many as the channels need, at rest 0 and last in every order.
+void check_channels(const PackedModel& model) {
+  const std::size_t channels = model.schema.channels.size(), first = model.rest.surface_vertex_count();
+  if (model.rest.channel_vertices != (channels + 2) / 3)
+    fail(Status::bad_data, "%u vertices carry %zu channels", model.rest.channel_vertices, channels);
+  for (const Channel& c : model.schema.channels)
+    if (!std::isfinite(c.scale) || !(c.scale > 0))
+      fail(Status::bad_data, "channel \"%s\" has the scale %g, which is not above 0", c.name.c_str(), double(c.scale));
+  for (std::size_t v = first; v < model.rest.vertex_count(); ++v) {
+    if (!model.order.empty() && v < model.order.size() && model.order[v] != v)
+      fail(Status::bad_data, "the order lists vertices behind channels");
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (model.rest.points[3 * v + axis] != 0) fail(Status::bad_data, "a channel is not 0 at rest");
   }
 }
 
@@ -97,6 +112,7 @@ std::vector<float> displacements(const PackedRowBlock& block, std::size_t column
 void check(const PackedModel& model) {
   check(model.schema);
   check(model.rest);
+  check_channels(model);
   check_features(model.features, model.schema.control_count());
   check_direct(model.direct, model.features);
   check_regions(model.regions, model.features, check_packed_values);
@@ -116,6 +132,7 @@ void check(const PackedModel& model) {
   if (row != rows) fail(Status::bad_data, "basis: row blocks cover %zu rows of %zu coordinates", row, rows);
   check_order(model.order, rows);
   check_blocks_of_parts(model);
+  check(model.expected, model.schema, model.rest.surface_vertex_count());
 }
 
 }  // namespace fb

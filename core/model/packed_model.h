@@ -1,5 +1,5 @@
 // The quantised face model: what an archive stores and the runtime evaluates. core/bake/compress/pack_model quantises a
-// FaceModel; core/archive/FORMAT.md defines the evaluation.
+// FaceModel; core/archive/EVALUATION.md defines the evaluation.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/character.h"
+#include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/network.h"
 #include "model/rig_schema.h"
@@ -71,6 +72,7 @@ struct PackedModel {
   std::vector<std::uint32_t> order;        // see Basis::order
   std::vector<PackedRowBlock> row_blocks;  // ascending, without gaps or overlaps, covering 3 x vertices rows
   Character character = {};
+  ExpectedErrors expected = {};
   std::string provenance;  // a JSON object, for people and `inspect`
 
   std::size_t parameter_count() const;  // weights and biases

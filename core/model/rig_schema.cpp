@@ -84,6 +84,21 @@ void check_labels(const RigSchema& schema, const std::unordered_map<std::string_
   }
 }
 
+// Of a control or a channel.
+template <class Item>
+void check_range(const char* what, std::size_t index, const Item& item) {
+  const char* name = item.name.c_str();
+  if (!*name) fail(Status::bad_data, "%s %zu has no name", what, index);
+  if (!std::isfinite(item.minimum) || !std::isfinite(item.maximum) || !std::isfinite(item.rest))
+    fail(Status::not_finite, "%s \"%s\": its range or default is not a number", what, name);
+  if (!(item.minimum < item.maximum))
+    fail(Status::bad_data, "%s \"%s\": minimum %g is not below maximum %g", what, name, double(item.minimum),
+         double(item.maximum));
+  if (item.rest < item.minimum || item.rest > item.maximum)
+    fail(Status::bad_data, "%s \"%s\": default %g is outside its range %g..%g", what, name, double(item.rest),
+         double(item.minimum), double(item.maximum));
+}
+
 }  // namespace
 
 void check(const RigSchema& schema) {
@@ -92,20 +107,17 @@ void check(const RigSchema& schema) {
          schema.up_axis.c_str());
   if (schema.controls.empty()) fail(Status::bad_data, "rig \"%s\" has no controls", schema.name.c_str());
   std::unordered_map<std::string_view, std::size_t> names;
-  for (std::size_t i = 0; i < schema.controls.size(); ++i) {
-    const Control& c = schema.controls[i];
-    if (c.name.empty()) fail(Status::bad_data, "control %zu has no name", i);
-    if (!names.emplace(c.name, i).second) fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
-    if (!std::isfinite(c.minimum) || !std::isfinite(c.maximum) || !std::isfinite(c.rest))
-      fail(Status::not_finite, "control \"%s\": its range or default is not a number", c.name.c_str());
-    if (!(c.minimum < c.maximum))
-      fail(Status::bad_data, "control \"%s\": minimum %g is not below maximum %g", c.name.c_str(), c.minimum,
-           c.maximum);
-    if (c.rest < c.minimum || c.rest > c.maximum)
-      fail(Status::bad_data, "control \"%s\": default %g is outside its range %g..%g", c.name.c_str(), c.rest,
-           c.minimum, c.maximum);
+  for (const Control& c : schema.controls) {
+    if (!names.emplace(c.name, names.size()).second)
+      fail(Status::bad_data, "control name \"%s\" occurs twice", c.name.c_str());
+    check_range("control", names.size() - 1, c);
   }
   check_labels(schema, names);
+  std::unordered_set<std::string_view> channels;
+  for (const Channel& c : schema.channels) {
+    if (!channels.insert(c.name).second) fail(Status::bad_data, "channel name \"%s\" occurs twice", c.name.c_str());
+    check_range("channel", channels.size() - 1, c);
+  }
 }
 
 void check_same_controls(const RigSchema& a, const char* a_name, const RigSchema& b, const char* b_name) {
@@ -118,6 +130,20 @@ void check_same_controls(const RigSchema& a, const char* a_name, const RigSchema
            b_name);
     if (x.minimum != y.minimum || x.maximum != y.maximum || x.rest != y.rest)
       fail(Status::bad_data, "control \"%s\" has another range or default in %s than in %s", x.name.c_str(), a_name,
+           b_name);
+  }
+}
+
+void check_same_channels(const RigSchema& a, const char* a_name, const RigSchema& b, const char* b_name) {
+  if (a.channels.size() != b.channels.size())
+    fail(Status::bad_data, "%s has %zu channels, %s has %zu", a_name, a.channels.size(), b_name, b.channels.size());
+  for (std::size_t i = 0; i < a.channels.size(); ++i) {
+    const Channel &x = a.channels[i], &y = b.channels[i];
+    if (x.name != y.name)
+      fail(Status::bad_data, "channel %zu is \"%s\" in %s and \"%s\" in %s", i, x.name.c_str(), a_name, y.name.c_str(),
+           b_name);
+    if (x.minimum != y.minimum || x.maximum != y.maximum || x.rest != y.rest)
+      fail(Status::bad_data, "channel \"%s\" has another range or default in %s than in %s", x.name.c_str(), a_name,
            b_name);
   }
 }

@@ -56,6 +56,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       baked_index(inverse(model.order, memory)),
       meshes(model, memory, *from.heap),
       sockets(model, baked_index, memory),
+      errors(model, baked_index, memory),
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
       tangents(model.rest, baked_index, normals, memory, *from.heap),
       coefficient_count(model.columns) {

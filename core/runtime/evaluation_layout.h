@@ -9,6 +9,7 @@
 #include "base/large_pages.h"
 #include "model/packed_model.h"
 #include "runtime/csr_table.h"
+#include "runtime/error_prediction.h"
 #include "runtime/feature_graph.h"
 #include "runtime/mesh_layout.h"
 #include "runtime/metered_memory.h"
@@ -55,7 +56,7 @@ struct EvaluationLayout {
     std::uint32_t region, begin, end;
   };
 
-  std::size_t vertex_count() const { return rest_positions.size() / 3; }
+  std::size_t vertex_count() const { return meshes.surface_vertices; }
   // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
   std::size_t row_stride() const { return rest_rows.size() + 1; }
   std::size_t gate_list(std::size_t region) const { return networks.size() + region; }
@@ -79,10 +80,11 @@ struct EvaluationLayout {
   std::pmr::vector<std::uint32_t> list_offsets;         // of the input lists in a workspace; one more than lists
   CsrTable<ScatterEntry> scatter;                       // by feature
   CsrTable<RegionInputs> row_block_regions;             // by row block
-  std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows
+  std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows; channels are last
   std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
   MeshLayout meshes;
   SocketFrames sockets;
+  ErrorPrediction errors;
   VertexNormals normals;
   VertexTangents tangents;
   std::size_t coefficient_count;

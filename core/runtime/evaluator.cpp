@@ -27,6 +27,15 @@ void Evaluator::evaluate(const float* controls, float* positions, Workspace& wor
   });
 }
 
+void Evaluator::evaluate_points(const float* controls, float* points, Workspace& workspace) const {
+  refuse_nan(controls);
+  workspace.clamped_ = 0;
+  PoseOutput output;
+  output.positions = {points, 3};
+  output.all_points = true;
+  with_float_mode([&] { PoseExecution(layout_, {}, workspace).run_pose(controls, output); });
+}
+
 void Evaluator::coefficients(const float* controls, float* coefficients, Workspace& workspace,
                              RegionMask regions) const {
   refuse_nan(controls);
@@ -35,10 +44,18 @@ void Evaluator::coefficients(const float* controls, float* coefficients, Workspa
       [&] { PoseExecution(layout_, {.regions = regions}, workspace).run_coefficients(controls, coefficients); });
 }
 
-void Evaluator::leave_out_idle_regions(MeshMask meshes, std::span<std::uint8_t> regions) const {
+void Evaluator::expected_errors(const float* controls, float* errors, std::uint32_t* outside,
+                                Workspace& workspace) const {
+  if (error_count() == 0) fail(Status::invalid_argument, "the face has no expected errors");
+  refuse_nan(controls);
+  with_float_mode([&] { layout_.errors.run(controls, errors, outside, workspace.errors_); });
+}
+
+void Evaluator::leave_out_idle_regions(MeshMask meshes, bool channels, std::span<std::uint8_t> regions) const {
   constexpr std::uint8_t needed = 2;
   for (std::size_t b = 0; b < layout_.row_blocks.size(); ++b) {
-    if (!meshes[layout_.meshes.row_block_meshes[b]]) continue;
+    const std::uint32_t mesh = layout_.meshes.row_block_meshes[b];
+    if (!(mesh < meshes.size() ? meshes[mesh] : channels)) continue;
     for (const auto& inputs : layout_.row_block_regions.row(b))
       if (regions[inputs.region]) regions[inputs.region] = needed;
   }

@@ -1,6 +1,7 @@
-// The runtime's interface: a model ready for evaluation. core/archive/FORMAT.md defines what is computed.
+// The runtime's interface: a model ready for evaluation. core/archive/EVALUATION.md defines what is computed.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,11 +27,19 @@ struct BatchOutput {
   std::size_t vertex_stride = 0;  // >= 3; 0: 3
 };
 
-// A buffer for the frames of sockets: socket s of pose p begins at first + p * pose_stride + 12 * s floats.
-struct SocketOutput {
+// A buffer for floats that a pose has beside vertices: those of pose p begin at first + p * pose_stride.
+struct PoseFloats {
   float* first = nullptr;       // null: no output
   std::size_t size = 0;         // of the buffer, in floats
-  std::size_t pose_stride = 0;  // 0: 12 * sockets
+  std::size_t pose_stride = 0;  // 0: as many as a pose has
+};
+
+// A buffer for expected errors: those of pose p begin at first + p * pose_stride, the whole face before its regions.
+struct ErrorOutput {
+  float* first = nullptr;            // null: no output
+  std::size_t size = 0;              // of the buffer, in floats
+  std::size_t pose_stride = 0;       // 0: Evaluator::error_count()
+  std::uint32_t* outside = nullptr;  // one a pose, see ErrorPrediction::run; null: no output
 };
 
 struct Batch {
@@ -41,7 +50,9 @@ struct Batch {
   VertexOrder order = VertexOrder::source;
   NumberFormat format = NumberFormat::float32;
   PoseMasks masks = {};
-  SocketOutput sockets = {};
+  PoseFloats sockets = {};   // 12 a socket
+  PoseFloats channels = {};  // one a channel
+  ErrorOutput errors = {};
 };
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.
@@ -61,14 +72,24 @@ class Evaluator {
   std::size_t control_count() const { return layout_.features.control_count(); }
   std::size_t coefficient_count() const { return layout_.coefficient_count; }
   std::size_t vertex_count() const { return layout_.vertex_count(); }
-  std::span<const float> rest_positions() const { return layout_.rest_positions; }
+  std::span<const float> rest_positions() const { return std::span(layout_.rest_positions).first(3 * vertex_count()); }
   std::uint64_t bytes() const { return layout_.memory.bytes(); }
   std::size_t socket_count() const { return layout_.sockets.count(); }
+  std::size_t channel_count() const { return schema().channels.size(); }
+  // See ErrorPrediction.
+  std::size_t error_count() const { return layout_.errors.count(); }
+  std::span<const std::uint32_t> error_regions() const { return layout_.errors.vertex_regions(); }
   std::size_t mesh_count() const { return layout_.meshes.count(); }
-  // Takes the regions that move no vertex of these meshes out of a mask of regions, which is not empty.
-  void leave_out_idle_regions(MeshMask meshes, std::span<std::uint8_t> regions) const;
+  // Takes the regions that move no vertex of these meshes out of a mask of regions, which is not empty. `channels`:
+  // whether channels are evaluated.
+  void leave_out_idle_regions(MeshMask meshes, bool channels, std::span<std::uint8_t> regions) const;
   const std::vector<std::string>& region_names() const { return layout_.region_names; }
-  const std::pmr::vector<RowBlockMatrix>& row_blocks() const { return layout_.row_blocks; }
+  // Those of the surface.
+  std::span<const RowBlockMatrix> row_blocks() const {
+    const auto& meshes = layout_.meshes.row_block_meshes;
+    const auto end = std::find(meshes.begin(), meshes.end(), layout_.meshes.count());
+    return std::span(layout_.row_blocks).first(static_cast<std::size_t>(end - meshes.begin()));
+  }
   // See Basis::order.
   std::span<const std::uint32_t> order() const { return layout_.order; }
   // See VertexTangents::signs.
@@ -78,8 +99,18 @@ class Evaluator {
   // vertex_stride. Fails with not_finite, naming the control, on NaN, before anything is written.
   void evaluate(const float* controls, float* positions, Workspace& workspace, std::size_t vertex_stride = 3) const;
 
+  // One pose with its channels, as a bake measures it: 3 floats for each vertex of the model's mesh, those that carry
+  // channels last. Otherwise like evaluate.
+  void evaluate_points(const float* controls, float* points, Workspace& workspace) const;
+  std::size_t point_count() const { return layout_.meshes.vertices; }
+  std::span<const float> rest_points() const { return layout_.rest_positions; }
+
   // The weights of the basis columns: coefficient_count() floats, all 0 at rest. NaN as above.
   void coefficients(const float* controls, float* coefficients, Workspace& workspace, RegionMask regions = {}) const;
+
+  // The expected errors of a pose alone, error_count() floats, and how many controls are outside of what was trained;
+  // see ErrorPrediction::run. Fails with invalid_argument if they are not known. NaN as above.
+  void expected_errors(const float* controls, float* errors, std::uint32_t* outside, Workspace& workspace) const;
 
   // Many poses, on up to min(worker_count(parallel), workspaces.size()) workers. Before anything is written, fails with
   // invalid_argument if a buffer is too small, poses overlap or the model has no tangents, with not_finite on NaN,
@@ -88,6 +119,7 @@ class Evaluator {
 
  private:
   void check_batch(const Batch& batch) const;
+  void check_errors(const Batch& batch) const;
   // The first control that is NaN, or control_count().
   std::size_t find_nan(const float* controls) const;
   void refuse_nan(const float* controls) const;

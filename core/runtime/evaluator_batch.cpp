@@ -43,6 +43,23 @@ void check_output(const BatchOutput& output, const char* what, std::size_t poses
     fail(Status::invalid_argument, "%s of poses overlap: %zu numbers apart, %zu long", what, pose_stride, pose_extent);
 }
 
+// `count`: of a pose.
+void check_floats(const PoseFloats& output, const char* what, std::size_t poses, std::size_t count) {
+  if (!output.first) return;
+  if (count == 0) fail(Status::invalid_argument, "the face has no %s", what);
+  const std::size_t stride = output.pose_stride ? output.pose_stride : count;
+  if (poses > 1 && stride < count)
+    fail(Status::invalid_argument, "%s of poses overlap: %zu numbers apart, %zu long", what, stride, count);
+  const std::size_t needed = extent(poses, stride, count);
+  if (output.size < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu floats of %s; the buffer has %zu", poses, needed, what,
+         output.size);
+}
+
+float* floats_of(const PoseFloats& output, std::size_t pose, std::size_t count) {
+  return output.first ? output.first + pose * (output.pose_stride ? output.pose_stride : count) : nullptr;
+}
+
 VertexOutput output_of(const Batch& batch, const BatchOutput& output, std::size_t pose, std::size_t vertices) {
   if (!output.first) return {};
   const auto [pose_stride, vertex_stride] = strides_of(output, vertices);
@@ -66,15 +83,9 @@ void Evaluator::check_batch(const Batch& batch) const {
   if (batch.tangents.first && layout_.tangents.signs().empty())
     fail(Status::invalid_argument, "a face without texture coordinates has no tangents");
   check_output(batch.tangents, "tangents", batch.poses, vertex_count());
-  if (batch.sockets.first && socket_count() == 0) fail(Status::invalid_argument, "the face has no sockets");
-  const std::size_t frames = SocketFrames::frame_floats * socket_count();
-  const std::size_t stride = batch.sockets.pose_stride ? batch.sockets.pose_stride : frames;
-  const std::size_t frames_needed = batch.sockets.first ? extent(batch.poses, stride, frames) : 0;
-  if (batch.sockets.size < frames_needed)
-    fail(Status::invalid_argument, "%zu poses need %zu floats of sockets; the buffer has %zu", batch.poses,
-         frames_needed, batch.sockets.size);
-  if (batch.sockets.first && batch.poses > 1 && stride < frames)
-    fail(Status::invalid_argument, "sockets of poses overlap: %zu numbers apart, %zu long", stride, frames);
+  check_floats(batch.sockets, "sockets", batch.poses, SocketFrames::frame_floats * socket_count());
+  check_floats(batch.channels, "channels", batch.poses, channel_count());
+  check_errors(batch);
   const auto [regions, meshes] = batch.masks;
   if (!regions.empty() && regions.size() != layout_.networks.size())
     fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", regions.size(), layout_.networks.size());
@@ -88,6 +99,20 @@ void Evaluator::check_batch(const Batch& batch) const {
   }
 }
 
+void Evaluator::check_errors(const Batch& batch) const {
+  const auto [first, size, pose_stride, outside] = batch.errors;
+  if (!first && !outside) return;
+  if (error_count() == 0) fail(Status::invalid_argument, "the face has no expected errors");
+  const std::size_t stride = pose_stride ? pose_stride : error_count();
+  const std::size_t needed = first ? extent(batch.poses, stride, error_count()) : 0;
+  if (size < needed)
+    fail(Status::invalid_argument, "%zu poses need %zu floats of expected errors; the buffer has %zu", batch.poses,
+         needed, size);
+  if (first && batch.poses > 1 && stride < error_count())
+    fail(Status::invalid_argument, "expected errors of poses overlap: %zu numbers apart, %zu long", stride,
+         error_count());
+}
+
 void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspaces, const Parallel& parallel) const {
   if (workspaces.empty()) fail(Status::invalid_argument, "a batch needs a workspace");
   check_batch(batch);
@@ -96,15 +121,18 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   within.threads = static_cast<int>(std::min(worker_count(parallel), workspaces.size()));
   for (Workspace& workspace : workspaces) workspace.clamped_ = workspace.poses_ = 0;
   const std::size_t vertices = vertex_count(), workers = worker_count(within);
-  const std::size_t socket_stride =
-      batch.sockets.pose_stride ? batch.sockets.pose_stride : SocketFrames::frame_floats * socket_count();
-  const auto sockets_at = [&](std::size_t pose) {
-    return batch.sockets.first ? batch.sockets.first + pose * socket_stride : nullptr;
+  const std::size_t error_stride = batch.errors.pose_stride ? batch.errors.pose_stride : error_count();
+  const auto errors_of = [&](std::size_t pose, Workspace& workspace) {
+    const auto [first, size, stride, outside] = batch.errors;
+    if (!first && !outside) return;
+    layout_.errors.run(batch.controls.data() + pose * control_stride, first ? first + pose * error_stride : nullptr,
+                       outside ? outside + pose : nullptr, workspace.errors_);
   };
   const auto output_at = [&](std::size_t pose) {
     return PoseOutput{output_of(batch, batch.positions, pose, vertices),
                       output_of(batch, batch.normals, pose, vertices), output_of(batch, batch.tangents, pose, vertices),
-                      sockets_at(pose)};
+                      floats_of(batch.sockets, pose, SocketFrames::frame_floats * socket_count()),
+                      floats_of(batch.channels, pose, channel_count())};
   };
   // Whole blocks first, if there are enough for all workers; then the remaining poses.
   const std::size_t blocks = batch.poses / poses_per_block >= workers ? batch.poses / poses_per_block : 0;
@@ -118,13 +146,19 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
     const std::size_t pose = task < blocks ? task * poses_per_block : task + blocks * (poses_per_block - 1);
     const float* controls = batch.controls.data() + pose * control_stride;
     if (task >= blocks) {
-      with_float_mode([&] { execution.run_pose(controls, output_at(pose)); });
+      with_float_mode([&] {
+        execution.run_pose(controls, output_at(pose));
+        errors_of(pose, workspace);
+      });
       ++workspace.poses_;
       return;
     }
     PoseOutput outputs[poses_per_block];
     for (std::size_t p = 0; p < poses_per_block; ++p) outputs[p] = output_at(pose + p);
-    with_float_mode([&] { execution.run_block(controls, control_stride, outputs); });
+    with_float_mode([&] {
+      execution.run_block(controls, control_stride, outputs);
+      for (std::size_t p = 0; p < poses_per_block; ++p) errors_of(pose + p, workspace);
+    });
     workspace.poses_ += poses_per_block;
   });
   std::size_t done = 0;

@@ -25,10 +25,13 @@ struct MeshLayout {
   MeshLayout(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap);
 
   std::size_t count() const { return source.size(); }
+  VertexRange surface() const { return {0, surface_vertices}; }
+  VertexRange all() const { return {0, vertices}; }
 
+  std::uint32_t vertices, surface_vertices;          // those behind the surface carry channels
   std::pmr::vector<VertexRange> source;              // by mesh: its vertices in the source's order
   CsrTable<VertexRange> baked;                       // by mesh: in baked order, where they may lie in several ranges
-  std::pmr::vector<std::uint32_t> row_block_meshes;  // by row block
+  std::pmr::vector<std::uint32_t> row_block_meshes;  // by row block; count(): of channels
 };
 
 }  // namespace fb::runtime

@@ -119,12 +119,17 @@ void PoseExecution::run_row_blocks(float* const* rows) {
 void PoseExecution::write(const float* rows, const VertexOutput& output) {
   const VertexWriter writer(layout_.kernels, rows, layout_.baked_index, workspace_.halves_.data(), output);
   if (meshes_.empty()) {
-    const VertexRange all = {0, static_cast<std::uint32_t>(layout_.vertex_count())};
+    const VertexRange all = all_points_ ? layout_.meshes.all() : layout_.meshes.surface();
     writer.write(all, {&all, 1});
     return;
   }
   for (std::size_t m = 0; m < meshes_.size(); ++m)
     if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
+}
+
+void PoseExecution::write_channels(const float* rows, float* channels) const {
+  rows += 3 * layout_.vertex_count();
+  for (const Channel& channel : layout_.schema.channels) *channels++ = channel.value(*rows++);
 }
 
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {
@@ -140,13 +145,16 @@ void PoseExecution::write_outputs(std::size_t pose, const float* rows, const Pos
 
 template <std::size_t poses>
 void PoseExecution::run_features_on(const PoseOutput* outputs) {
+  all_points_ = outputs[0].all_points;
+  with_channels_ = outputs[0].channels || all_points_;
   scatter_features<poses>();
   run_regions<poses>();
   const VertexOutput& first = outputs[0].positions;
   // Rows are written to the output itself if it has their order and format, and nothing else needs them.
   const bool direct = first.first && first.vertex_stride == 3 && !first.streamed &&
                       first.format == NumberFormat::float32 && !outputs[0].normals.first &&
-                      !outputs[0].tangents.first && (layout_.baked_index.empty() || first.order == VertexOrder::baked);
+                      !outputs[0].tangents.first && !outputs[0].channels &&
+                      (layout_.baked_index.empty() || first.order == VertexOrder::baked);
   float* rows[poses];
   for (std::size_t p = 0; p < poses; ++p)
     rows[p] =
@@ -155,6 +163,8 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
   for (std::size_t p = 0; p < poses; ++p)
     if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
   for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p]);
+  for (std::size_t p = 0; p < poses; ++p)
+    if (outputs[p].channels) write_channels(rows[p], outputs[p].channels);
 }
 
 void PoseExecution::run_pose(const float* controls, const PoseOutput& output) {

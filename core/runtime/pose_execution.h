@@ -16,7 +16,9 @@ using RegionMask = std::span<const std::uint8_t>;
 // The outputs of one pose.
 struct PoseOutput {
   VertexOutput positions, normals, tangents;
-  float* sockets = nullptr;  // frames; null: no output
+  float* sockets = nullptr;   // frames; null: no output
+  float* channels = nullptr;  // values; null: no output
+  bool all_points = false;    // positions: those that carry channels, too
 };
 
 // What is left out of poses.
@@ -58,11 +60,16 @@ class PoseExecution {
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
   void write(const float* rows, const VertexOutput& output);
-  bool is_posed(std::size_t block) const { return meshes_.empty() || meshes_[layout_.meshes.row_block_meshes[block]]; }
+  void write_channels(const float* rows, float* channels) const;
+  bool is_posed(std::size_t block) const {
+    const std::uint32_t mesh = layout_.meshes.row_block_meshes[block];
+    return mesh == layout_.meshes.count() ? with_channels_ : meshes_.empty() || meshes_[mesh];
+  }
 
   const EvaluationLayout& layout_;
   const RegionMask regions_;
   const MeshMask meshes_;
+  bool with_channels_ = false, all_points_ = false;  // in the current poses
   Workspace& workspace_;
 };
 

@@ -27,7 +27,7 @@ class RegionNetwork {
   // Floats of `work` that run() needs for each pose.
   std::size_t work_size() const { return 2 * (max_width() + padding); }
 
-  // FORMAT.md, "Regions", without the gate. input: sparse inputs of the first layer, in 1 or poses_per_block poses; all
+  // EVALUATION.md, "Regions", without the gate. input: sparse inputs of the first layer, in 1 or poses_per_block poses; all
   // others are 0. work: poses * work_size() floats. buffers: for max_width() inputs. outputs: output_count() * poses
   // floats, output o of pose p at o * poses + p.
   void run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, float* work,

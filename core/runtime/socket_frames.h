@@ -13,7 +13,7 @@
 namespace fb::runtime {
 
 // Frames that follow the posed surface: the best rigid fit of weighted vertices, by Horn's method (Closed-form solution
-// of absolute orientation using unit quaternions, 1987) in a fixed number of steps. core/archive/FORMAT.md defines
+// of absolute orientation using unit quaternions, 1987) in a fixed number of steps. core/archive/EVALUATION.md defines
 // every operation.
 class SocketFrames {
  public:

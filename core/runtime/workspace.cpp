@@ -23,7 +23,8 @@ Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& 
       halves_(layout.row_stride(), &memory),
       layer_inputs_(layout.max_width, poses_per_block, memory),
       normals_(layout.normals, memory),
-      tangents_(layout.tangents, memory) {
+      tangents_(layout.tangents, memory),
+      errors_(layout.errors, memory) {
   for (std::size_t p = 0; p < poses_per_block; ++p)
     std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
 }

@@ -5,6 +5,7 @@
 #include <memory_resource>
 #include <vector>
 
+#include "runtime/error_prediction.h"
 #include "runtime/evaluation_layout.h"
 #include "runtime/feature_graph.h"
 #include "runtime/quantise.h"
@@ -50,6 +51,7 @@ class Workspace {
   QuantiseBuffers layer_inputs_;
   VertexNormals::State normals_;
   VertexTangents::State tangents_;
+  ErrorPrediction::State errors_;
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
 

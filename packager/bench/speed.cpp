@@ -129,7 +129,7 @@ class SpeedBench {
   FloatModel float_model_;
   double pose_bytes_ = 0;  // mean, of the model
   const std::vector<float> rest_;
-  std::vector<float> positions_, normals_, coefficients_, batch_controls_, batch_positions_;
+  std::vector<float> positions_, normals_, coefficients_, expected_errors_, batch_controls_, batch_positions_;
 };
 
 std::size_t pose_count(std::span<const float> controls, const facebaker::Model& model) {
@@ -155,6 +155,7 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       positions_(floats_),
       normals_(floats_),
       coefficients_(fb_coefficient_count(model_.get())),
+      expected_errors_(1 + fb_error_region_count(model_.get())),
       batch_controls_(options.batch * width_),
       batch_positions_(options.batch * floats_) {
   std::vector<std::uint64_t> bytes(poses_);
@@ -201,16 +202,23 @@ std::vector<Timing> SpeedBench::warm_timings() {
   const auto coefficients = [this](std::size_t p) {
     facebaker::check(fb_evaluate_coefficients(model_.get(), scratch_.get(), pose_at(p), coefficients_.data()));
   };
-  return {{"positions", [this](std::size_t p) { evaluate(p); }, pose_bytes_},
-          {"positions, baked order", as_batch(false, FB_ORDER_BAKED, FB_FLOAT32), pose_bytes_},
-          {"positions, halves", as_batch(false, FB_ORDER_SOURCE, FB_FLOAT16), pose_bytes_},
-          {"positions and normals", as_batch(true, FB_ORDER_SOURCE, FB_FLOAT32), pose_bytes_},
-          {"coefficients", coefficients},
-          {"at rest", [this](std::size_t) { scratch_.evaluate(rest_.data(), positions_.data()); }},
-          {"same model, floats, Eigen", [this](std::size_t p) { float_model_.evaluate(pose_at(p), positions_.data()); },
-           double(float_model_.bytes())},
-          {"paper's network, Eigen", [this](std::size_t p) { paper_.evaluate(1, pose_at(p), positions_.data()); },
-           double(paper_.bytes())}};
+  std::vector<Timing> timings = {
+      {"positions", [this](std::size_t p) { evaluate(p); }, pose_bytes_},
+      {"positions, baked order", as_batch(false, FB_ORDER_BAKED, FB_FLOAT32), pose_bytes_},
+      {"positions, halves", as_batch(false, FB_ORDER_SOURCE, FB_FLOAT16), pose_bytes_},
+      {"positions and normals", as_batch(true, FB_ORDER_SOURCE, FB_FLOAT32), pose_bytes_},
+      {"coefficients", coefficients},
+      {"at rest", [this](std::size_t) { scratch_.evaluate(rest_.data(), positions_.data()); }},
+      {"same model, floats, Eigen", [this](std::size_t p) { float_model_.evaluate(pose_at(p), positions_.data()); },
+       double(float_model_.bytes())},
+      {"paper's network, Eigen", [this](std::size_t p) { paper_.evaluate(1, pose_at(p), positions_.data()); },
+       double(paper_.bytes())}};
+  if (fb_error_region_count(model_.get()) > 0)
+    timings.push_back({"expected errors", [this](std::size_t p) {
+                         facebaker::check(fb_expected_error(model_.get(), scratch_.get(), pose_at(p),
+                                                            expected_errors_.data(), nullptr));
+                       }});
+  return timings;
 }
 
 // Every method runs over all poses once, until all it reads is in the caches, before it is measured on them.

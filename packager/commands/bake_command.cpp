@@ -10,6 +10,7 @@
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
+#include "commands/thumbnail.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -23,12 +24,12 @@ struct BakeCommand {
   }
 
   std::vector<std::string> sources, poses_like;
-  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, created;
+  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created;
   std::uint64_t cache_mib;
   fb_bake_desc desc;
   Parallel parallel;
   RigOptions rigs;
-  bool json = false, learning_curve = false, force = false, skip_failing = false;
+  bool json = false, thumbnail = true, learning_curve = false, force = false, skip_failing = false;
 
   void run();
 
@@ -65,7 +66,8 @@ std::string bake_text(const std::string& document) {
 // With the page of the report, if there is to be one.
 facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& progress,
                                     const fb_callbacks& callbacks) {
-  const std::string licence_words = licence_text(licence);
+  const std::string licence_words = file_text(licence), about_words = file_text(about);
+  const std::vector<std::byte> picture = thumbnail ? draw_thumbnail(source, parallel) : std::vector<std::byte>();
   const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = source.get();
   desc.examples = examples.data();
@@ -79,6 +81,9 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.force = force ? 1 : 0;
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
+  desc.about = about.empty() ? nullptr : about_words.c_str();
+  desc.thumbnail = picture.empty() ? nullptr : picture.data();
+  desc.thumbnail_bytes = picture.size();
   desc.created = created.empty() ? nullptr : created.c_str();
   desc.work = work.empty() ? nullptr : work.c_str();
   desc.reuse = reuse.empty() ? nullptr : reuse.c_str();
@@ -162,6 +167,8 @@ void add_bake(CLI::App& tool) {
       ->capture_default_str();
   add_force(*app, command->force);
   add_licence(*app, command->licence);
+  add_about(*app, command->about);
+  app->add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
   app->add_option("--created", command->created, "A date to put into the archive; without it there is none")
       ->type_name("DATE");
   add_work_options(*app, *command);

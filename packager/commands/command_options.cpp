@@ -105,7 +105,15 @@ void add_licence(CLI::App& command, std::string& file) {
       ->type_name("FILE");
 }
 
-std::string licence_text(const std::string& file) {
+void add_about(CLI::App& command, std::string& file) {
+  command
+      .add_option("--about", file,
+                  "A JSON file that says whose the character is and what may be done with it: author, rights and more "
+                  "(docs/characters.md); its fields come before those that are there already")
+      ->type_name("FILE.json");
+}
+
+std::string file_text(const std::string& file) {
   if (file.empty()) return {};
   const auto bytes = read_file(file, 1u << 20);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

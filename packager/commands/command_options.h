@@ -32,9 +32,10 @@ void add_archive(CLI::App& command, std::string& archive);
 void add_out_archive(CLI::App& command, std::string& out);
 // --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
 void add_force(CLI::App& command, bool& force);
-// --licence: a text file whose text goes into the archive.
+// --licence and --about: text files whose texts go into the archive.
 void add_licence(CLI::App& command, std::string& file);
-std::string licence_text(const std::string& file);  // "" without a file
+void add_about(CLI::App& command, std::string& file);
+std::string file_text(const std::string& file);  // "" without a file
 void add_learning_curve(CLI::App& command, bool& learning_curve);
 void add_json_flag(CLI::App& command, bool& json);
 // `more` ends the description: what is written besides.

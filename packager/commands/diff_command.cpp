@@ -59,10 +59,10 @@ std::string declared_text(const Json& document) {
   return text;
 }
 
-// Entries of provenance and certificate that differ, without lists.
+// Entries of what is said about the character, of provenance and certificate that differ, without lists.
 std::string texts_text(const Json& document) {
   std::string text;
-  for (const char* list : {"provenance", "certificate"})
+  for (const char* list : {"about", "provenance", "certificate"})
     for (const auto& [key, change] : document.at(list).items())
       if (!change.at("before").is_array() && !change.at("now").is_array())
         text += std::string(list) + " " + key + ": " + change_text(change) + "\n";

@@ -40,7 +40,7 @@ std::string eval_text(const FaceFigures& figures) {
                 figures.units.c_str()) +
          format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n", face.touched.mean,
                 static_cast<unsigned long long>(face.touched.p95)) +
-         contact;
+         contact + (face.expectation ? expectation_text(*face.expectation) + "\n" : "");
 }
 
 std::int32_t split_from(const std::string& name) {

@@ -1,8 +1,12 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 
+#include "base/file.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
@@ -15,10 +19,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectCommand {
-  std::string archive;
+  std::string archive, thumbnail;
   bool json = false, controls = false;
 
   void run() const;
+
+ private:
+  void write_thumbnail(const fb_archive_info& info) const;
 };
 
 // The features and layers of a network: "12 > 32 relu > 32 relu skip > 8 wide".
@@ -34,13 +41,79 @@ std::string layers_text(const Json& region) {
   return text;
 }
 
+// With columns for those labels that any control has.
 std::string control_table(const Json& document) {
-  Table table({"control", "min", "max", "default", "group"});
-  for (const Json& control : document.at("control_list"))
-    table.add({control.at("name"), format("%g", control.at("min").get<double>()),
-               format("%g", control.at("max").get<double>()), format("%g", control.at("default").get<double>()),
-               control.at("group")});
+  std::vector<std::string> heads = {"control", "min", "max", "default", "group"};
+  for (const char* label : {"arkit", "facs", "unit", "mirror"})
+    for (const Json& control : document.at("control_list"))
+      if (control.contains(label)) {
+        heads.push_back(label);
+        break;
+      }
+  Table table(heads);
+  for (const Json& control : document.at("control_list")) {
+    std::vector<std::string> row = {control.at("name")};
+    for (const char* number : {"min", "max", "default"}) row.push_back(format("%g", control.at(number).get<double>()));
+    for (std::size_t i = 4; i < heads.size(); ++i) row.push_back(control.value(heads[i], ""));
+    table.add(std::move(row));
+  }
   return table.text();
+}
+
+std::string count_text(const Json& number) {
+  return std::to_string(number.get<std::uint64_t>());
+}
+
+// A mesh's materials, each once, by name or, where they have none, by number.
+std::string materials_text(const Json& mesh, const Json& document) {
+  std::vector<std::string> names;
+  std::string text;
+  for (const Json& run : mesh.at("materials")) {
+    if (!run.contains("material")) continue;
+    const Json& index = run.at("material");
+    std::string name = document.at("materials").at(index.get<std::size_t>()).at("name");
+    if (name.empty()) name = count_text(index);
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    text += (text.empty() ? "" : ", ") + name;
+    names.push_back(std::move(name));
+  }
+  return text;
+}
+
+std::string textures_text(const Json& material) {
+  std::string text;
+  for (const Json& texture : material.at("textures"))
+    text += (text.empty() ? "" : ", ") + texture.at("slot").get<std::string>() + " " + count_text(texture.at("image"));
+  return text;
+}
+
+// Tables of what a character has: those that are not empty.
+std::string character_tables(const Json& document) {
+  Table meshes({"mesh", "vertices", "polygons", "materials"});
+  Table materials({"material", "name", "alpha", "textures: images"});
+  Table images({"image", "name", "media type", "bytes"});
+  Table sockets({"socket", "vertices"});
+  const auto each = [&](const char* key, Table& table, const auto& row) {
+    if (!document.contains(key)) return std::string();
+    for (std::size_t i = 0; i < document[key].size(); ++i) table.add(row(document[key][i], std::to_string(i)));
+    return table.text();
+  };
+  using Row = std::vector<std::string>;
+  const auto mesh = [&](const Json& json, const std::string&) {
+    return Row{json.at("name"), count_text(json.at("vertices")), count_text(json.at("polygons")),
+               materials_text(json, document)};
+  };
+  const auto material = [](const Json& json, const std::string& index) {
+    return Row{index, json.at("name"), json.at("alpha_mode"), textures_text(json)};
+  };
+  const auto image = [](const Json& json, const std::string& index) {
+    return Row{index, json.at("name"), json.at("media_type"), count_text(json.at("bytes"))};
+  };
+  const auto socket = [](const Json& json, const std::string&) {
+    return Row{json.at("name"), std::to_string(json.at("vertices").size())};
+  };
+  return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
+         each("sockets", sockets, socket);
 }
 
 // A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.
@@ -89,13 +162,32 @@ std::string certificate_text(const Json& certificate) {
   return text;
 }
 
+std::string words_of(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string provenance_text(const Json& provenance) {
   std::string text;
-  for (const auto& [key, value] : provenance.items())
-    text +=
-        key + ": " +
-        (value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace)) +
-        "\n";
+  for (const auto& [key, value] : provenance.items()) text += key + ": " + words_of(value) + "\n";
+  return text;
+}
+
+// What is said about the character, a line a field; those of an object behind its name.
+std::string about_lines(const Json& about) {
+  std::string text;
+  const auto add = [&](const std::string& name, const Json& value) {
+    std::string line = name + ": " + words_of(value);
+    for (char& byte : line)
+      if (static_cast<unsigned char>(byte) < 32 || byte == 127) byte = ' ';
+    text += line + "\n";
+  };
+  for (const auto& [key, value] : about.items()) {
+    if (!value.is_object()) {
+      add(key, value);
+      continue;
+    }
+    for (const auto& [inner, field] : value.items()) add(key + " " + inner, field);
+  }
   return text;
 }
 
@@ -103,10 +195,9 @@ std::string summary_table(const facebaker::Archive& archive, const Json& documen
   const fb_archive_info info = archive.info();
   const std::string units = document.at("units");
   Table table({"what", "value"});
-  const auto count = [](const Json& number) { return std::to_string(number.get<std::uint64_t>()); };
   table.add({"name", info.name});
   table.add({"vertices", std::to_string(info.vertex_count)});
-  table.add({"polygons", count(document.at("polygons"))});
+  table.add({"polygons", count_text(document.at("polygons"))});
   table.add({"controls", std::to_string(info.control_count)});
   table.add({"diagonal", format("%g %s", document.at("diagonal").get<double>(), units.c_str())});
   table.add({"up axis", document.at("up_axis")});
@@ -122,13 +213,14 @@ std::string summary_table(const facebaker::Archive& archive, const Json& documen
     if (section.unpacked_bytes != section.stored_bytes) bytes += " of " + std::to_string(section.unpacked_bytes);
     table.add({std::string("  ") + section.name, bytes});
   }
-  table.add({"bytes in memory", count(document.at("runtime_bytes"))});
+  table.add({"bytes in memory", count_text(document.at("runtime_bytes"))});
   return table.text();
 }
 
 std::string inspect_text(const std::string& path, const facebaker::Archive& archive, const Json& document) {
   const fb_archive_info info = archive.info();
-  std::string text = path + "\n" + summary_table(archive, document);
+  std::string text = path + "\n" + summary_table(archive, document) + character_tables(document);
+  if (document.contains("about")) text += about_lines(document["about"]);
   for (const Json& region : document.at("network").at("regions"))
     text += "network \"" + region.at("name").get<std::string>() + "\": " + layers_text(region) + "\n";
   text += certificate_text(document.at("certificate")) + provenance_text(document.at("provenance"));
@@ -139,8 +231,19 @@ std::string inspect_text(const std::string& path, const facebaker::Archive& arch
   return text;
 }
 
+void InspectCommand::write_thumbnail(const fb_archive_info& info) const {
+  if (!info.thumbnail)
+    fail(Status::not_found, "%s has no thumbnail; pack --thumbnail draws one", shown(archive).c_str());
+  write_file(thumbnail, std::span(static_cast<const std::byte*>(info.thumbnail), info.thumbnail_bytes));
+}
+
 void InspectCommand::run() const {
   const facebaker::Archive face(archive);
+  if (!thumbnail.empty()) {
+    write_thumbnail(face.info());
+    print_result(thumbnail + "\n");
+    return;
+  }
   const std::string document = facebaker::inspect(face).json();
   if (json) {
     print_result(document.c_str());
@@ -158,7 +261,10 @@ void add_inspect(CLI::App& tool) {
   CLI::App* app = tool.add_subcommand("inspect", "Show what is in an archive");
   add_archive(*app, command->archive);
   app->add_flag("--controls", command->controls, "List the controls too (--json always does)");
-  app->add_flag("--json", command->json, "Print everything as JSON");
+  CLI::Option* json = app->add_flag("--json", command->json, "Print everything as JSON");
+  app->add_option("--thumbnail", command->thumbnail, "Write the picture of the face, a PNG, and nothing else")
+      ->type_name("FILE.png")
+      ->excludes(json);
   app->callback([command] { command->run(); });
 }
 

@@ -8,6 +8,7 @@
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
+#include "commands/thumbnail.h"
 
 namespace fb::tool {
 namespace {
@@ -15,9 +16,10 @@ namespace {
 struct PackCommand {
   PackCommand() { fb_pack_desc_init(&desc); }
 
-  std::string archive, out, licence;
+  std::string archive, out, licence, about;
   fb_pack_desc desc;
-  bool force = false;
+  Parallel parallel;
+  bool force = false, thumbnail = false;
 
   void run();
 };
@@ -37,10 +39,15 @@ std::string displacement_text(const fb_pack_result& result) {
 }
 
 void PackCommand::run() {
-  const std::string licence_words = licence_text(licence);
+  const std::string licence_words = file_text(licence), about_words = file_text(about);
+  const std::vector<std::byte> picture =
+      thumbnail ? draw_thumbnail(facebaker::Model(archive), parallel) : std::vector<std::byte>();
   desc.path = archive.c_str();
   desc.out = out.c_str();
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
+  desc.about = about.empty() ? nullptr : about_words.c_str();
+  desc.thumbnail = picture.empty() ? nullptr : picture.data();
+  desc.thumbnail_bytes = picture.size();
   desc.force = force ? 1 : 0;
   const bool limited = desc.max_bytes > 0 || desc.max_error > 0;
   const facebaker::Report report = [&] {
@@ -65,6 +72,8 @@ void add_pack(CLI::App& tool) {
   add_archive(*app, command->archive);
   add_out_archive(*app, command->out);
   add_licence(*app, command->licence);
+  add_about(*app, command->about);
+  app->add_flag("--thumbnail", command->thumbnail, "Draw the picture of the face that file managers show");
   app->add_option("--max-bytes", command->desc.max_bytes,
                   "Bytes the archive may have: in the smallest quantisation steps within them; 0: any")
       ->check(whole_number)
@@ -78,6 +87,7 @@ void add_pack(CLI::App& tool) {
       ->capture_default_str();
   add_force(*app, command->force);
   add_seed(*app, command->desc.seed);
+  add_threads(*app, command->parallel);
   app->footer(
       "Without --max-bytes and --max-error the face poses as it did, to the last bit; its reference poses are kept, or "
       "made where it has none.");

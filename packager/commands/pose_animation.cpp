@@ -1,31 +1,26 @@
 #include "commands/pose_animation.h"
 
+#include <algorithm>
 #include <map>
+#include <memory>
+
+#include "export/morph_normals.h"
 
 namespace fb::tool {
 namespace {
 
-MorphAnimation from_frames(PoseEvaluator& evaluator, std::span<const float> controls) {
-  const std::size_t frames = controls.size() / evaluator.model().control_count();
-  const std::size_t size = 3 * std::size_t(evaluator.model().vertex_count());
-  const std::vector<float> positions = evaluator.positions(controls);
-  const float* rest = evaluator.model().rest_positions();
-  MorphAnimation animation;
-  animation.weights.assign(frames * frames, 0);
-  for (std::size_t f = 0; f < frames; ++f) {
-    auto& target = animation.targets.emplace_back(size);
-    for (std::size_t i = 0; i < size; ++i) target[i] = positions[f * size + i] - rest[i];
-    animation.weights[f * frames + f] = 1;
-  }
-  return animation;
-}
+// Columns of the basis that a clip uses.
+struct UsedColumns {
+  std::vector<std::uint32_t> columns;  // coefficients that are not 0 in every frame
+  std::vector<float> coefficients;     // frames x columns
+  std::vector<float> displacements;    // columns x 3 x vertices, for one unit of each coefficient
+};
 
-// Displacements of the vertices for one unit of each of these coefficients.
-std::vector<std::vector<float>> column_displacements(const facebaker::Model& model,
-                                                     const std::vector<std::uint32_t>& wanted) {
-  std::map<std::uint32_t, std::size_t> target_of;
-  for (std::size_t t = 0; t < wanted.size(); ++t) target_of[wanted[t]] = t;
-  std::vector<std::vector<float>> targets(wanted.size(), std::vector<float>(3 * std::size_t(model.vertex_count())));
+void read_columns(const facebaker::Model& model, UsedColumns& used) {
+  std::map<std::uint32_t, std::size_t> index_of;
+  for (std::size_t i = 0; i < used.columns.size(); ++i) index_of[used.columns[i]] = i;
+  const std::size_t size = 3 * std::size_t(model.vertex_count());
+  used.displacements.assign(used.columns.size() * size, 0);
   const std::uint32_t* order = fb_vertex_order(model.get());
   for (std::uint32_t b = 0; b < fb_row_block_count(model.get()); ++b) {
     fb_row_block block;
@@ -36,72 +31,136 @@ std::vector<std::vector<float>> column_displacements(const facebaker::Model& mod
     std::vector<float> values(std::size_t(block.column_count) * block.row_count);
     facebaker::check(fb_row_block_values(model.get(), b, columns.data(), values.data()));
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const auto target = target_of.find(columns[c]);
-      if (target == target_of.end()) continue;
+      const auto found = index_of.find(columns[c]);
+      if (found == index_of.end()) continue;
       for (std::size_t r = 0; r < block.row_count; ++r) {
         const std::size_t row = block.first_row + r;
-        targets[target->second][order ? 3 * std::size_t(order[row / 3]) + row % 3 : row] =
+        used.displacements[found->second * size + (order ? 3 * std::size_t(order[row / 3]) + row % 3 : row)] =
             values[c * block.row_count + r];
       }
     }
   }
-  return targets;
 }
 
-MorphAnimation from_basis(PoseEvaluator& evaluator, std::span<const float> controls) {
-  const std::size_t frames = controls.size() / evaluator.model().control_count();
+UsedColumns used_columns(PoseEvaluator& evaluator, std::span<const float> controls) {
+  const std::size_t frames = evaluator.frames(controls);
   const std::uint32_t count = fb_coefficient_count(evaluator.model().get());
   const std::vector<float> coefficients = evaluator.coefficients(controls);
-  std::vector<std::uint32_t> used;  // coefficients that are not 0 in every frame
+  UsedColumns used;
   for (std::uint32_t c = 0; c < count; ++c)
     for (std::size_t f = 0; f < frames; ++f)
       if (coefficients[f * count + c] != 0) {
-        used.push_back(c);
+        used.columns.push_back(c);
         break;
       }
-  if (used.empty()) used.push_back(0);
-  MorphAnimation animation;
-  animation.targets = column_displacements(evaluator.model(), used);
   for (std::size_t f = 0; f < frames; ++f)
-    for (const std::uint32_t c : used) animation.weights.push_back(coefficients[f * count + c]);
-  return animation;
+    for (const std::uint32_t c : used.columns) used.coefficients.push_back(coefficients[f * count + c]);
+  if (frames > used.columns.size()) read_columns(evaluator.model(), used);
+  return used;
+}
+
+MorphTargets from_frames(const FrameReader& read, std::size_t frames) {
+  std::vector<std::size_t> moved;
+  MorphTargets morph = moving_targets(read, frames, moved);
+  morph.weights.assign(frames * moved.size(), 0);
+  for (std::size_t t = 0; t < moved.size(); ++t) morph.weights[moved[t] * moved.size() + t] = 1;
+  return morph;
+}
+
+// Those of the columns that move the mesh, as targets.
+MorphTargets from_basis(const UsedColumns& used, const CharacterView& character, std::size_t mesh) {
+  const std::size_t count = used.columns.size(), size = character.mesh.points.size();
+  std::vector<std::size_t> moved;
+  const auto columns = [&](std::size_t first, std::size_t some) {
+    std::vector<float> parts;
+    for (std::size_t c = first; c < first + some; ++c) {
+      const auto part = character.part(mesh, std::span(used.displacements).subspan(c * size, size));
+      parts.insert(parts.end(), part.begin(), part.end());
+    }
+    return parts;
+  };
+  MorphTargets morph = moving_targets(columns, count, moved);
+  morph.weights = chosen_weights(used.coefficients, count, moved);
+  return morph;
+}
+
+// The targets of one mesh; adds their error.
+MorphTargets morph_mesh(PoseEvaluator& evaluator, std::span<const float> controls, const UsedColumns& used,
+                        std::size_t mesh, double tolerance, MorphError& error) {
+  const std::size_t frames = evaluator.frames(controls);
+  const FrameReader read = frames_of(evaluator, controls, mesh);
+  const SingleMesh single(evaluator.character(), mesh);
+  if (tolerance > 0) {
+    MorphTargets choices[2];
+    choices[0] = used.displacements.empty() ? from_frames(read, frames) : from_basis(used, evaluator.character(), mesh);
+    // Less than the tolerance, because numbers are rounded.
+    choices[1] = principal_targets(choices[0], read, frames, 0.95 * tolerance, evaluator.parallel());
+    if (choices[1].stored_bytes() < choices[0].stored_bytes()) std::swap(choices[0], choices[1]);
+    for (MorphTargets& choice : choices) {
+      const MorphError found = error_of(choice, read, frames, evaluator.parallel());
+      if (found.largest > tolerance) continue;
+      error.add(found);
+      fit_normals(choice, single.view(), read, frames, evaluator.parallel());
+      return std::move(choice);
+    }
+  }
+  MorphTargets exact = from_frames(read, frames);
+  error.add(error_of(exact, read, frames, evaluator.parallel()));
+  set_normals(exact, single.view());
+  return exact;
 }
 
 }  // namespace
 
-PoseEvaluator::PoseEvaluator(const facebaker::Model& model, const Parallel& parallel)
-    : model_(model), workers_(static_cast<std::uint32_t>(worker_count(parallel))), scratch_(model_, workers_) {}
-
-std::vector<float> PoseEvaluator::positions(std::span<const float> controls) {
-  fb_batch_desc batch;
-  fb_batch_desc_init(&batch);
-  batch.poses = controls.size() / model_.control_count();
-  batch.controls = controls.data();
-  batch.control_floats = controls.size();
-  std::vector<float> positions(batch.poses * 3 * model_.vertex_count());
-  batch.positions = positions.data();
-  batch.position_floats = positions.size();
-  batch.threads = workers_;
-  scratch_.evaluate(batch);
-  return positions;
+FrameReader frames_of(PoseEvaluator& evaluator, std::span<const float> controls, std::size_t mesh) {
+  return [&evaluator, controls, mesh](std::size_t first, std::size_t count) {
+    const std::size_t width = evaluator.model().control_count();
+    return evaluator.displacements(controls.subspan(first * width, count * width), mesh);
+  };
 }
 
-std::vector<float> PoseEvaluator::coefficients(std::span<const float> controls) {
-  const std::size_t width = model_.control_count(), frames = controls.size() / width;
-  const std::size_t count = fb_coefficient_count(model_.get());
-  std::vector<float> coefficients(frames * count);
-  for (std::size_t f = 0; f < frames; ++f)
-    facebaker::check(
-        fb_evaluate_coefficients(model_.get(), scratch_.get(), &controls[f * width], &coefficients[f * count]));
-  return coefficients;
+MorphTargets moving_targets(const FrameReader& read, std::size_t frames, std::vector<std::size_t>& moved) {
+  MorphTargets morph;
+  for_frame_blocks(read, frames, [&](std::size_t first, std::size_t count, std::span<const float> block) {
+    const std::size_t size = block.size() / count;
+    for (std::size_t f = 0; f < count; ++f) {
+      const auto frame = block.subspan(f * size, size);
+      if (std::all_of(frame.begin(), frame.end(), [](float number) { return number == 0; })) continue;
+      morph.add(frame);
+      moved.push_back(first + f);
+    }
+  });
+  return morph;
 }
 
-MorphAnimation animate(PoseEvaluator& evaluator, std::span<const float> controls, double fps) {
-  const std::size_t frames = controls.size() / evaluator.model().control_count();
-  MorphAnimation animation = frames <= fb_coefficient_count(evaluator.model().get()) ? from_frames(evaluator, controls)
-                                                                                     : from_basis(evaluator, controls);
-  animation.fps = fps;
-  return animation;
+std::vector<float> chosen_weights(std::span<const float> weights, std::size_t width,
+                                  const std::vector<std::size_t>& chosen) {
+  std::vector<float> some;
+  for (std::size_t row = 0; row < weights.size(); row += width)
+    for (const std::size_t column : chosen) some.push_back(weights[row + column]);
+  return some;
+}
+
+MorphError error_of(const MorphTargets& morph, const FrameReader& read, std::size_t frames, const Parallel& parallel) {
+  MorphError error;
+  for_frame_blocks(read, frames, [&](std::size_t first, std::size_t count, std::span<const float> moves) {
+    const std::size_t size = moves.size() / count;
+    std::vector<MorphError> errors(count);
+    parallel_for(parallel, count, [&](std::size_t f, std::size_t) {
+      errors[f] = morph_error(morph, std::span(morph.weights).subspan((first + f) * morph.count, morph.count),
+                              moves.subspan(f * size, size), 1);
+    });
+    for (const MorphError& of_frame : errors) error.add(of_frame);
+  });
+  return error;
+}
+
+MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, double tolerance) {
+  const UsedColumns used = used_columns(evaluator, controls);
+  MorphedClip clip;
+  for (std::size_t m = 0; m < evaluator.character().meshes.size(); ++m)
+    clip.meshes.push_back(morph_mesh(evaluator, controls, used, m, tolerance, clip.error));
+  return clip;
 }
 
 }  // namespace fb::tool

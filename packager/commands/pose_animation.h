@@ -1,35 +1,36 @@
 #pragma once
 
-#include <facebaker/facebaker.hpp>
 #include <span>
 #include <vector>
 
-#include "base/parallel.h"
-#include "export/glb_file.h"
+#include "commands/pose_evaluator.h"
+#include "export/low_rank.h"
 
 namespace fb::tool {
 
-// Evaluates poses of a model on several threads.
-class PoseEvaluator {
- public:
-  PoseEvaluator(const facebaker::Model& model, const Parallel& parallel);
-
-  // controls: frames x controls; gives frames x 3 x vertices.
-  std::vector<float> positions(std::span<const float> controls);
-  // Gives frames x coefficients, evaluated on the calling thread.
-  std::vector<float> coefficients(std::span<const float> controls);
-
-  const facebaker::Model& model() const { return model_; }
-
- private:
-  facebaker::Model model_;
-  std::uint32_t workers_;
-  facebaker::Scratch scratch_;
+// What is written of a clip in place of its frames.
+struct MorphedClip {
+  std::vector<MorphTargets> meshes;  // the targets of each mesh; the weights are the clip's
+  MorphError error;                  // of all frames and meshes
 };
 
-// A clip (frames x controls) as morph targets over the rest mesh: the frames themselves, or, if there are more frames
-// than coefficients, the columns of the basis, weighted by the coefficients. Both give the evaluated positions, but for
-// the rounding of coefficients. Positions between frames are interpolated linearly either way.
-MorphAnimation animate(PoseEvaluator& evaluator, std::span<const float> controls, double fps);
+// A clip (frames x controls) as morph targets of each mesh over the rest pose: whichever takes least of the frames
+// themselves, the columns of the basis weighted by the coefficients, and the principal components of the frames, and
+// is nowhere further than `tolerance` (a distance) from the evaluated positions. The frames themselves where nothing
+// else is, as with tolerance 0. Positions between frames are interpolated linearly.
+MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, double tolerance);
+
+// Frames of a clip for one mesh.
+FrameReader frames_of(PoseEvaluator& evaluator, std::span<const float> controls, std::size_t mesh);
+
+// Those frames that move a mesh as targets, without weights and normals; appends their indices to `moved`.
+MorphTargets moving_targets(const FrameReader& read, std::size_t frames, std::vector<std::size_t>& moved);
+
+// These columns of a matrix of `width` columns.
+std::vector<float> chosen_weights(std::span<const float> weights, std::size_t width,
+                                  const std::vector<std::size_t>& chosen);
+
+// How far the evaluated frames of a mesh lie from its targets with their weights.
+MorphError error_of(const MorphTargets& morph, const FrameReader& read, std::size_t frames, const Parallel& parallel);
 
 }  // namespace fb::tool

@@ -13,8 +13,10 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
-#include "commands/pose_animation.h"
 #include "commands/pose_controls.h"
+#include "commands/pose_evaluator.h"
+#include "commands/pose_expectation.h"
+#include "commands/pose_scene.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
@@ -29,7 +31,7 @@ struct PoseCommand {
   std::string archive, out, beside, size = "640x800";
   PoseRequest request;
   std::optional<std::size_t> frame;
-  double fps = 30;
+  SceneOptions scene;
   float error_scale = 0;
   View view;
   Parallel parallel;
@@ -42,27 +44,15 @@ struct PoseCommand {
   void check_options() const;
   Poses read_frames(const facebaker::Model& model) const;
   void write_stills(PoseEvaluator& evaluator, const Poses& poses);
-  void write_still(const std::string& path, const facebaker::Model& model, const PoseRenderer* renderer,
+  void write_still(const std::string& path, const CharacterView& character, const PoseRenderer* renderer,
                    const std::vector<float>& positions, const std::vector<float>& reference);
-  void write_scene(PoseEvaluator& evaluator, const Poses& poses);
   void print(const Poses& poses) const;
 
   std::vector<std::string> files_;  // written
-  double worst_ = 0;                // largest distance from the true rig over the diagonal, with --beside
+  std::optional<PoseExpectation> expected_;
+  std::optional<SceneSummary> summary_;
+  double worst_ = 0;  // largest distance from the true rig over the diagonal, with --beside
 };
-
-MeshView mesh_of(const facebaker::Model& model) {
-  const fb_model* m = model.get();
-  const std::size_t corners = fb_polygon_corner_count(m);
-  MeshView mesh = {{fb_rest_positions(m), 3 * std::size_t(fb_vertex_count(m))},
-                   {fb_polygon_sizes(m), fb_polygon_count(m)},
-                   {fb_polygon_corners(m), corners}};
-  if (fb_uv_count(m) > 0) {
-    mesh.uvs = {fb_uvs(m), 2 * std::size_t(fb_uv_count(m))};
-    mesh.uv_corners = {fb_uv_corners(m), corners};
-  }
-  return mesh;
-}
 
 Resolution resolution_from(const std::string& size) {
   Resolution resolution;
@@ -74,7 +64,7 @@ Resolution resolution_from(const std::string& size) {
   return resolution;
 }
 
-// The frames of a clip become NAME.0000.obj, NAME.0001.obj, ...; a single pose keeps the name given.
+// The frames of an animation become NAME.0000.obj, NAME.0001.obj, ...; a single pose keeps the name given.
 std::string numbered(const std::filesystem::path& out, std::size_t frame, bool clip) {
   if (!clip) return out.string();
   std::filesystem::path path = out;
@@ -115,10 +105,10 @@ std::array<std::vector<float>, 8> bounds_of(PoseEvaluator& evaluator, const Pose
   return corners;
 }
 
-void PoseCommand::write_still(const std::string& path, const facebaker::Model& model, const PoseRenderer* renderer,
+void PoseCommand::write_still(const std::string& path, const CharacterView& character, const PoseRenderer* renderer,
                               const std::vector<float>& positions, const std::vector<float>& reference) {
   if (!renderer) {
-    write_obj(path, fb_name(model.get()), mesh_of(model), positions);
+    write_obj(path, character, positions);
   } else if (reference.empty()) {
     write_png(path, renderer->draw(positions));
   } else {
@@ -147,34 +137,24 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
     const float* controls = &poses.controls[f * width];
     std::vector<float> expected;
     if (reference) expected = facebaker::SourceView(*reference).evaluate(controls, 1);
-    write_still(numbered(out, f, poses.frames > 1), model, renderer ? &*renderer : nullptr,
+    write_still(numbered(out, f, poses.frames > 1), evaluator.character(), renderer ? &*renderer : nullptr,
                 evaluator.positions({controls, width}), expected);
     progress.step(f + 1);
   }
 }
 
-void PoseCommand::write_scene(PoseEvaluator& evaluator, const Poses& poses) {
-  const fb_model* model = evaluator.model().get();
-  const MeshView mesh = mesh_of(evaluator.model());
-  GlbScene scene = {fb_name(model), fb_units(model), fb_up_axis(model), mesh, mesh.points, {}};
-  std::vector<float> positions;
-  if (poses.frames > 1)
-    scene.animation = animate(evaluator, poses.controls, fps);
-  else
-    scene.base = positions = evaluator.positions(poses.controls);
-  write_glb(out, scene);
-  files_.push_back(out);
-}
-
 void PoseCommand::print(const Poses& poses) const {
   if (json) {
     nlohmann::ordered_json figures = {{"files", files_}, {"frames", poses.frames}, {"clamped", poses.clamped}};
+    if (expected_) figures["expected_error"] = expected_->largest, figures["outside"] = expected_->outside;
     if (!beside.empty()) figures["max"] = worst_;
+    if (summary_) summary_->add_to(figures);
     // Bytes that are no UTF-8, as file names may have, are replaced.
     print_result(figures.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     return;
   }
   for (const std::string& file : files_) print_result(file + "\n");
+  if (summary_) print_result(summary_->text());
   if (!beside.empty()) print_result(format("largest distance from the true rig: %.2e of the diagonal\n", worst_));
 }
 
@@ -183,14 +163,15 @@ void PoseCommand::check_options() const {
   if (!out.ends_with(".glb") && !picture && !out.ends_with(".obj"))
     fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", shown(out).c_str());
   if (!beside.empty() && !picture) fail(Status::invalid_argument, "--beside needs a picture: --out NAME.png");
-  if (frame && request.clip.empty()) fail(Status::invalid_argument, "--frame needs --clip");
+  if (frame && request.animation().empty()) fail(Status::invalid_argument, "--frame needs --clip or --livelink");
+  scene.check(out.ends_with(".glb"));
 }
 
 Poses PoseCommand::read_frames(const facebaker::Model& model) const {
   Poses poses = read_poses(request, model);
   if (!frame) return poses;
   if (*frame >= poses.frames)
-    fail(Status::invalid_argument, "--frame %zu: %s has frames 0 to %zu", *frame, shown(request.clip).c_str(),
+    fail(Status::invalid_argument, "--frame %zu: %s has frames 0 to %zu", *frame, shown(request.animation()).c_str(),
          poses.frames - 1);
   const auto first = poses.controls.begin() + static_cast<std::ptrdiff_t>(*frame * model.control_count());
   poses.controls = std::vector<float>(first, first + model.control_count());
@@ -198,17 +179,27 @@ Poses PoseCommand::read_frames(const facebaker::Model& model) const {
   return poses;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "facebaker pose: %s\n", note.c_str());
+}
+
 void PoseCommand::run() {
   check_options();
   const facebaker::Model model(archive);
   const OutputLock lock = OutputLock::of_file(out);
   const Poses poses = read_frames(model);
-  for (const std::string& note : poses.notes) std::fprintf(stderr, "facebaker pose: %s\n", note.c_str());
+  print_notes(poses.notes);
+  expected_ = expect_errors(model, poses);
+  if (expected_)
+    if (const auto warning = outside_warning(*expected_, poses.frames)) print_notes({*warning});
   PoseEvaluator evaluator(model, parallel);
-  if (out.ends_with(".glb"))
-    write_scene(evaluator, poses);
-  else
+  if (out.ends_with(".glb")) {
+    summary_ = write_scene(evaluator, poses, scene, out);
+    print_notes(summary_->notes);
+    files_.push_back(out);
+  } else {
     write_stills(evaluator, poses);
+  }
   print(poses);
 }
 
@@ -243,20 +234,26 @@ void add_pose(CLI::App& tool) {
                   "control's range is clamped, with a note")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  app->add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
-      ->type_name("FILE.npy");
-  app->add_option("--frame", command->frame, "Only this frame of the clip, counted from 0")
+  CLI::Option* clip = app->add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
+                          ->type_name("FILE.npy");
+  app->add_option("--livelink", command->request.live_link,
+                  "Animation: a recording of Live Link Face; its columns drive the controls with their ARKit names")
+      ->type_name("FILE.csv")
+      ->excludes(clip);
+  app->add_option("--frame", command->frame, "Only this frame of the animation, counted from 0")
       ->check(whole_number)
       ->type_name("N");
   app->add_option(
          "--out", command->out,
-         "File to write: .glb (mesh, or animation as morph targets), .obj (polygons in the rig's own order) or .png "
-         "(shaded picture). The frames of a clip become NAME.0000.obj or .png and so on")
+         "File to write: .glb (meshes, materials and sockets; an animation by morph targets), .obj (polygons in the "
+         "rig's own order) or .png (shaded picture). The frames of an animation become NAME.0000.obj or .png and so on")
       ->type_name("FILE")
       ->required();
-  app->add_option("--fps", command->fps, "Frames a second of the clip, for .glb")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->capture_default_str();
+  app->add_option("--fps", command->request.fps,
+                  "Frames a second: of --clip, for .glb (default 30); to which --livelink is resampled (default: as "
+                  "recorded)")
+      ->check(CLI::Range(1.0, 1000.0));
+  command->scene.add_to(*app);
   add_image_options(*app, *command);
   command->rigs.add_to(*app);
   add_threads(*app, command->parallel);

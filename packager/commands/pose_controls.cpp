@@ -7,6 +7,7 @@
 
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "commands/live_link.h"
 
 namespace fb::tool {
 namespace {
@@ -68,11 +69,21 @@ Poses read_poses(const PoseRequest& request, const facebaker::Model& model) {
   Poses poses;
   std::vector<Setting> settings;
   for (const std::string& text : request.set) settings.push_back(parse_setting(text, model));
-  poses.controls = request.clip.empty() ? model.rest_controls() : read_clip_controls(request.clip, controls);
+  if (request.fps) poses.fps = *request.fps;
+  if (!request.clip.empty()) {
+    poses.controls = read_clip_controls(request.clip, controls);
+  } else if (!request.live_link.empty()) {
+    Take take = read_live_link(request.live_link, model, request.fps);
+    poses.controls = std::move(take.controls);
+    poses.fps = take.fps;
+    poses.notes = std::move(take.notes);
+  } else {
+    poses.controls = model.rest_controls();
+  }
   poses.frames = poses.controls.size() / controls.size();
   for (std::size_t f = 0; f < poses.frames; ++f)
     for (const Setting& setting : settings) poses.controls[f * controls.size() + setting.control] = setting.value;
-  clamp_values(poses, controls, !request.clip.empty());
+  clamp_values(poses, controls, !request.animation().empty());
   return poses;
 }
 

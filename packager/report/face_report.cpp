@@ -46,6 +46,7 @@ void write_face_report(const std::filesystem::path& folder, const FaceReport& re
   add_advice(page, view);
   add_pictures(page, view, report.source, folder, parallel, progress);
   add_errors_over_time(page, view);
+  add_expectation(page, view);
   add_methods(page, view);
   add_table_1(page, view);
   add_smoothness(page, view);

@@ -47,7 +47,14 @@ ClipErrors clip_of(const Json& json) {
           json.at("split"),
           errors_of(json),
           numbers(json.at("frame_mse")),
-          numbers(json.at("frame_max"))};
+          numbers(json.at("frame_max")),
+          numbers(json.at("frame_expected"))};
+}
+
+std::optional<Expectation> expectation_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return Expectation{json.at("frames"), number(json, "rank"), number(json, "within_two"),
+                     number(json, "constant_within_two"), json.at("outside")};
 }
 
 std::vector<RegionErrors> regions_of(const Json& list) {
@@ -172,12 +179,28 @@ MethodFigures method_of(const Json& json) {
   method.touched = {touched.at("poses"), number(touched, "mean"), touched.at("p95"), touched.at("max"),
                     touched.at("all")};
   if (!json.at("quality").is_null()) method.quality = quality_of(json.at("quality"));
+  method.expectation = expectation_of(json.at("expected"));
   if (!json.at("locality").is_null()) method.locality = locality_of(json.at("locality"));
   method.stats = stats_of(json.at("stats"));
   return method;
 }
 
 }  // namespace
+
+std::string expectation_text(const Expectation& expected) {
+  const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+  std::string text = format(
+      "The face's own expected errors: rank correlation %.2f with those measured on %llu frames of shots, %.1f %% "
+      "within a factor of two.",
+      expected.rank, number(expected.frames), 100 * expected.within_two);
+  if (expected.frames == 0) text = "There are no shots to compare the face's own expected errors with.";
+  if (expected.outside > 0)
+    text += format(
+        "\nwarning: in %llu frames, controls are beyond the values they were trained to, or together as they "
+        "never were.",
+        number(expected.outside));
+  return text;
+}
 
 std::string contact_text(const Contact& contact) {
   if (contact.pairs == 0)

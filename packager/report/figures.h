@@ -23,6 +23,14 @@ struct ClipErrors {
   std::string name, kind, split;
   Errors errors;
   std::vector<double> frame_mse, frame_max;  // one a frame; empty without quality
+  std::vector<double> frame_expected;        // rms over D; empty for faces without expected errors
+};
+
+// How well a face's expected errors agree with measured ones, on the frames of shots.
+struct Expectation {
+  std::uint64_t frames = 0;
+  double rank = 0, within_two = 0, constant_within_two = 0;
+  std::uint64_t outside = 0;  // frames of all clips in which a control is outside of what was trained
 };
 
 struct KindErrors {
@@ -146,6 +154,7 @@ struct MethodFigures {
   TouchedBytes touched;
   std::optional<Quality> quality;
   std::optional<Locality> locality;
+  std::optional<Expectation> expectation;
   BakeStats stats;
   std::span<const std::byte> archive;  // the report's
 };
@@ -165,6 +174,9 @@ struct FaceFigures {
 
 // A sentence on contact, for people.
 std::string contact_text(const Contact& contact);
+
+// A sentence on expected errors, and a warning where frames are outside of what was trained.
+std::string expectation_text(const Expectation& expected);
 
 // Of a report of bake, compare or eval, which must outlive the result.
 FaceFigures read_figures(const facebaker::Report& report);

@@ -55,6 +55,8 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
                   const std::filesystem::path& folder, const Parallel& parallel, Progress& progress);
 void add_parts(Html& page, const ReportView& view, const FramePictures& pictures);
 void add_errors_over_time(Html& page, const ReportView& view);
+// Expected errors beside measured ones.
+void add_expectation(Html& page, const ReportView& view);
 void add_methods(Html& page, const ReportView& view);
 void add_smoothness(Html& page, const ReportView& view);
 void add_locality(Html& page, const ReportView& view);

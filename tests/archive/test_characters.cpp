@@ -11,7 +11,7 @@
 namespace fb {
 namespace {
 
-const char* const sections[] = {"meshes", "materials", "images", "sockets"};
+const char* const sections[] = {"meshes", "materials", "images", "sockets", "channels"};
 
 void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message) {
   PackedModel model = character_model();
@@ -35,7 +35,8 @@ TEST_CASE("meshes that do not make up the whole are refused") {
   check_unwritable(
       [](Model& m) {
         Random random(1);
-        m.row_blocks = {random_row_block(random, 0, 57, {0}, 1), random_row_block(random, 57, 33, {0}, 1)};
+        m.row_blocks = {random_row_block(random, 0, 57, {0}, 1), random_row_block(random, 57, 33, {0}, 1),
+                        random_row_block(random, 90, 6, {0}, 1)};
       },
       "row block 0 has vertices of two meshes");
 }
@@ -62,6 +63,29 @@ TEST_CASE("sockets that cannot follow a surface are refused") {
   check_unwritable([&](Model& m) { nose(m).weights[1] = 0; }, "a weight of 0");
   check_unwritable([&](Model& m) { nose(m).weights[1] = INFINITY; }, "a weight of inf");
   check_unwritable([&](Model& m) { nose(m).frame[11] = NAN; }, "its frame is not finite");
+}
+
+TEST_CASE("channels that contradict themselves or the basis are refused") {
+  using Model = PackedModel;
+  const auto channel = [](Model& m, std::size_t c) -> Channel& { return m.schema.channels[c]; };
+  check_unwritable([&](Model& m) { channel(m, 1).name = "frown"; }, "channel name \"frown\" occurs twice");
+  check_unwritable([&](Model& m) { channel(m, 0).name = ""; }, "channel 0 has no name");
+  check_unwritable([&](Model& m) { channel(m, 3).minimum = 320; }, "channel \"heat\": minimum 320 is not below");
+  check_unwritable([&](Model& m) { channel(m, 3).rest = 321; }, "channel \"heat\": default 321 is outside");
+  check_unwritable([&](Model& m) { channel(m, 2).maximum = INFINITY; }, "channel \"eye_turn\": its range");
+  check_unwritable([&](Model& m) { channel(m, 2).scale = 0; }, "channel \"eye_turn\" has the scale 0");
+  check_unwritable([&](Model& m) { channel(m, 2).scale = NAN; }, "has the scale nan");
+  check_unwritable([&](Model& m) { m.schema.channels.pop_back(); }, "2 vertices carry 3 channels");
+  check_unwritable([&](Model& m) { m.rest.points[95] = 1; }, "a channel is not 0 at rest");
+  check_unwritable([&](Model& m) { std::swap(m.order[30], m.order[31]); }, "lists vertices behind channels");
+  check_unwritable([&](Model& m) { m.rest.polygon_corners[0] = 30; }, "names vertex 30 of 30");
+  check_unwritable(
+      [](Model& m) {
+        Random random(1);
+        m.row_blocks.resize(2);
+        m.row_blocks.push_back(random_row_block(random, 54, 42, {0}, 1));
+      },
+      "row block 2 has vertices of two meshes");
 }
 
 TEST_CASE("labels that contradict each other are refused") {
@@ -101,6 +125,9 @@ TEST_CASE("forged sections of a character are refused by name") {
   lie("labels", 30, std::uint32_t(1), Status::corrupt, "which does not mirror it");
   lie("sockets", 0, UINT32_MAX, Status::corrupt, "sockets need more than");
   lie("sockets", 12, UINT32_MAX, Status::corrupt, "vertices of a socket need more than");
+  lie("channels", 0, UINT32_MAX, Status::corrupt, "channels need more than");
+  lie("channels", 4 + 4 + 5 + 4, 2.0f, Status::corrupt, "minimum 2 is not below maximum 1");
+  lie("channels", 4 + 4 + 5 + 4 + 12, -1.0f, Status::corrupt, "has the scale -1");
   lie("sockets", 16, std::uint32_t(30), Status::corrupt, "names vertex 30 of 30");
   for (const char* section : sections) {
     ArchiveEditor archive(bytes);
@@ -111,7 +138,7 @@ TEST_CASE("forged sections of a character are refused by name") {
 
 TEST_CASE("sections of a character that are cut short, too long or changed never crash the reader") {
   const ArchiveEditor whole(write_archive(character_model(), {}));
-  for (const std::string name : {"labels", "meshes", "materials", "images", "sockets"}) {
+  for (const std::string name : {"labels", "meshes", "materials", "images", "sockets", "channels", "expected-errors"}) {
     INFO(name);
     ArchiveEditor archive = whole;
     const Bytes contents = archive[name].stored;
@@ -134,9 +161,115 @@ TEST_CASE("sections of a character that are cut short, too long or changed never
   }
 }
 
+TEST_CASE("what is said about a character is text, and its thumbnail a square picture") {
+  using Model = PackedModel;
+  check_unwritable([](Model& m) { m.character.about = "{\xff}"; }, "no UTF-8 text at byte 1");
+  check_unwritable([](Model& m) { m.character.about = std::string("{\0}", 3); }, "no UTF-8 text at byte 1");
+  check_unwritable([](Model& m) { m.character.about.resize(65537, ' '); }, "has 65537 bytes; it may have 65536");
+  check_unwritable([](Model& m) { m.character.thumbnail.resize(23); }, "the thumbnail is no PNG");
+  check_unwritable([](Model& m) { m.character.thumbnail[19] = std::byte(2); }, "2 x 1 pixels");
+  check_unwritable([](Model& m) { m.character.thumbnail[19] = m.character.thumbnail[23] = std::byte(0); },
+                   "0 x 0 pixels");
+  check_unwritable([](Model& m) { m.character.thumbnail.resize(65537); }, "has 65537 bytes; it may have 65536");
+  PackedModel largest = character_model();
+  largest.character.about.resize(65536, ' ');
+  largest.character.thumbnail.resize(65536);
+  for (const std::size_t edge : {18, 22}) largest.character.thumbnail[edge] = std::byte(2);
+  for (const std::size_t edge : {19, 23}) largest.character.thumbnail[edge] = std::byte(0);
+  CHECK(read_archive(write_archive(largest, {})).model.character == largest.character);
+}
+
+TEST_CASE("forged texts and thumbnails are refused by name, and cut ones never crash the reader") {
+  const Bytes bytes = write_archive(character_model(), {});
+  const auto forged = [&](const char* section, const std::function<void(Bytes&)>& change, const char* message) {
+    ArchiveEditor archive(bytes);
+    Bytes contents = archive[section].stored;
+    change(contents);
+    archive[section].set(contents);
+    check_refused(archive.bytes(), Status::corrupt, message);
+  };
+  forged(
+      "about", [](Bytes& b) { b[3] = std::byte(0xff); }, "no UTF-8 text at byte 3");
+  forged(
+      "about", [](Bytes& b) { b[3] = std::byte(0); }, "section \"about\"");
+  forged(
+      "about", [](Bytes& b) { b.resize(65537, std::byte(' ')); }, "has 65537 bytes");
+  forged(
+      "thumbnail", [](Bytes& b) { b[1] = std::byte('G'); }, "the thumbnail is no PNG");
+  forged(
+      "thumbnail", [](Bytes& b) { b[12] = std::byte('J'); }, "the thumbnail is no PNG");
+  forged(
+      "thumbnail", [](Bytes& b) { b[16] = std::byte(1); }, "16777217 x 1 pixels");
+  forged(
+      "thumbnail", [](Bytes& b) { b.resize(65537); }, "has 65537 bytes");
+  forged(
+      "thumbnail", [](Bytes& b) { b.clear(); }, "there is no thumbnail");
+  for (const std::string name : {"about", "thumbnail"}) {
+    ArchiveEditor archive(bytes);
+    const Bytes contents = archive[name].stored;
+    for (std::size_t size = 0; size < contents.size(); ++size) {
+      archive[name].set({contents.begin(), contents.begin() + std::ptrdiff_t(size)});
+      const Status status = outcome(archive.bytes()).status;
+      REQUIRE((status == Status::corrupt || (status == Status::ok && (name == "about" || size >= 24))));
+    }
+    archive[name].set(contents);
+    for (std::byte& byte : archive[name].stored)
+      for (const int mask : {0x01, 0x80, 0xff}) {
+        byte ^= std::byte(mask);
+        const Outcome seen = outcome(archive.bytes(), {std::uint64_t(1) << 24});
+        REQUIRE((seen.status == Status::ok || !seen.message.empty()));
+        byte ^= std::byte(mask);
+      }
+  }
+}
+
+TEST_CASE("expected errors that contradict the face are refused") {
+  using Model = PackedModel;
+  check_unwritable([](Model& m) { m.expected.unit = 0; }, "the unit is 0");
+  check_unwritable([](Model& m) { m.expected.unit = INFINITY; }, "the unit is inf");
+  check_unwritable([](Model& m) { m.expected.regions[1].name = "mouth"; }, "two regions named \"mouth\"");
+  check_unwritable([](Model& m) { m.expected.regions[1].name = ""; }, "without a name");
+  check_unwritable([](Model& m) { m.expected.regions[0].constant = -1; }, "\"mouth\" has the constant -1");
+  check_unwritable([](Model& m) { m.expected.regions[0].constant = NAN; }, "has the constant");
+  check_unwritable([](Model& m) { m.expected.runs[0].vertices = 8; }, "regions of 29 vertices for 30");
+  check_unwritable([](Model& m) { m.expected.runs[0].vertices = 0; }, "0 vertices of region 0");
+  check_unwritable([](Model& m) { m.expected.runs[0].region = 2; }, "of region 2 of 2");
+  check_unwritable([](Model& m) { m.expected.runs[1].region = 0; }, "\"brows, upper left\" has no vertices");
+  check_unwritable([](Model& m) { m.expected.weights.pop_back(); }, "weights");
+  check_unwritable([](Model& m) { m.expected.trained_low[1] = 201; }, "was trained from 201 to 200");
+  check_unwritable([](Model& m) { m.expected.untrained_pairs.back() |= 0x80; }, "pairs of controls that there are not");
+  check_unwritable([](Model& m) { m.expected.regions.resize(65, {"x", 0}); }, "65 regions; at most 64");
+
+  const Bytes bytes = write_archive(character_model(), {});
+  const auto lie = [&](std::size_t at, auto value, const char* message) {
+    ArchiveEditor archive(bytes);
+    Bytes contents = archive["expected-errors"].stored;
+    patch(contents, at, value);
+    archive["expected-errors"].set(contents);
+    check_refused(archive.bytes(), Status::corrupt, message);
+  };
+  lie(0, std::uint32_t(0x7fc00000), "the unit is nan");
+  lie(4, UINT32_MAX, "regions need more than");
+  lie(46, UINT32_MAX, "runs of vertices need more than");
+  lie(4, std::uint32_t(0), "there are no regions");
+}
+
+TEST_CASE("weights of expected errors are bytes with a floating point") {
+  CHECK(decoded_weight(0) == 0);
+  CHECK(decoded_weight(255) == 15.0f / 16);
+  CHECK(decoded_weight(1) == 9 * 0x1p-35f);
+  for (int code = 1; code < 256; ++code) CHECK(encoded_weight(decoded_weight(static_cast<std::uint8_t>(code))) == code);
+  for (double weight = 1e-9; weight < 0.9; weight *= 1.037)
+    CHECK(decoded_weight(encoded_weight(weight)) == doctest::Approx(weight).epsilon(1.0 / 16));
+  CHECK(encoded_weight(0) == 0);
+  CHECK(encoded_weight(1e-30) == 0);
+  CHECK(encoded_weight(7) == 255);
+}
+
 TEST_CASE("names and pictures of a character count towards the limits") {
   PackedModel model = character_model();
   model.rest.parts[1].name = std::string(2000, 'n');
+  model.character.about.clear();
   const Bytes named = write_archive(model, {});
   ReadLimits limits;
   limits.max_name_bytes = 1900;

@@ -7,14 +7,19 @@
 #include <thread>
 
 #include "base/checked.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/json_depth.h"
 #include "base/keep_asking.h"
+#include "base/match_names.h"
 #include "base/memory_budget.h"
 #include "base/progress.h"
 #include "base/random.h"
+#include "base/sha256.h"
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "base/utf8.h"
+#include "temporary_folder.h"
 #include "watched_progress.h"
 
 namespace fb {
@@ -60,6 +65,45 @@ TEST_CASE("hash64 is XXH64") {
   const std::string text = "abc";
   CHECK(hash64(std::as_bytes(std::span(text))) == 0x44bc2cf5ad770999u);
   CHECK(hash64(std::as_bytes(std::span(text)), 1) != 0x44bc2cf5ad770999u);
+}
+
+TEST_CASE("sha256_of_file is SHA-256") {
+  const test::Folder folder;
+  const auto hash = [&](const std::string& text) {
+    write_file(folder / "file", text);
+    return sha256_of_file(folder / "file");
+  };
+  CHECK(hash("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  CHECK(hash("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  CHECK(hash("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
+        "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  CHECK(hash(std::string(1000000, 'a')) == "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  CHECK(hash(std::string(std::size_t{1} << 20, '\0')) ==
+        "30e14955ebf1352266dc2ff8067e68104607e750abb9d3b36582b8af909fcb58");
+}
+
+TEST_CASE("texts that are no UTF-8 are found, and where") {
+  for (const char* text :
+       {"", "plain", "\xc2\x80 \xdf\xbf", "\xe0\xa0\x80\xed\x9f\xbf\xee\x80\x80", "\xf0\x90\x80\x80\xf4\x8f\xbf\xbf"})
+    CHECK(!find_utf8_fault(text));
+  CHECK(find_utf8_fault(std::string_view("ab\0", 3)) == 2);
+  for (const char* fault : {"\x80", "\xc0\x80", "\xc1\xbf", "\xc2", "\xc2z", "\xe0\x9f\xbf", "\xed\xa0\x80", "\xef\xbf",
+                            "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"})
+    CHECK_MESSAGE(find_utf8_fault(std::string("ok") + fault) == 2, fault);
+}
+
+TEST_CASE("names are matched exactly if they can be, else by letters and sides") {
+  const std::vector<std::vector<std::string>> things = {{"jaw", "JawOpen"}, {"jawopen"}, {"smile_L", ""}, {"--"}};
+  const auto match = [&](const char* name) { return match_names({name}, things)[0]; };
+  CHECK(match("JawOpen") == 0);
+  CHECK(match("jawopen") == 1);
+  CHECK(match("JAW_OPEN") == 1);
+  CHECK(match("Smile Left") == 2);
+  CHECK(match("smileRight") == std::nullopt);
+  CHECK(match("--") == 3);
+  CHECK(match("...") == std::nullopt);
+  CHECK(match("") == std::nullopt);
+  CHECK(match_names({}, things).empty());
 }
 
 TEST_CASE("sizes that overflow fail instead of wrapping") {

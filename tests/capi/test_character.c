@@ -2,6 +2,7 @@
 #include "capi_test.h"
 
 #include <facebaker/facebaker_character.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -103,6 +104,24 @@ static void materials_and_images_are_those_of_the_source(void** state) {
   assert_string_equal(image.media_type, "image/jpeg");
   assert_int_equal(image.byte_count, 7);
   assert_int_equal(((const unsigned char*)image.bytes)[6], 0x89);
+}
+
+static void what_is_said_about_a_character_is_handed_over(void** state) {
+  (void)state;
+  assert_string_equal(fb_about(character),
+                      "{\"author\":\"Ren\xc3\xa9"
+                      "e\",\"rights\":{\"learning\":\"forbidden\"},\"shelf\":7}");
+  uint64_t bytes = 0;
+  const unsigned char* png = fb_thumbnail(character, &bytes);
+  assert_non_null(png);
+  assert_int_equal(bytes, 67);
+  assert_memory_equal(png + 1, "PNG", 3);
+  assert_ptr_equal(fb_thumbnail(character, NULL), png);
+  assert_string_equal(fb_about(tiny), "");
+  assert_null(fb_thumbnail(tiny, &bytes));
+  assert_int_equal(bytes, 0);
+  assert_null(fb_about(NULL));
+  assert_null(fb_thumbnail(NULL, &bytes));
 }
 
 enum { VERTICES = 30, HEAD = 18, POSES = 9, FLOATS = 3 * VERTICES };
@@ -215,6 +234,77 @@ static void controls_say_what_they_mean_and_are_found_by_it(void** state) {
   assert_int_equal(control.mirror, FB_NO_CONTROL);
 }
 
+static void channels_are_those_of_the_source(void** state) {
+  (void)state;
+  uint32_t index = 9;
+  fb_channel channel;
+  fb_channel_init(&channel);
+  assert_int_equal(fb_channel_count(character), 4);
+  assert_ok(fb_find_channel(character, "eye_turn", &index));
+  assert_int_equal(index, 2);
+  assert_ok(fb_channel_at(character, index, &channel));
+  assert_string_equal(channel.name, "eye_turn");
+  assert_string_equal(channel.unit, "degrees");
+  assert_true(channel.minimum == -30 && channel.maximum == 30 && channel.rest == 0);
+  assert_int_equal(fb_channel_at(character, 4, &channel), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_find_channel(tiny, "eye_turn", &index), FB_ERROR_NOT_FOUND);
+  assert_int_equal(fb_channel_count(NULL), 0);
+  assert_int_equal(fb_vertex_count(character), 30);
+}
+
+/* Channels alone, beside positions and with meshes left out, in batches of any stride: the same bits, within range. */
+static void channels_of_a_batch_are_those_of_each_pose(void** state) {
+  (void)state;
+  enum { POSES = 11, CHANNELS = 4, STRIDE = 6 };
+  float controls[POSES * 5], alone[POSES * CHANNELS], found[POSES * STRIDE];
+  static float positions[POSES * 90], plain[POSES * 90];
+  for (int i = 0; i < POSES * 5; ++i) controls[i] = i < 5 ? fb_rest_controls(character)[i] : (float)(i * 7 % 11) / 10;
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_scratch_create(character, 2, &scratch));
+  fb_batch_desc desc;
+  fb_batch_desc_init(&desc);
+  desc.poses = POSES;
+  desc.controls = controls;
+  desc.control_floats = POSES * 5;
+  desc.channels = alone;
+  desc.channel_floats = POSES * CHANNELS;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  int at_an_end = 0;
+  for (int i = 0; i < POSES * CHANNELS; ++i) {
+    fb_channel channel;
+    fb_channel_init(&channel);
+    assert_ok(fb_channel_at(character, (uint32_t)i % CHANNELS, &channel));
+    assert_true(alone[i] >= channel.minimum && alone[i] <= channel.maximum);
+    if (i < CHANNELS) assert_true(alone[i] == channel.rest);
+    at_an_end += alone[i] == channel.minimum || alone[i] == channel.maximum;
+  }
+  assert_true(at_an_end > 0 && at_an_end < POSES * CHANNELS);
+  desc.channels = NULL;
+  desc.positions = plain;
+  desc.position_floats = POSES * 90;
+  assert_ok(fb_evaluate_batch(character, scratch, &desc));
+  const uint32_t none = 0;
+  for (int with_meshes = 0; with_meshes < 2; ++with_meshes) {
+    desc.positions = positions;
+    desc.channels = found;
+    desc.channel_floats = POSES * STRIDE;
+    desc.channel_pose_stride = STRIDE;
+    desc.meshes = with_meshes ? NULL : &none;
+    desc.mesh_count = 0;
+    memset(found, 0, sizeof found);
+    assert_ok(fb_evaluate_batch(character, scratch, &desc));
+    for (int p = 0; p < POSES; ++p)
+      assert_memory_equal(found + p * STRIDE, alone + p * CHANNELS, CHANNELS * sizeof(float));
+  }
+  assert_memory_equal(positions, plain, sizeof plain);
+  desc.channel_floats = POSES * STRIDE - 3;
+  assert_int_equal(fb_evaluate_batch(character, scratch, &desc), FB_ERROR_INVALID_ARGUMENT);
+  assert_string_equal(fb_last_error(), "11 poses need 64 floats of channels; the buffer has 63");
+  desc.channel_pose_stride = 3;
+  assert_int_equal(fb_evaluate_batch(character, scratch, &desc), FB_ERROR_INVALID_ARGUMENT);
+  fb_scratch_destroy(scratch);
+}
+
 static void sockets_are_those_of_the_source(void** state) {
   (void)state;
   uint32_t index = 7;
@@ -325,17 +415,63 @@ static void an_older_host_gets_the_fields_it_knows(void** state) {
   assert_int_equal(mesh.vertex_count, 0x5a5a5a5a);
 }
 
+static void expected_errors_come_with_their_regions(void** state) {
+  (void)state;
+  assert_int_equal(fb_error_region_count(character), 2);
+  assert_string_equal(fb_error_region_name(character, 1), "brows, upper left");
+  assert_null(fb_error_region_name(character, 2));
+  uint32_t counts[2] = {0, 0};
+  for (uint32_t v = 0; v < fb_vertex_count(character); ++v) ++counts[fb_error_vertex_regions(character)[v]];
+  assert_int_equal(counts[0], 18);
+  assert_int_equal(counts[1], 12);
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_scratch_create(character, 1, &scratch));
+  float controls[5] = {0.5f, 0.5f, 0.25f, 0, 0}, errors[3], batch_errors[3];
+  uint32_t outside = 77, batch_outside = 77;
+  assert_ok(fb_expected_error(character, scratch, controls, errors, &outside));
+  assert_int_equal(outside, 2);
+  assert_true(errors[0] > 0 && errors[1] > 0 && errors[2] > 0);
+  assert_ok(fb_expected_error(character, scratch, controls, NULL, NULL));
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.poses = 1;
+  batch.controls = controls;
+  batch.control_floats = 5;
+  batch.expected_errors = batch_errors;
+  batch.expected_error_floats = 3;
+  batch.outside = &batch_outside;
+  assert_ok(fb_evaluate_batch(character, scratch, &batch));
+  assert_memory_equal(errors, batch_errors, sizeof errors);
+  assert_int_equal(batch_outside, 2);
+  batch.expected_error_floats = 2;
+  assert_int_equal(fb_evaluate_batch(character, scratch, &batch), FB_ERROR_INVALID_ARGUMENT);
+  controls[4] = NAN;
+  assert_int_equal(fb_expected_error(character, scratch, controls, errors, &outside), FB_ERROR_NOT_FINITE);
+  fb_scratch_destroy(scratch);
+  assert_int_equal(fb_error_region_count(NULL), 0);
+  assert_int_equal(fb_error_region_count(tiny), 0);
+  assert_null(fb_error_vertex_regions(tiny));
+  assert_ok(fb_scratch_create(tiny, 1, &scratch));
+  controls[4] = 0;
+  assert_int_equal(fb_expected_error(tiny, scratch, controls, errors, &outside), FB_ERROR_INVALID_ARGUMENT);
+  fb_scratch_destroy(scratch);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(meshes_divide_the_pool),
       cmocka_unit_test(a_face_without_meshes_is_one_without_a_name),
       cmocka_unit_test(meshes_are_found_by_name),
       cmocka_unit_test(materials_and_images_are_those_of_the_source),
+      cmocka_unit_test(what_is_said_about_a_character_is_handed_over),
       cmocka_unit_test(chosen_meshes_alone_are_posed),
       cmocka_unit_test(masks_of_meshes_work_with_halves_strides_and_threads),
       cmocka_unit_test(controls_say_what_they_mean_and_are_found_by_it),
       cmocka_unit_test(sockets_are_those_of_the_source),
+      cmocka_unit_test(channels_are_those_of_the_source),
+      cmocka_unit_test(channels_of_a_batch_are_those_of_each_pose),
       cmocka_unit_test(frames_are_the_same_with_any_other_output),
+      cmocka_unit_test(expected_errors_come_with_their_regions),
       cmocka_unit_test(wrong_use_is_refused),
       cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
   };

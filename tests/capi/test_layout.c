@@ -47,7 +47,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 216);
+  assert_int_equal(sizeof(fb_batch_desc), 272);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -77,6 +77,13 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, sockets, 192);
   assert_at(fb_batch_desc, socket_floats, 200);
   assert_at(fb_batch_desc, socket_pose_stride, 208);
+  assert_at(fb_batch_desc, channels, 216);
+  assert_at(fb_batch_desc, channel_floats, 224);
+  assert_at(fb_batch_desc, channel_pose_stride, 232);
+  assert_at(fb_batch_desc, expected_errors, 240);
+  assert_at(fb_batch_desc, expected_error_floats, 248);
+  assert_at(fb_batch_desc, expected_error_pose_stride, 256);
+  assert_at(fb_batch_desc, outside, 264);
 }
 
 static void layout_of_characters(void** state) {
@@ -127,6 +134,13 @@ static void layout_of_characters(void** state) {
   assert_at(fb_socket, vertices, 16);
   assert_at(fb_socket, weights, 24);
   assert_at(fb_socket, frame, 32);
+
+  assert_int_equal(sizeof(fb_channel), 40);
+  assert_at(fb_channel, name, 8);
+  assert_at(fb_channel, unit, 16);
+  assert_at(fb_channel, minimum, 24);
+  assert_at(fb_channel, maximum, 28);
+  assert_at(fb_channel, rest, 32);
 }
 
 static void layout_of_rigs(void** state) {
@@ -151,7 +165,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 248);
+  assert_int_equal(sizeof(fb_rig), 280);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -191,6 +205,11 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, socket_count, 232);
   assert_at(fb_rig, socket_stride, 236);
   assert_at(fb_rig, sockets, 240);
+  assert_at(fb_rig, about, 248);
+  assert_at(fb_rig, channel_count, 256);
+  assert_at(fb_rig, channel_stride, 260);
+  assert_at(fb_rig, channels, 264);
+  assert_at(fb_rig, evaluate_all, 272);
 }
 
 static void layout_of_sources(void** state) {
@@ -261,7 +280,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 192);
+  assert_int_equal(sizeof(fb_bake_desc), 216);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -288,6 +307,9 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, examples, 168);
   assert_at(fb_bake_desc, normal_weight, 176);
   assert_at(fb_bake_desc, cache_bytes, 184);
+  assert_at(fb_bake_desc, about, 192);
+  assert_at(fb_bake_desc, thumbnail, 200);
+  assert_at(fb_bake_desc, thumbnail_bytes, 208);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);
@@ -313,7 +335,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_eval_desc, measure, 28);
   assert_at(fb_eval_desc, callbacks, 32);
 
-  assert_int_equal(sizeof(fb_pack_desc), 96);
+  assert_int_equal(sizeof(fb_pack_desc), 120);
   assert_at(fb_pack_desc, struct_size, 0);
   assert_at(fb_pack_desc, force, 4);
   assert_at(fb_pack_desc, path, 8);
@@ -325,6 +347,9 @@ static void layout_of_requests(void** state) {
   assert_at(fb_pack_desc, max_error, 56);
   assert_at(fb_pack_desc, licence, 64);
   assert_at(fb_pack_desc, callbacks, 72);
+  assert_at(fb_pack_desc, about, 96);
+  assert_at(fb_pack_desc, thumbnail, 104);
+  assert_at(fb_pack_desc, thumbnail_bytes, 112);
 }
 
 static void layout_of_results(void** state) {
@@ -397,7 +422,7 @@ static void layout_of_results(void** state) {
 
 static void layout_of_archives(void** state) {
   (void)state;
-  assert_int_equal(sizeof(fb_archive_info), 128);
+  assert_int_equal(sizeof(fb_archive_info), 152);
   assert_at(fb_archive_info, struct_size, 0);
   assert_at(fb_archive_info, format_version, 4);
   assert_at(fb_archive_info, bytes, 8);
@@ -420,6 +445,9 @@ static void layout_of_archives(void** state) {
   assert_at(fb_archive_info, coefficient_count, 108);
   assert_at(fb_archive_info, parameter_count, 112);
   assert_at(fb_archive_info, value_count, 120);
+  assert_at(fb_archive_info, about, 128);
+  assert_at(fb_archive_info, thumbnail, 136);
+  assert_at(fb_archive_info, thumbnail_bytes, 144);
 
   assert_int_equal(sizeof(fb_section), 32);
   assert_at(fb_section, struct_size, 0);

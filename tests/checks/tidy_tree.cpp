@@ -48,7 +48,8 @@ std::vector<std::string> long_functions(const SourceTree& tree) {
   };
   const auto begins_type_or_namespace = [](std::string_view line) {
     for (const std::string_view word :
-         {"namespace", "class", "struct", "enum", "union", "extern", "constexpr", "const "})
+         {"namespace", "class", "struct", "enum", "union", "extern", "constexpr", "const ",
+          "typedef struct"})
       if (line.starts_with(word)) return true;
     return false;
   };

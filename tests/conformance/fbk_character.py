@@ -1,4 +1,6 @@
-"""The sections of an .fbk archive that no pose changes: meshes, materials and images."""
+"""The sections of an .fbk archive that no pose changes: meshes, materials, images and texts about the character."""
+import struct
+
 import numpy as np
 
 from fbk_bytes import require
@@ -68,6 +70,38 @@ def read_images(c, face):
     c.end()
 
 
+def read_about(c, face):
+    text = bytes(c.take(len(c.data) - c.at))
+    require(len(text) <= 65536, "about: too long")
+    require(b"\0" not in text, "about: a zero byte")
+    try:
+        face.about = text.decode("utf-8")
+    except UnicodeDecodeError:
+        require(False, "about: no UTF-8")
+
+
+def read_thumbnail(c, face):
+    png = bytes(c.take(len(c.data) - c.at))
+    require(24 <= len(png) <= 65536, "thumbnail: too short or too long")
+    require(png[:16] == bytes.fromhex("89504e470d0a1a0a0000000d49484452"), "thumbnail: no PNG")
+    width, height = struct.unpack_from(">II", png, 16)
+    require(width == height and 1 <= width <= 512, f"thumbnail: {width} x {height} pixels")
+    face.thumbnail = png
+
+
+def read_channels(c, face):
+    count = c.u32()
+    require(count > 0, "channels: none")
+    for _ in range(count):
+        name, _ = c.string(), c.string()
+        low, high, rest, scale = c.array("f4", 4)
+        require(name and name not in (channel[0] for channel in face.channels), f"channels: name {name!r}")
+        require(np.isfinite([low, high, rest, scale]).all() and low < high, f"channels: range of {name}")
+        require(low <= rest <= high and scale > 0, f"channels: rest or scale of {name}")
+        face.channels.append((name, low, high, rest, scale))
+    c.end()
+
+
 def check(face):
     for name, textures in face.materials:
         require(all(image < len(face.images) for _, image in textures), f"materials: {name} names no image")
@@ -78,10 +112,10 @@ def check(face):
 
 
 def check_row_blocks(face):
-    if len(face.meshes) < 2:
-        return
-    mesh = np.repeat(np.arange(len(face.meshes)), [m[1] for m in face.meshes])
-    of_row = np.repeat(mesh[face.order], 3)
+    parts = [m[1] for m in face.meshes] or [face.vertices]
+    parts.append(face.points - face.vertices)
+    part = np.repeat(np.arange(len(parts)), parts)
+    of_row = np.repeat(part[face.order], 3)
     for block in face.row_blocks:
-        parts = of_row[block["first"] : block["first"] + block["rows"]]
-        require((parts == parts[0]).all(), "meshes: a row block has vertices of two")
+        here = of_row[block["first"] : block["first"] + block["rows"]]
+        require((here == here[0]).all(), "basis: a row block has vertices of two meshes, or channels beside them")

@@ -1,4 +1,4 @@
-"""FORMAT.md, "Quantised values" and "What a reader computes". For fbk_read.py.
+"""EVALUATION.md, "Quantised values" and "What a reader computes". For fbk_read.py.
 
 `face` is a Face of fbk_read.py: its features, direct, regions, row_blocks, order, rest and controls are used.
 """
@@ -135,12 +135,20 @@ def coefficients_of(face, features):
     return np.concatenate(parts).astype(F)
 
 
+def channel_value(channel, coordinate):
+    _, low, high, rest, scale = channel
+    value = rest + scale * coordinate
+    return (value if value < high else high) if value > low else low
+
+
 def evaluate(face, controls):
+    """Positions and channels of a pose."""
     if np.isnan(controls).any():
         raise ValueError("a control is not a number")
     controls = [min(max(c, control[2]), control[3]) for c, control in zip(controls, face.controls)]
     coefficients = coefficients_of(face, feature_values(face, controls))
-    positions = face.rest.copy()
+    rest = np.concatenate([face.rest, np.zeros(3 * (face.points - face.vertices), F)])
+    positions = rest.copy()
     for block in face.row_blocks:
         summands = []
         for segment in block["segments"]:
@@ -149,5 +157,7 @@ def evaluate(face, controls):
         q, step = quantise(np.array(summands, F), block["limit"])
         if step != 0:
             at = block["coordinates"]
-            positions[at] = face.rest[at] + step * (block["matrix"] @ q).astype(F)
-    return positions
+            positions[at] = rest[at] + step * (block["matrix"] @ q).astype(F)
+    behind = 3 * face.vertices
+    values = [channel_value(channel, x) for channel, x in zip(face.channels, positions[behind:])]
+    return positions[:behind], np.array(values, F)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An independent reader of .fbk archives, written from core/archive/FORMAT.md alone.
+"""An independent reader of .fbk archives, written from core/archive/FORMAT.md and EVALUATION.md alone.
 
     fbk_read.py FILE...
 
@@ -22,6 +22,7 @@ import zlib
 import numpy as np
 
 import fbk_character
+import fbk_errors
 import fbk_evaluate
 import fbk_sockets
 from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
@@ -72,7 +73,8 @@ def decompress(sections, name):
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
-OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels")
+OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels",
+            "about", "thumbnail", "channels", "expected-errors")
 
 
 # ---- Sections
@@ -282,12 +284,14 @@ def read_basis(c, face):
     columns, ordered = c.u32(), c.u32()
     require(columns == face.coefficients, "basis: columns")
     require(ordered <= 1, "basis: order flag")
-    face.order = list(range(face.vertices))
+    face.order = list(range(face.points))
     if ordered:
-        face.order = c.deltas(face.vertices).tolist()
-        require(sorted(face.order) == list(range(face.vertices)), "basis: the order does not list every vertex once")
+        face.order = c.deltas(face.points).tolist()
+        require(sorted(face.order) == list(range(face.points)), "basis: the order does not list every vertex once")
+        behind = face.order[face.vertices :]
+        require(behind == list(range(face.vertices, face.points)), "basis: the order lists vertices behind channels")
     rows = c.planes(c.u32()).tolist()
-    require(all(rows) and sum(rows) == 3 * face.vertices, "basis: rows")
+    require(all(rows) and sum(rows) == 3 * face.points, "basis: rows")
     face.row_blocks, first = [], 0
     for count in rows:
         face.row_blocks.append({"first": first, "rows": count, "segments": []})
@@ -324,7 +328,7 @@ def read_segments(c, face, columns):
 
 
 def find_neighbours(face):
-    neighbours = [[] for _ in range(face.vertices)]
+    neighbours = [[] for _ in range(face.points)]
     for polygon in face.polygons:
         for v, w in zip(polygon, polygon[1:] + polygon[:1]):
             if v != w and w not in neighbours[v] and len(neighbours[v]) < 16 and len(neighbours[w]) < 16:
@@ -357,7 +361,7 @@ def candidates_of(v, coded, neighbours, time):
 def read_coding_units(face, neighbours, rans):
     """The coding units of every row block in coding order, with their predictor pairs from stream 0. A unit is: vertex,
     first row in the block, axes, the two predictors, neighbourhood, k1, k2."""
-    time = [0] * face.vertices  # when the last unit of a vertex was coded; 0: not yet
+    time = [0] * face.points  # when the last unit of a vertex was coded; 0: not yet
     now = 0
     for block in face.row_blocks:
         begin, end = block["first"], block["first"] + block["rows"]
@@ -489,6 +493,11 @@ def read_proof(c, face):
     count = len(face.proof_vertices)
     face.proof_positions = c.array("f4", poses * count * 3).reshape(poses, count, 3)
     face.proof_frames = c.array("f4", poses * len(face.sockets) * 12).reshape(poses, len(face.sockets) * 12)
+    face.proof_channels = c.array("f4", poses * len(face.channels)).reshape(poses, len(face.channels))
+    if face.errors:
+        count = len(face.errors[1]) + 1
+        face.proof_errors = c.array("f4", poses * count).reshape(poses, count)
+        face.proof_outside = c.array("u4", poses).tolist()
     c.end()
 
 
@@ -499,6 +508,10 @@ class Face:
         for name, (flags, *_) in sections.items():
             require(name in REQUIRED + OPTIONAL or not flags & 1, f"{name}: required and unknown")
         read_definition(decompress(sections, "definition"), self)
+        self.channels = []
+        if "channels" in sections:
+            fbk_character.read_channels(decompress(sections, "channels"), self)
+        self.points = self.vertices + (len(self.channels) + 2) // 3  # those behind the vertices carry channels
         read_geometry(decompress(sections, "geometry"), self)
         read_polygons(decompress(sections, "polygons"), self)
         read_network(decompress(sections, "network"), self)
@@ -508,13 +521,16 @@ class Face:
         if "uvs" in sections:
             read_uvs(decompress(sections, "uvs"), self)
         self.meshes, self.materials, self.images = [], [], []
-        for name in ("labels", "meshes", "materials", "images"):
+        for name in ("labels", "meshes", "materials", "images", "about", "thumbnail"):
             if name in sections:
                 getattr(fbk_character, "read_" + name)(decompress(sections, name), self)
         fbk_character.check(self)
         self.sockets = []
         if "sockets" in sections:
             fbk_sockets.read_sockets(decompress(sections, "sockets"), self)
+        self.errors = None
+        if "expected-errors" in sections:
+            fbk_errors.read_expected_errors(decompress(sections, "expected-errors"), self)
         self.text = {n: read_text(decompress(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:
@@ -523,7 +539,7 @@ class Face:
 
     def verify(self):
         for pose, controls in enumerate(self.proof_controls):
-            positions = fbk_evaluate.evaluate(self, controls)
+            positions, channels = fbk_evaluate.evaluate(self, controls)
             here = positions.reshape(-1, 3)[self.proof_vertices]
             for v, now, then in zip(self.proof_vertices, here, self.proof_positions[pose]):
                 require(now.tobytes() == then.tobytes(), f"pose {pose}, vertex {v}: {now}, archived {then}")
@@ -531,6 +547,11 @@ class Face:
             require(found == self.proof_hashes[pose], f"pose {pose}: hash {found:016x}, not {self.proof_hashes[pose]:016x}")
             frames = fbk_sockets.posed_frames(self, positions)
             require(frames.tobytes() == self.proof_frames[pose].tobytes(), f"pose {pose}: the frames of sockets differ")
+            require(channels.tobytes() == self.proof_channels[pose].tobytes(), f"pose {pose}: the channels differ")
+            if self.errors:
+                errors, outside = fbk_errors.expected_errors(self, controls)
+                require(errors.tobytes() == self.proof_errors[pose].tobytes(), f"pose {pose}: expected errors differ")
+                require(outside == self.proof_outside[pose], f"pose {pose}: {outside} controls are outside")
         return len(self.proof_controls)
 
 
@@ -546,7 +567,7 @@ def main(arguments):
                 face = Face(path)
                 if show:
                     for controls in face.proof_controls:
-                        print(fbk_evaluate.evaluate(face, controls).astype(">f4").tobytes().hex())
+                        print(fbk_evaluate.evaluate(face, controls)[0].astype(">f4").tobytes().hex())
                 else:
                     print(f"{path}: {face.verify()} poses evaluate as archived")
         except (Corrupt, ValueError) as error:

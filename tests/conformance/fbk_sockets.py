@@ -1,4 +1,4 @@
-"""Frames that follow the surface: FORMAT.md, "sockets" and "Frames". For fbk_read.py."""
+"""Frames that follow the surface: FORMAT.md, "sockets", and EVALUATION.md, "Frames". For fbk_read.py."""
 import math
 
 import numpy as np

@@ -12,6 +12,15 @@ namespace {
 
 constexpr std::size_t poses = 2, controls = 3;
 
+// A rig of four vertices and a channel.
+RigDescription small_rig() {
+  RigDescription rig;
+  rig.schema.channels = {{"frown", "", 0, 1, 0, 1}};
+  rig.rest.points.resize(3 * 5);
+  rig.rest.channel_vertices = 1;
+  return rig;
+}
+
 // All messages of a stream.
 template <class Take>
 void read_messages(std::span<const std::byte> bytes, std::size_t piece, const Take& take) {
@@ -32,14 +41,15 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   const std::span<const std::byte> bytes = std::as_bytes(std::span(data + 1, size - 1));
   const std::size_t piece = 1 + data[0];
   fuzz::expect_message([&] {
-    std::vector<float> points(poses * 3 * 4);
+    const RigDescription rig = small_rig();
+    std::vector<float> points(poses * rig.rest.points.size());
     read_messages(bytes, piece, [&](const RigMessage& message) {
       try {
         description_of(message);
       } catch (const fb::Error&) {
         // Its message may be the child's own, however short.
       }
-      fuzz::expect_message([&] { read_answer(message, poses, points); });
+      fuzz::expect_message([&] { read_answer(message, rig, poses, points); });
     });
   });
   fuzz::expect_message([&] {

@@ -283,7 +283,16 @@ void write_rejected_characters(const RejectedWriter& out) {
   // The first control's texts take 4 + 7, 4 + 4 and 4 + 7 bytes; then its partner, and 16 bytes of the second control.
   out.patched("corrupt-mirror-missing.fbk", "labels", 30, std::uint32_t(5), model);
   out.patched("corrupt-mirror-alone.fbk", "labels", 30, std::uint32_t(1), model);
-  for (const char* name : {"meshes", "materials", "images", "sockets"}) {
+  // The unit and two regions take 4 + 4 + (4 + 5 + 4) + (4 + 17 + 4) bytes, three runs 4 + 3 x 8.
+  constexpr std::size_t runs = 46, error_weights = runs + 4 + 24, trained = error_weights + 10, pairs = trained + 10;
+  out.patched("corrupt-error-unit.fbk", "expected-errors", 0, 0.0f, model);
+  out.patched("corrupt-error-constant.fbk", "expected-errors", 17, -1.0f, model);
+  out.patched("corrupt-error-runs.fbk", "expected-errors", runs + 4, std::uint32_t(8), model);
+  out.patched("corrupt-error-region.fbk", "expected-errors", runs + 8, std::uint32_t(2), model);
+  out.patched("corrupt-error-trained.fbk", "expected-errors", trained, std::uint8_t(201), model);
+  out.patched("corrupt-error-pairs.fbk", "expected-errors", pairs + 1, std::uint8_t(128), model);
+  out.patched("unproven-error.fbk", "expected-errors", error_weights, std::uint8_t(200), model);
+  for (const char* name : {"meshes", "materials", "images", "sockets", "channels"}) {
     out.write(format("corrupt-no-%s.fbk", name).c_str(), changed(
                                                              name, [](Bytes& b) { b.assign(4, {}); }, model));
     out.write(format("corrupt-%s-more.fbk", name).c_str(), changed(
@@ -308,8 +317,26 @@ void write_rejected_characters(const RejectedWriter& out) {
   out.patched("corrupt-socket-meshes.fbk", "sockets", 16, std::uint32_t(18), model);
   out.patched("corrupt-socket-weight.fbk", "sockets", 16 + 5 * 4, 0.0f, model);
   out.patched("corrupt-socket-frame.fbk", "sockets", 16 + 5 * 8, std::uint32_t(0x7f800000), model);
-  out.write("unproven-frame.fbk", changed(
-                                      "proof", [](Bytes& b) { b.back() ^= std::byte(1); }, model));
+  out.patched("corrupt-about.fbk", "about", 3, std::uint8_t(0xff), model);
+  out.patched("corrupt-about-zero.fbk", "about", 3, std::uint8_t(0), model);
+  out.write("corrupt-about-long.fbk", changed(
+                                          "about", [](Bytes& b) { b.resize(65537, std::byte(' ')); }, model));
+  out.patched("corrupt-thumbnail.fbk", "thumbnail", 1, std::uint8_t('G'), model);
+  out.patched("corrupt-thumbnail-oblong.fbk", "thumbnail", 19, std::uint8_t(2), model);
+  out.write("corrupt-thumbnail-long.fbk", changed(
+                                              "thumbnail", [](Bytes& b) { b.resize(65537); }, model));
+  const auto change_frame = [&](Bytes& b) {  // the values of channels are last
+    std::uint32_t poses = 0;
+    std::memcpy(&poses, b.data(), sizeof poses);
+    b[b.size() - 1 - 4 * std::size_t(poses) * model.schema.channels.size()] ^= std::byte(1);
+  };
+  out.write("unproven-frame.fbk", changed("proof", change_frame, model));
+  out.write("unproven-channel.fbk", changed(
+                                        "proof", [](Bytes& b) { b.back() ^= std::byte(1); }, model));
+  // The first channel's name takes 4 + 5 bytes, its unit 4.
+  out.patched("corrupt-channel-range.fbk", "channels", 17, 1.0f, model);
+  out.patched("corrupt-channel-rest.fbk", "channels", 17 + 8, 2.0f, model);
+  out.patched("corrupt-channel-scale.fbk", "channels", 17 + 12, 0.0f, model);
   out.patched("unsupported-alpha-mode.fbk", "materials", 48, std::uint8_t(3), model);
   out.patched("unsupported-material-flags.fbk", "materials", 53, std::uint8_t(3), model);
   out.patched("unsupported-texture-slot.fbk", "materials", 58, std::uint8_t(5), model);

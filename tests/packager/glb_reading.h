@@ -5,6 +5,7 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -12,6 +13,10 @@
 inline tinygltf::Model load_glb(const std::string& path) {
   tinygltf::Model model;
   tinygltf::TinyGLTF loader;
+  // Images stay the files they are.
+  loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
+                           void*) { return true; },
+                        nullptr);
   std::string error, warning;
   const bool loaded = loader.LoadBinaryFromFile(&model, &error, &warning, path);
   CAPTURE(error);
@@ -37,7 +42,7 @@ std::vector<T> view_values(const tinygltf::Model& model, int view, std::size_t o
 inline std::vector<float> floats(const tinygltf::Model& model, int index) {
   const auto& a = model.accessors.at(index);
   REQUIRE(a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT);
-  const std::size_t width = a.type == TINYGLTF_TYPE_VEC3 ? 3 : a.type == TINYGLTF_TYPE_VEC2 ? 2 : 1;
+  const std::size_t width = a.type == TINYGLTF_TYPE_SCALAR ? 1 : std::size_t(a.type);  // VEC2 is 2, and so on
   std::vector<float> values(a.count * width);
   if (a.bufferView >= 0) values = view_values<float>(model, a.bufferView, a.byteOffset, values.size());
   if (a.sparse.isSparse) {
@@ -54,4 +59,42 @@ inline std::vector<float> floats(const tinygltf::Model& model, int index) {
     CHECK(values[i] <= a.maxValues.at(i % width));
   }
   return values;
+}
+
+// The node of this name.
+inline const tinygltf::Node& node_named(const tinygltf::Model& model, const std::string& name) {
+  const auto found =
+      std::find_if(model.nodes.begin(), model.nodes.end(), [&](const auto& n) { return n.name == name; });
+  CAPTURE(name);
+  REQUIRE(found != model.nodes.end());
+  return *found;
+}
+
+// The values of the animation's channel of a node, all frames; empty if it has none.
+inline std::vector<float> channel_of(const tinygltf::Model& model, const std::string& node, const std::string& path) {
+  REQUIRE(model.animations.size() == 1);
+  const auto& animation = model.animations[0];
+  for (const auto& channel : animation.channels)
+    if (model.nodes.at(channel.target_node).name == node && channel.target_path == path)
+      return floats(model, animation.samplers.at(channel.sampler).output);
+  return {};
+}
+
+// Points of the mesh of a node with these weights of its targets, as the glTF specification says.
+inline std::vector<float> morphed_points(const tinygltf::Model& model, const tinygltf::Node& node,
+                                         const float* weights) {
+  const auto& primitive = model.meshes.at(node.mesh).primitives.at(0);
+  std::vector<float> points = floats(model, primitive.attributes.at("POSITION"));
+  for (std::size_t t = 0; t < primitive.targets.size(); ++t) {
+    const auto moves = floats(model, primitive.targets[t].at("POSITION"));
+    REQUIRE(moves.size() == points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] += weights[t] * moves[i];
+  }
+  return points;
+}
+
+inline float largest_difference(const float* a, const float* b, std::size_t count) {
+  float largest = 0;
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
+  return largest;
 }

@@ -20,12 +20,6 @@ void check_unit_length(const std::vector<float>& normals) {
     CHECK(std::hypot(normals[v], normals[v + 1], normals[v + 2]) == doctest::Approx(1).epsilon(1e-4));
 }
 
-float largest_difference(const float* a, const float* b, std::size_t count) {
-  float largest = 0;
-  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::fabs(a[i] - b[i]));
-  return largest;
-}
-
 // The animation played as the glTF specification says: morph targets weighted and added to the base.
 void check_animation(std::size_t frames, std::size_t largest_target_count) {
   const ScratchFolder folder;

@@ -59,6 +59,36 @@ TEST_CASE("inspect prints the name of the face, and its controls with --controls
   CHECK(full.out.find("nose_wrinkle") != std::string::npos);
 }
 
+TEST_CASE("inspect shows what a character has, and nothing of it where there is none") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", plain = folder / "plain.fbk";
+  const fb::PackedModel model = fb::character_model();
+  fb::write_file(archive, fb::archive::write_archive(model, {}));
+  write_tiny_archive(plain);
+  const std::string text = run_tool({"inspect", archive, "--controls"}).out;
+  const std::string plain_text = run_tool({"inspect", plain, "--controls"}).out;
+  for (const char* row :
+       {"| teeth |       12 |        5 |         1 |", "| 0        | skin |  mask | base_colour 0, normal 1 |",
+        "| 1     | bumps | image/jpeg |     7 |", "| nose   |        5 |", " jawOpen | AU26 | degrees |            |"})
+    CHECK_MESSAGE(text.find(row) != std::string::npos, std::string(row));
+  for (const char* head : {"arkit", "facs", "mirror", "| mesh ", "| material ", "| image ", "| socket "}) {
+    CHECK_MESSAGE(text.find(head) != std::string::npos, head);
+    CHECK_MESSAGE(plain_text.find(head) == std::string::npos, head);
+  }
+  const Json json = Json::parse(run_tool({"inspect", archive, "--json"}).out);
+  CHECK(json.at("meshes").at(1).at("vertices") == 12);
+  CHECK(json.at("meshes").at(0).at("materials").at(0).at("material") == 0);
+  CHECK(json.at("materials").at(0).at("textures").at(1).at("wrap_v") == "mirror");
+  CHECK(json.at("images").at(1).at("bytes") == 7);
+  CHECK(json.at("images").at(2).at("media_type") == "image/ktx2");
+  CHECK(json.at("sockets").at(1).at("vertices") == Json::array({29, 23, 18}));
+  CHECK(json.at("control_list").at(0).at("facs") == "AU26");
+  CHECK(json.at("control_list").at(2).at("mirror") == "lid_close");
+  CHECK(!json.at("control_list").at(1).contains("arkit"));
+  const Json none = Json::parse(run_tool({"inspect", plain, "--json"}).out);
+  for (const char* key : {"meshes", "materials", "images", "sockets"}) CHECK(!none.contains(key));
+}
+
 TEST_CASE("inspect shows certificate and licence, and survives invalid ones") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";

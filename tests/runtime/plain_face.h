@@ -1,4 +1,4 @@
-// A reference implementation of FORMAT.md, "What a reader computes": 64-bit integers, dense, no panels. It shares no
+// A reference implementation of EVALUATION.md, "What a reader computes": 64-bit integers, dense, no panels. It shares no
 // code with the evaluator but the declarations of models.
 #pragma once
 

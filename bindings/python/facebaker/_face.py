@@ -13,6 +13,10 @@ from ._library import RowBlockStruct, BatchDesc, ControlStruct, check, library
 Control = collections.namedtuple("Control", "name group minimum maximum rest")
 Control.__doc__ = "A control of the rig: its name, its control group (may be empty), its range and its value at rest."
 
+ExpectedError = collections.namedtuple("ExpectedError", "face regions outside")
+ExpectedError.__doc__ = """What to expect of a pose: the root mean square distance of the face's vertices from where the
+rig has them, in units; the same of each of error_regions; and how many controls are outside of what was trained."""
+
 
 def load(source):
     """Loads a face from a path, or from the bytes of an archive."""
@@ -47,6 +51,9 @@ class Face:
         self.instruction_set = library.fb_instruction_set(handle).decode()
         self.regions = tuple(
             library.fb_region_name(handle, index).decode() for index in range(library.fb_region_count(handle))
+        )
+        self.error_regions = tuple(
+            library.fb_error_region_name(handle, i).decode() for i in range(library.fb_error_region_count(handle))
         )
         self.controls = tuple(self._control(index) for index in range(self.control_count))
 
@@ -210,6 +217,30 @@ class Face:
             check(library.fb_evaluate_coefficients(self._handle, scratch, _pointer(controls), _pointer(coefficients)))
             self._clamped = library.fb_clamped_count(scratch)
         return coefficients
+
+    def expected_error(self, controls):
+        """(controls,), or a dictionary as for pose() -> ExpectedError, for little of the time that evaluate() takes. (poses,
+        controls) -> one of arrays with one row a pose. Fails if error_regions is empty."""
+        if isinstance(controls, collections.abc.Mapping):
+            controls = self.pose(controls)
+        single = numpy.ndim(controls) == 1
+        controls = self._floats([controls] if single else controls, 2)
+        errors = numpy.empty((len(controls), 1 + len(self.error_regions)), numpy.float32)
+        outside = numpy.empty(len(controls), numpy.uint32)
+        with self._lock:
+            scratch = self._scratch(1)
+            for pose, row, count in zip(controls, errors, outside.ctypes.data + 4 * numpy.arange(len(controls))):
+                to = ctypes.cast(int(count), ctypes.POINTER(ctypes.c_uint32))
+                check(library.fb_expected_error(self._handle, scratch, _pointer(pose), _pointer(row), to))
+        if single:
+            return ExpectedError(float(errors[0, 0]), errors[0, 1:], int(outside[0]))
+        return ExpectedError(errors[:, 0], errors[:, 1:], outside)
+
+    @property
+    def error_vertex_regions(self):
+        """(vertices,): the index into error_regions of every vertex; empty if there are none."""
+        count = self.vertex_count if self.error_regions else 0
+        return self._view(library.fb_error_vertex_regions(self._handle), count)
 
     @property
     def vertex_order(self):

@@ -55,6 +55,15 @@ class BatchDesc(Structure):
         ("tangent_numbers", c_uint64),
         ("tangent_pose_stride", c_uint64),
         ("tangent_vertex_stride", c_uint64),
+        ("meshes", POINTER(c_uint32)),
+        ("mesh_count", c_uint64),
+        ("sockets", POINTER(c_float)),
+        ("socket_floats", c_uint64),
+        ("socket_pose_stride", c_uint64),
+        ("expected_errors", POINTER(c_float)),
+        ("expected_error_floats", c_uint64),
+        ("expected_error_pose_stride", c_uint64),
+        ("outside", POINTER(c_uint32)),
     ]
 
 
@@ -111,6 +120,10 @@ _FUNCTIONS = {
     "fb_row_block_fill": (None, [POINTER(RowBlockStruct), c_uint32]),
     "fb_row_block_count": (c_uint32, [c_void_p]),
     "fb_row_block_at": (c_int32, [c_void_p, c_uint32, POINTER(RowBlockStruct)]),
+    "fb_error_region_count": (c_uint32, [c_void_p]),
+    "fb_error_region_name": (c_char_p, [c_void_p, c_uint32]),
+    "fb_error_vertex_regions": (POINTER(c_uint32), [c_void_p]),
+    "fb_expected_error": (c_int32, [c_void_p, c_void_p, POINTER(c_float), POINTER(c_float), POINTER(c_uint32)]),
     "fb_row_block_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
 }
 

@@ -155,6 +155,24 @@ class FaceTest(unittest.TestCase):
             thread.join()
         self.assertEqual(wrong, [])
 
+    def test_expected_errors(self):
+        face = facebaker.load(FIXTURE.with_name("character.fbk"))
+        self.assertEqual(face.error_regions, ("mouth", "brows, upper left"))
+        self.assertEqual(numpy.bincount(face.error_vertex_regions).tolist(), [18, 12])
+        poses = random_poses(face, 5)
+        all_poses = face.expected_error(poses)
+        self.assertEqual((all_poses.face.shape, all_poses.regions.shape, all_poses.outside.shape), ((5,), (5, 2), (5,)))
+        for pose, controls in enumerate(poses):
+            one = face.expected_error(controls)
+            self.assertEqual(one.face, all_poses.face[pose])
+            self.assertEqual(one.regions.tolist(), all_poses.regions[pose].tolist())
+            self.assertEqual(one.outside, all_poses.outside[pose])
+            self.assertAlmostEqual(one.face**2, (18 * one.regions[0] ** 2 + 12 * one.regions[1] ** 2) / 30, places=5)
+        self.assertEqual(face.expected_error({}).outside, 0)
+        self.assertEqual(face.expected_error({"jaw_open": 0.5, "mouth_side": 0.5}).outside, 2)
+        self.assertEqual((self.face.error_regions, len(self.face.error_vertex_regions)), ((), 0))
+        self.assert_error("FB_ERROR_INVALID_ARGUMENT", "no expected errors", self.face.expected_error, {})
+
     def assert_error(self, name, part, call, *arguments):
         with self.assertRaises(facebaker.Error) as caught:
             call(*arguments)

@@ -321,7 +321,8 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;  /**< size of that buffer, in floats */
   uint64_t control_stride;  /**< in floats; 0: fb_control_count */
   void* positions;          /**< vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                               null if normals, tangents or sockets are given */
+                               null if normals, tangents, sockets or channels are
+                               given */
   uint64_t position_floats; /**< size of that buffer, in numbers */
   uint64_t pose_stride;     /**< in numbers; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;   /**< in numbers, >= 3; 0: 3. Gaps between vertices are not written. */
@@ -357,6 +358,16 @@ typedef struct fb_batch_desc {
                                      output. */
   uint64_t socket_floats;         /**< size of that buffer, in floats */
   uint64_t socket_pose_stride;    /**< in floats; 0: 12 * fb_socket_count */
+  float* channels;                /**< values of the channels (facebaker_character.h), one float each, in their order,
+                                     whichever meshes are posed. The same bits on every machine. Refused for a face
+                                     without channels. Null: no output. */
+  uint64_t channel_floats;        /**< size of that buffer, in floats */
+  uint64_t channel_pose_stride;   /**< in floats; 0: fb_channel_count */
+  float* expected_errors; /**< as fb_expected_error gives them, 1 + fb_error_region_count floats a pose; null: no
+                             output. Refused for a face without expected errors, as is outside. */
+  uint64_t expected_error_floats;      /**< size of that buffer, in floats */
+  uint64_t expected_error_pose_stride; /**< in floats; 0: 1 + fb_error_region_count */
+  uint32_t* outside;                   /**< as fb_expected_error gives it, one number a pose; null: no output */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
@@ -371,6 +382,31 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
  * pose and control, on NaN. Buffers may not overlap each other. 0 poses need no buffers. A parallel_for that calls too
  * few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT afterwards. */
 FB_API fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb_batch_desc* desc);
+
+/* ---- Expected errors ----------------------------------------------------------------------------------------------
+ */
+/* How far vertices are expected to be from where the rig has them, as the bake found on poses that it had held back.
+ * docs/measuring.md says how well that holds. Faces without poses held back do not have it. The functions but the last
+ * are thread-safe; what they return is owned by the model and lives as long as it does. */
+
+/** Regions of the face that expected errors are given for; 0 if the face has none. They are not those of
+ * fb_region_count. */
+FB_API uint32_t fb_error_region_count(const fb_model* model);
+/** The name of such a region, unique and not empty, such as "mouth, lower left"; null for index >=
+ * fb_error_region_count. */
+FB_API const char* fb_error_region_name(const fb_model* model, uint32_t index);
+/** The region of each vertex, for a viewer's colours: fb_vertex_count indices below fb_error_region_count, in the
+ * source's vertex order. Null if there are no expected errors. */
+FB_API const uint32_t* fb_error_vertex_regions(const fb_model* model);
+
+/** What to expect of a pose, without posing it; for less than a twentieth of the time. controls: as for fb_evaluate.
+ * errors: 1 + fb_error_region_count floats, in fb_units, 0 or more: the root mean square distance over the vertices of
+ * the whole face, then of each region. *outside: how many controls are outside of what was trained, by their own values
+ * or together with another one, each beyond a quarter of its reach; there the errors may be larger than expected.
+ * Either may be null. The same bits on every machine. Fails with FB_ERROR_INVALID_ARGUMENT if there are no expected
+ * errors, with FB_ERROR_NOT_FINITE, naming the control, on NaN. */
+FB_API fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const float* controls, float* errors,
+                                   uint32_t* outside);
 
 #ifdef __cplusplus
 }

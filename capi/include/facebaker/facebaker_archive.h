@@ -47,6 +47,9 @@ typedef struct fb_archive_info {
   uint32_t coefficient_count;      /**< columns of the basis */
   uint64_t parameter_count;        /**< weights and biases of the networks */
   uint64_t value_count;            /**< numbers of the basis */
+  const char* about;               /**< a JSON object about the character, see fb_about */
+  const void* thumbnail;           /**< a PNG, see fb_thumbnail; null if there is none */
+  uint64_t thumbnail_bytes;        /**< of thumbnail */
 } fb_archive_info;
 
 FB_API void fb_archive_info_fill(fb_archive_info* to, uint32_t struct_size);
@@ -108,7 +111,7 @@ FB_API fb_status fb_archive_region_at(const fb_archive* archive, uint32_t index,
 /* Activations. */
 #define FB_ACTIVATION_LINEAR 0 /**< x */
 #define FB_ACTIVATION_RELU 1   /**< max(x, 0) */
-#define FB_ACTIVATION_TANH 2   /**< the rational function of FORMAT.md that is near tanh(x) */
+#define FB_ACTIVATION_TANH 2   /**< the rational function of EVALUATION.md that is near tanh(x) */
 #define FB_ACTIVATION_SILU 3   /**< x times its sigmoid, by that tanh */
 
 /** Unstable. y = activation(W x + bias), plus x with `skip`. */

@@ -50,7 +50,7 @@ FB_API const char* fb_report_json(const fb_report* report);
 /** Unstable. All that a page about faces shows, as JSON, of fb_bake, fb_compare and fb_eval; docs/measuring.md explains
  * the figures. {"name", "units", "diagonal", "rig_calls", "measured_split", "methods", "failed"}; each method has what
  * compare's document has, and besides
- *   "clips"[]: "frame_mse", "frame_max" (a number a frame),
+ *   "clips"[]: "frame_mse", "frame_max", "frame_expected" (a number a frame),
  *   "quality": "vertex_rms" (a number a vertex), "vertex_region" (an index into "region_names", or their count),
  *   "worst_frames"[]: {"clip" (index), "frame", "mse", "max", "vertex"}, which differ from each other, the worst first,
  *   "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage", "stages"[]}.
@@ -254,6 +254,12 @@ typedef struct fb_bake_desc {
   uint64_t cache_bytes; /**< size that evaluations of a slow source, kept in the work folder until the bake is done, may
                            have: what is not kept is evaluated again after an interruption. What rig_budget counts, or
                            reuse takes over, is kept in any case. Default 8 GiB */
+  const char* about;    /**< a JSON object that says whose the character is and what may be done with it, see
+                           docs/characters.md: its fields come before those of the source, and null removes them. Null
+                           (default): what the source says */
+  const void* thumbnail;    /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
+                               (default):    none */
+  uint64_t thumbnail_bytes; /**< of thumbnail */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);
@@ -362,6 +368,10 @@ typedef struct fb_pack_desc {
                           certificate states */
   const char* licence; /**< text in place of the archive's; null (default): kept */
   fb_callbacks callbacks;
+  const char* about; /**< fields to put over what the archive says of the character, see fb_bake_desc; null (default):
+                        kept as it is */
+  const void* thumbnail;    /**< in place of the archive's, see fb_bake_desc; null (default): kept */
+  uint64_t thumbnail_bytes; /**< of thumbnail */
 } fb_pack_desc;
 
 FB_API void fb_pack_desc_fill(fb_pack_desc* to, uint32_t struct_size);

@@ -1,7 +1,7 @@
 /** @file
- * What a character has besides positions: its meshes, materials, images and sockets. C99; statuses and fb_model are
- * those of facebaker.h, functions are in libfacebaker. The same structs describe a loaded face here and a rig in
- * facebaker_rig.h.
+ * What a character has besides positions: its meshes, materials, images, sockets and channels, and what is said about
+ * it. C99; statuses and fb_model are those of facebaker.h, functions are in libfacebaker. The same structs describe a
+ * loaded face here and a rig in facebaker_rig.h.
  *
  * All functions are thread-safe. Structs, strings and arrays that are filled point into the model and live as long as
  * it does. A count of a null model is 0.
@@ -151,6 +151,46 @@ FB_API uint32_t fb_socket_count(const fb_model* model);
 FB_API fb_status fb_socket_at(const fb_model* model, uint32_t index, fb_socket* socket);
 /** Finds a socket by its exact name; FB_ERROR_NOT_FOUND names those there are. */
 FB_API fb_status fb_find_socket(const fb_model* model, const char* name, uint32_t* index);
+
+/* ---- Channels ---------------------------------------------------------------------------------------------------- */
+
+/** A named number that a rig gives with each pose, beside positions: the weight of a wrinkle map, the turn of an eye.
+ * It depends on the controls as positions do, and is baked and evaluated like them. fb_batch_desc::channels gives the
+ * values of poses, which are within the range. */
+typedef struct fb_channel {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name; /**< unique, not empty */
+  const char* unit; /**< of its values, such as "degrees"; may be "", in a rig null */
+  float minimum;    /**< minimum < maximum, both finite */
+  float maximum;    /**< the other end of the range; errors are told over its length */
+  float rest;       /**< value in the rest pose, within the range */
+} fb_channel;
+
+FB_API void fb_channel_fill(fb_channel* to, uint32_t struct_size);
+static inline void fb_channel_init(fb_channel* to) {
+  fb_channel_fill(to, (uint32_t)sizeof *to);
+}
+/** Channels of the face; may be 0. */
+FB_API uint32_t fb_channel_count(const fb_model* model);
+/** Fills *channel, up to its struct_size, for index < fb_channel_count. */
+FB_API fb_status fb_channel_at(const fb_model* model, uint32_t index, fb_channel* channel);
+/** Finds a channel by its exact name; FB_ERROR_NOT_FOUND names those there are. */
+FB_API fb_status fb_find_channel(const fb_model* model, const char* name, uint32_t* index);
+
+/* ---- About the character ----------------------------------------------------------------------------------------- */
+
+/** Bytes that fb_about has at most, without the zero at its end. */
+#define FB_ABOUT_BYTES 65536u
+/** Bytes that fb_thumbnail has at most. */
+#define FB_THUMBNAIL_BYTES 65536u
+
+/** A JSON object that says whose the character is and what may be done with it: author, rig, rights, ... FORMAT.md has
+ * its fields. UTF-8; whether it is JSON is not checked. "" if the archive says nothing. */
+FB_API const char* fb_about(const fb_model* model);
+/** A picture of the character, a square PNG file of *byte_count bytes, which nothing here decodes; null, and 0 bytes,
+ * if there is none. */
+FB_API const void* fb_thumbnail(const fb_model* model, uint64_t* byte_count);
 
 #ifdef __cplusplus
 }

@@ -102,9 +102,8 @@ typedef struct fb_rig {
   const uint32_t* uv_corners;   /**< for each of polygon_corners its pair of uvs, < uv_count */
   uint32_t preferred_block;     /**< poses that a call of evaluate should have, for a rig that works on several at once,
                                    such as several processes behind one plugin; more than 4,096 are 4,096. Calls have as
-                                   many while there are, even if they then take seconds; a user can stop the work only
-                                   between them. 0, or a struct_size that ends before it: any number will do, and calls
-                                   of slow rigs take a fifth of a second */
+                                   many, even if they take seconds; a user can stop only between them. 0, or a shorter
+                                   struct: any number will do, and calls of slow rigs take a fifth of a second */
   uint32_t reserved_block;      /**< 0 */
   const char* version;          /**< a text that changes when evaluate gives other positions, because of data beside a
                                    plugin or a server behind it. A plugin's own file is known by its bytes. Null, or a
@@ -124,6 +123,14 @@ typedef struct fb_rig {
   uint32_t socket_count;        /**< may be 0 */
   uint32_t socket_stride;       /**< bytes from a socket to the next: sizeof(fb_socket) as compiled */
   const fb_socket* sockets;     /**< socket_count of them */
+  const char* about;          /**< a JSON object, see docs/characters.md; null, or a shorter struct: nothing is said */
+  uint32_t channel_count;     /**< 0, or a struct_size that ends before `evaluate_all`: none */
+  uint32_t channel_stride;    /**< bytes from a channel to the next: sizeof(fb_channel) as compiled */
+  const fb_channel* channels; /**< channel_count of them */
+  /** Evaluates like evaluate, and is called in its place, where there are channels; evaluate may then be null. channels
+   * receives poses x channel_count floats, finite; values outside a channel's range are clamped to it. */
+  fb_status (*evaluate_all)(void* user, uint64_t poses, const float* controls, float* positions, float* channels,
+                            char* message, uint32_t message_size);
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */
@@ -138,6 +145,7 @@ static inline void fb_rig_init(fb_rig* rig) {
   rig->material_stride = (uint32_t)sizeof(fb_material);
   rig->image_stride = (uint32_t)sizeof(fb_image);
   rig->socket_stride = (uint32_t)sizeof(fb_socket);
+  rig->channel_stride = (uint32_t)sizeof(fb_channel);
 }
 
 /** Fills *rig: the one symbol that a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so

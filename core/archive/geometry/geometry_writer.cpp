@@ -43,7 +43,7 @@ float find_grid_step(const Mesh& mesh) {
 }
 
 void add_points(draco::PointCloud& cloud, const Mesh& mesh, float grid_step) {
-  const auto count = static_cast<std::uint32_t>(mesh.vertex_count());
+  const auto count = static_cast<std::uint32_t>(mesh.surface_vertex_count());
   cloud.set_num_points(count);
   const auto data = grid_step > 0 ? draco::DT_INT32 : draco::DT_FLOAT32;
   const int id = add_attribute(cloud, draco::GeometryAttribute::POSITION, data, 3, count);
@@ -77,7 +77,7 @@ std::optional<ByteWriter> encode(draco::ExpertEncoder& encoder, int method, Poin
 std::optional<ByteWriter> encode_mesh(const Mesh& mesh, const std::vector<std::uint32_t>& triangles, float grid_step) {
   draco::Mesh out;
   add_points(out, mesh, grid_step);
-  const auto count = static_cast<std::uint32_t>(mesh.vertex_count());
+  const auto count = static_cast<std::uint32_t>(mesh.surface_vertex_count());
   const int id = add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT32, 1, count);
   for (std::uint32_t v = 0; v < count; ++v) out.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), &v);
   out.SetNumFaces(triangles.size() / 3);
@@ -101,7 +101,7 @@ std::optional<WrittenGeometry> if_lossless(std::optional<ByteWriter> section, co
   try {
     MemoryBudget budget;
     ByteReader in(section->bytes, "geometry", budget);
-    RestPoints read = read_geometry(in, static_cast<std::uint32_t>(mesh.vertex_count()));
+    RestPoints read = read_geometry(in, static_cast<std::uint32_t>(mesh.surface_vertex_count()));
     if (std::memcmp(read.points.data(), mesh.points.data(), read.points.size() * sizeof(float)) != 0)
       return std::nullopt;
     return WrittenGeometry{std::move(*section), std::move(read.triangles)};
@@ -120,7 +120,8 @@ WrittenGeometry write_geometry(const Mesh& mesh) {
   if (!triangles.empty())
     if (auto written = if_lossless(encode_mesh(mesh, triangles, grid_step), mesh)) return std::move(*written);
   auto written = if_lossless(encode_point_cloud(mesh, grid_step), mesh);
-  if (!written) fail(Status::internal, "Draco does not restore the rest mesh's %zu vertices", mesh.vertex_count());
+  if (!written)
+    fail(Status::internal, "Draco does not restore the rest mesh's %zu vertices", mesh.surface_vertex_count());
   return std::move(*written);
 }
 

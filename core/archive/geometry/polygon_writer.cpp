@@ -40,7 +40,7 @@ ByteWriter write_deltas(const Mesh& mesh) {
 ByteWriter write_along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
   ByteWriter out;
   write_sizes(out, mesh, CornerCoding::along_triangles);
-  const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.vertex_count()));
+  const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.surface_vertex_count()));
   std::vector<std::uint32_t> deltas;
   std::vector<std::uint8_t> edge_indices;
   const std::uint32_t* polygon = mesh.polygon_corners.data();
@@ -64,7 +64,7 @@ bool is_lossless(const ByteWriter& section, const Mesh& mesh, const std::vector<
     MemoryBudget budget;
     ByteReader in(section.bytes, "polygons", budget);
     Mesh read;
-    read_polygons(in, static_cast<std::uint32_t>(mesh.vertex_count()), triangles, read);
+    read_polygons(in, static_cast<std::uint32_t>(mesh.surface_vertex_count()), triangles, read);
     return read.polygon_corners == mesh.polygon_corners;
   } catch (const Error&) {
     return false;
@@ -83,7 +83,7 @@ ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& tr
 
 ByteWriter write_uvs(const Mesh& mesh) {
   const std::size_t pairs = mesh.uvs.size() / 2;
-  const bool by_vertex = pairs == mesh.vertex_count() && mesh.uv_corners == mesh.polygon_corners;
+  const bool by_vertex = pairs == mesh.surface_vertex_count() && mesh.uv_corners == mesh.polygon_corners;
   ByteWriter out;
   out.count(pairs, "texture coordinates");
   out.number(static_cast<std::uint32_t>(by_vertex ? UvCoding::by_vertex : UvCoding::deltas));

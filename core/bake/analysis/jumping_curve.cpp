@@ -7,7 +7,7 @@
 namespace fb::bake {
 namespace {
 
-constexpr double coarse = 5;  // tolerances that a curve of more than few_knots keeps to
+constexpr double coarse_curve = 5;  // tolerances that a curve of more than few_knots keeps to
 constexpr std::size_t few_knots = 32, most_knots = 256;
 constexpr std::size_t fitted_samples = 16;  // of a curve of few knots, besides those
 
@@ -55,7 +55,7 @@ ControlCurve fit_jumping_curve(const Control& control, const CurveSamples& sampl
   if (knots.size() <= limits.max_knots) {
     if (!continuous.positions.empty()) curve = fit_curve(control, thinned(continuous, knots), limits);
   } else {
-    if (knots.size() > few_knots) knots = polyline_knots(continuous, coarse * limits.tolerance);
+    if (knots.size() > few_knots) knots = polyline_knots(continuous, coarse_curve * limits.tolerance);
     if (knots.size() > most_knots) return {};
     add_tents(control, continuous, knots, limits.drop, curve.part);
   }

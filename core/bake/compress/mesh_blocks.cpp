@@ -21,10 +21,10 @@ RowBlock rows_of(const RowBlock& block, std::uint32_t first, std::uint32_t count
 }  // namespace
 
 Basis cut_at_parts(Basis basis, const Mesh& rest) {
-  if (rest.parts.size() < 2) return basis;
-  std::vector<std::uint32_t> part_of;  // by vertex
-  for (std::uint32_t part = 0; part < rest.parts.size(); ++part)
-    part_of.insert(part_of.end(), rest.parts[part].vertices, part);
+  const std::vector<std::uint32_t> ends = rest.part_ends();
+  if (ends.size() < 2) return basis;
+  std::vector<std::size_t> part_of;  // by vertex
+  for (std::size_t part = 0; part < ends.size(); ++part) part_of.resize(ends[part], part);
   const auto part_of_row = [&](std::uint32_t row) {
     return part_of[basis.order.empty() ? row / 3 : basis.order[row / 3]];
   };

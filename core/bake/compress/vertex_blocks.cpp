@@ -49,9 +49,9 @@ std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::spa
     fail(Status::invalid_argument, "blocks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
          rest.vertex_count());
   std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::uint32_t>> of_label;  // and part
-  std::size_t part = 0, end = rest.parts.empty() ? labels.size() : rest.parts[0].vertices;
-  for (std::size_t v = 0; v < labels.size(); ++v) {
-    while (v >= end) end += rest.parts[++part].vertices;
+  const std::vector<std::uint32_t> ends = rest.part_ends();
+  for (std::size_t v = 0, part = 0; v < labels.size(); ++v) {
+    while (v >= ends[part]) ++part;
     of_label[{part, labels[v]}].push_back(std::uint32_t(v));
   }
   std::vector<std::vector<std::uint32_t>> blocks;

@@ -8,6 +8,7 @@
 #include "bake/rig/character_json.h"
 #include "base/file.h"
 #include "base/json_depth.h"
+#include "base/path_inside.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -106,6 +107,7 @@ class Field {
             return std::vector<std::byte>();
           },
           index.parts, index.character);
+      index.schema.channels = read_channels(value_);
     } catch (const Error& error) {
       refuse(error.what(), error.status());
     }
@@ -152,6 +154,7 @@ DatasetIndex::Entry read_entry(const Field& field) {
   if (entry.fps <= 0) field["fps"].refuse("is not above zero");
   entry.controls = field["controls"].files();
   if (field.has("points")) entry.points = field["points"].files();
+  if (field.has("channels")) entry.channels = field["channels"].files();
   return entry;
 }
 
@@ -200,14 +203,8 @@ json names(const std::vector<std::string>& files) {
 
 }  // namespace
 
-fs::path path_inside(const fs::path& folder, const std::string& name) {
-  const fs::path file = folder / name;  // `name` alone where it is absolute
-  const fs::path relative = fs::weakly_canonical(file).lexically_relative(fs::canonical(folder));
-  const bool outside = fs::path(name).is_absolute() || relative.empty() || *relative.begin() == "..";
-  if (outside)
-    fail(Status::bad_data, "%s: names \"%s\", which does not lie in its folder", shown(folder / dataset_file).c_str(),
-         shown(name).c_str());
-  return file;
+fs::path dataset_path(const fs::path& folder, const std::string& name) {
+  return with_context(shown(folder / dataset_file), [&] { return path_inside(folder, name); });
 }
 
 DatasetIndex read_dataset_index(const fs::path& folder) {
@@ -261,10 +258,13 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
                     {"fps", entry.fps},
                     {"controls", names(entry.controls)}};
     if (!entry.points.empty()) clip["points"] = names(entry.points);
+    if (!entry.channels.empty()) clip["channels"] = names(entry.channels);
     root["clips"].push_back(clip);
   }
   write_character(
       index.parts, index.character, [&](std::size_t i, Ordered& image) { image["file"] = index.image_files[i]; }, root);
+  write_about(index.character.about, root);
+  write_channels(index.schema.channels, root);
   if (index.sampling)
     root["sampling"] = {{"request", format("%016" PRIx64, index.sampling->request)},
                         {"plan", format("%016" PRIx64, index.sampling->plan)},
@@ -279,7 +279,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
 
 std::string shard_name(const std::string& name, std::size_t number) {
   std::size_t end = name.size();
-  for (const char* suffix : {".points.npy", ".controls.npy", ".npy"})
+  for (const char* suffix : {".points.npy", ".controls.npy", ".channels.npy", ".npy"})
     if (name.ends_with(suffix)) {
       end = name.size() - std::char_traits<char>::length(suffix);
       break;
@@ -290,12 +290,12 @@ std::string shard_name(const std::string& name, std::size_t number) {
 std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<fs::path> files;
   if (names.size() > 1) {
-    for (const std::string& name : names) files.push_back(path_inside(folder, name));
+    for (const std::string& name : names) files.push_back(dataset_path(folder, name));
     return files;
   }
-  const auto shard = [&](std::size_t number) { return path_inside(folder, shard_name(names.at(0), number)); };
+  const auto shard = [&](std::size_t number) { return dataset_path(folder, shard_name(names.at(0), number)); };
   for (std::size_t i = 0; fs::exists(shard(i)); ++i) files.push_back(shard(i));
-  const fs::path whole = path_inside(folder, names.at(0));
+  const fs::path whole = dataset_path(folder, names.at(0));
   if (fs::exists(whole)) {
     if (!files.empty())
       fail(Status::bad_data, "%s: is there whole and in shards, such as %s: remove one", shown(whole).c_str(),

@@ -23,7 +23,8 @@ struct DatasetIndex {
     double fps = 30;
     // One name may also stand for numbered shards ("x.points.npy" for "x.000.points.npy", ...); several are shards.
     std::vector<std::string> controls;
-    std::vector<std::string> points;  // empty: a plan
+    std::vector<std::string> points;         // empty: a plan
+    std::vector<std::string> channels = {};  // as points, where the rig has channels
   };
 
   // Written by `sample`, so that it can be continued where it was interrupted; readers of the dataset ignore it.
@@ -46,10 +47,9 @@ struct DatasetIndex {
 
 inline constexpr const char* dataset_file = "dataset.json";
 
-// The path of a file that dataset.json names. Fails with bad_data if that is not inside the folder: an absolute name,
-// one that leads out by "..", a link to elsewhere. A dataset may come from anyone, and is whole when its folder is
-// copied.
-std::filesystem::path path_inside(const std::filesystem::path& folder, const std::string& name);
+// The path of a file that dataset.json names: path_inside() of its folder. A dataset may come from anyone, and is whole
+// when its folder is copied.
+std::filesystem::path dataset_path(const std::filesystem::path& folder, const std::string& name);
 
 // Reads folder/dataset.json. Fails naming file and field on another format or version and on every field that is
 // missing, of the wrong type or out of its words. Fields it does not know are ignored.
@@ -57,7 +57,7 @@ DatasetIndex read_dataset_index(const std::filesystem::path& folder);
 void write_dataset_index(const std::filesystem::path& folder, const DatasetIndex& index);
 
 // The files of a clip's array: `names` as they are, or the numbered shards that a single missing name stands for. Fails
-// if both are there, if a shard between others is missing, and as path_inside does.
+// if both are there, if a shard between others is missing, and as dataset_path does.
 std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder,
                                                const std::vector<std::string>& names);
 // "x.points.npy", 7 -> "x.007.points.npy".

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/dataset/dataset_index.h"
+#include "bake/rig/channel_points.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
 #include "base/shown_path.h"
@@ -45,11 +46,10 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
   const DatasetIndex index = read_dataset_index(folder);
   schema_ = index.schema;
   rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays)
-                                  : read_mesh(path_inside(folder, index.rest_mesh));
+                                  : read_mesh(dataset_path(folder, index.rest_mesh));
   read_character(index);
   const std::size_t width = schema_.control_count();
   const std::string controls_need = format("(frames, %zu)", width);
-  const std::string points_need = format("(frames, %zu, 3)", rest_.vertex_count());
   for (const DatasetIndex::Entry& entry : index.clips) {
     const ShardedArray controls(shard_files(folder, entry.controls), {width}, controls_need.c_str());
     Clip clip{entry.name, entry.kind, entry.split, entry.fps, controls.rows(), {}};
@@ -61,26 +61,39 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
              shown(controls.file_of(i / width)).c_str(), clip.name.c_str(), i / width,
              schema_.controls[i % width].name.c_str());
     note_range(clip);
-    ShardedArray points;
-    if (!entry.points.empty()) {
-      if (index.sampling)
-        for (const std::string& name : entry.points)
-          if (!std::filesystem::exists(path_inside(folder, name)))
-            fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
-                 shown(folder / name).c_str());
-      points = ShardedArray(shard_files(folder, entry.points), {rest_.vertex_count(), 3}, points_need.c_str());
-      if (points.rows() != clip.frames)
-        fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of points",
-             shown(folder).c_str(), clip.name.c_str(), clip.frames, points.rows());
-    }
+    const bool sampled = index.sampling.has_value(), plan = entry.points.empty(), channels = !schema_.channels.empty();
+    if (channels && !plan && entry.channels.empty())
+      fail(Status::bad_data, "%s: clip \"%s\" has points but no channels", shown(folder / dataset_file).c_str(),
+           clip.name.c_str());
+    ShardedArray points, values;
+    if (!plan) points = open_shards(entry.points, {rest_.vertex_count(), 3}, "points", clip, sampled);
+    if (!plan && channels) values = open_shards(entry.channels, {schema_.channels.size()}, "channels", clip, sampled);
     clips_.push_back(std::move(clip));
     points_.push_back(std::move(points));
+    channels_.push_back(std::move(values));
   }
   with_context(shown(folder / dataset_file), [&] {
     check_source(schema_, rest_, character_);
     check_clips(clips_);
   });
   diagonal_ = rest_.diagonal();
+  add_channel_vertices(schema_, rest_);
+}
+
+// `row`: shape of a frame; `what`: "points".
+ShardedArray DatasetSource::open_shards(const std::vector<std::string>& names, const std::vector<std::size_t>& row,
+                                        const char* what, const Clip& clip, bool sampled) const {
+  for (const std::string& name : names)
+    if (sampled && !std::filesystem::exists(dataset_path(folder_, name)))
+      fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
+           shown(folder_ / name).c_str());
+  std::string need = "(frames";
+  for (const std::size_t size : row) need += format(", %zu", size);
+  ShardedArray array(shard_files(folder_, names), row, (need + ")").c_str());
+  if (array.rows() != clip.frames)
+    fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of %s", shown(folder_).c_str(),
+         clip.name.c_str(), clip.frames, array.rows(), what);
+  return array;
 }
 
 void DatasetSource::read_character(const DatasetIndex& index) {
@@ -88,7 +101,7 @@ void DatasetSource::read_character(const DatasetIndex& index) {
   rest_.parts = index.parts;
   character_ = index.character;
   for (std::size_t i = 0; i < character_.images.size(); ++i)
-    character_.images[i].bytes = read_file(path_inside(folder_, index.image_files[i]), most_image_bytes);
+    character_.images[i].bytes = read_file(dataset_path(folder_, index.image_files[i]), most_image_bytes);
   for (Socket& socket : character_.sockets) set_default_frame(socket, rest_.points);
 }
 
@@ -128,7 +141,14 @@ void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count
   if (points.size() != count * size)
     fail(Status::invalid_argument, "clip \"%s\": room for %zu coordinates where %zu are read", clip.name.c_str(),
          points.size(), count * size);
-  points_[index].read(first, count, points);
+  if (schema_.channels.empty()) {
+    points_[index].read(first, count, points);
+  } else {
+    std::vector<float> positions(count * rest_.surface_points().size()), values(count * schema_.channels.size());
+    points_[index].read(first, count, positions);
+    channels_[index].read(first, count, values);
+    join_channels(schema_, positions, values, count, points);
+  }
   if (const auto fault = find_point_fault(points, rest_, diagonal_))
     fail(fault->status, "%s: clip \"%s\", frame %zu: %s", shown(points_[index].file_of(first + fault->pose)).c_str(),
          clip.name.c_str(), first + fault->pose, fault->what.c_str());

@@ -47,6 +47,8 @@ class DatasetSource final : public Source {
   bool thread_safe() const override { return true; }
 
  private:
+  ShardedArray open_shards(const std::vector<std::string>& names, const std::vector<std::size_t>& row, const char* what,
+                           const Clip& clip, bool sampled) const;
   void note_range(const Clip& clip);
   void read_character(const DatasetIndex& index);
 
@@ -56,7 +58,7 @@ class DatasetSource final : public Source {
   Character character_;
   double diagonal_ = 0;  // of the rest mesh
   std::vector<Clip> clips_;
-  std::vector<ShardedArray> points_;  // of each clip
+  std::vector<ShardedArray> points_, channels_;  // of each clip
   std::vector<std::string> notes_;
 };
 

@@ -29,6 +29,7 @@ MergedSource::MergedSource(std::vector<std::unique_ptr<Source>> sources, const s
     : sources_(std::move(sources)) {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     check_same_controls(schema(), names[0].c_str(), sources_[i]->schema(), names[i].c_str());
+    check_same_channels(schema(), names[0].c_str(), sources_[i]->schema(), names[i].c_str());
     check_same_rest(rest(), names[0].c_str(), sources_[i]->rest(), names[i].c_str());
     if (!live_ && sources_[i]->live()) live_ = sources_[i].get();
     for (const std::string& note : sources_[i]->notes()) notes_.push_back(names[i] + ": " + note);

@@ -10,6 +10,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/dataset_source.h"
 #include "bake/dataset/merged_source.h"
+#include "bake/rig/gltf/gltf_rig.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig/source.h"
 #include "bake/rig_process/process_source.h"

@@ -6,7 +6,7 @@
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
-#include "bake/rig/gltf_file.h"
+#include "bake/rig/gltf/gltf_mesh.h"
 #include "base/checked.h"
 #include "base/file.h"
 #include "base/shown_path.h"
@@ -93,12 +93,12 @@ Mesh read_glb(const std::filesystem::path& path) {
     const auto& meshes = file.model().meshes;
     if (meshes.size() != 1)
       fail(Status::bad_data, "holds %zu meshes; a rest mesh is the only one in its file", meshes.size());
-    return file.triangles(meshes[0]);
+    return read_gltf_surface(file, meshes[0]);
   });
 }
 
 Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files) {
-  const auto inside = [&](const std::string& name) { return path_inside(folder, name); };
+  const auto inside = [&](const std::string& name) { return dataset_path(folder, name); };
   Mesh mesh;
   mesh.points = read_rows(inside(files.points), 3, "(vertices, 3)");
   Faces faces = read_faces(inside(files.faces), "vertex");
@@ -117,7 +117,7 @@ Mesh read_npy_mesh(const std::filesystem::path& folder, const MeshArrays& files)
 }
 
 void write_npy_mesh(const Mesh& mesh, const std::filesystem::path& folder, const MeshArrays& files) {
-  write_npy(folder / files.points, {mesh.vertex_count(), 3}, mesh.points);
+  write_npy(folder / files.points, {mesh.surface_vertex_count(), 3}, mesh.surface_points());
   write_faces(folder / files.faces, mesh.polygon_sizes, mesh.polygon_corners);
   if (files.uvs.empty()) return;
   write_npy(folder / files.uvs, {mesh.uvs.size() / 2, 2}, mesh.uvs);

@@ -15,8 +15,7 @@ Mesh read_mesh(const std::filesystem::path& path);
 // Texture coordinates are left out unless every corner has them.
 Mesh read_obj(const std::filesystem::path& path);
 
-// glTF binary: the one mesh in it, its primitives (triangles) one after the other; with its first texture coordinates
-// if every primitive has them.
+// glTF binary: the one mesh in it, see GltfMesh::surface.
 Mesh read_glb(const std::filesystem::path& path);
 
 // The files of a dataset's arrays: points [V,3], faces [F,n] whose unused corners are -1; and texture coordinates [U,2]

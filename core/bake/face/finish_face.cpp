@@ -20,8 +20,13 @@ namespace {
 
 constexpr std::size_t measured_poses = 500, size_poses = 2000;
 constexpr std::uint64_t text_bytes = 4096;  // of provenance and certificate, which are written last
-constexpr double largest_factor = 64;       // of thresholds and steps, to keep within the bytes read per pose
-constexpr int bisections = 5;               // of the factor: to 2 % between neighbouring powers of 2
+
+// Of the section of expected errors, which is written after them: a byte a weight, and bits of pairs that pack to half.
+std::uint64_t error_bytes(std::size_t controls) {
+  return 1024 + 10 * controls + controls * controls / 32;
+}
+constexpr double largest_factor = 64;  // of thresholds and steps, to keep within the bytes read per pose
+constexpr int bisections = 5;          // of the factor: to 2 % between neighbouring powers of 2
 
 PoseSet validation_poses(const PoseSet& poses, std::uint64_t seed) {
   const ValidationSplit split = held_back(poses, seed);
@@ -135,8 +140,10 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   }
   const PoseSet validation = validation_poses(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
-    return ask_during(
-        progress, [&] { return archive::write_archive(packed, make_proof(packed, options.seed)).size() + text_bytes; });
+    return ask_during(progress, [&] {
+      return archive::write_archive(packed, make_proof(packed, options.seed)).size() + text_bytes +
+             options.reserved_bytes + error_bytes(packed.schema.control_count());
+    });
   };
   const auto error = [&](const PackedModel& packed) {
     return evaluate_model_on(packed, validation, options.parallel, silent_progress()).max;

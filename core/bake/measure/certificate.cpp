@@ -27,6 +27,8 @@ void add(Json& json, const Errors& errors) {
   json["p99"] = rounded(errors.p99);
   json["max"] = rounded(errors.max);
   json["mfm"] = rounded(errors.mfm);
+  for (const ChannelErrors& channel : errors.channels)
+    json["channels"].push_back({{"name", channel.name}, {"rms", rounded(channel.rms)}, {"max", rounded(channel.max)}});
 }
 
 // A certificate that comes from anyone, as an object of bounded depth.
@@ -70,6 +72,12 @@ Json independent_errors(const EvalReport& report, Split split) {
     json["clips"].push_back(std::move(figures));
   }
   json["kinds"] = kind_list(report.kinds);
+  if (const auto& expected = report.expectation)
+    json["expected"] = {{"frames", expected->frames},
+                        {"rank", rounded(expected->rank)},
+                        {"within_two", rounded(expected->within_two)},
+                        {"constant_within_two", rounded(expected->constant_within_two)},
+                        {"outside", expected->outside}};
   if (!report.quality) return json;
   for (const PartErrors& part : report.quality->regions)
     json["regions"].push_back(

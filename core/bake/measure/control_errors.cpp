@@ -132,7 +132,7 @@ class Comparison {
       rig_.evaluate_cached(controls, some, points);
       parallel_for(rig_.parallel(), some, [&](std::size_t i, std::size_t worker) {
         std::vector<float> error(size);
-        face_.evaluate(&controls[i * width], error.data(), work_[worker]);
+        face_.evaluate_points(&controls[i * width], error.data(), work_[worker]);
         for (std::size_t k = 0; k < size; ++k) error[k] -= points[i * size + k];
         use(first + i, error, std::span<const float>(points).subspan(i * size, size));
       });

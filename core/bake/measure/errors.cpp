@@ -37,8 +37,26 @@ void ErrorSums::add_frame(std::span<const float> predicted, std::span<const floa
   ++frames_;
 }
 
+void ErrorSums::add_channels(std::span<const Channel> channels, std::span<const float> predicted,
+                             std::span<const float> truth) {
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const Channel& channel = channels[c];
+    if (channels_.size() <= c) channels_.push_back({channel.name});
+    const double error =
+        (double(channel.value(predicted[c])) - channel.value(truth[c])) / (double(channel.maximum) - channel.minimum);
+    channels_[c].squares += error * error;
+    channels_[c].worst = std::max(channels_[c].worst, std::abs(error));
+  }
+}
+
 void ErrorSums::append(const ErrorSums& later) {
   if (later.frames_ == 0) return;
+  channels_.resize(later.channels_.size());
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    channels_[c].name = later.channels_[c].name;
+    channels_[c].squares += later.channels_[c].squares;
+    channels_[c].worst = std::max(channels_[c].worst, later.channels_[c].worst);
+  }
   histogram_.append(later.histogram_);
   if (later.worst_ > worst_) {
     worst_ = later.worst_;
@@ -69,6 +87,8 @@ Errors ErrorSums::figures(double diagonal) const {
   errors.mfm = frame_worsts_ / static_cast<double>(frames_) / diagonal;
   errors.worst_frame = worst_frame_;
   errors.worst_vertex = worst_vertex_;
+  for (const ChannelSums& channel : channels_)
+    errors.channels.push_back({channel.name, std::sqrt(channel.squares / static_cast<double>(frames_)), channel.worst});
   errors.p99 = std::min(std::sqrt(histogram_.p99()) / diagonal, errors.max);
   return errors;
 }

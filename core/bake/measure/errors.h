@@ -4,10 +4,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "bake/measure/histogram.h"
+#include "model/rig_schema.h"
 
 namespace fb::bake {
+
+// Errors of a channel over the length of its range, over all frames.
+struct ChannelErrors {
+  std::string name;
+  double rms = 0, max = 0;
+};
 
 // With e the distance of a predicted vertex from the true one and D the rest mesh's bounding-box diagonal, over all
 // vertices and frames.
@@ -23,6 +32,7 @@ struct Errors {
   double mfm = 0;   // mean over frames of the frame's largest e / D
   std::size_t worst_frame = 0;
   std::uint32_t worst_vertex = 0;  // of that frame
+  std::vector<ChannelErrors> channels = {};
 };
 
 // Sums errors frame by frame. Partial sums of consecutive blocks of frames are joined with `append`, in order: the
@@ -31,6 +41,8 @@ class ErrorSums {
  public:
   // Both are 3 x vertices floats.
   void add_frame(std::span<const float> predicted, std::span<const float> truth);
+  // The channels of a frame, both as the coordinates that carry them.
+  void add_channels(std::span<const Channel> channels, std::span<const float> predicted, std::span<const float> truth);
   void append(const ErrorSums& later);
   Errors figures(double diagonal) const;
 
@@ -40,6 +52,12 @@ class ErrorSums {
   double squares_ = 0, distances_ = 0, frame_worsts_ = 0, worst_ = 0;
   double fourth_ = 0;    // squares of the frames' mean squares
   Histogram histogram_;  // of e^2
+  // Of a channel, over its range.
+  struct ChannelSums {
+    std::string name;
+    double squares = 0, worst = 0;
+  };
+  std::vector<ChannelSums> channels_;
 };
 
 }  // namespace fb::bake

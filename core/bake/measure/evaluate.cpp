@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "archive/reader.h"
+#include "bake/measure/expectation.h"
 #include "bake/rig/scaled_source.h"
 #include "base/status.h"
 #include "base/vector3.h"
@@ -38,7 +39,8 @@ struct Sums {
 // `shot`: poses are consecutive in time. `basis`: null for errors alone. `done`: frames measured so far, for progress.
 Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
-  const std::size_t width = face.rest_positions().size(), controls = face.control_count();
+  const std::size_t width = 3 * face.point_count(), controls = face.control_count();
+  const std::size_t surface = 3 * face.vertex_count();  // channels are behind
   const std::size_t warm_up = shot && basis ? warm_up_frames : 0;
   const Parallel workers =
       poses.source().thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
@@ -64,15 +66,18 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
       poses.read_points(from, end - from, std::span(mine.truth).first((end - from) * width));
       for (std::size_t i = from; i < end; ++i) {
         const auto pose = std::span(all_controls).subspan(i * controls, controls);
-        const auto truth = std::span(mine.truth).subspan((i - from) * width, width);
-        face.evaluate(pose.data(), mine.predicted.data(), mine.workspace);
+        const auto points = std::span(mine.truth).subspan((i - from) * width, width);
+        face.evaluate_points(pose.data(), mine.predicted.data(), mine.workspace);
+        const auto truth = points.first(surface), predicted = std::span(mine.predicted).first(surface);
         if (i < begin) {
-          blocks[b].quality->add_warm_up(mine.predicted, truth);
+          blocks[b].quality->add_warm_up(predicted, truth);
           continue;
         }
-        blocks[b].errors.add_frame(mine.predicted, truth);
+        blocks[b].errors.add_frame(predicted, truth);
+        blocks[b].errors.add_channels(face.schema().channels, std::span(mine.predicted).subspan(surface),
+                                      points.subspan(surface));
         const bool contact = basis && (done + i - first) % basis->contact_step == 0;
-        if (basis) blocks[b].quality->add_frame(pose, mine.predicted, truth, shot, contact);
+        if (basis) blocks[b].quality->add_frame(pose, predicted, truth, shot, contact);
       }
     });
     for (const Sums& block : blocks) sums.append(block);
@@ -136,8 +141,10 @@ QualityBasis quality_basis(const PackedModel& model, const FaceMap& map, const P
 void check_same_face(const PackedModel& model, const Source& source) {
   check_same_controls(model.schema, "the archive", source.schema(), "the source");
   const std::vector<float>&a = model.rest.points, &b = source.rest().points;
-  if (a.size() != b.size())
-    fail(Status::bad_data, "the archive has %zu vertices, the source %zu", a.size() / 3, b.size() / 3);
+  if (model.rest.surface_vertex_count() != source.rest().surface_vertex_count())
+    fail(Status::bad_data, "the archive has %zu vertices, the source %zu", model.rest.surface_vertex_count(),
+         source.rest().surface_vertex_count());
+  check_same_channels(model.schema, "the archive", source.schema(), "the source");
   const double tolerance = 1e-4 * source.rest().diagonal();
   for (std::size_t i = 0; i < a.size(); ++i)
     if (std::abs(double(a[i]) - b[i]) > tolerance)
@@ -194,6 +201,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
     report.quality = total.quality->figures();
     if (const ContactErrors& contact = report.quality->contact; contact.pairs > 0)
       report.worst_contact = map->name_of(contact.worst_vertex);
+    report.expectation = compare_expected_errors(face, report, source);
     report.worst = worst_frames(report, source, worst_frames_kept);
   }
   const PoseSet shots(source, [&](const Clip& clip) { return wanted(clip) && clip.kind == ClipKind::shot; });
@@ -216,7 +224,7 @@ std::optional<std::string> worse_than_rest(const PackedModel& model, const PoseS
   ErrorSums sums;
   for (std::size_t i = 0; i < some.size(); ++i) {
     some.read_points(i, 1, truth);
-    sums.add_frame(rest.points, truth);
+    sums.add_frame(rest.surface_points(), std::span(truth).first(rest.surface_points().size()));
   }
   const double of_rest = sums.figures(rest.diagonal()).rms,
                of_face = evaluate_model_on(model, some, parallel, silent_progress()).rms;

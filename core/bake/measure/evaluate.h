@@ -38,16 +38,26 @@ struct FrameOfClip {
   FrameErrors errors;
 };
 
+// How expected errors of the whole face agree with measured ones, on the frames of shots: unseen motion.
+struct Expectation {
+  std::size_t frames = 0;
+  double rank = 0;                 // Spearman's rank correlation
+  double within_two = 0;           // share of frames measured within a factor of two of what was expected
+  double constant_within_two = 0;  // the same of the frames' median in place of expected errors
+  std::size_t outside = 0;         // frames, of all clips, in which a control is outside of what was trained
+};
+
 struct EvalReport {
   std::string units;
   double diagonal = 0;
   std::vector<ClipErrors> clips;
-  std::vector<KindErrors> kinds = {};  // of those clips, in the order of their first ones
-  Errors total;                        // over the frames of all clips
-  BytesRead bytes_read;                // by poses of those clips that are shots, or of all if none is
-  std::optional<Quality> quality;      // of the same clips, with Detail::quality
-  std::string worst_contact;           // where the vertex of the worst contact lies, see FaceMap::name_of
-  std::vector<FrameOfClip> worst;      // see worst_frames; with Detail::quality
+  std::vector<KindErrors> kinds = {};      // of those clips, in the order of their first ones
+  Errors total;                            // over the frames of all clips
+  BytesRead bytes_read;                    // by poses of those clips that are shots, or of all if none is
+  std::optional<Quality> quality;          // of the same clips, with Detail::quality
+  std::string worst_contact;               // where the vertex of the worst contact lies, see FaceMap::name_of
+  std::vector<FrameOfClip> worst;          // see worst_frames; with Detail::quality
+  std::optional<Expectation> expectation;  // with Detail::quality, of faces that have expected errors
 };
 
 // What is measured: errors alone, or normals, jitter, seams, contact, regions and controls too, which takes longer.

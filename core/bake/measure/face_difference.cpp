@@ -25,7 +25,7 @@ struct CommonControl {
 // A face with room to evaluate it.
 struct Posable {
   explicit Posable(const PackedModel& model)
-      : rest(model.rest.points), face(model), workspace(face), pose(model.schema.rest_pose()) {}
+      : rest(model.rest.surface_points()), face(model), workspace(face), pose(model.schema.rest_pose()) {}
 
   std::vector<float> points() {
     std::vector<float> points(rest.size());
@@ -38,7 +38,7 @@ struct Posable {
     return moved;
   }
 
-  const std::vector<float>& rest;
+  std::span<const float> rest;
   runtime::Evaluator face;
   runtime::Workspace workspace;
   std::vector<float> pose;
@@ -110,7 +110,7 @@ void compare_random(FaceDifference& found, const PackedModel& before, const Pack
   Posable old(before), fresh(now);
   const std::vector<float> old_rest = old.pose, fresh_rest = fresh.pose;
   ErrorSums sums;
-  std::vector<double> most(now.rest.vertex_count());
+  std::vector<double> most(now.rest.surface_vertex_count());
   std::vector<float> poses;
   for (std::size_t i = 0; i < random_poses; ++i) {
     Random random(1, i);
@@ -151,7 +151,7 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
   FaceDifference found;
   found.diagonal = now.rest.diagonal();
   compare_schemas(found, before.schema, now.schema);
-  found.same_vertices = before.rest.vertex_count() == now.rest.vertex_count();
+  found.same_vertices = before.rest.surface_vertex_count() == now.rest.surface_vertex_count();
   found.same_polygons =
       before.rest.polygon_sizes == now.rest.polygon_sizes && before.rest.polygon_corners == now.rest.polygon_corners;
   found.same_uvs = before.rest.uvs == now.rest.uvs && before.rest.uv_corners == now.rest.uv_corners;

@@ -22,7 +22,9 @@ float share_of(float value, float low, float high) {
 }  // namespace
 
 FaceMap::FaceMap(const PackedModel& model, const Parallel& parallel)
-    : schema_(model.schema), rest_(model.rest.points), vertices_(model.rest.vertex_count()) {
+    : schema_(model.schema),
+      rest_(model.rest.surface_points().begin(), model.rest.surface_points().end()),
+      vertices_(model.rest.surface_vertex_count()) {
   const std::size_t controls = schema_.control_count();
   const double diagonal = model.rest.diagonal();
   const runtime::Evaluator face(model);
@@ -33,7 +35,7 @@ FaceMap::FaceMap(const PackedModel& model, const Parallel& parallel)
   };
   std::vector<Worker> work;
   for (std::size_t w = 0; w < worker_count(parallel); ++w)
-    work.push_back({runtime::Workspace(face), at_rest, std::vector<float>(rest_.size())});
+    work.push_back({runtime::Workspace(face), at_rest, std::vector<float>(3 * face.point_count())});
   motion_.resize(controls * vertices_);
   squared_motion_.resize(controls);
   parallel_for(parallel, controls, [&](std::size_t c, std::size_t w) {
@@ -41,7 +43,7 @@ FaceMap::FaceMap(const PackedModel& model, const Parallel& parallel)
     const std::span<float> most = std::span(motion_).subspan(c * vertices_, vertices_);
     for (const float end : {schema_.controls[c].minimum, schema_.controls[c].maximum}) {
       mine.pose[c] = end;
-      face.evaluate(mine.pose.data(), mine.points.data(), mine.workspace);
+      face.evaluate_points(mine.pose.data(), mine.points.data(), mine.workspace);
       for (std::size_t v = 0; v < vertices_; ++v) {
         const float distance = length(vector_at(mine.points.data(), v) - vector_at(rest_.data(), v));
         most[v] = std::max(most[v], static_cast<float>(distance / diagonal));
@@ -131,6 +133,11 @@ std::string FaceMap::group_of(std::span<const std::uint32_t> vertices) const {
 }
 
 std::string FaceMap::name_of(std::uint32_t vertex) const {
+  if (vertex >= vertices_) {
+    const std::size_t first = 3 * (vertex - vertices_);
+    return "channel \"" + schema_.channels[first].name +
+           (first + 1 < schema_.channels.size() ? "\" or the next" : "\"");
+  }
   const std::string group = group_of(std::span(&vertex, 1)), place = place_in(moving_part_, std::span(&vertex, 1));
   return group.empty() ? place : group + ", " + place;
 }

@@ -31,6 +31,9 @@ class FaceMap {
   // Of all vertices that some control moves.
   const PointBox& moving_part() const { return moving_part_; }
 
+  // The larger displacement of a vertex at both ends of the control's range, over D.
+  float motion(std::size_t control, std::size_t vertex) const { return motion_[control * vertices_ + vertex]; }
+
   // The vertices that a control alone moves at least a tenth as far as the one it moves most; none if it alone moves
   // nothing.
   std::vector<std::uint32_t> moved_by(std::size_t control) const;
@@ -41,12 +44,12 @@ class FaceMap {
 
   // The control group of the movers; "" where groups have no names.
   std::string group_of(std::span<const std::uint32_t> vertices) const;
-  // "mouth, lower left": group_of and the place in moving_part, for one vertex.
+  // "mouth, lower left": group_of and the place in moving_part, for one vertex; of one that carries channels their
+  // names.
   std::string name_of(std::uint32_t vertex) const;
 
  private:
   std::vector<double> influences(std::span<const std::uint32_t> vertices) const;
-  float motion(std::size_t control, std::size_t vertex) const { return motion_[control * vertices_ + vertex]; }
 
   RigSchema schema_;
   std::vector<float> rest_;

@@ -23,7 +23,7 @@ std::vector<double> mean_squares(const runtime::Evaluator& face, std::span<const
 }  // namespace
 
 FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
-  const std::size_t vertices = model.rest.vertex_count(), regions = model.regions.size();
+  const std::size_t vertices = model.rest.surface_vertex_count(), regions = model.regions.size();
   FaceParts parts{{}, std::vector<std::uint32_t>(vertices, checked_u32(regions, "regions"))};
   std::vector<std::size_t> region_of(model.direct.size(), regions);  // of a column
   for (const PackedRegion& region : model.regions) {
@@ -35,7 +35,7 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
   for (const PackedRowBlock& group : model.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c) {
       const std::size_t column = group.columns[c].column;
-      if (region_of[column] == regions) continue;
+      if (region_of[column] == regions || group.first_row >= 3 * vertices) continue;
       const std::vector<float> moves = displacements(group, c);
       for (std::uint32_t i = 0; i < group.row_count; ++i)
         moved[model.coordinate(group.first_row + i) / 3 * regions + region_of[column]] +=

@@ -157,7 +157,7 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
       for (Candidate& candidate : candidates) {
         parallel_for(parallel, moves.count + 1, [&](std::size_t i, std::size_t worker) {
           const std::span<float> posed = std::span(points).subspan(i * width, width);
-          candidate.face.evaluate(&moves.poses[i * controls], posed.data(), candidate.work[worker]);
+          candidate.face.evaluate_points(&moves.poses[i * controls], posed.data(), candidate.work[worker]);
           if (p < rest_poses && i > 0 && moves.poses[i * controls + first + i - 1] != pose[first + i - 1])
             candidate.add_alone(first + i - 1, std::span(expected).subspan(i * width, width), posed, rig.rest(), true);
         });
@@ -226,7 +226,7 @@ std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte
     recording.read(single.clip, single.frame, 1, expected);
     raise(std::span(truth).subspan(single.control * vertices, vertices), rest.points, expected, diagonal);
     for (Candidate& candidate : candidates) {
-      candidate.face.evaluate(&clip.controls[single.frame * controls], posed.data(), candidate.work[0]);
+      candidate.face.evaluate_points(&clip.controls[single.frame * controls], posed.data(), candidate.work[0]);
       raise(std::span(candidate.motion).subspan(single.control * vertices, vertices), rest.points, posed, diagonal);
       candidate.add_alone(single.control, expected, posed, rest, clip.split != Split::train);
     }

@@ -20,6 +20,9 @@ namespace fb::bake {
 struct FrameErrors {
   float mse = 0, max = 0;
   std::uint32_t worst_vertex = 0;
+  // What the face itself says, see ExpectedErrors: rms of its vertices, and controls outside of what was trained.
+  float expected = 0;
+  std::uint32_t outside = 0;
 };
 
 // Errors of a part of all measured vertices or frames, over D^2 and D.

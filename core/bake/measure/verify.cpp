@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "archive/reader.h"
 #include "bake/measure/float_face.h"
@@ -18,21 +19,42 @@ namespace {
 constexpr std::size_t dense_poses = 8, shown_vertices = 16;
 constexpr std::uint32_t range_steps = 64;  // reference poses lie on 1/64 of a control's range: they pack better
 
-// Calls visit(pose, positions of all vertices, frames of all sockets) for every pose.
+// What a pose is verified by.
+struct Posed {
+  std::vector<float> positions, frames, channels;  // of all vertices, sockets and channels
+  std::vector<float> errors;                       // expected ones
+  std::uint32_t outside = 0;                       // controls
+};
+
+// Calls visit(pose, what it evaluates to) for every pose.
 template <class Visit>
 void for_each_pose(const PackedModel& model, std::span<const float> controls, Visit&& visit) {
   const runtime::Evaluator face(model);
   runtime::Workspace workspace(face);
-  std::vector<float> positions(model.rest.points.size()), frames(12 * model.character.sockets.size());
+  Posed posed{std::vector<float>(3 * face.vertex_count()),
+              std::vector<float>(runtime::SocketFrames::frame_floats * face.socket_count()),
+              std::vector<float>(face.channel_count()), std::vector<float>(face.error_count())};
   runtime::Batch batch;
   batch.poses = 1;
-  batch.positions = {positions.data(), positions.size()};
-  if (!frames.empty()) batch.sockets = {frames.data(), frames.size()};
+  batch.positions = {posed.positions.data(), posed.positions.size()};
+  if (face.socket_count() > 0) batch.sockets = {posed.frames.data(), posed.frames.size()};
+  if (face.channel_count() > 0) batch.channels = {posed.channels.data(), posed.channels.size()};
+  if (face.error_count() > 0) batch.errors = {posed.errors.data(), posed.errors.size(), 0, &posed.outside};
   for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
     batch.controls = controls.subspan(pose * face.control_count(), face.control_count());
     face.evaluate_batch(batch, {&workspace, 1});
-    visit(pose, std::span<const float>(positions), std::span<const float>(frames));
+    visit(pose, posed);
   }
+}
+
+// Fails unless numbers have the same bits as those kept for a pose. what(i): names number i.
+template <class Name>
+void check_numbers(std::size_t pose, std::span<const float> now, std::span<const float> kept, const Name& what) {
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (const float before = kept[pose * now.size() + i];
+        std::bit_cast<std::uint32_t>(now[i]) != std::bit_cast<std::uint32_t>(before))
+      fail(Status::corrupt, "the archive does not pose as it did: pose %zu of its proof gives %s = %.9g, and gave %.9g",
+           pose, what(i).c_str(), now[i], before);
 }
 
 }  // namespace
@@ -51,15 +73,17 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
       proof.controls.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
     }
   }
-  const std::size_t vertices = model.rest.vertex_count(), count = std::min(vertices, shown_vertices);
+  const std::size_t vertices = model.rest.surface_vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
-  for_each_pose(
-      model, proof.controls, [&](std::size_t, std::span<const float> positions, std::span<const float> frames) {
-        proof.frames.insert(proof.frames.end(), frames.begin(), frames.end());
-        proof.hashes.push_back(hash64_little(positions));
-        for (const std::uint32_t v : proof.vertices)
-          proof.positions.insert(proof.positions.end(), positions.begin() + 3 * v, positions.begin() + 3 * v + 3);
-      });
+  for_each_pose(model, proof.controls, [&](std::size_t, const Posed& posed) {
+    proof.hashes.push_back(hash64_little(posed.positions));
+    proof.frames.insert(proof.frames.end(), posed.frames.begin(), posed.frames.end());
+    proof.channels.insert(proof.channels.end(), posed.channels.begin(), posed.channels.end());
+    proof.errors.insert(proof.errors.end(), posed.errors.begin(), posed.errors.end());
+    if (!posed.errors.empty()) proof.outside.push_back(posed.outside);
+    for (const std::uint32_t v : proof.vertices)
+      proof.positions.insert(proof.positions.end(), &posed.positions[3 * v], &posed.positions[3 * v] + 3);
+  });
   return proof;
 }
 
@@ -69,34 +93,33 @@ VerifyReport verify_archive(std::span<const std::byte> archive) {
 
 VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
   const archive::Proof& proof = read.proof;
-  const VerifyReport report{bytes, proof.hashes.size(), read.model.rest.vertex_count(), read.text.certificate};
-  for_each_pose(
-      read.model, proof.controls,
-      [&](std::size_t pose, std::span<const float> positions, std::span<const float> frames) {
-        const float* kept = proof.positions.data() + pose * proof.vertices.size() * 3;
-        for (const std::uint32_t vertex : proof.vertices)
-          for (std::size_t axis = 0; axis < 3; ++axis, ++kept) {
-            const float now = positions[3 * std::size_t(vertex) + axis];
-            if (std::bit_cast<std::uint32_t>(now) != std::bit_cast<std::uint32_t>(*kept))
-              fail(
-                  Status::corrupt,
-                  "the archive does not pose as it did: pose %zu of its proof gives vertex %u %c = %.9g, and gave %.9g",
-                  pose, vertex, "xyz"[axis], now, *kept);
-          }
-        const std::uint64_t hash = hash64_little(positions);
-        if (hash != proof.hashes[pose])
-          fail(Status::corrupt,
-               "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and "
-               "had "
-               "%016llx",
-               pose, static_cast<unsigned long long>(hash), static_cast<unsigned long long>(proof.hashes[pose]));
-        for (std::size_t i = 0; i < frames.size(); ++i)
-          if (std::bit_cast<std::uint32_t>(frames[i]) !=
-              std::bit_cast<std::uint32_t>(proof.frames[pose * frames.size() + i]))
-            fail(Status::corrupt,
-                 "the archive does not pose as it did: pose %zu of its proof gives socket \"%s\" another frame", pose,
-                 read.model.character.sockets[i / 12].name.c_str());
-      });
+  const PackedModel& model = read.model;
+  const VerifyReport report{bytes, proof.hashes.size(), model.rest.surface_vertex_count(), read.text.certificate};
+  for_each_pose(model, proof.controls, [&](std::size_t pose, const Posed& posed) {
+    std::vector<float> sampled;
+    for (const std::uint32_t v : proof.vertices)
+      sampled.insert(sampled.end(), &posed.positions[3 * std::size_t(v)], &posed.positions[3 * std::size_t(v)] + 3);
+    check_numbers(pose, sampled, proof.positions,
+                  [&](std::size_t i) { return format("vertex %u %c", proof.vertices[i / 3], "xyz"[i % 3]); });
+    const std::uint64_t hash = hash64_little(posed.positions);
+    if (hash != proof.hashes[pose])
+      fail(Status::corrupt,
+           "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and "
+           "had %016llx",
+           pose, static_cast<unsigned long long>(hash), static_cast<unsigned long long>(proof.hashes[pose]));
+    check_numbers(pose, posed.frames, proof.frames, [&](std::size_t i) {
+      return format("number %zu of socket \"%s\"", i % 12, model.character.sockets[i / 12].name.c_str());
+    });
+    check_numbers(pose, posed.channels, proof.channels,
+                  [&](std::size_t i) { return format("channel \"%s\"", model.schema.channels[i].name.c_str()); });
+    check_numbers(pose, posed.errors, proof.errors, [&](std::size_t i) { return format("expected error %zu", i); });
+    if (!posed.errors.empty() && posed.outside != proof.outside[pose])
+      fail(
+          Status::corrupt,
+          "the archive does not pose as it did: pose %zu of its proof has %u controls outside of what was trained, and "
+          "had %u",
+          pose, posed.outside, proof.outside[pose]);
+  });
   return report;
 }
 
@@ -108,13 +131,14 @@ void write_verified_archive(const std::filesystem::path& path, std::span<const s
 }
 
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
-  const std::size_t width = model.rest.points.size();
+  const std::size_t width = 3 * model.rest.surface_vertex_count();
   std::vector<float> kept;
-  for_each_pose(model, controls,
-                [&](std::size_t, std::span<const float> p, auto) { kept.insert(kept.end(), p.begin(), p.end()); });
+  for_each_pose(model, controls, [&](std::size_t, const Posed& posed) {
+    kept.insert(kept.end(), posed.positions.begin(), posed.positions.end());
+  });
   ErrorSums sums;
-  for_each_pose(repacked, controls, [&](std::size_t pose, std::span<const float> p, auto) {
-    sums.add_frame(p, std::span(kept).subspan(pose * width, width));
+  for_each_pose(repacked, controls, [&](std::size_t pose, const Posed& posed) {
+    sums.add_frame(posed.positions, std::span(kept).subspan(pose * width, width));
   });
   return sums.figures(model.rest.diagonal());
 }
@@ -130,7 +154,8 @@ Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, st
     std::vector<float> points(face.rest_positions().size());
     face.evaluate(controls.data() + pose * width, points.data(), workspace);
     const std::vector<double> expected = exact.evaluate(controls.subspan(pose * width, width));
-    sums[pose].add_frame(points, std::vector<float>(expected.begin(), expected.end()));
+    sums[pose].add_frame(points,
+                         std::vector<float>(expected.begin(), expected.begin() + std::ptrdiff_t(points.size())));
   });
   ErrorSums all;
   for (const ErrorSums& one : sums) all.append(one);

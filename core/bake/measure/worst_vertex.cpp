@@ -15,9 +15,9 @@ std::vector<std::pair<float, std::size_t>> shares_of_controls(const PackedModel&
                                                               std::uint32_t vertex) {
   const runtime::Evaluator face(model);
   runtime::Workspace workspace(face);
-  std::vector<float> points(face.rest_positions().size());
+  std::vector<float> points(3 * face.point_count());
   const auto position = [&] {
-    face.evaluate(pose.data(), points.data(), workspace);
+    face.evaluate_points(pose.data(), points.data(), workspace);
     return vector_at(points.data(), vertex);
   };
   const Vector3 posed = position();

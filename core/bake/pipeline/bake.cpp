@@ -7,6 +7,7 @@
 
 #include "archive/writer.h"
 #include "bake/compress/mesh_blocks.h"
+#include "bake/measure/calibrate_errors.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
@@ -15,6 +16,7 @@
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
+#include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
 #include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
@@ -68,6 +70,8 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
                                        {"coefficients", baked.coefficients},
                                        {"parameters", baked.parameters},
                                        {"quantisation_over_diagonal", baked.quantisation.max}};
+  for (const SourceFile& file : options.source_files)
+    provenance["source_files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
   if (!options.created.empty()) provenance["created"] = options.created;
   return provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -229,16 +233,40 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   progress.begin("packing", 2);
   face.model = ask_during(progress, [&] { return take_packed(result); });
   face.model.character = rig ? rig->character() : data.character();
+  face.model.character.about = options.about;
+  face.model.character.thumbnail = options.thumbnail;
   progress.step(1);
   baked.quantisation =
       quantisation_errors(result.model, face.model, quantisation_poses(poses, options.seed), options.parallel);
   face.model.provenance = ask_during(progress, [&] { return provenance_of(baked, poses, options); });
+  face.model.expected = calibrate_errors(face.model, poses, face.held_back, options.seed, options.parallel);
   face.proof = ask_during(progress, [&] { return make_proof(face.model, options.seed); });
   progress.step(2);
   return face;
 }
 
-Baked bake_face(Source& source, const BakeOptions& options, Progress& progress) {
+namespace {
+
+// With what is said of the character, and with the bytes that all of it takes.
+BakeOptions with_character(const BakeOptions& options, const Source& source, Progress& progress) {
+  BakeOptions whole = options;
+  const Character& character = source.character();
+  whole.about = merged_about(character.about, options.about);
+  if (forbids_learning(whole.about))
+    progress.note(
+        format("\"%s\" says that it may not be learned from (about: rights: learning)", source.schema().name.c_str()));
+  const std::string licence = take_licence(whole.about);
+  if (whole.licence.empty()) whole.licence = licence;
+  if (!whole.thumbnail.empty()) check_thumbnail(whole.thumbnail);
+  whole.reserved_bytes = whole.about.size() + whole.thumbnail.size() + whole.licence.size();
+  for (const Image& image : character.images) whole.reserved_bytes += image.bytes.size();
+  return whole;
+}
+
+}  // namespace
+
+Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
+  const BakeOptions options = with_character(given, source, progress);
   Baked baked;
   if (const int exponent = scale_exponent(source.rest())) {
     ScaledSource ordinary(source, exponent);

@@ -6,6 +6,7 @@
 #include "archive/writer.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/recipe_table.h"
+#include "bake/rig/character_json.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json_depth.h"
@@ -30,18 +31,35 @@ using Json = nlohmann::json;
 constexpr const char* archive_name = "face.fbk";
 constexpr const char* figures_name = "bake.json";
 
+// What the archive tells besides the mesh: names and meanings of controls, meshes, materials, images and sockets.
+nlohmann::ordered_json described(const Source& data) {
+  nlohmann::ordered_json description = {{"name", data.schema().name}, {"units", data.schema().units}};
+  for (const Control& control : data.schema().controls) {
+    nlohmann::ordered_json& labels = description["controls"].emplace_back();
+    labels["name"] = control.name;
+    write_labels(control, labels);
+  }
+  const Character& character = data.character();
+  write_character(
+      data.rest().parts, character,
+      [&](std::size_t i, nlohmann::ordered_json& image) { image["hash"] = hash64(character.images[i].bytes); },
+      description);
+  return description;
+}
+
 // Hash of everything that the result depends on; options that change only the speed are left out.
 std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions& options) {
   const PoseSet poses = training_poses(data, options.use), sample = poses.subsampled(16);
   std::vector<float> points(sample.size() * data.rest().points.size());
   sample.read_points(0, sample.size(), points);
   const std::uint64_t budget = find_recipe(options.recipe).evaluates_rig ? options.rig_budget : 0;
-  Json fields = {FB_VERSION,        options.recipe, name_of(options.use),
-                 options.seed,      options.epochs, options.max_bytes,
-                 options.max_error, budget,         rig != nullptr, options.normal_weight};
+  Json fields = {FB_VERSION,     options.recipe,       name_of(options.use), options.seed,
+                 options.epochs, options.max_bytes,    options.max_error,    budget,
+                 rig != nullptr, options.normal_weight};
   if (options.force) fields.push_back("force");
   const std::uint64_t samples = hash64_of<float>(poses.controls(), hash64_of<float>(points));
   const Mesh& rest = data.rest();
+  fields.push_back(described(data).dump(-1, ' ', false, Json::error_handler_t::replace));
   const std::uint64_t mesh = hash64_of<std::uint32_t>(rest.uv_corners, hash64_of<float>(rest.uvs, samples));
   return hash64_of<char>(fields.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
 }

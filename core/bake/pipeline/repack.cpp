@@ -10,6 +10,7 @@
 #include "bake/compress/step_scaling.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
+#include "bake/rig/about.h"
 #include "base/file.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
@@ -22,6 +23,14 @@ constexpr double uncertified_error = 0.01;  // over D
 constexpr std::uint64_t candidates = 12;    // at most: two bisections of 41 factors
 
 // The archive with other steps. Each factor is packed and measured once.
+// Errors of a face whose vertices have moved since they were calibrated: in squares they add up.
+ExpectedErrors with_more_error(const PackedModel& face, const Errors& displacement) {
+  ExpectedErrors expected = face.expected;
+  const double rms = displacement.rms * face.rest.diagonal() / expected.unit;
+  for (ExpectedErrors::Region& region : expected.regions) region.constant += static_cast<float>(rms * rms);
+  return expected;
+}
+
 class Repacker {
  public:
   Repacker(const archive::Archive& face, std::uint64_t seed, Progress& progress)
@@ -59,6 +68,7 @@ class Repacker {
       scaled.model = with_scaled_steps(face_->model, factor);
       made.displacement = quantisation_errors(face_->model, scaled.model, poses_);
       add_requantisation_errors(scaled.text.certificate, made.displacement);
+      scaled.model.expected = with_more_error(face_->model, made.displacement);
       scaled.proof = make_proof(scaled.model, seed_);
     }
     made.archive = archive::write_archive(scaled.model, scaled.proof, scaled.text);
@@ -91,6 +101,16 @@ class Repacker {
        allowed.error);
 }
 
+void replace_texts(archive::Archive& face, const RepackOptions& options) {
+  Character& character = face.model.character;
+  if (!options.about.empty()) {
+    character.about = merged_about(character.about, options.about);
+    if (const std::string licence = take_licence(character.about); !licence.empty()) face.text.licence = licence;
+  }
+  if (!options.licence.empty()) face.text.licence = options.licence;
+  if (!options.thumbnail.empty()) character.thumbnail = options.thumbnail;
+}
+
 }  // namespace
 
 double default_repack_error(const std::string& certificate) {
@@ -102,7 +122,7 @@ RepackResult repack(std::span<const std::byte> archive, const RepackOptions& opt
   if (!std::isfinite(options.max_error) || options.max_error < 0)
     fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
   archive::Archive face = archive::read_archive(archive);
-  if (!options.licence.empty()) face.text.licence = options.licence;
+  replace_texts(face, options);
   if (face.proof.hashes.empty()) face.proof = make_proof(face.model, options.seed);
   RepackResult result;
   result.source_bytes = archive.size();

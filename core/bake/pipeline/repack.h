@@ -22,6 +22,8 @@ struct RepackOptions {
   bool force = false;        // where the limits cannot be met, the nearest there is instead of a failure
   std::uint64_t seed = 1;    // of the reference poses of an archive that has none, or whose steps change
   std::string licence = {};  // replaces that of the archive; empty: it stays
+  std::string about = {};    // put over what the archive says of the character (about.h); empty: that stays as it is
+  std::vector<std::byte> thumbnail = {};  // replaces that of the archive; empty: it stays
 };
 
 struct RepackResult {

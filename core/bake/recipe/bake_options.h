@@ -18,6 +18,13 @@ enum class Use { variant, backlot };
 Use use_from(std::string_view name);  // fails with not_found, listing the uses
 const char* name_of(Use use);
 
+// A file that a face is baked from.
+struct SourceFile {
+  std::string name;  // without folders
+  std::uint64_t bytes = 0;
+  std::string sha256;  // in hexadecimal digits
+};
+
 struct BakeOptions {
   std::string recipe = "hero";  // see recipe_names()
   Use use = Use::backlot;
@@ -41,6 +48,11 @@ struct BakeOptions {
   bool force = false;  // where a target cannot be met, the nearest there is instead of a failure
   // Texts for the archive; empty: none. `created` is a date for the provenance.
   std::string licence, created;
+  // What is said of the character, over what its source says of it (about.h): a JSON object; empty: nothing.
+  std::string about;
+  std::vector<std::byte> thumbnail;      // for the archive, a PNG; empty: none
+  std::vector<SourceFile> source_files;  // for the provenance
+  std::uint64_t reserved_bytes = 0;      // of max_bytes, for what is not learnt
   // Trains on parts of the poses too, for the error by their number (BakeStats::learning): takes about as long as the
   // bake itself.
   bool learning_curve = false;

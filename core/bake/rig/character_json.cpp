@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "bake/rig/about.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -208,6 +209,25 @@ void write_character(const std::vector<MeshPart>& parts, const Character& charac
         {{"name", socket.name}, {"vertices", socket.vertices}, {"weights", socket.weights}, {"frame", socket.frame}});
 }
 
+void write_about(const std::string& about, ordered_json& to) {
+  if (!about.empty()) to["about"] = parse_about(about);
+}
+
+void write_channels(const std::vector<Channel>& channels, ordered_json& to) {
+  for (const Channel& c : channels) {
+    to["channels"].push_back({{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
+    if (!c.unit.empty()) to["channels"].back()["unit"] = c.unit;
+  }
+}
+
+std::vector<Channel> read_channels(const json& from) {
+  std::vector<Channel> channels;
+  for (const Object& c : Object(from, "").objects("channels"))
+    channels.push_back({c.text("name"), c.text_or("unit", ""), c.number_or("min", 0), c.number_or("max", 1),
+                        c.number_or("default", 0)});
+  return channels;
+}
+
 void read_character(const json& from, const ReadImageBytes& read_bytes, std::vector<MeshPart>& parts,
                     Character& character) {
   const Object root(from, "");
@@ -216,6 +236,7 @@ void read_character(const json& from, const ReadImageBytes& read_bytes, std::vec
   for (const Object& image : root.objects("images"))
     character.images.push_back({image.text_or("name", ""), image.text("media_type"), read_bytes(image.value())});
   for (const Object& socket : root.objects("sockets")) character.sockets.push_back(read_socket(socket));
+  if (root.has("about")) character.about = about_text(from["about"]);
 }
 
 }  // namespace fb::bake

@@ -1,4 +1,5 @@
-// Meshes, materials, images and sockets as JSON: in dataset.json and in the rig protocol.
+// Meshes, materials, images, sockets, channels and what is said about a character as JSON: in dataset.json and in the
+// rig protocol.
 #pragma once
 
 #include <functional>
@@ -19,10 +20,17 @@ using DescribeImage = std::function<void(std::size_t index, nlohmann::ordered_js
 void write_character(const std::vector<MeshPart>& parts, const Character& character, const DescribeImage& describe,
                      nlohmann::ordered_json& to);
 
+// Adds the field "about", a JSON object given as text, if there is one.
+void write_about(const std::string& about, nlohmann::ordered_json& to);
+
 // What an object has in these fields. `read_bytes` gives an image's bytes. Fails with bad_data, naming the field, on
 // what is missing or of the wrong type; whether it makes sense is not checked.
 using ReadImageBytes = std::function<std::vector<std::byte>(const nlohmann::json& image)>;
 void read_character(const nlohmann::json& from, const ReadImageBytes& read_bytes, std::vector<MeshPart>& parts,
                     Character& character);
+
+// Adds the field "channels" unless there are none; reads it, where it is there.
+void write_channels(const std::vector<Channel>& channels, nlohmann::ordered_json& to);
+std::vector<Channel> read_channels(const nlohmann::json& from);
 
 }  // namespace fb::bake

@@ -44,6 +44,7 @@ class ContentHash {
     add(rig.rest().points).add(rig.rest().polygon_sizes).add(rig.rest().polygon_corners);
     if (!rig.rest().uvs.empty()) add(rig.rest().uvs).add(rig.rest().uv_corners);
     for (const MeshPart& part : rig.rest().parts) add(part.name).add(part.vertices).add(part.polygons);
+    for (const Channel& c : rig.schema().channels) add(c.name).add(std::vector<float>{c.minimum, c.maximum, c.rest});
     if (const std::string version = rig.version(); !version.empty()) add(version);
     return *this;
   }

@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "bake/rig/about.h"
+#include "bake/rig/channel_points.h"
 #include "bake/rig/source_rules.h"
 
 namespace fb::bake {
 namespace {
 
-// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, and with what a
-// character has.
+// Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, with what a
+// character has, with what is said about it, and with channels.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
                       rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
                       rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version),
-                      rig_with_character = offsetof(fb_rig, sockets) + sizeof(fb_rig::sockets);
+                      rig_with_character = offsetof(fb_rig, sockets) + sizeof(fb_rig::sockets),
+                      rig_with_about = offsetof(fb_rig, about) + sizeof(fb_rig::about),
+                      rig_with_channels = offsetof(fb_rig, evaluate_all) + sizeof(fb_rig::evaluate_all);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -203,6 +207,19 @@ struct Reader {
     return character;
   }
 
+  std::vector<Channel> channels(const fb_rig& rig) const {
+    std::vector<Channel> channels;
+    const fb_channel* from = array(rig.channels, rig.channel_count, "channels", "channel_count");
+    check_stride<fb_channel>(rig.channel_stride, "channel_stride", "fb_channel");
+    if (!rig.evaluate_all) fail(Status::rig, "%s: evaluate_all is null", label.c_str());
+    for (std::uint32_t i = 0; i < rig.channel_count; ++i) {
+      const fb_channel& c = element(from, rig.channel_stride, i);
+      channels.push_back({text(c.name, format("the name of channel %u", i).c_str()), c.unit ? c.unit : "", c.minimum,
+                          c.maximum, c.rest});
+    }
+    return channels;
+  }
+
   Clip clip(const fb_rig_clip& from, std::uint32_t index, const RigSchema& schema) const {
     Clip clip;
     clip.name = text(from.name, format("the name of clip %u", index).c_str());
@@ -232,7 +249,8 @@ RigDescription describe(const fb_rig& rig) {
   if (rig.struct_size < smallest_rig)
     fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, smallest_rig);
   reader.label = format("rig \"%s\"", reader.text(rig.name, "name"));
-  if (!rig.evaluate) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
+  const bool channels = rig.struct_size >= rig_with_channels && rig.channel_count > 0;
+  if (!rig.evaluate && !channels) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
   RigDescription description;
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
@@ -241,7 +259,14 @@ RigDescription describe(const fb_rig& rig) {
     description.rest.parts = reader.parts(rig);
     description.character = reader.character(rig);
   }
+  if (rig.struct_size >= rig_with_about && rig.about)
+    reader.check_rules([&] { description.character.about = merged_about(rig.about, ""); });
   reader.check_rules([&] { check_source(description.schema, description.rest, description.character); });
+  if (channels) {
+    description.schema.channels = reader.channels(rig);
+    add_channel_vertices(description.schema, description.rest);
+    reader.check_rules([&] { check(description.schema); });
+  }
   if (rig.clip_count > 0) {
     if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.label.c_str());
     reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "bake/rig/source.h"
@@ -17,11 +18,12 @@ inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
 // The declaration of a rig, copied out of the C structs.
 struct RigDescription {
   RigSchema schema;
-  Mesh rest;
+  Mesh rest;  // with the vertices that carry channels
   Character character = {};
   std::vector<Clip> clips;
   std::size_t preferred_block = 0;  // poses, see Source::preferred_block
   std::string version = {};         // see Source::version
+  std::vector<std::string> notes = {};
 };
 
 // Copies and checks everything a rig declares; evaluates nothing. Fails with status rig, naming the field, control,

@@ -49,10 +49,11 @@ std::string text_of(const RigIdentity& identity) {
   const RigSchema& schema = identity.schema;
   Json controls = Json::array();
   for (const Control& c : schema.controls) controls.push_back({c.name, c.group, c.minimum, c.maximum, c.rest});
-  const Json json = {{"name", schema.name},           {"units", schema.units},
-                     {"up_axis", schema.up_axis},     {"controls", controls},
-                     {"vertices", identity.vertices}, {"polygons", identity.polygons},
-                     {"rest", identity.rest},         {"program_hash", identity.program_hash},
+  Json channels = Json::array();
+  for (const Channel& c : schema.channels) channels.push_back({c.name, c.minimum, c.maximum, c.rest});
+  const Json json = {{"name", schema.name},           {"units", schema.units}, {"up_axis", schema.up_axis},
+                     {"controls", controls},          {"channels", channels},  {"vertices", identity.vertices},
+                     {"polygons", identity.polygons}, {"rest", identity.rest}, {"program_hash", identity.program_hash},
                      {"version", identity.version}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -65,6 +66,8 @@ std::optional<RigIdentity> identity_from(std::string_view text) {
     identity.schema = {json.at("name"), json.at("units"), json.at("up_axis"), {}};
     for (const Json& c : json.at("controls"))
       identity.schema.controls.push_back({c.at(0), c.at(2), c.at(3), c.at(4), c.at(1)});
+    for (const Json& c : json.value("channels", Json::array()))
+      identity.schema.channels.push_back({c.at(0), "", c.at(1), c.at(2), c.at(3)});
     json.at("vertices").get_to(identity.vertices);
     json.at("polygons").get_to(identity.polygons);
     json.at("rest").get_to(identity.rest);
@@ -81,6 +84,11 @@ std::optional<RigIdentity> identity_from(std::string_view text) {
 
 std::optional<std::string> difference_in_shape(const RigIdentity& before, const RigIdentity& now) {
   if (auto controls = difference_in_controls(before.schema, now.schema)) return controls;
+  const auto same_channel = [](const Channel& a, const Channel& b) {
+    return a.name == b.name && a.minimum == b.minimum && a.maximum == b.maximum && a.rest == b.rest;
+  };
+  if (!std::ranges::equal(before.schema.channels, now.schema.channels, same_channel))
+    return "the channels or their ranges are others";
   if (before.schema.units != now.schema.units)
     return "the units were \"" + shown(before.schema.units) + "\" and are \"" + shown(now.schema.units) + "\"";
   if (before.schema.up_axis != now.schema.up_axis)

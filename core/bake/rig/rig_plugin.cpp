@@ -64,7 +64,7 @@ OpenedSource open_rig_plugin(const std::string& path) {
          message[0] ? message.data() : format("status %d without a message", status).c_str());
   plugin->opened = true;
   try {
-    return std::make_unique<RigSource>(plugin->rig, plugin, std::vector<std::string>{}, hash64(read_file(file)));
+    return std::make_unique<RigSource>(plugin->rig, plugin, hash64(read_file(file)));
   } catch (const Error& error) {
     fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
   }

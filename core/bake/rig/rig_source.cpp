@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "bake/rig/channel_points.h"
 #include "bake/rig/foreign_call.h"
 #include "bake/rig/source_rules.h"
 
@@ -19,14 +20,13 @@ struct Outcome {
   std::string message;  // of the rig; empty on success
 };
 
-Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float* points) {
+// evaluate(message, size): calls the rig.
+template <class Evaluate>
+Outcome call(const Evaluate& evaluate) {
   std::array<char, 512> message{};
   fb_status status = FB_OK;
   try {
-    status = foreign_call("it", [&] {
-      return rig.evaluate(rig.user, count, controls, points, message.data(),
-                          static_cast<std::uint32_t>(message.size()));
-    });
+    status = foreign_call("it", [&] { return evaluate(message.data(), static_cast<std::uint32_t>(message.size())); });
   } catch (const Error& error) {
     return {FB_ERROR_RIG, error.what()};
   }
@@ -35,34 +35,40 @@ Outcome call(const fb_rig& rig, const float* controls, std::size_t count, float*
   return {status, message[0] ? std::string(message.data()) : format("status %d without a message", status)};
 }
 
+Outcome evaluate_poses(const fb_rig& rig, const RigDescription& description, const float* controls, std::size_t count,
+                       float* points) {
+  const RigSchema& schema = description.schema;
+  if (schema.channels.empty())
+    return call([&](char* message, std::uint32_t size) {
+      return rig.evaluate(rig.user, count, controls, points, message, size);
+    });
+  std::vector<float> positions(count * 3 * description.rest.surface_vertex_count());
+  std::vector<float> channels(count * schema.channels.size());
+  const Outcome outcome = call([&](char* message, std::uint32_t size) {
+    return rig.evaluate_all(rig.user, count, controls, positions.data(), channels.data(), message, size);
+  });
+  join_channels(schema, positions, channels, count, {points, count * description.rest.points.size()});
+  return outcome;
+}
+
 }  // namespace
 
-RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::vector<std::string> notes,
-                     std::uint64_t program_hash)
+RigSource::RigSource(const fb_rig& rig, std::shared_ptr<const void> owner, std::uint64_t program_hash)
     : rig_(rig),
       owner_(std::move(owner)),
       description_(describe(rig)),
       diagonal_(description_.rest.diagonal()),
-      notes_(std::move(notes)),
       program_hash_(program_hash) {
   check_rest_pose(*this);
 }
 
 void RigSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  const Clip& from = clips().at(clip);
-  try {
-    evaluate(frames_of(from, first, count, schema().control_count()), count, points);
-  } catch (const PoseError& error) {
-    fail(error.status(), "clip \"%s\", frame %zu: %s", from.name.c_str(), first + error.pose(), error.reason().c_str());
-  }
+  evaluate_clip(*this, clip, first, count, points);
 }
 
 void RigSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
+  check_call(*this, controls, count, points);
   const std::size_t width = schema().control_count(), size = rest().points.size();
-  if (controls.size() != count * width || points.size() != count * size)
-    fail(Status::invalid_argument, "rig \"%s\": %zu poses need %zu control values and %zu coordinates, not %zu and %zu",
-         schema().name.c_str(), count, count * width, count * size, controls.size(), points.size());
-  check_poses(controls, schema());
   const std::size_t most = preferred_block() > 0 ? preferred_block() : poses_per_call;
   for (std::size_t first = 0; first < count; first += most)
     evaluate_block(controls.data() + first * width, first, std::min(most, count - first), points.data() + first * size);
@@ -71,10 +77,11 @@ void RigSource::evaluate(std::span<const float> controls, std::size_t count, std
 void RigSource::evaluate_block(const float* controls, std::size_t first, std::size_t count, float* points) const {
   const std::size_t width = schema().control_count(), size = rest().points.size();
   const char* name = schema().name.c_str();
-  if (const Outcome whole = call(rig_, controls, count, points); whole.status != FB_OK) {
+  if (const Outcome whole = evaluate_poses(rig_, description_, controls, count, points); whole.status != FB_OK) {
     // Find the pose that failed, one by one.
     for (std::size_t i = 0; i < count; ++i)
-      if (const Outcome single = call(rig_, controls + i * width, 1, points + i * size); single.status != FB_OK)
+      if (const Outcome single = evaluate_poses(rig_, description_, controls + i * width, 1, points + i * size);
+          single.status != FB_OK)
         throw PoseError(Status::rig, first + i, format("rig \"%s\" failed: %s", name, single.message.c_str()));
     throw PoseError(Status::rig, first,
                     format("rig \"%s\" failed: %s (on a block of %zu poses from here; each alone succeeds)", name,

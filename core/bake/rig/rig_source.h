@@ -2,28 +2,25 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source.h"
 
 namespace fb::bake {
 
-// A live rig behind the C interface, filled by a host, by a plugin or from a glTF file.
+// A live rig behind the C interface, filled by a host or by a plugin.
 class RigSource final : public Source {
  public:
   // Checks the rig, copies what it declares, and evaluates its rest pose, which must be its rest mesh to 1e-5 of the
-  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it. `notes`:
-  // of whoever read the rig. `program_hash`: see Source.
-  explicit RigSource(const fb_rig& rig, std::shared_ptr<const void> owner = nullptr,
-                     std::vector<std::string> notes = {}, std::uint64_t program_hash = 0);
+  // diagonal. What `rig` points to must outlive this; `owner`, if given, is kept until then and may free it.
+  // `program_hash`: see Source.
+  explicit RigSource(const fb_rig& rig, std::shared_ptr<const void> owner = nullptr, std::uint64_t program_hash = 0);
 
   const RigSchema& schema() const override { return description_.schema; }
   const Mesh& rest() const override { return description_.rest; }
   const Character& character() const override { return description_.character; }
   const std::vector<Clip>& clips() const override { return description_.clips; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
-  std::vector<std::string> notes() const override { return notes_; }
   bool live() const override { return true; }
   bool thread_safe() const override { return (rig_.flags & FB_RIG_THREAD_SAFE) != 0; }
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
@@ -38,19 +35,10 @@ class RigSource final : public Source {
   std::shared_ptr<const void> owner_;
   RigDescription description_;
   double diagonal_;  // of the rest mesh
-  std::vector<std::string> notes_;
   std::uint64_t program_hash_;
 };
 
 // Opens a plugin: a shared library exporting fb_rig_open. Fails naming the path.
 OpenedSource open_rig_plugin(const std::string& path);
-
-// Opens a .glb or .gltf as a live, thread-safe rig in metres, y up: the one mesh with morph targets in it.
-// Vertices: those of its primitives in order, transformed by its node and the nodes above it at rest.
-// Controls: its morph targets in order, named by mesh.extras.targetNames, else "target0"...; from 0 to 1, resting at
-// the default weights; widened, with a note, where a weight of the file lies beyond. Clips: every animation of its
-// weights, LINEAR or STEP, as a training shot at 30 frames a second. Fails by name on no such mesh or several, a skin,
-// and what GltfFile refuses. What is left out is in the notes.
-OpenedSource open_gltf_rig(const std::string& path);
 
 }  // namespace fb::bake

@@ -41,23 +41,37 @@ class ScaledBackend final : public EvaluationBackend {
 
 }  // namespace
 
+RigSchema scaled(RigSchema schema, int exponent) {
+  for (Channel& channel : schema.channels) channel.scale = std::ldexp(channel.scale, -exponent);
+  return schema;
+}
+
 Mesh scaled(Mesh mesh, int exponent) {
   scale(mesh.points, exponent);
   return mesh;
 }
 
 PackedModel scaled(PackedModel face, int exponent) {
+  face.schema = scaled(std::move(face.schema), exponent);
   scale(face.rest.points, exponent);
   for (PackedRowBlock& block : face.row_blocks)
     for (PackedColumn& column : block.columns) column.scale = std::ldexp(column.scale, exponent);
+  face.expected.unit = std::ldexp(face.expected.unit, exponent);
   return face;
 }
 
 ScaledSource::ScaledSource(Source& source, int exponent)
-    : source_(source), exponent_(exponent), rest_(scaled(source.rest(), exponent)) {}
+    : source_(source),
+      exponent_(exponent),
+      schema_(scaled(source.schema(), exponent)),
+      rest_(scaled(source.rest(), exponent)) {}
 
 ScaledSource::ScaledSource(std::unique_ptr<Source> source, int exponent)
-    : owned_(std::move(source)), source_(*owned_), exponent_(exponent), rest_(scaled(source_.rest(), exponent)) {}
+    : owned_(std::move(source)),
+      source_(*owned_),
+      exponent_(exponent),
+      schema_(scaled(source_.schema(), exponent)),
+      rest_(scaled(source_.rest(), exponent)) {}
 
 void ScaledSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
   source_.read(clip, first, count, points);

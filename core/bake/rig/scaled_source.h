@@ -11,7 +11,8 @@
 
 namespace fb::bake {
 
-// A mesh and a face with all positions times 2^exponent, which is exact.
+// A schema, a mesh and a face with all positions times 2^exponent, which is exact. Channels keep their values.
+RigSchema scaled(RigSchema schema, int exponent);
 Mesh scaled(Mesh mesh, int exponent);
 PackedModel scaled(PackedModel face, int exponent);
 
@@ -22,7 +23,7 @@ class ScaledSource final : public Source {
   ScaledSource(Source& source, int exponent);
   ScaledSource(std::unique_ptr<Source> source, int exponent);
 
-  const RigSchema& schema() const override { return source_.schema(); }
+  const RigSchema& schema() const override { return schema_; }
   const Mesh& rest() const override { return rest_; }
   const Character& character() const override { return source_.character(); }
   const std::vector<Clip>& clips() const override { return source_.clips(); }
@@ -42,6 +43,7 @@ class ScaledSource final : public Source {
   const std::unique_ptr<Source> owned_;
   Source& source_;
   const int exponent_;
+  const RigSchema schema_;
   const Mesh rest_;
 };
 

@@ -33,6 +33,17 @@ void check_clips(std::span<const Clip> clips) {
   }
 }
 
+namespace {
+
+// Coordinate i of a pose: "vertex 12 y", or the channel that it carries.
+std::string coordinate_name(std::size_t i, const Mesh& mesh) {
+  const std::size_t surface = 3 * mesh.surface_vertex_count();
+  if (i >= surface) return format("channel %zu", i - surface);
+  return format("vertex %zu %c", i / 3, "xyz"[i % 3]);
+}
+
+}  // namespace
+
 std::optional<PointFault> find_point_fault(std::span<const float> points, const Mesh& mesh, double diagonal) {
   const std::vector<float>& rest = mesh.points;
   const std::size_t size = rest.size();
@@ -44,11 +55,13 @@ std::optional<PointFault> find_point_fault(std::span<const float> points, const 
     if (good) continue;
     for (std::size_t i = 0; i < size; ++i) {
       if (!std::isfinite(pose[i]))
-        return PointFault{first / size, Status::not_finite, format("vertex %zu is not finite", i / 3)};
+        return PointFault{first / size, Status::not_finite,
+                          i < 3 * mesh.surface_vertex_count() ? format("vertex %zu is not finite", i / 3)
+                                                              : coordinate_name(i, mesh) + " is not finite"};
       if (!(std::abs(pose[i] - rest[i]) <= limit))
         return PointFault{first / size, Status::bad_data,
-                          format("vertex %zu %c = %g is more than %g diagonals (%g) from its rest position", i / 3,
-                                 "xyz"[i % 3], double(pose[i]), most_diagonals, double(limit))};
+                          format("%s = %g is more than %g diagonals (%g) from its rest position",
+                                 coordinate_name(i, mesh).c_str(), double(pose[i]), most_diagonals, double(limit))};
     }
   }
   return std::nullopt;
@@ -73,6 +86,23 @@ void check_poses(std::span<const float> controls, const RigSchema& schema) {
       throw PoseError(Status::invalid_argument, i / width,
                       format("control \"%s\" is %g, outside its range %g..%g", control.name.c_str(), controls[i],
                              control.minimum, control.maximum));
+  }
+}
+
+void check_call(const Source& rig, std::span<const float> controls, std::size_t count, std::span<const float> points) {
+  const std::size_t width = rig.schema().control_count(), size = rig.rest().points.size();
+  if (controls.size() != count * width || points.size() != count * size)
+    fail(Status::invalid_argument, "rig \"%s\": %zu poses need %zu control values and %zu coordinates, not %zu and %zu",
+         rig.schema().name.c_str(), count, count * width, count * size, controls.size(), points.size());
+  check_poses(controls, rig.schema());
+}
+
+void evaluate_clip(Source& rig, std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
+  const Clip& from = rig.clips().at(clip);
+  try {
+    rig.evaluate(frames_of(from, first, count, rig.schema().control_count()), count, points);
+  } catch (const PoseError& error) {
+    fail(error.status(), "clip \"%s\", frame %zu: %s", from.name.c_str(), first + error.pose(), error.reason().c_str());
   }
 }
 

@@ -33,6 +33,13 @@ void check_values(const Clip& clip, const RigSchema& schema);
 // Throws PoseError(invalid_argument) for the first pose with a control outside its range.
 void check_poses(std::span<const float> controls, const RigSchema& schema);
 
+// Fails as check_poses does, and with invalid_argument unless there are the controls of so many poses and room for
+// their points: what a rig evaluates.
+void check_call(const Source& rig, std::span<const float> controls, std::size_t count, std::span<const float> points);
+
+// What `read` of a live rig does: evaluates frames of a clip. An error names clip and frame.
+void evaluate_clip(Source& rig, std::size_t clip, std::size_t first, std::size_t count, std::span<float> points);
+
 // Evaluates the rest pose twice in one call, so that a rig which fills only the first pose of a call is found. Fails
 // with rig unless it is the rest mesh, to 1e-5 of the diagonal.
 void check_rest_pose(Source& rig);

@@ -32,12 +32,7 @@ ProcessSource::ProcessSource(RigCommand command, Progress* progress)
 }
 
 void ProcessSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  const Clip& from = clips().at(clip);
-  try {
-    evaluate(frames_of(from, first, count, schema().control_count()), count, points);
-  } catch (const PoseError& error) {
-    fail(error.status(), "clip \"%s\", frame %zu: %s", from.name.c_str(), first + error.pose(), error.reason().c_str());
-  }
+  evaluate_clip(*this, clip, first, count, points);
 }
 
 void ProcessSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {

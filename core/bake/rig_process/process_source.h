@@ -20,6 +20,7 @@ class ProcessSource final : public Source {
   const Character& character() const override { return workers_.description().character; }
   const std::vector<Clip>& clips() const override { return workers_.description().clips; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  std::vector<std::string> notes() const override { return workers_.description().notes; }
   bool live() const override { return true; }
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
   std::size_t preferred_block() const override;

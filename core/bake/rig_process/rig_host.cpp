@@ -48,7 +48,7 @@ RigMessage evaluate(Source& rig, const RigMessage& request) {
   } catch (const Error& error) {
     return error_answer({std::nullopt, error.what()});
   }
-  return points_answer(points, poses);
+  return points_answer(rig, points, poses);
 }
 
 }  // namespace

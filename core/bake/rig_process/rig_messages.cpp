@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "bake/rig/channel_points.h"
 #include "bake/rig/character_json.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -71,6 +72,16 @@ class Fields {
     return value.get<std::uint64_t>();
   }
   std::uint64_t count_or_zero(const char* key) const { return has(key) ? count(key) : 0; }
+  std::vector<std::string> texts_or_none(const char* key) const {
+    std::vector<std::string> found;
+    if (!has(key)) return found;
+    if (!at(key).is_array()) refuse(key, "is no list");
+    for (const json& item : at(key)) {
+      if (!item.is_string()) refuse(key, "is no list of strings");
+      found.push_back(item.get<std::string>());
+    }
+    return found;
+  }
   double number(const char* key) const {
     const json& value = at(key);
     if (!value.is_number()) refuse(key, "is no number");
@@ -270,17 +281,20 @@ RigMessage hello_answer(const Source& rig) {
                         {"units", schema.units},
                         {"up_axis", schema.up_axis},
                         {"controls", controls},
-                        {"vertices", rest.vertex_count()},
+                        {"vertices", rest.surface_vertex_count()},
                         {"polygons", rest.polygon_sizes.size()},
                         {"uvs", rest.uvs.size() / 2},
                         {"clips", clips},
                         {"preferred_block", rig.preferred_block()},
                         {"rig_version", rig.version()}};
+  if (const std::vector<std::string> notes = rig.notes(); !notes.empty()) hello["notes"] = notes;
   write_character(
       rest.parts, rig.character(),
       [&](std::size_t i, ordered_json& image) { image["bytes"] = rig.character().images[i].bytes.size(); }, hello);
+  write_about(rig.character().about, hello);
+  write_channels(schema.channels, hello);
   RigMessage message = message_of(hello);
-  append<float>(message.data, rest.points);
+  append<float>(message.data, rest.surface_points());
   append<std::uint32_t>(message.data, rest.polygon_sizes);
   append<std::uint32_t>(message.data, rest.polygon_corners);
   append<float>(message.data, rest.uvs);
@@ -290,9 +304,13 @@ RigMessage hello_answer(const Source& rig) {
   return message;
 }
 
-RigMessage points_answer(std::span<const float> points, std::size_t poses) {
+RigMessage points_answer(const Source& rig, std::span<const float> points, std::size_t poses) {
   RigMessage message = message_of({{"type", "points"}, {"poses", poses}});
-  append(message.data, points);
+  const RigSchema& schema = rig.schema();
+  std::vector<float> positions(poses * rig.rest().surface_points().size()), channels(poses * schema.channels.size());
+  split_channels(schema, points, poses, positions, channels);
+  append<float>(message.data, positions);
+  append<float>(message.data, channels);
   return message;
 }
 
@@ -325,6 +343,7 @@ RigDescription description_of(const RigMessage& answer) {
         fields.root(),
         [&](const json& image) { return numbers.take<std::byte>(Fields(image, "image ").count("bytes"), "images"); },
         rig.rest.parts, rig.character);
+    rig.schema.channels = read_channels(fields.root());
   } catch (const Error& error) {
     fail(Status::rig, "%s", error.what());
   }
@@ -333,13 +352,16 @@ RigDescription description_of(const RigMessage& answer) {
   numbers.finish();
   rig.preferred_block = std::min<std::size_t>(fields.count_or_zero("preferred_block"), most_preferred_poses);
   rig.version = fields.text_or("rig_version", "");
+  rig.notes = fields.texts_or_none("notes");
   check_source(rig.schema, rig.rest, rig.character);
+  add_channel_vertices(rig.schema, rig.rest);
   check_clips(rig.clips);
   for (const Clip& clip : rig.clips) check_values(clip, rig.schema);
   return rig;
 }
 
-std::optional<RigFailure> read_answer(const RigMessage& answer, std::size_t poses, std::span<float> points) {
+std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescription& rig, std::size_t poses,
+                                      std::span<float> points) {
   const Fields fields(answer);
   const std::string type = fields.text("type");
   if (type == "error") {
@@ -350,10 +372,14 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, std::size_t pose
     return failure;
   }
   if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
-  if (fields.count("poses") != poses || answer.data.size() != points.size_bytes())
+  const std::size_t positions = poses * rig.rest.surface_points().size(), channels = poses * rig.schema.channels.size();
+  const std::size_t bytes = (positions + channels) * sizeof(float);
+  if (fields.count("poses") != poses || answer.data.size() != bytes)
     fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
-         static_cast<unsigned long long>(fields.count("poses")), answer.data.size(), poses, points.size_bytes());
-  std::memcpy(points.data(), answer.data.data(), points.size_bytes());
+         static_cast<unsigned long long>(fields.count("poses")), answer.data.size(), poses, bytes);
+  Numbers numbers(answer);
+  const std::vector<float> of_surface = numbers.take<float>(positions, "positions");
+  join_channels(rig.schema, of_surface, numbers.take<float>(channels, "channels"), poses, points);
   return std::nullopt;
 }
 

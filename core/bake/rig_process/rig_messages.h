@@ -72,13 +72,14 @@ struct RigFailure {
 };
 
 RigMessage hello_answer(const Source& rig);
-RigMessage points_answer(std::span<const float> points, std::size_t poses);
+RigMessage points_answer(const Source& rig, std::span<const float> points, std::size_t poses);
 RigMessage error_answer(const RigFailure& failure);
 
 // What a child says that it is: checked as every source is. Fails with rig or not_finite, naming field or clip.
 RigDescription description_of(const RigMessage& answer);
 // Fills the points of so many poses, or returns why there are none. Fails with rig, saying what is wrong with the
 // message.
-std::optional<RigFailure> read_answer(const RigMessage& answer, std::size_t poses, std::span<float> points);
+std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescription& rig, std::size_t poses,
+                                      std::span<float> points);
 
 }  // namespace fb::bake

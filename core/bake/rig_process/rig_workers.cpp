@@ -251,7 +251,7 @@ void RigWorkers::take_points(Worker& worker, const RigMessage& answer, Work& wor
   const Piece piece = worker.piece;
   const std::size_t size = description_.rest.points.size();
   const std::span<float> points = work.block->points.subspan(piece.first * size, piece.count * size);
-  if (const auto failure = read_answer(answer, piece.count, points)) {
+  if (const auto failure = read_answer(answer, description_, piece.count, points)) {
     const std::string reason =
         format("rig \"%s\" failed: %s", description_.schema.name.c_str(), failure->reason.c_str());
     return split(work, piece, {failure->pose, reason}, Status::rig);

@@ -1,18 +1,17 @@
 #include "bake/sampling/read_examples.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <sstream>
 #include <unordered_set>
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/sampling/sampling.h"
-#include "base/file.h"
+#include "base/csv_file.h"
 #include "base/hash.h"
+#include "base/match_names.h"
 #include "base/shown_path.h"
 
 namespace fs = std::filesystem;
@@ -20,20 +19,7 @@ namespace fs = std::filesystem;
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t most_csv_bytes = std::size_t{1} << 30;
 constexpr std::size_t most_named = 5;
-
-// A name as it is compared: letters and digits in lower case, a side at its end as one letter.
-std::string plain_name(const std::string& name) {
-  std::string plain;
-  for (const char c : name) {
-    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
-  }
-  for (const std::string side : {"left", "right"})
-    if (plain.size() > side.size() && plain.ends_with(side)) plain.resize(plain.size() - side.size() + 1);
-  return plain;
-}
 
 // Which control each named column is, with a note on those that are none.
 class Columns {
@@ -42,17 +28,17 @@ class Columns {
     std::string unknown;
     std::size_t unknown_count = 0, known = 0;
     std::vector<bool> taken(schema.control_count());
-    for (const std::string& name : names) {
-      const std::optional<std::size_t> control = find(name, schema);
+    controls_ = match_names(names, names_of(schema));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::optional<std::size_t> control = controls_[i];
       if (control && taken[*control])
         fail(Status::bad_data, "%s: two columns are the control \"%s\"", file.c_str(),
              schema.controls[*control].name.c_str());
-      controls_.push_back(control);
       if (control) {
         taken[*control] = true;
         ++known;
       } else if (unknown_count++ < most_named) {
-        unknown += (unknown.empty() ? "\"" : ", \"") + name + "\"";
+        unknown += (unknown.empty() ? "\"" : ", \"") + names[i] + "\"";
       }
     }
     if (known == 0)
@@ -68,54 +54,24 @@ class Columns {
   const std::vector<std::optional<std::size_t>>& controls() const { return controls_; }
 
  private:
-  static std::optional<std::size_t> find(const std::string& name, const RigSchema& schema) {
-    if (const auto exact = schema.find(name)) return exact;
-    const std::string plain = plain_name(name);
-    for (std::size_t c = 0; c < schema.control_count(); ++c)
-      if (plain_name(schema.controls[c].name) == plain) return c;
-    return std::nullopt;
+  static std::vector<std::vector<std::string>> names_of(const RigSchema& schema) {
+    std::vector<std::vector<std::string>> names;
+    for (const Control& control : schema.controls)
+      names.push_back({control.name, control.labels.arkit, control.labels.facs});
+    return names;
   }
 
   std::vector<std::optional<std::size_t>> controls_;
 };
 
-// The cells of a line, without quotes and spaces around them.
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) {
-    const std::size_t first = cell.find_first_not_of(" \t\""), last = cell.find_last_not_of(" \t\"\r");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-  }
-  return cells;
-}
-
 void read_csv(const fs::path& path, const RigSchema& schema, std::vector<float>& frames, Progress& progress) {
-  const std::vector<std::byte> bytes = read_file(path, most_csv_bytes);
-  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-  std::istringstream lines(text);
-  std::string line;
-  std::getline(lines, line);
-  const std::vector<std::string> names = cells_of(line);
-  const Columns columns(names, schema, shown(path), progress);
+  CsvFile file(path);
+  const Columns columns(file.names(), schema, shown(path), progress);
   const std::vector<float> rest = schema.rest_pose();
-  for (std::size_t number = 2; std::getline(lines, line); ++number) {
-    const std::vector<std::string> cells = cells_of(line);
-    if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
-    if (cells.size() != names.size())
-      fail(Status::bad_data, "%s, line %zu: %zu cells where the first line names %zu", shown(path).c_str(), number,
-           cells.size(), names.size());
+  while (file.next()) {
     frames.insert(frames.end(), rest.begin(), rest.end());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (!columns.controls()[i]) continue;
-      float& value = frames[frames.size() - rest.size() + *columns.controls()[i]];
-      const char* const end = cells[i].data() + cells[i].size();
-      const auto [stopped, error] = std::from_chars(cells[i].data(), end, value);
-      if (error != std::errc() || stopped != end)
-        fail(Status::bad_data, "%s, line %zu, column \"%s\": \"%s\" is no number", shown(path).c_str(), number,
-             names[i].c_str(), cells[i].c_str());
-    }
+    for (std::size_t i = 0; i < file.names().size(); ++i)
+      if (const auto control = columns.controls()[i]) frames[frames.size() - rest.size() + *control] = file.number(i);
   }
 }
 

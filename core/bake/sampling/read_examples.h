@@ -13,10 +13,9 @@ namespace fb::bake {
 //   a .npy of frames x controls in the rig's order;
 //   a .csv whose first line names its columns, such as a take of Live Link Face;
 //   a dataset folder, of which the clips that are not marked test are read.
-// Columns of the latter two are matched to controls by name, in any case and without what is neither letter nor digit,
-// "left" at the end being as good as "l"; others are noted, and controls without a column stay at rest. Frames that the
-// rig's own test clips have are left out, with a note. Fails naming file, line and column; and with invalid_argument if
-// no frame is left.
+// Columns of the latter two are matched to controls by their own, ARKit and FACS names (match_names); others are noted,
+// and controls without a column stay at rest. Frames that the rig's own test clips have are left out, with a note.
+// Fails naming file, line and column; and with invalid_argument if no frame is left.
 std::vector<float> read_examples(const std::vector<std::string>& files, const Source& rig, Progress& progress);
 
 }  // namespace fb::bake

@@ -7,6 +7,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/rest_mesh.h"
+#include "bake/rig/channel_points.h"
 #include "bake/rig/content_hash.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/pose_plan.h"
@@ -89,6 +90,9 @@ DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIn
     DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
     const std::size_t shards = (clip.frames + sampling.shard_frames - 1) / sampling.shard_frames;
     for (std::size_t i = 0; i < shards; ++i) entry.points.push_back(shards == 1 ? points : shard_name(points, i));
+    const std::string channels = stem + ".channels.npy";
+    for (std::size_t i = 0; i < shards && !rig.schema().channels.empty(); ++i)
+      entry.channels.push_back(shards == 1 ? channels : shard_name(channels, i));
     index.clips.push_back(std::move(entry));
   }
   return index;
@@ -114,7 +118,9 @@ class DatasetWriter {
         folder_(folder),
         progress_(progress),
         width_(rig.schema().control_count()),
-        size_(rig.rest().points.size()) {
+        size_(rig.rest().points.size()),
+        vertices_(rig.rest().surface_vertex_count()),
+        channels_(rig.schema().channels.size()) {
     for (const Clip& clip : plan_) report_.poses += clip.frames;
   }
 
@@ -174,7 +180,7 @@ class DatasetWriter {
 
   void write_plan() {
     const MeshArrays& rest = index_.rest_arrays;
-    if (!is_array(folder_ / rest.points, {size_ / 3, 3}) || !fs::exists(folder_ / rest.faces) ||
+    if (!is_array(folder_ / rest.points, {vertices_, 3}) || !fs::exists(folder_ / rest.faces) ||
         !fs::exists(folder_ / rest.uv_faces))
       write_npy_mesh(rig_.rest(), folder_, rest);
     for (std::size_t i = 0; i < index_.image_files.size(); ++i)
@@ -189,7 +195,7 @@ class DatasetWriter {
 
   // A shard of the plan's points.
   struct Shard {
-    fs::path path;
+    fs::path path, channels;          // channels: "" where the rig has none
     std::size_t clip, first, frames;  // frames of the clip
     std::size_t done;                 // poses of the plan before it
   };
@@ -199,9 +205,11 @@ class DatasetWriter {
     std::size_t done = 0;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       std::size_t first = 0;
-      for (const std::string& name : index_.clips[i].points) {
+      const DatasetIndex::Entry& entry = index_.clips[i];
+      for (std::size_t s = 0; s < entry.points.size(); ++s) {
         const std::size_t frames = std::min(index_.sampling->shard_frames, plan_[i].frames - first);
-        all.push_back({folder_ / name, i, first, frames, done});
+        const fs::path channels = entry.channels.empty() ? fs::path() : folder_ / entry.channels[s];
+        all.push_back({folder_ / entry.points[s], channels, i, first, frames, done});
         first += frames;
         done += frames;
       }
@@ -209,11 +217,16 @@ class DatasetWriter {
     return all;
   }
 
+  bool is_written(const Shard& shard) const {
+    return is_array(shard.path, {shard.frames, vertices_, 3}) &&
+           (shard.channels.empty() || is_array(shard.channels, {shard.frames, channels_}));
+  }
+
   void write_shards(bool resuming, std::optional<std::size_t> last_clip) {
     progress_.begin("sampling poses", report_.poses);
     std::vector<Shard> there;
     for (const Shard& shard : shards()) {
-      if (!resuming || !is_array(shard.path, {shard.frames, size_ / 3, 3})) continue;
+      if (!resuming || !is_written(shard)) continue;
       there.push_back(shard);
       const PurposeScope purpose(rig_, purpose_of(plan_[shard.clip]));
       if (!is_apart(plan_[shard.clip])) rig_.recall(controls_of(shard.clip, shard.first, shard.frames));
@@ -246,7 +259,7 @@ class DatasetWriter {
   }
 
   void check_pose_unchanged(const Shard& shard, std::size_t frame) {
-    std::vector<float> before(size_), now(size_);
+    std::vector<float> before(3 * vertices_), now(size_);
     NpyFile(shard.path).read(frame, 1, before);
     try {
       evaluate(Answers::fresh, shard.clip, shard.first + frame, 1, now);
@@ -254,7 +267,7 @@ class DatasetWriter {
       fail_on_pose(error, shard.clip, shard.done + frame, shard.first + frame);
     }
     const double tolerance = 1e-5 * rig_.rest().diagonal();
-    for (std::size_t i = 0; i < size_; ++i)
+    for (std::size_t i = 0; i < before.size(); ++i)
       if (!(std::abs(double(before[i]) - now[i]) <= tolerance))
         fail(Status::invalid_argument,
              "%s: the rig puts vertex %zu of clip \"%s\", frame %zu elsewhere now; sample it into a new folder, unless "
@@ -263,8 +276,10 @@ class DatasetWriter {
   }
 
   void write_shard(const Shard& shard) {
-    const auto [path, clip, first, frames, done] = shard;
-    NpyWriter writer(path, {frames, size_ / 3, 3});
+    const auto [path, channel_path, clip, first, frames, done] = shard;
+    NpyWriter writer(path, {frames, vertices_, 3});
+    std::optional<NpyWriter> channel_writer;
+    if (channels_ > 0) channel_writer.emplace(channel_path, std::vector<std::size_t>{frames, channels_});
     const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
     for (std::size_t frame = 0; frame < frames;) {
       const std::size_t wanted = rig_.parallel().progress ? std::max(batch_, rig_.block_poses()) : batch_;
@@ -274,12 +289,21 @@ class DatasetWriter {
       while (!evaluate_or_skip(clip, done + frame, first + frame, count)) continue;
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
       batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
-      writer.append(points_);
+      if (channel_writer) {
+        positions_.resize(count * 3 * vertices_);
+        values_.resize(count * channels_);
+        split_channels(rig_.schema(), points_, count, positions_, values_);
+        writer.append(positions_);
+        channel_writer->append(values_);
+      } else {
+        writer.append(points_);
+      }
       frame += count;
       report_.evaluated += count;
       progress_.step(done + frame);
     }
     writer.commit();
+    if (channel_writer) channel_writer->commit();
   }
 
   // Whether a clip was not planned in order to learn, but is the rig's own, the user's, or a test.
@@ -364,10 +388,10 @@ class DatasetWriter {
   const bool skip_failing_;
   const fs::path& folder_;
   Progress& progress_;
-  const std::size_t width_, size_;
+  const std::size_t width_, size_, vertices_, channels_;
   DatasetIndex index_;
   SampleReport report_;
-  std::vector<float> points_;
+  std::vector<float> points_, positions_, values_;
   std::size_t batch_ = 1;  // poses evaluated between two reports of progress
 };
 
@@ -375,7 +399,7 @@ class DatasetWriter {
 PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
   PosePlan plan;
   for (const DatasetIndex::Entry& entry : index.clips) {
-    Clip clip = read_clip(entry.name, path_inside(folder, entry.controls.at(0)), index.schema);
+    Clip clip = read_clip(entry.name, dataset_path(folder, entry.controls.at(0)), index.schema);
     clip.kind = entry.kind;
     clip.split = entry.split;
     clip.fps = entry.fps;

@@ -74,7 +74,7 @@ std::int32_t round_to_integer(float x, float limit) {
   return static_cast<std::int32_t>(q == q ? q : 0);
 }
 
-// FORMAT.md, "Quantise". Padding is read with whole vectors but counts as 0: clearing it first would stall the loads
+// EVALUATION.md, "Quantise". Padding is read with whole vectors but counts as 0: clearing it first would stall the loads
 // that follow on the stores.
 Quantisation quantise(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict quantised) {
   const auto end = static_cast<std::int32_t>(count);

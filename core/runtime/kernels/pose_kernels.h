@@ -72,7 +72,7 @@ struct PoseKernels {
   // Writes the indices of the values of one pose that are not 0, and returns how many. `indices` has room for count
   // + 16.
   std::size_t (*compact_nonzeros)(const float* values, std::size_t count, std::uint32_t* indices);
-  // FORMAT.md, "Quantise": one pose. Both arrays are padded; padding of x is ignored.
+  // EVALUATION.md, "Quantise": one pose. Both arrays are padded; padding of x is ignored.
   Quantisation (*quantise)(const float* x, std::size_t count, float limit, std::int16_t* quantised);
   // The same for poses_per_block poses, input i of pose p at x[i * poses_per_block + p]. `quantised` is in the order of
   // PanelInputs::values, and poses of zeros are written too. Pads x with zeros to a multiple of 4 inputs.

@@ -29,10 +29,12 @@ struct HostRig {
   std::vector<std::vector<fb_texture>> textures;
   std::vector<fb_image> images;
   std::vector<fb_socket> sockets;
+  std::vector<fb_channel> channels;
   fb_rig rig;
   float scale;
 
   explicit HostRig(float unit = 1) : scale(unit) {
+    model.character.thumbnail.clear();
     for (float& x : model.rest.points) x *= scale;
     for (Socket& socket : model.character.sockets)
       for (const std::size_t i : {3u, 7u, 11u}) socket.frame[i] *= scale;
@@ -50,7 +52,7 @@ struct HostRig {
     rig.up_axis = "y";
     rig.control_count = static_cast<std::uint32_t>(controls.size());
     rig.controls = controls.data();
-    rig.vertex_count = static_cast<std::uint32_t>(rest.vertex_count());
+    rig.vertex_count = static_cast<std::uint32_t>(rest.surface_vertex_count());
     rig.rest_positions = rest.points.data();
     rig.polygon_count = static_cast<std::uint32_t>(rest.polygon_sizes.size());
     rig.polygon_sizes = rest.polygon_sizes.data();
@@ -69,6 +71,10 @@ struct HostRig {
     rig.images = images.data();
     rig.socket_count = static_cast<std::uint32_t>(sockets.size());
     rig.sockets = sockets.data();
+    rig.about = model.character.about.c_str();
+    rig.channel_count = static_cast<std::uint32_t>(channels.size());
+    rig.channels = channels.data();
+    rig.evaluate_all = evaluate_all;
   }
   HostRig(const HostRig&) = delete;
 
@@ -107,6 +113,14 @@ struct HostRig {
       std::ranges::copy(s.frame, socket.frame);
       sockets.push_back(socket);
     }
+    for (const Channel& c : model.schema.channels)
+      channels.push_back({sizeof(fb_channel), 0, c.name.c_str(), c.unit.c_str(), c.minimum, c.maximum, c.rest});
+  }
+
+  // Channel c goes from rest towards its maximum by a third of what control c is moved, and a tenth of its square.
+  static float channel_value(const Channel& channel, const Control& control, float value) {
+    const float t = value - control.rest;
+    return channel.rest + (channel.maximum - channel.rest) * (0.3f * t + 0.1f * t * t);
   }
 
   static fb_status evaluate(void* user, std::uint64_t poses, const float* controls, float* positions, char*,
@@ -114,12 +128,22 @@ struct HostRig {
     const PackedModel& model = static_cast<const HostRig*>(user)->model;
     const float scale = static_cast<const HostRig*>(user)->scale;
     const std::size_t width = model.schema.control_count();
-    for (std::uint64_t p = 0; p < poses; ++p, positions += model.rest.points.size()) {
-      std::copy(model.rest.points.begin(), model.rest.points.end(), positions);
-      for (std::size_t v = 0; v < model.rest.vertex_count(); ++v)
+    const std::size_t size = model.rest.surface_points().size();
+    for (std::uint64_t p = 0; p < poses; ++p, positions += size) {
+      std::copy_n(model.rest.points.begin(), size, positions);
+      for (std::size_t v = 0; v < size / 3; ++v)
         positions[3 * v + 2] += scale * (controls[p * width + v % width] - model.schema.controls[v % width].rest);
     }
     return FB_OK;
+  }
+
+  static fb_status evaluate_all(void* user, std::uint64_t poses, const float* controls, float* positions,
+                                float* channels, char* message, std::uint32_t size) {
+    const RigSchema& schema = static_cast<const HostRig*>(user)->model.schema;
+    for (std::uint64_t p = 0; p < poses; ++p)
+      for (std::size_t c = 0; c < schema.channels.size(); ++c)
+        *channels++ = channel_value(schema.channels[c], schema.controls[c], controls[p * schema.control_count() + c]);
+    return evaluate(user, poses, controls, positions, message, size);
   }
 };
 
@@ -133,6 +157,11 @@ void check_same(const Source& source, const HostRig& rig) {
   CHECK(source.rest().parts == rig.model.rest.parts);
   CHECK(source.character() == rig.model.character);
   CHECK(labels_of(source.schema()) == labels_of(rig.model.schema));
+  const auto same = [](const Channel& a, const Channel& b) {
+    return a.name == b.name && a.unit == b.unit && a.minimum == b.minimum && a.maximum == b.maximum && a.rest == b.rest;
+  };
+  CHECK(std::ranges::equal(source.schema().channels, rig.model.schema.channels, same));
+  CHECK(source.rest().channel_vertices == rig.model.rest.channel_vertices);
 }
 
 void check_refused(const std::function<void(HostRig&)>& change, const char* message) {
@@ -183,6 +212,31 @@ TEST_CASE("a rig whose character contradicts itself is refused by name") {
   check_refused([](HostRig& r) { r.images[1].media_type = ""; }, "the media type of image 1 is empty");
   check_refused([](HostRig& r) { r.sockets[0].vertex_count = 2; }, "socket \"nose\" has 2 vertices");
   check_refused([](HostRig& r) { r.sockets[0].vertices = nullptr; }, "vertices of a socket is null");
+  check_refused([](HostRig& r) { r.rig.about = "[1]"; }, "about is no JSON object");
+  check_refused([](HostRig& r) { r.rig.about = "{\"author\": 7}"; }, "about: author is no string");
+  check_refused([](HostRig& r) { r.channels[1].name = ""; }, "the name of channel 1 is empty");
+  check_refused([](HostRig& r) { r.channels[1].name = "frown"; }, "channel name \"frown\" occurs twice");
+  check_refused([](HostRig& r) { r.channels[3].maximum = 300; }, "channel \"heat\": minimum 300 is not below");
+  check_refused([](HostRig& r) { r.rig.channel_stride = 4; }, "channel_stride is 4");
+  check_refused([](HostRig& r) { r.rig.evaluate_all = nullptr; }, "evaluate_all is null");
+}
+
+TEST_CASE("channels of a rig are clamped to their ranges, and refused where they are not finite") {
+  HostRig rig;
+  rig.rig.evaluate_all = [](void* user, std::uint64_t poses, const float* controls, float* positions, float* channels,
+                            char* message, std::uint32_t size) {
+    const fb_status status = HostRig::evaluate_all(user, poses, controls, positions, channels, message, size);
+    for (std::uint64_t p = 0; p < poses; ++p)
+      if (controls[5 * p] > 0.5f) channels[4 * p + 1] = controls[5 * p] > 0.75f ? NAN : 7;
+    return status;
+  };
+  RigSource source(rig.rig);
+  std::vector<float> pose = source.schema().rest_pose(), points(96);
+  pose[0] = 0.7f;
+  source.evaluate(pose, 1, points);
+  CHECK(source.schema().channels[1].value(points[91]) == 1);
+  pose[0] = 0.8f;
+  CHECK(contains(failure(Status::not_finite, [&] { source.evaluate(pose, 1, points); }), "channel 1 is not finite"));
 }
 
 TEST_CASE("the rig protocol carries a character") {
@@ -191,6 +245,15 @@ TEST_CASE("the rig protocol carries a character") {
   CHECK(description.rest.parts == rig.model.rest.parts);
   CHECK(description.character == rig.model.character);
   CHECK(labels_of(description.schema) == labels_of(rig.model.schema));
+  RigSource source(rig.rig);
+  std::vector<float> pose = source.schema().rest_pose(), points(96), received(96);
+  for (float& value : pose) value += 0.25f;
+  source.evaluate(pose, 1, points);
+  CHECK_FALSE(read_answer(points_answer(source, points, 1), description, 1, received));
+  for (std::size_t i = 0; i < points.size(); ++i) CHECK(received[i] == doctest::Approx(points[i]).epsilon(1e-6));
+  RigMessage cut = points_answer(source, points, 1);
+  cut.data.resize(cut.data.size() - 4);
+  CHECK(contains(failure(Status::rig, [&] { read_answer(cut, description, 1, received); }), "in 372 bytes"));
 }
 
 TEST_CASE("a dataset folder keeps a character") {
@@ -200,6 +263,12 @@ TEST_CASE("a dataset folder keeps a character") {
   sample(source, {.poses = 40}, folder.path(), {}, silent_progress());
   const OpenedSource recorded = open_source(folder.path());
   check_same(*recorded, rig);
+  std::vector<float> evaluated(96), read(96);
+  for (std::size_t i = 0; i < recorded->clips().size(); ++i) {
+    source.evaluate(frames_of(recorded->clips()[i], 0, 1, 5), 1, evaluated);
+    recorded->read(i, 0, 1, read);
+    for (std::size_t k = 0; k < 96; ++k) CHECK(read[k] == doctest::Approx(evaluated[k]).epsilon(1e-6));
+  }
   CHECK(std::filesystem::exists(folder.path() / "image0.png"));
   std::filesystem::remove(folder.path() / "image0.png");
   CHECK(contains(failure(Status::not_found, [&] { open_source(folder.path()); }), "image0.png"));
@@ -220,12 +289,15 @@ TEST_CASE("fields of a character in dataset.json are refused by name") {
     write_file(file, changed);
     CHECK(contains(failure(Status::bad_data, [&] { open_source(folder.path()); }), message));
   };
+  lie("\"learning\": \"forbidden\"", "\"learning\": false", "about: rights learning is no string");
   lie("\"vertices\": 18", "\"vertices\": -18", "meshes[0] vertices is no whole number");
   lie("\"vertices\": 18", "\"vertices\": 17", "mesh \"head\": polygon");
   lie("\"slot\": \"normal\"", "\"slot\": \"bump\"", "slot is \"bump\"; there are base_colour, metallic_roughness");
   lie("\"alpha_mode\": \"mask\"", "\"alpha_mode\": 7", "materials[0] alpha_mode is no string");
   lie("\"file\": \"image0.png\"", "\"file\": \"../image0.png\"", "does not lie in its folder");
   lie("\"file\": \"image0.png\"", "\"path\": \"image0.png\"", "images[0] has no \"file\"");
+  lie("\"unit\": \"K\"", "\"unit\": 7", "channels[3] unit is no string");
+  lie("\"channels\": \"", "\"chennels\": \"", "has points but no channels");
   lie("\"sockets\": [", "\"sockets\": 7, \"x\": [", "sockets is no list");
 }
 
@@ -247,5 +319,12 @@ TEST_CASE("a bake keeps a character, whatever its scale and recipe") {
     CHECK(labels_of(archive.model.schema) == labels_of(rig.model.schema));
     CHECK(verify_archive(baked.archive).poses == 11);
     CHECK(baked.dependency.max < 1e-2);
+    REQUIRE(baked.dependency.channels.size() == 4);
+    for (const ChannelErrors& channel : baked.dependency.channels) {
+      INFO(channel.name);
+      CHECK(channel.rms > 0);
+      CHECK(channel.max < (options.recipe == "linear" ? 0.3 : 0.03));
+    }
+    CHECK(baked.dependency.channels[3].name == "heat");
   }
 }

@@ -8,6 +8,7 @@
 #include "bake/sampling/pose_plan.h"
 #include "bake/sampling/read_examples.h"
 #include "bake_test_support.h"
+#include "memory_source.h"
 #include "watched_progress.h"
 
 using namespace fb;
@@ -65,6 +66,17 @@ TEST_CASE("a take's columns are matched to controls by name, and others are told
   for (const char* part : {"no controls are called \"Timecode\", \"jaw_forward\"", "3 of 6 controls have no column",
                            "1 values outside their range were clamped"})
     CHECK_MESSAGE(notes.all.find(part) != std::string::npos, notes.all);
+}
+
+TEST_CASE("columns are matched to what controls mean, too, and to their own names first") {
+  const Folder folder;
+  MemorySource rig(
+      4, 3, [](const float*, std::span<float>) {}, true);
+  rig.edit_schema().controls[1].labels.arkit = "jawOpen";
+  rig.edit_schema().controls[2].labels.facs = "AU12";
+  rig.edit_schema().controls[3].labels.arkit = "control0";
+  const std::string take = write_text(folder, "take.csv", "JawOpen,au12,Control0\n0.5,0.25,0.75\n");
+  CHECK(read_examples({take}, rig, silent_progress()) == Pose{0.75f, 0.5f, 0.25f, 0});
 }
 
 TEST_CASE("files that are no control curves of a rig are refused by file, line and column") {

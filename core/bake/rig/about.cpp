@@ -1,0 +1,79 @@
+#include "bake/rig/about.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/json_depth.h"
+#include "base/status.h"
+#include "base/utf8.h"
+#include "model/character.h"
+
+namespace fb::bake {
+namespace {
+
+using nlohmann::ordered_json;
+
+void check_texts(const ordered_json& object, std::initializer_list<const char*> keys, const char* inside) {
+  for (const char* key : keys)
+    if (object.contains(key) && !object[key].is_string() && !object[key].is_null())
+      fail(Status::bad_data, "about: %s%s is no string", inside, key);
+}
+
+void check_fields(const ordered_json& about) {
+  if (!about.is_object()) fail(Status::bad_data, "about is no JSON object");
+  check_texts(about, {"name", "author", "contact", "rig", "rig_version", "created"}, "");
+  if (!about.contains("rights") || about["rights"].is_null()) return;
+  const ordered_json& rights = about["rights"];
+  if (!rights.is_object()) fail(Status::bad_data, "about: rights is no object");
+  check_texts(rights, {"licence", "consent", "uses", "expires", "learning"}, "rights ");
+}
+
+}  // namespace
+
+std::string about_text(const ordered_json& about) {
+  check_fields(about);
+  ordered_json said = ordered_json::object();
+  said.merge_patch(about);  // without fields that are null
+  if (said.empty()) return "";
+  std::string text;
+  try {
+    text = said.dump();
+  } catch (const ordered_json::exception&) {
+    fail(Status::bad_data, "about: a text is not UTF-8");
+  }
+  if (text.size() > most_about_bytes)
+    fail(Status::limit, "about has %zu bytes; it may have %zu", text.size(), most_about_bytes);
+  return text;
+}
+
+ordered_json parse_about(const std::string& text) {
+  if (find_utf8_fault(text)) fail(Status::bad_data, "about is no UTF-8 text");
+  check_json_depth(text);
+  ordered_json about = ordered_json::parse(text, nullptr, false);
+  check_fields(about);
+  return about;
+}
+
+std::string merged_about(const std::string& of_source, const std::string& given) {
+  ordered_json about = of_source.empty() ? ordered_json::object() : parse_about(of_source);
+  if (!given.empty()) about.merge_patch(parse_about(given));
+  return about_text(about);
+}
+
+std::string take_licence(std::string& about) {
+  if (about.empty()) return "";
+  ordered_json json = parse_about(about);
+  if (!json.contains("rights") || !json["rights"].contains("licence")) return "";
+  const std::string licence = json["rights"]["licence"];
+  json["rights"].erase("licence");
+  if (json["rights"].empty()) json.erase("rights");
+  about = about_text(json);
+  return licence;
+}
+
+bool forbids_learning(const std::string& about) {
+  if (about.empty()) return false;
+  const ordered_json json = parse_about(about);
+  return json.contains("rights") && json["rights"].value("learning", "") == "forbidden";
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "bake/rig/gltf/gltf_scene.h"
+#include "bake/rig/gltf/left_out.h"
+
+namespace fb::bake {
+
+// The controls of the shown meshes. A control is all morph targets of one name: it moves every mesh that has one.
+struct GltfControls {
+  std::vector<std::string> names;
+  std::vector<float> rest;                         // default weights
+  std::vector<std::vector<std::size_t>> of_shown;  // for each shown mesh the control of each of its morph targets
+};
+
+// Names are those of extras.targetNames; without these, target0, target1, ..., preceded by the name of the mesh where
+// several meshes have none. Of default weights that contradict each other the first counts. Fails where the numbers of
+// names, weights and morph targets differ, and on a name that a mesh has twice.
+GltfControls read_controls(const GltfFile& file, const std::vector<ShownMesh>& shown, LeftOut& left_out);
+
+}  // namespace fb::bake

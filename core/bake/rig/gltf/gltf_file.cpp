@@ -1,0 +1,243 @@
+#include "bake/rig/gltf/gltf_file.h"
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+
+#include "bake/rig/gltf/files_beside.h"
+#include "base/checked.h"
+#include "base/json_depth.h"
+
+namespace fb::bake {
+namespace {
+
+// Lets the loader open no file but those beside.
+tinygltf::FsCallbacks callbacks_for(FilesBeside& beside) {
+  return {[](const std::string&, void*) { return true; }, [](const std::string& path, void*) { return path; },
+          [](std::vector<unsigned char>* to, std::string*, const std::string& path, void* user) {
+            const std::vector<std::byte> bytes = static_cast<FilesBeside*>(user)->read(path);
+            const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
+            to->assign(first, first + bytes.size());
+            return true;
+          },
+          nullptr, &beside};
+}
+
+// Keeps the bytes of an image in a data URI as they are. Those in a buffer view have not been checked: see view().
+bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
+                void*) {
+  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+// Refuses required extensions except those of materials and textures, which do not change geometry, and quantisation,
+// which is integers where there are floats otherwise.
+void check_extensions(const tinygltf::Model& model) {
+  for (const std::string& name : model.extensionsRequired)
+    if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") && !name.starts_with("EXT_texture_") &&
+        name != "KHR_mesh_quantization")
+      fail(Status::unsupported, "requires the glTF extension %s, which is not read; export without it", name.c_str());
+}
+
+// The JSON of a file: all of it, or the first chunk of a binary one, after a header of 20 bytes that ends in the
+// chunk's length and type.
+std::string_view json_of(std::span<const std::byte> bytes, bool binary) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (!binary) return text;
+  std::uint32_t length = 0;
+  if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
+  return text.substr(std::min<std::size_t>(20, text.size()), length);
+}
+
+template <class T>
+float read_number(const unsigned char* at, bool normalised) {
+  T value;
+  std::memcpy(&value, at, sizeof value);
+  if (!normalised) return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0f);
+}
+
+// How a number of an accessor is read: glTF 2.0, section 3.11, and KHR_mesh_quantization.
+struct NumberFormat {
+  std::size_t bytes;
+  float (*read)(const unsigned char* at, bool normalised);
+};
+
+NumberFormat number_format(int component_type) {
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return {4, [](const unsigned char* at, bool) { return read_number<float>(at, false); }};
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return {1, read_number<std::int8_t>};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return {1, read_number<std::uint8_t>};
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return {2, read_number<std::int16_t>};
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return {2, read_number<std::uint16_t>};
+    default:
+      return {0, nullptr};
+  }
+}
+
+// What an element of so many numbers is called in messages, and its type in files.
+struct ElementType {
+  std::size_t width;
+  int type;
+  const char* name;
+};
+constexpr ElementType element_types[] = {{1, TINYGLTF_TYPE_SCALAR, "floats"},
+                                         {2, TINYGLTF_TYPE_VEC2, "two floats each"},
+                                         {3, TINYGLTF_TYPE_VEC3, "three floats each"},
+                                         {4, TINYGLTF_TYPE_VEC4, "four floats each"},
+                                         {16, TINYGLTF_TYPE_MAT4, "matrices of floats"}};
+
+const ElementType& element_type(std::size_t width) {
+  return *std::ranges::find(element_types, width, &ElementType::width);
+}
+
+}  // namespace
+
+// Unsigned integers in a buffer view.
+struct GltfFile::Scalars {
+  int view;
+  std::size_t offset, count, width;
+  int component_type;
+};
+
+GltfFile::GltfFile(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder)
+    : model_(std::make_unique<tinygltf::Model>()), beside_(std::make_unique<FilesBeside>(std::move(folder))) {
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks(callbacks_for(*beside_));
+  loader.SetImageLoader(keep_image, nullptr);
+  std::string error, warning;
+  const auto size = checked_u32(bytes.size(), "bytes");
+  const bool binary = size >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  check_json_depth(json_of(bytes, binary));
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  bool loaded = false;
+  try {
+    loaded = binary ? loader.LoadBinaryFromMemory(model_.get(), &error, &warning,
+                                                  reinterpret_cast<const unsigned char*>(text), size)
+                    : loader.LoadASCIIFromString(model_.get(), &error, &warning, text, size, "");
+  } catch (const std::out_of_range&) {
+    error = "a buffer is empty";  // which the loader does not expect
+  }
+  check_extensions(*model_);  // first: a required extension may be why it was not loaded
+  while (!error.empty() && error.back() == '\n') error.pop_back();
+  if (!loaded) fail(Status::bad_data, "is no whole glTF file%s%s", error.empty() ? "" : ": ", error.c_str());
+}
+
+GltfFile::~GltfFile() = default;
+
+std::size_t GltfFile::count(int index, const char* what) const {
+  if (index < 0 || static_cast<std::size_t>(index) >= model_->accessors.size())
+    fail(Status::bad_data, "no accessor %d for its %s", index, what);
+  return model_->accessors[static_cast<std::size_t>(index)].count;
+}
+
+const tinygltf::Accessor& GltfFile::accessor(int index, std::size_t width, const char* what) const {
+  count(index, what);  // checks the index
+  const tinygltf::Accessor& found = model_->accessors[static_cast<std::size_t>(index)];
+  if (found.type != element_type(width).type)
+    fail(Status::unsupported, "its %s are not %s", what, element_type(width).name);
+  return found;
+}
+
+// From the first byte of the first element to the last byte of the last; elements are `stride` apart.
+std::span<const unsigned char> GltfFile::bytes(int view_index, std::size_t offset, std::size_t count,
+                                               std::size_t element_bytes, std::size_t& stride, const char* what) const {
+  if (count == 0) fail(Status::bad_data, "has no %s", what);
+  if (view_index < 0 || static_cast<std::size_t>(view_index) >= model_->bufferViews.size())
+    fail(Status::bad_data, "its %s lie in no buffer view", what);
+  const tinygltf::BufferView& view = model_->bufferViews[static_cast<std::size_t>(view_index)];
+  if (view.buffer < 0 || static_cast<std::size_t>(view.buffer) >= model_->buffers.size())
+    fail(Status::bad_data, "its %s lie in no buffer", what);
+  const std::vector<unsigned char>& data = model_->buffers[static_cast<std::size_t>(view.buffer)].data;
+  stride = view.byteStride ? view.byteStride : element_bytes;
+  const std::size_t first = checked_add(view.byteOffset, offset, what);
+  const std::size_t length = checked_add(checked_multiply(count - 1, stride, what), element_bytes, what);
+  if (checked_add(first, length, what) > data.size())
+    fail(Status::bad_data, "its %s run past the end of their buffer", what);
+  return std::span(data).subspan(first, length);
+}
+
+std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<std::size_t> count,
+                                    const char* what) const {
+  const tinygltf::Accessor& from = accessor(index, width, what);
+  const NumberFormat number = number_format(from.componentType);
+  if (!number.read) fail(Status::unsupported, "its %s are not %s", what, element_type(width).name);
+  if (count && from.count != *count)
+    fail(Status::bad_data, "has %zu %s where %zu are needed", from.count, what, *count);
+  const bool stored = from.bufferView >= 0 || !count;
+  std::size_t stride = 0;
+  const auto data = stored ? bytes(from.bufferView, from.byteOffset, from.count, width * number.bytes, stride, what)
+                           : std::span<const unsigned char>();
+  std::vector<float> values(checked_multiply(from.count, width, what));
+  for (std::size_t i = 0; stored && i < values.size(); ++i)
+    values[i] = number.read(data.data() + i / width * stride + i % width * number.bytes, from.normalized);
+  if (from.sparse.isSparse) overwrite_sparse(from, width, values, what);
+  return values;
+}
+
+void GltfFile::overwrite_sparse(const tinygltf::Accessor& from, std::size_t width, std::span<float> values,
+                                const char* what) const {
+  const auto& sparse = from.sparse;
+  if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
+    fail(Status::bad_data, "its sparse %s have a count or an offset below zero", what);
+  const auto count = static_cast<std::size_t>(sparse.count);
+  const std::vector<std::uint32_t> elements =
+      indices({sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), count, 1,
+               sparse.indices.componentType},
+              from.count, what);
+  const NumberFormat number = number_format(from.componentType);
+  std::size_t stride = 0;
+  const auto data = bytes(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), count,
+                          width * number.bytes, stride, what);
+  for (std::size_t i = 0; i < count * width; ++i)
+    values[elements[i / width] * width + i % width] =
+        number.read(data.data() + i / width * stride + i % width * number.bytes, from.normalized);
+}
+
+std::vector<std::uint32_t> GltfFile::indices(int index, std::size_t width, std::optional<std::size_t> count,
+                                             std::size_t limit, const char* what) const {
+  const tinygltf::Accessor& from = accessor(index, width, what);
+  if (count && from.count != *count)
+    fail(Status::bad_data, "has %zu %s where %zu are needed", from.count, what, *count);
+  if (from.sparse.isSparse) fail(Status::unsupported, "its %s are sparse", what);
+  return indices({from.bufferView, from.byteOffset, from.count, width, from.componentType}, limit, what);
+}
+
+std::vector<std::uint32_t> GltfFile::indices(const Scalars& from, std::size_t limit, const char* what) const {
+  const std::size_t width = from.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 1
+                            : from.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                            : from.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT   ? 4
+                                                                                            : 0;
+  if (width == 0) fail(Status::bad_data, "the indices of its %s are not unsigned integers", what);
+  std::size_t stride = 0;
+  const auto data = bytes(from.view, from.offset, from.count, from.width * width, stride, what);
+  std::vector<std::uint32_t> values(from.count * from.width);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::memcpy(&values[i], data.data() + i / from.width * stride + i % from.width * width, width);
+    if (values[i] >= limit) fail(Status::bad_data, "index %zu of its %s is %u of %zu", i, what, values[i], limit);
+  }
+  return values;
+}
+
+std::span<const std::byte> GltfFile::view(int index, const char* what) const {
+  std::size_t stride = 0;
+  bytes(index, 0, 1, 1, stride, what);  // checks the indices
+  const std::size_t length = model_->bufferViews[static_cast<std::size_t>(index)].byteLength;
+  return std::as_bytes(bytes(index, 0, 1, length, stride, what));
+}
+
+std::vector<std::byte> GltfFile::read_uri(const std::string& uri) const {
+  if (auto data = decode_data_uri(uri)) return *std::move(data);
+  return beside_->read(decode_percent(uri));
+}
+
+}  // namespace fb::bake

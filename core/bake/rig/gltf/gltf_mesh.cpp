@@ -1,0 +1,202 @@
+#include "bake/rig/gltf/gltf_mesh.h"
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "base/checked.h"
+
+namespace fb::bake {
+namespace {
+
+using Attributes = std::map<std::string, int>;
+
+// A primitive of triangles and the place of its vertices among those of the mesh.
+struct TrianglePrimitive {
+  const tinygltf::Primitive& primitive;
+  std::size_t first, vertices;
+  bool shared;  // with a primitive before it
+};
+
+int accessor_of(const Attributes& attributes, const std::string& name) {
+  const auto found = attributes.find(name);
+  return found == attributes.end() ? -1 : found->second;
+}
+
+std::vector<TrianglePrimitive> triangle_primitives(const GltfFile& file, const tinygltf::Mesh& mesh,
+                                                   LeftOut& left_out) {
+  std::vector<TrianglePrimitive> found;
+  std::map<std::pair<Attributes, std::vector<Attributes>>, std::size_t> same_vertices;
+  std::size_t end = 0;
+  for (const tinygltf::Primitive& primitive : mesh.primitives) {
+    if (primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP) {
+      left_out.add("points and lines are left out", shown_name(mesh.name));
+      continue;
+    }
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+      fail(Status::bad_data, "a primitive has the unknown mode %d", primitive.mode);
+    const int positions = accessor_of(primitive.attributes, "POSITION");
+    if (positions < 0) fail(Status::bad_data, "a primitive has no positions");
+    const std::size_t vertices = file.count(positions, "positions");
+    const auto [at, fresh] = same_vertices.try_emplace({primitive.attributes, primitive.targets}, end);
+    found.push_back({primitive, at->second, vertices, !fresh});
+    if (fresh) end = checked_add(end, vertices, "vertices");
+  }
+  return found;
+}
+
+// glTF 2.0, section 3.7.2.1: vertices of the triangles that a list, strip or fan of corners makes.
+std::vector<std::uint32_t> triangles_of(const std::vector<std::uint32_t>& corners, int mode) {
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    if (corners.size() % 3 != 0) fail(Status::bad_data, "%zu corners make no triangles", corners.size());
+    return corners;
+  }
+  if (corners.size() < 3) fail(Status::bad_data, "%zu corners make no triangles", corners.size());
+  std::vector<std::uint32_t> triangles;
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    const bool odd = i % 2 == 1;
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+      triangles.insert(triangles.end(), {corners[i], corners[i + (odd ? 2 : 1)], corners[i + (odd ? 1 : 2)]});
+    else
+      triangles.insert(triangles.end(), {corners[i + 1], corners[i + 2], corners[0]});
+  }
+  return triangles;
+}
+
+std::vector<std::uint32_t> triangles_of(const GltfFile& file, const TrianglePrimitive& from) {
+  if (from.primitive.indices >= 0)
+    return triangles_of(file.indices(from.primitive.indices, 1, std::nullopt, from.vertices, "triangles"),
+                        from.primitive.mode);
+  std::vector<std::uint32_t> corners(from.vertices);
+  std::iota(corners.begin(), corners.end(), 0u);
+  return triangles_of(corners, from.primitive.mode);
+}
+
+void read_uvs(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives, Mesh& mesh) {
+  for (const TrianglePrimitive& from : primitives) {
+    const int accessor = accessor_of(from.primitive.attributes, "TEXCOORD_0");
+    if (accessor < 0 || from.shared) continue;
+    mesh.uvs.resize(2 * mesh.vertex_count());
+    const std::vector<float> uvs = file.floats(accessor, 2, from.vertices, "texture coordinates");
+    for (std::size_t i = 0; i < uvs.size(); ++i)
+      mesh.uvs[2 * from.first + i] = i % 2 == 0 ? uvs[i] : 1 - uvs[i];  // glTF counts v downwards
+  }
+  if (!mesh.uvs.empty()) mesh.uv_corners = mesh.polygon_corners;
+}
+
+// Fills `materials` as in GltfMesh.
+Mesh read_surface(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives,
+                  std::vector<MaterialRun>& materials) {
+  Mesh mesh;
+  for (const TrianglePrimitive& from : primitives) {
+    if (!from.shared) {
+      const std::vector<float> points =
+          file.floats(from.primitive.attributes.at("POSITION"), 3, std::nullopt, "positions");
+      mesh.points.insert(mesh.points.end(), points.begin(), points.end());
+    }
+    const std::vector<std::uint32_t> corners = triangles_of(file, from);
+    for (const std::uint32_t corner : corners)
+      mesh.polygon_corners.push_back(checked_u32(from.first + corner, "vertices"));
+    mesh.polygon_sizes.insert(mesh.polygon_sizes.end(), corners.size() / 3, 3);
+    const int material = from.primitive.material;
+    materials.push_back(
+        {checked_u32(corners.size() / 3, "triangles"), material < 0 ? no_material : std::uint32_t(material)});
+  }
+  read_uvs(file, primitives, mesh);
+  return mesh;
+}
+
+void add_offsets(MorphTarget& target, const std::vector<float>& offsets, std::size_t first, std::size_t number) {
+  for (std::size_t i = 0; i < offsets.size(); i += 3) {
+    const float *const offset = &offsets[i], *const end = offset + 3;
+    if (!std::all_of(offset, end, [](float x) { return std::isfinite(x); }))
+      fail(Status::not_finite, "target %zu: vertex %zu is not finite", number, first + i / 3);
+    if (std::all_of(offset, end, [](float x) { return x == 0; })) continue;
+    target.vertices.push_back(checked_u32(first + i / 3, "vertices"));
+    target.offsets.insert(target.offsets.end(), offset, end);
+  }
+}
+
+std::vector<MorphTarget> read_targets(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives,
+                                      std::size_t count) {
+  std::vector<MorphTarget> targets(count);
+  for (std::size_t t = 0; t < count; ++t)
+    for (const TrianglePrimitive& from : primitives)
+      if (const int accessor = accessor_of(from.primitive.targets[t], "POSITION"); accessor >= 0 && !from.shared)
+        add_offsets(targets[t], file.floats(accessor, 3, from.vertices, format("moves of target %zu", t).c_str()),
+                    from.first, t);
+  return targets;
+}
+
+VertexJoints read_joints(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives, std::size_t vertices,
+                         std::size_t limit) {
+  VertexJoints joints;
+  for (const TrianglePrimitive& from : primitives) {
+    const Attributes& attributes = from.primitive.attributes;
+    if (!attributes.contains("JOINTS_0")) fail(Status::bad_data, "has a skin, and a primitive without joints");
+    std::size_t sets = 0;
+    while (attributes.contains(format("JOINTS_%zu", sets))) ++sets;
+    joints.per_vertex = std::max(joints.per_vertex, 4 * sets);
+  }
+  joints.joints.resize(checked_multiply(vertices, joints.per_vertex, "joints"));
+  joints.weights.resize(joints.joints.size());
+  for (const TrianglePrimitive& from : primitives)
+    for (std::size_t set = 0; !from.shared && 4 * set < joints.per_vertex; ++set) {
+      const int of_joints = accessor_of(from.primitive.attributes, format("JOINTS_%zu", set)),
+                of_weights = accessor_of(from.primitive.attributes, format("WEIGHTS_%zu", set));
+      if (of_joints < 0) break;
+      const std::vector<std::uint32_t> indices = file.indices(of_joints, 4, from.vertices, limit, "joints");
+      const std::vector<float> weights = file.floats(of_weights, 4, from.vertices, "weights of joints");
+      for (std::size_t v = 0; v < from.vertices; ++v)
+        for (std::size_t k = 0; k < 4; ++k) {
+          const std::size_t to = (from.first + v) * joints.per_vertex + 4 * set + k;
+          joints.joints[to] = indices[4 * v + k];
+          joints.weights[to] = weights[4 * v + k];
+        }
+    }
+  return joints;
+}
+
+}  // namespace
+
+const char* shown_name(const std::string& name) {
+  return name.empty() ? "(unnamed)" : name.c_str();
+}
+
+std::size_t target_count(const tinygltf::Mesh& mesh) {
+  const std::size_t count = mesh.primitives.empty() ? 0 : mesh.primitives[0].targets.size();
+  for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
+    if (mesh.primitives[p].targets.size() != count)
+      fail(Status::bad_data, "primitive %zu has %zu morph targets, primitive 0 has %zu", p,
+           mesh.primitives[p].targets.size(), count);
+  return count;
+}
+
+Mesh read_gltf_surface(const GltfFile& file, const tinygltf::Mesh& mesh) {
+  LeftOut unread;
+  std::vector<MaterialRun> materials;
+  return read_surface(file, triangle_primitives(file, mesh, unread), materials);
+}
+
+GltfMesh read_gltf_mesh(const GltfFile& file, const tinygltf::Mesh& mesh, std::size_t joints, LeftOut& left_out) {
+  const std::vector<TrianglePrimitive> primitives = triangle_primitives(file, mesh, left_out);
+  GltfMesh read;
+  read.surface = read_surface(file, primitives, read.materials);
+  read.targets = read_targets(file, primitives, target_count(mesh));
+  if (joints > 0) read.joints = read_joints(file, primitives, read.surface.vertex_count(), joints);
+  for (const TrianglePrimitive& from : primitives) {
+    if (from.primitive.attributes.contains("COLOR_0"))
+      left_out.add("vertex colours are left out", shown_name(mesh.name));
+    if (!read.surface.uvs.empty() && !from.primitive.attributes.contains("TEXCOORD_0"))
+      left_out.add("some texture coordinates are missing, and 0", shown_name(mesh.name));
+    for (const auto& [name, value] : from.primitive.extensions)
+      left_out.add("the extension " + name + " of meshes is left out", shown_name(mesh.name));
+  }
+  return read;
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,223 @@
+#include "bake/rig/gltf/gltf_rig.h"
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "bake/rig/gltf/gltf_clips.h"
+#include "bake/rig/gltf/gltf_controls.h"
+#include "bake/rig/gltf/gltf_materials.h"
+#include "bake/rig/gltf/gltf_mesh.h"
+#include "bake/rig/gltf/gltf_skin.h"
+#include "bake/rig/rig_description.h"
+#include "bake/rig/source_rules.h"
+#include "base/checked.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/shown_path.h"
+
+namespace fb::bake {
+namespace {
+
+// What a glTF file holds.
+struct GltfRig {
+  RigDescription description;
+  std::vector<float> base;           // points with all weights zero
+  std::vector<MorphTarget> targets;  // of each control
+
+  // Of what decides the points of a pose, so that another image or clip makes no other rig of it.
+  std::uint64_t hash() const {
+    std::uint64_t hash = hash64_of<float>(base);
+    for (const MorphTarget& target : targets)
+      hash = hash64_of<float>(target.offsets, hash64_of<std::uint32_t>(target.vertices, hash));
+    return hash;
+  }
+
+  void evaluate(const float* weights, float* points) const {
+    std::copy(base.begin(), base.end(), points);
+    for (std::size_t t = 0; t < targets.size(); ++t) {
+      if (weights[t] == 0) continue;
+      const MorphTarget& target = targets[t];
+      for (std::size_t i = 0; i < target.vertices.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          points[std::size_t{3} * target.vertices[i] + axis] += weights[t] * target.offsets[3 * i + axis];
+    }
+  }
+};
+
+class GltfSource final : public Source {
+ public:
+  explicit GltfSource(GltfRig rig) : rig_(std::move(rig)), diagonal_(rest().diagonal()) {}
+
+  const RigSchema& schema() const override { return rig_.description.schema; }
+  const Mesh& rest() const override { return rig_.description.rest; }
+  const Character& character() const override { return rig_.description.character; }
+  const std::vector<Clip>& clips() const override { return rig_.description.clips; }
+  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override {
+    evaluate_clip(*this, clip, first, count, points);
+  }
+  std::vector<std::string> notes() const override { return rig_.description.notes; }
+  bool live() const override { return true; }
+  bool thread_safe() const override { return true; }
+  std::string version() const override { return rig_.description.version; }
+
+  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override {
+    check_call(*this, controls, count, points);
+    for (std::size_t p = 0; p < count; ++p)
+      rig_.evaluate(controls.data() + p * schema().control_count(), points.data() + p * rest().points.size());
+    if (const auto fault = find_point_fault(points, rest(), diagonal_))
+      throw PoseError(fault->status, fault->pose, format("rig \"%s\": %s", schema().name.c_str(), fault->what.c_str()));
+  }
+
+ private:
+  GltfRig rig_;
+  double diagonal_;  // of the rest mesh
+};
+
+class GltfRigReader {
+ public:
+  GltfRigReader(const GltfFile& file, const std::string& name)
+      : file_(file), scene_(file), controls_(read_controls(file, scene_.meshes(), left_out_)) {
+    rig_.description.schema = {name, "m", "y", {}};
+  }
+
+  GltfRig read() {
+    const std::vector<ShownMesh>& shown = scene_.meshes();
+    if (controls_.names.empty())
+      fail(Status::bad_data, "shows no mesh with morph targets, which are the controls of such a rig");
+    rig_.targets.resize(controls_.names.size());
+    for (std::size_t s = 0; s < shown.size(); ++s)
+      with_context("mesh \"" + shown[s].name + "\"", [&] { add(shown[s], controls_.of_shown[s]); });
+    fill_uvs();
+    RigDescription& to = rig_.description;
+    const bool one_mesh = std::ranges::all_of(shown, [&](const ShownMesh& s) { return s.mesh == shown[0].mesh; });
+    const std::string& mesh_name = file_.model().meshes[shown[0].mesh].name;
+    if (one_mesh && !mesh_name.empty()) to.schema.name = mesh_name;
+    to.clips = read_gltf_clips(file_, shown, controls_, left_out_);
+    to.character = read_gltf_materials(file_, to.rest.parts, left_out_);
+    rig_.description.notes = left_out_.notes();
+    set_controls();
+    rig_.base = to.rest.points;
+    if (!rig_.base.empty()) rig_.evaluate(controls_.rest.data(), to.rest.points.data());
+    to.version = format("%016llx", static_cast<unsigned long long>(rig_.hash()));
+    check_source(to.schema, to.rest, to.character);
+    check_clips(to.clips);
+    return std::move(rig_);
+  }
+
+ private:
+  static constexpr std::uint32_t no_uv = UINT32_MAX;
+
+  void add(const ShownMesh& shown, const std::vector<std::size_t>& controls) {
+    const tinygltf::Mesh& mesh = file_.model().meshes[shown.mesh];
+    const GltfMesh from = read_gltf_mesh(file_, mesh, joint_count(file_, shown), left_out_);
+    if (from.surface.points.empty()) return;  // points and lines
+    if (shown.skin >= 0)
+      left_out_.add("skins are left out, and meshes stay where the joints of the file have them", shown.name);
+    const VertexMaps maps = vertex_maps(file_, scene_, shown, from);
+    const std::size_t first = rig_.description.rest.vertex_count();
+    add_surface(shown.name, from, maps);
+    for (std::size_t t = 0; t < controls.size(); ++t)
+      add_offsets(from.targets[t], maps, first, rig_.targets[controls[t]]);
+  }
+
+  void add_surface(const std::string& name, const GltfMesh& from, const VertexMaps& maps) {
+    const Mesh& surface = from.surface;
+    Mesh& to = rig_.description.rest;
+    const std::size_t first = to.vertex_count(), first_uv = to.uvs.size() / 2;
+    for (std::size_t v = 0; v < surface.vertex_count(); ++v) {
+      const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3f>(&surface.points[3 * v]).cast<double>();
+      const Eigen::Vector3f placed = (maps[v] * point.homogeneous()).cast<float>();
+      to.points.insert(to.points.end(), placed.begin(), placed.end());
+    }
+    for (const std::uint32_t corner : surface.polygon_corners)
+      to.polygon_corners.push_back(checked_u32(first + corner, "vertices"));
+    to.polygon_sizes.insert(to.polygon_sizes.end(), surface.polygon_sizes.begin(), surface.polygon_sizes.end());
+    to.uvs.insert(to.uvs.end(), surface.uvs.begin(), surface.uvs.end());
+    for (const std::uint32_t corner : surface.uv_corners)
+      to.uv_corners.push_back(checked_u32(first_uv + corner, "texture coordinates"));
+    to.uv_corners.resize(to.polygon_corners.size(), no_uv);
+    to.parts.push_back({name, checked_u32(surface.vertex_count(), "vertices"),
+                        checked_u32(surface.polygon_sizes.size(), "triangles"), from.materials});
+  }
+
+  static void add_offsets(const MorphTarget& from, const VertexMaps& maps, std::size_t first, MorphTarget& to) {
+    for (std::size_t i = 0; i < from.vertices.size(); ++i) {
+      const Eigen::Vector3d offset = Eigen::Map<const Eigen::Vector3f>(&from.offsets[3 * i]).cast<double>();
+      const Eigen::Vector3f placed = (maps[from.vertices[i]].leftCols<3>() * offset).cast<float>();
+      to.vertices.push_back(checked_u32(first + from.vertices[i], "vertices"));
+      to.offsets.insert(to.offsets.end(), placed.begin(), placed.end());
+    }
+  }
+
+  // Gives the corners of meshes without texture coordinates a pair of zeros, if other meshes have any.
+  void fill_uvs() {
+    Mesh& mesh = rig_.description.rest;
+    if (mesh.uvs.empty()) return mesh.uv_corners.clear();
+    const std::uint32_t zero = checked_u32(mesh.uvs.size() / 2, "texture coordinates");
+    std::size_t corner = 0;
+    bool missing = false;
+    for (const MeshPart& part : mesh.parts)
+      for (const std::size_t end = corner + std::size_t{3} * part.polygons; corner < end; ++corner) {
+        if (mesh.uv_corners[corner] != no_uv) continue;
+        mesh.uv_corners[corner] = zero;
+        left_out_.add("some texture coordinates are missing, and 0", part.name);
+        missing = true;
+      }
+    if (missing) mesh.uvs.insert(mesh.uvs.end(), {0, 0});
+  }
+
+  void set_controls() {
+    const std::vector<Clip>& clips = rig_.description.clips;
+    const std::size_t count = controls_.names.size();
+    std::size_t resting_elsewhere = 0, widened = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+      const float rest = controls_.rest[c];
+      Control control{controls_.names[c], std::min(0.0f, rest), std::max(1.0f, rest), rest, ""};
+      for (const Clip& clip : clips)
+        for (std::size_t f = 0; f < clip.frames; ++f) {
+          control.minimum = std::min(control.minimum, clip.controls[f * count + c]);
+          control.maximum = std::max(control.maximum, clip.controls[f * count + c]);
+        }
+      resting_elsewhere += rest != 0;
+      if (control.minimum < 0 || control.maximum > 1)
+        if (++widened == 1)
+          rig_.description.notes.push_back(
+              format("weights of the file lie beyond 0..1: control \"%s\" ranges over %g..%g", control.name.c_str(),
+                     control.minimum, control.maximum));
+      rig_.description.schema.controls.push_back(std::move(control));
+    }
+    if (widened > 1) rig_.description.notes.back() += format(", and %zu more are widened", widened - 1);
+    if (resting_elsewhere)
+      rig_.description.notes.push_back(
+          format("%zu default weights are not 0: their controls rest there", resting_elsewhere));
+  }
+
+  LeftOut left_out_;
+  const GltfFile& file_;
+  const GltfScene scene_;
+  const GltfControls controls_;
+  GltfRig rig_;
+};
+
+OpenedSource open_rig(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder,
+                      const std::string& name) {
+  const GltfFile file(bytes, std::move(folder));
+  return std::make_unique<GltfSource>(GltfRigReader(file, name).read());
+}
+
+}  // namespace
+
+OpenedSource open_gltf_rig(const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::vector<std::byte> bytes = read_file(file, std::uint64_t{1} << 31);
+  return with_context(shown(path), [&] { return open_rig(bytes, file.parent_path(), file.stem().string()); });
+}
+
+OpenedSource open_gltf_rig(std::span<const std::byte> bytes, const std::string& name) {
+  return open_rig(bytes, std::nullopt, name);
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,118 @@
+#include "bake/rig/gltf/gltf_scene.h"
+
+#include <tiny_gltf.h>
+
+#include "base/status.h"
+
+namespace fb::bake {
+namespace {
+
+Eigen::Affine3d local_map(const tinygltf::Node& node) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  if (node.matrix.size() == 16) map.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+  if (node.translation.size() == 3) map.translate(Eigen::Vector3d(node.translation.data()));
+  if (node.rotation.size() == 4) map.rotate(Eigen::Quaterniond(node.rotation.data()).normalized());
+  if (node.scale.size() == 3) map.scale(Eigen::Vector3d(node.scale.data()));
+  return map;
+}
+
+// Fails unless `index` is -1 or below `count`.
+void check_index(int index, std::size_t count, std::size_t node, const char* what) {
+  if (index < -1 || (index >= 0 && static_cast<std::size_t>(index) >= count))
+    fail(Status::bad_data, "node %zu names %s %d of %zu", node, what, index, count);
+}
+
+// The parent of each node; -1: none.
+std::vector<int> parents_of(const std::vector<tinygltf::Node>& nodes) {
+  std::vector<int> parents(nodes.size(), -1);
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    for (const int child : nodes[n].children) {
+      if (child < 0 || static_cast<std::size_t>(child) >= nodes.size())
+        fail(Status::bad_data, "node %zu has the child %d of %zu nodes", n, child, nodes.size());
+      int& parent = parents[static_cast<std::size_t>(child)];
+      if (parent >= 0) fail(Status::bad_data, "node %d has two parents, %d and %zu", child, parent, n);
+      parent = static_cast<int>(n);
+    }
+  return parents;
+}
+
+// The nodes that have no parents.
+std::vector<int> roots_of(const std::vector<int>& parents) {
+  std::vector<int> roots;
+  for (std::size_t n = 0; n < parents.size(); ++n)
+    if (parents[n] < 0) roots.push_back(static_cast<int>(n));
+  return roots;
+}
+
+// Calls visit(node) for nodes and all below them, parents first. Each node has one parent at most.
+template <class Visit>
+void visit_tree(const std::vector<tinygltf::Node>& nodes, std::vector<int> next, const Visit& visit) {
+  std::vector<bool> seen(nodes.size());
+  while (!next.empty()) {
+    const auto node = static_cast<std::size_t>(next.back());
+    next.pop_back();
+    if (seen[node]) continue;
+    seen[node] = true;
+    visit(node);
+    next.insert(next.end(), nodes[node].children.begin(), nodes[node].children.end());
+  }
+}
+
+// The nodes with which the default scene begins.
+std::vector<int> nodes_of_scene(const tinygltf::Model& model, const std::vector<int>& roots) {
+  if (model.defaultScene < 0) return roots;
+  if (static_cast<std::size_t>(model.defaultScene) >= model.scenes.size())
+    fail(Status::bad_data, "its scene is %d of %zu", model.defaultScene, model.scenes.size());
+  std::vector<int> nodes = model.scenes[static_cast<std::size_t>(model.defaultScene)].nodes;
+  for (const int node : nodes)
+    if (node < 0 || static_cast<std::size_t>(node) >= model.nodes.size())
+      fail(Status::bad_data, "its scene names node %d of %zu", node, model.nodes.size());
+  return nodes;
+}
+
+std::string name_of_shown(const tinygltf::Mesh& mesh, std::size_t index, const std::string& node) {
+  if (!node.empty()) return node;
+  return mesh.name.empty() ? format("mesh%zu", index) : mesh.name;
+}
+
+}  // namespace
+
+std::string UniqueNames::add(const std::string& name) {
+  const auto [at, fresh] = next_.try_emplace(name, 2);
+  if (fresh) return name;
+  std::string unique;
+  do unique = format("%s (%d)", name.c_str(), at->second++);
+  while (!next_.try_emplace(unique, 2).second);
+  return unique;
+}
+
+GltfScene::GltfScene(const GltfFile& file) {
+  const tinygltf::Model& model = file.model();
+  const std::vector<int> parents = parents_of(model.nodes), roots = roots_of(parents);
+  std::size_t placed = 0;
+  worlds_.resize(model.nodes.size());
+  visit_tree(model.nodes, roots, [&](std::size_t n) {
+    worlds_[n] = local_map(model.nodes[n]);
+    if (parents[n] >= 0) worlds_[n] = worlds_[static_cast<std::size_t>(parents[n])] * worlds_[n];
+    ++placed;
+  });
+  if (placed < model.nodes.size()) fail(Status::bad_data, "some of its nodes are their own parents");
+
+  std::vector<bool> shown(model.nodes.size());
+  visit_tree(model.nodes, nodes_of_scene(model, roots), [&](std::size_t n) { shown[n] = true; });
+  UniqueNames names;
+  for (std::size_t n = 0; n < model.nodes.size(); ++n) {
+    const tinygltf::Node& node = model.nodes[n];
+    if (!shown[n]) continue;
+    check_index(node.mesh, model.meshes.size(), n, "mesh");
+    check_index(node.skin, model.skins.size(), n, "skin");
+    if (node.mesh < 0) continue;
+    const auto mesh = static_cast<std::size_t>(node.mesh);
+    const std::string name = name_of_shown(model.meshes[mesh], mesh, node.name);
+    meshes_.push_back({names.add(name), mesh, static_cast<int>(n), node.skin});
+  }
+  for (std::size_t m = 0; model.nodes.empty() && m < model.meshes.size(); ++m)
+    meshes_.push_back({names.add(name_of_shown(model.meshes[m], m, "")), m, -1, -1});
+}
+
+}  // namespace fb::bake

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bake/rig/gltf/gltf_file.h"
+
+namespace fb::bake {
+
+// A mesh where a node shows it. A mesh that two nodes show is two.
+struct ShownMesh {
+  std::string name;  // of the node, or of the mesh where that has none; unique
+  std::size_t mesh;  // index in the file
+  int node;          // -1: none, in a file without nodes
+  int skin;          // -1: none
+};
+
+// The nodes of a glTF file and the meshes that they show.
+class GltfScene {
+ public:
+  // Fails on nodes, meshes and skins that there are not, nodes with two parents, and nodes that are their own parents.
+  explicit GltfScene(const GltfFile& file);
+
+  // In the order of nodes: those of the default scene, or all where there is none. In a file without nodes, all meshes.
+  const std::vector<ShownMesh>& meshes() const { return meshes_; }
+  // From a node to the scene.
+  const Eigen::Affine3d& world(std::size_t node) const { return worlds_.at(node); }
+
+ private:
+  std::vector<Eigen::Affine3d> worlds_;
+  std::vector<ShownMesh> meshes_;
+};
+
+// Names that are told apart by numbers: "eye", "eye (2)", ...
+class UniqueNames {
+ public:
+  std::string add(const std::string& name);
+
+ private:
+  std::map<std::string, int> next_;  // number of each name that is taken
+};
+
+}  // namespace fb::bake

@@ -1,0 +1,69 @@
+#include "base/csv_file.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "base/file.h"
+#include "base/shown_path.h"
+#include "base/status.h"
+
+namespace fb {
+namespace {
+
+constexpr std::size_t most_csv_bytes = std::size_t{1} << 30;
+
+std::string text_of(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = read_file(path, most_csv_bytes);
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  return text;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    const std::string cell = line.substr(begin, end - begin);
+    const std::size_t first = cell.find_first_not_of(" \t\"\r"), last = cell.find_last_not_of(" \t\"\r");
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+    begin = end + 1;
+  }
+  return cells;
+}
+
+}  // namespace
+
+CsvFile::CsvFile(const std::filesystem::path& path) : shown_path_(shown(path)), text_(text_of(path)) {
+  std::string line;
+  std::getline(text_, line);
+  names_ = cells_of(line);
+}
+
+bool CsvFile::next() {
+  for (std::string line; std::getline(text_, line);) {
+    ++line_;
+    cells_ = cells_of(line);
+    if (cells_.size() == 1 && cells_[0].empty()) continue;
+    if (cells_.size() != names_.size())
+      fail(Status::bad_data, "%s: %zu cells where the first line names %zu", where().c_str(), cells_.size(),
+           names_.size());
+    return true;
+  }
+  return false;
+}
+
+float CsvFile::number(std::size_t column) const {
+  const std::string& cell = cells_[column];
+  float value = 0;
+  const auto [stopped, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || stopped != cell.data() + cell.size())
+    fail(Status::bad_data, "%s, column \"%s\": \"%s\" is no number", where().c_str(), names_[column].c_str(),
+         cell.c_str());
+  return value;
+}
+
+std::string CsvFile::where() const {
+  return format("%s, line %zu", shown_path_.c_str(), line_);
+}
+
+}  // namespace fb

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fb {
+
+// Which of several things each name means; nothing where it means none. `things`: the names of each, those that count
+// first in front, empty ones left out. A name is matched exactly if it can be, and else without regard to case and to
+// what is neither letter nor digit, "left" and "right" at the end being as good as "l" and "r".
+std::vector<std::optional<std::size_t>> match_names(const std::vector<std::string>& names,
+                                                    const std::vector<std::vector<std::string>>& things);
+
+}  // namespace fb

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <facebaker/facebaker_character.h>
+#include <facebaker/facebaker.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/mesh_view.h"
+
+namespace fb::tool {
+
+// Everything of a face that files of other programs hold, borrowed from its model.
+struct CharacterView {
+  std::string name;
+  std::string units;    // "m", "dm", "cm", "mm", "in", "ft", or others
+  std::string up_axis;  // "y" or "z"
+  MeshView mesh;        // the pool: all meshes
+  std::vector<fb_mesh> meshes;
+  std::vector<fb_material> materials;
+  std::vector<fb_image> images;
+  std::vector<fb_socket> sockets;
+
+  explicit CharacterView(const facebaker::Model& model);
+
+  // The name of a mesh; the character's if it has none.
+  std::string mesh_name(std::size_t index) const;
+  // The part of `vectors` (3 x vertices of the pool) that belongs to a mesh.
+  std::span<const float> part(std::size_t index, std::span<const float> vectors) const;
+};
+
+// The pool of a model.
+MeshView mesh_of(const facebaker::Model& model);
+
+// One mesh of a character by itself.
+class SingleMesh {
+ public:
+  SingleMesh(const CharacterView& character, std::size_t index);
+  SingleMesh(const SingleMesh&) = delete;
+  SingleMesh& operator=(const SingleMesh&) = delete;
+
+  // With vertices counted from the mesh's first, and the texture coordinates of the pool. Lives as long as this.
+  const MeshView& view() const { return view_; }
+
+ private:
+  std::vector<std::uint32_t> corners_;
+  MeshView view_;
+};
+
+}  // namespace fb::tool

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "export/glb_buffer.h"
+#include "export/morph_targets.h"
+
+namespace fb::tool {
+
+// Collects the channels of the one animation of a .glb.
+class GlbAnimation {
+ public:
+  // frames: how many, a frame every 1 / fps seconds.
+  GlbAnimation(tinygltf::Model& model, GlbBuffer& buffer, std::size_t frames, double fps);
+
+  // The weights of a mesh's targets, frames x targets.
+  void add_weights(int node, std::span<const float> weights);
+  // The node of socket `socket` of `sockets`. frames: frames x sockets x 12 floats.
+  void add_socket(int node, std::span<const float> frames, std::size_t socket, std::size_t sockets);
+  // Adds it to the model, unless it has no channels.
+  void finish(const std::string& name);
+
+ private:
+  void add_channel(int node, const char* path, int output);
+
+  tinygltf::Model& model_;
+  GlbBuffer& buffer_;
+  std::size_t frames_;
+  double fps_;
+  int times_ = -1;  // accessor, made with the first channel
+  tinygltf::Animation animation_;
+};
+
+}  // namespace fb::tool

@@ -1,0 +1,160 @@
+// What an archive says about its character, and its picture: from bake and pack to inspect.
+#include <doctest/doctest.h>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "archive/writer.h"
+#include "base/file.h"
+#include "base/sha256.h"
+#include "test_models.h"
+#include "tool_files.h"
+#include "tool_run.h"
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json inspect(const std::string& archive) {
+  const ToolRun run = run_tool({"inspect", archive, "--json"});
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  return Json::parse(run.out);
+}
+
+void bake(const std::string& source, const std::string& out, std::vector<std::string> options = {}) {
+  options.insert(options.begin(), {"bake", source, "--out", out, "--recipe", "linear", "--poses", "60"});
+  const ToolRun run = run_tool(options);
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+}
+
+// A dataset folder with something said about its character.
+void sample_dataset(const std::string& folder, const Json& about) {
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder, "--poses", "60"}).exit_code == 0);
+  const auto bytes = fb::read_file(folder + "/dataset.json");
+  Json index = Json::parse(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  index["about"] = about;
+  fb::write_file(folder + "/dataset.json", index.dump());
+}
+
+}  // namespace
+
+TEST_CASE("a bake keeps what its source and its user say, and which file it was baked from") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "toy", archive = folder / "toy.fbk", more = folder / "more.json";
+  sample_dataset(dataset, {{"author", "Ada"}, {"rights", {{"licence", "CC0-1.0"}, {"learning", "forbidden"}}}});
+  fb::write_file(more, std::string(R"({"author": null, "rights": {"uses": "tests"}, "shelf": [1, 2]})"));
+  const ToolRun run = run_tool({"bake", dataset, "--out", archive, "--recipe", "linear", "--about", more});
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.err.find("\"toy\" says that it may not be learned from") != std::string::npos);
+  const Json json = inspect(archive);
+  CHECK(json.at("about") == Json({{"rights", {{"learning", "forbidden"}, {"uses", "tests"}}}, {"shelf", {1, 2}}}));
+  CHECK(json.at("licence") == "CC0-1.0");
+  const Json& files = json.at("provenance").at("source_files");
+  REQUIRE(files.size() == 1);
+  CHECK(files.at(0).at("name") == "dataset.json");
+  CHECK(files.at(0).at("bytes") == std::filesystem::file_size(dataset + "/dataset.json"));
+  CHECK(files.at(0).at("sha256") == fb::sha256_of_file(dataset + "/dataset.json"));
+  const std::string text = run_tool({"inspect", archive}).out;
+  for (const char* line : {"\nrights learning: forbidden\n", "\nrights uses: tests\n", "\nshelf: [1,2]\n",
+                           "licence:\nCC0-1.0\n", "  thumbnail"})
+    CHECK_MESSAGE(text.find(line) != std::string::npos, line);
+}
+
+TEST_CASE("a licence that is given comes before that of the source") {
+  const ScratchFolder folder;
+  const std::string dataset = folder / "toy", words = folder / "words.txt", archive = folder / "toy.fbk";
+  sample_dataset(dataset, {{"rights", {{"licence", "CC0-1.0"}}}});
+  fb::write_file(words, std::string("All rights reserved."));
+  bake(dataset, archive, {"--licence", words, "--no-thumbnail"});
+  const Json json = inspect(archive);
+  CHECK(json.at("licence") == "All rights reserved.");
+  CHECK(!json.contains("about"));
+  CHECK(!json.contains("thumbnail"));
+}
+
+TEST_CASE("pack puts texts over those of an archive, and keeps the rest") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", packed = folder / "packed.fbk", more = folder / "more.json";
+  fb::write_file(archive, fb::archive::write_archive(fb::character_model(), {}));
+  REQUIRE(run_tool({"pack", archive, "--out", packed}).exit_code == 0);
+  CHECK(inspect(packed).at("about") == inspect(archive).at("about"));
+  CHECK(inspect(packed).at("thumbnail").at("bytes") == 67);
+  fb::write_file(more, std::string(R"({"author": "Bo", "rights": {"licence": "MIT", "learning": null}})"));
+  REQUIRE(run_tool({"pack", archive, "--out", packed, "--about", more, "--thumbnail"}).exit_code == 0);
+  const Json json = inspect(packed);
+  CHECK(json.at("about").at("author") == "Bo");
+  CHECK(json.at("about").at("shelf") == 7);
+  CHECK(!json.at("about").contains("rights"));  // nothing is left of it
+  CHECK(json.at("licence") == "MIT");
+  CHECK(json.at("thumbnail").at("bytes") > 67);
+  CHECK(run_tool({"verify", packed}).exit_code == 0);
+  const ToolRun diff = run_tool({"diff", archive, packed});
+  CHECK_MESSAGE(diff.out.find("about author") != std::string::npos, diff.out);
+}
+
+TEST_CASE("a bake draws a small picture of the face, the same on any number of threads") {
+  const ScratchFolder folder;
+  const std::string one = folder / "one.fbk", three = folder / "three.fbk", png = folder / "face.png";
+  bake(FB_TOY_RIG, one, {"--threads", "1"});
+  bake(FB_TOY_RIG, three, {"--threads", "3"});
+  CHECK(fb::read_file(one) == fb::read_file(three));
+  const ToolRun run = run_tool({"inspect", one, "--thumbnail", png});
+  CHECK(run.exit_code == 0);
+  CHECK(run.out == png + "\n");
+  const auto bytes = fb::read_file(png);
+  CHECK(bytes.size() == inspect(one).at("thumbnail").at("bytes"));
+  int width = 0, height = 0, channels = 0;
+  stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
+                                          static_cast<int>(bytes.size()), &width, &height, &channels, 3);
+  REQUIRE(pixels);
+  CHECK(width == 256);
+  CHECK(height == 256);
+  std::set<std::array<stbi_uc, 3>> colours;
+  for (int i = 0; i < width * height; ++i) colours.insert({pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]});
+  CHECK(colours.size() > 16);  // a shaded face, no empty picture
+  CHECK(colours.size() <= 256);
+  stbi_image_free(pixels);
+}
+
+TEST_CASE("what cannot be said or shown is refused") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", more = folder / "more.json", out = folder / "out.fbk";
+  write_tiny_archive(archive);
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& words) {
+    const ToolRun run = run_tool(arguments);
+    CAPTURE(run.err);
+    CHECK(run.exit_code == 1);
+    CHECK(is_error_line(run.err, arguments[0], words));
+    CHECK(!std::filesystem::exists(out));
+  };
+  refused({"inspect", archive, "--thumbnail", out}, {"face.fbk", "no thumbnail", "pack --thumbnail"});
+  fb::write_file(more, std::string(R"({"rights": {"uses": 7}})"));
+  refused({"pack", archive, "--out", out, "--about", more}, {"rights uses is no string"});
+  refused({"bake", FB_TOY_RIG, "--out", out, "--about", more}, {"rights uses is no string"});
+  fb::write_file(more, std::string("about me"));
+  refused({"pack", archive, "--out", out, "--about", more}, {"about is no JSON object"});
+  refused({"pack", archive, "--out", out, "--about", folder / "none.json"}, {"none.json"});
+}
+
+TEST_CASE("an archive may say anything about its character, and inspect survives") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  for (const std::string& about : {std::string("nonsense"), std::string("[7]"), std::string(60000, '['),
+                                   std::string("{\"a\\nb\":\"c\\u001b[2J\",\"rights\":7}")}) {
+    fb::PackedModel model = fb::character_model();
+    model.character.about = about;
+    fb::write_file(archive, fb::archive::write_archive(model, {}));
+    inspect(archive);
+    const ToolRun run = run_tool({"inspect", archive});
+    CHECK(run.exit_code == 0);
+    CHECK(run.out.find('\x1b') == std::string::npos);
+  }
+}

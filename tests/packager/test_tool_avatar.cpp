@@ -1,0 +1,74 @@
+// An avatar goes the whole way: from glTF with files beside it through bake and pose to glTF, which is a rig again.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "bake/dataset/open_source.h"
+#include "bake/rig/source.h"
+#include "gltf_avatar.h"
+#include "tool_files.h"
+#include "tool_run.h"
+
+using namespace fb;
+using namespace fb::test;
+
+namespace {
+
+// Writes the avatar with its buffer and one image in files beside it.
+void write_avatar(const ScratchFolder& folder, GltfAvatar& avatar) {
+  avatar.json["buffers"][0]["uri"] = "avatar.bin";
+  avatar.json["images"][1] = {{"name", "skin"}, {"uri", "skin.png"}};
+  std::ofstream(folder / "avatar.gltf") << avatar.json.dump();
+  std::ofstream(folder / "avatar.bin", std::ios::binary) << avatar.buffer();
+  std::ofstream(folder / "skin.png", std::ios::binary) << std::string(skin_png.begin(), skin_png.end());
+}
+
+}  // namespace
+
+TEST_CASE("an avatar that is baked and written again is the same avatar") {
+  const ScratchFolder folder;
+  GltfAvatar avatar;
+  write_avatar(folder, avatar);
+  const auto first = bake::open_source(folder / "avatar.gltf");
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, std::vector<std::string>{"--isolate"}}) {
+    CAPTURE(more.size());
+    std::vector<std::string> arguments = {"bake",  folder / "avatar.gltf", "--recipe", "linear", "--poses", "60",
+                                          "--out", folder / "avatar.fbk"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun baked = run_tool(arguments);
+    REQUIRE_MESSAGE(baked.exit_code == 0, baked.err);
+    CHECK(baked.err.find("skins are left out") != std::string::npos);
+    REQUIRE(run_tool({"pose", folder / "avatar.fbk", "--control-targets", "--out", folder / "again.glb"}).exit_code ==
+            0);
+    const auto second = bake::open_source(folder / "again.glb");
+    CHECK(second->rest().parts == first->rest().parts);
+    CHECK(second->character() == first->character());
+    CHECK(second->rest().polygon_corners == first->rest().polygon_corners);
+    REQUIRE(second->rest().points.size() == first->rest().points.size());
+
+    for (const std::map<std::string, double>& weights :
+         {std::map<std::string, double>{}, {{"jawOpen", 1}}, {{"tongueOut", 0.5}, {"browInnerUp", 1}}}) {
+      std::vector<float> pose = second->schema().rest_pose(), points(second->rest().points.size());
+      for (const auto& [name, weight] : weights)
+        pose.at(second->schema().find(name).value()) = static_cast<float>(weight);
+      second->evaluate(pose, 1, points);
+      const std::vector<double> expected = avatar.points(weights);
+      double worst = 0;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        worst = std::max(worst, std::abs(double(points[i]) - expected[i]));
+      CHECK(worst < 1e-5 * first->rest().diagonal());
+    }
+  }
+}
+
+TEST_CASE("an avatar without a file that it names is refused by that name") {
+  const ScratchFolder folder;
+  GltfAvatar avatar;
+  write_avatar(folder, avatar);
+  std::filesystem::remove(folder / "skin.png");
+  const ToolRun run = run_tool({"bake", folder / "avatar.gltf", "--out", folder / "avatar.fbk"});
+  CHECK(run.exit_code != 0);
+  CHECK_MESSAGE(is_error_line(run.err, "bake", {"avatar.gltf", "skin.png", "no such file"}), run.err);
+  CHECK_FALSE(std::filesystem::exists(folder / "avatar.fbk"));
+}
