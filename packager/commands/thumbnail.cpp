@@ -9,7 +9,7 @@
 namespace fb::tool {
 namespace {
 
-constexpr int thumbnail_pixels = 256;  // what file managers show as "large"
+constexpr int thumbnail_pixels = 192;  // about 6 KB; file managers show it at 128 to 256
 
 std::vector<std::byte> draw_rest(const MeshView& mesh, const char* up_axis, const Parallel& parallel) {
   const Resolution size = {thumbnail_pixels, thumbnail_pixels};

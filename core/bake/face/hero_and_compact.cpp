@@ -25,11 +25,11 @@ FaceRecipe compact_recipe() {
   recipe.basis.max_error = 1e-3;
   recipe.basis.max_components = 96;
   recipe.corrective_bytes = 150'000;
-  recipe.parameters = 500'000;
+  recipe.parameters = 380'000;
   recipe.training_flops = 2.5e13;
   recipe.weight_bits = 6;
   recipe.compression_error_share = 0.1;
-  recipe.min_compression_error = 1.5e-5;
+  recipe.min_compression_error = 1.7e-5;
   recipe.max_bytes_read = 1.25e6;  // on synthetic shots; leaves a margin below 1.3 MB
   return recipe;
 }
