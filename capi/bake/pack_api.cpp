@@ -28,6 +28,7 @@ fb::bake::RepackOptions options_of(const fb_pack_desc& desc) {
   options.about = text_or_empty(desc.about);
   fb::bake::merged_about("", options.about);  // what is wrong with it is no fault of the archive
   options.thumbnail = bytes_or_none(desc.thumbnail, desc.thumbnail_bytes);
+  options.sockets = text_or_empty(desc.sockets);
   return options;
 }
 

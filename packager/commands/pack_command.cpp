@@ -16,7 +16,7 @@ namespace {
 struct PackCommand {
   PackCommand() { fb_pack_desc_init(&desc); }
 
-  std::string archive, out, licence, about;
+  std::string archive, out, licence, about, sockets;
   fb_pack_desc desc;
   Parallel parallel;
   bool force = false, thumbnail = false;
@@ -39,13 +39,15 @@ std::string displacement_text(const fb_pack_result& result) {
 }
 
 void PackCommand::run() {
-  const std::string licence_words = file_text(licence), about_words = file_text(about);
+  const std::string licence_words = file_text(licence), about_words = file_text(about),
+                    socket_words = file_text(sockets);
   const std::vector<std::byte> picture =
       thumbnail ? draw_thumbnail(facebaker::Model(archive), parallel) : std::vector<std::byte>();
   desc.path = archive.c_str();
   desc.out = out.c_str();
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
   desc.about = about.empty() ? nullptr : about_words.c_str();
+  desc.sockets = sockets.empty() ? nullptr : socket_words.c_str();
   desc.thumbnail = picture.empty() ? nullptr : picture.data();
   desc.thumbnail_bytes = picture.size();
   desc.force = force ? 1 : 0;
@@ -73,6 +75,11 @@ void add_pack(CLI::App& tool) {
   add_out_archive(*app, command->out);
   add_licence(*app, command->licence);
   add_about(*app, command->about);
+  app->add_option(
+         "--sockets", command->sockets,
+         "A JSON file: an array of sockets (docs/characters.md), which are added, or replace those of the same "
+         "names")
+      ->type_name("FILE.json");
   app->add_flag("--thumbnail", command->thumbnail, "Draw the picture of the face that file managers show");
   app->add_option("--max-bytes", command->desc.max_bytes,
                   "Bytes the archive may have: in the smallest quantisation steps within them; 0: any")
@@ -90,7 +97,7 @@ void add_pack(CLI::App& tool) {
   add_threads(*app, command->parallel);
   app->footer(
       "Without --max-bytes and --max-error the face poses as it did, to the last bit; its reference poses are kept, or "
-      "made where it has none.");
+      "made where it has none or sockets are given.");
   app->callback([command] { command->run(); });
 }
 

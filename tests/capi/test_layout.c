@@ -335,7 +335,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_eval_desc, measure, 28);
   assert_at(fb_eval_desc, callbacks, 32);
 
-  assert_int_equal(sizeof(fb_pack_desc), 120);
+  assert_int_equal(sizeof(fb_pack_desc), 128);
   assert_at(fb_pack_desc, struct_size, 0);
   assert_at(fb_pack_desc, force, 4);
   assert_at(fb_pack_desc, path, 8);
@@ -350,6 +350,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_pack_desc, about, 96);
   assert_at(fb_pack_desc, thumbnail, 104);
   assert_at(fb_pack_desc, thumbnail_bytes, 112);
+  assert_at(fb_pack_desc, sockets, 120);
 }
 
 static void layout_of_results(void** state) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "archive/reader.h"
 #include "archive/writer.h"
 #include "base/file.h"
 #include "base/sha256.h"
@@ -100,6 +101,28 @@ TEST_CASE("pack puts texts over those of an archive, and keeps the rest") {
   CHECK_MESSAGE(diff.out.find("about author") != std::string::npos, diff.out);
 }
 
+TEST_CASE("pack gives sockets to a face, or replaces them, and poses as before") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", packed = folder / "packed.fbk", sockets = folder / "sockets.json";
+  bake(FB_TOY_RIG, archive);
+  fb::write_file(sockets, std::string(R"([{"name": "hat", "vertices": [0, 5, 9]}])"));
+  REQUIRE(run_tool({"pack", archive, "--out", packed, "--sockets", sockets}).exit_code == 0);
+  CHECK(run_tool({"verify", packed}).exit_code == 0);
+  REQUIRE(inspect(packed).at("sockets").size() == 1);
+  CHECK(inspect(packed).at("sockets").at(0).at("name") == "hat");
+  fb::write_file(sockets, std::string(R"([{"name": "hat", "vertices": [0, 5, 9, 11], "weights": [1, 2, 3, 4]},
+                                          {"name": "scarf", "vertices": [1, 2, 7],
+                                           "frame": [1, 0, 0, 3, 0, 1, 0, 4, 0, 0, 1, 5]}])"));
+  const std::string again = folder / "again.fbk";
+  REQUIRE(run_tool({"pack", packed, "--out", again, "--sockets", sockets, "--max-error", "0.001"}).exit_code == 0);
+  CHECK(run_tool({"verify", again}).exit_code == 0);
+  const fb::archive::Archive face = fb::archive::read_archive(fb::read_file(again));
+  REQUIRE(face.model.character.sockets.size() == 2);
+  CHECK(face.model.character.sockets[0].weights == std::vector<float>{1, 2, 3, 4});
+  CHECK(face.model.character.sockets[1].frame[11] == 5);
+  CHECK(run_tool({"diff", archive, packed}).exit_code == 0);
+}
+
 TEST_CASE("a bake draws a small picture of the face, the same on any number of threads") {
   const ScratchFolder folder;
   const std::string one = folder / "one.fbk", three = folder / "three.fbk", png = folder / "face.png";
@@ -115,8 +138,8 @@ TEST_CASE("a bake draws a small picture of the face, the same on any number of t
   stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
                                           static_cast<int>(bytes.size()), &width, &height, &channels, 3);
   REQUIRE(pixels);
-  CHECK(width == 256);
-  CHECK(height == 256);
+  CHECK(width == 192);
+  CHECK(height == 192);
   std::set<std::array<stbi_uc, 3>> colours;
   for (int i = 0; i < width * height; ++i) colours.insert({pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]});
   CHECK(colours.size() > 16);  // a shaded face, no empty picture
@@ -138,6 +161,14 @@ TEST_CASE("what cannot be said or shown is refused") {
   refused({"inspect", archive, "--thumbnail", out}, {"face.fbk", "no thumbnail", "pack --thumbnail"});
   fb::write_file(more, std::string(R"({"rights": {"uses": 7}})"));
   refused({"pack", archive, "--out", out, "--about", more}, {"rights uses is no string"});
+  const auto socket_refused = [&](const char* json, const std::vector<std::string>& words) {
+    const std::string sockets = folder / "sockets.json";
+    fb::write_file(sockets, std::string(json));
+    refused({"pack", archive, "--out", out, "--sockets", sockets}, words);
+  };
+  socket_refused(R"({"name": "hat"})", {"no JSON array"});
+  socket_refused(R"([{"name": "hat", "vertices": "all"}])", {"sockets", "vertices"});
+  socket_refused(R"([{"name": "hat", "vertices": [0, 1, 700]}])", {"hat", "700"});
   refused({"bake", FB_TOY_RIG, "--out", out, "--about", more}, {"rights uses is no string"});
   fb::write_file(more, std::string("about me"));
   refused({"pack", archive, "--out", out, "--about", more}, {"about is no JSON object"});

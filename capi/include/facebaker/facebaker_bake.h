@@ -372,6 +372,8 @@ typedef struct fb_pack_desc {
                         kept as it is */
   const void* thumbnail;    /**< in place of the archive's, see fb_bake_desc; null (default): kept */
   uint64_t thumbnail_bytes; /**< of thumbnail */
+  const char* sockets;      /**< a JSON array of sockets, see docs/characters.md, which are added to the archive's, or
+                               replace those of the same names. Its proof is made anew. Null (default): none */
 } fb_pack_desc;
 
 FB_API void fb_pack_desc_fill(fb_pack_desc* to, uint32_t struct_size);

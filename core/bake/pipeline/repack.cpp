@@ -11,6 +11,7 @@
 #include "bake/measure/certificate.h"
 #include "bake/measure/verify.h"
 #include "bake/rig/about.h"
+#include "bake/rig/given_sockets.h"
 #include "base/file.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
@@ -101,7 +102,7 @@ class Repacker {
        allowed.error);
 }
 
-void replace_texts(archive::Archive& face, const RepackOptions& options) {
+void replace_character(archive::Archive& face, const RepackOptions& options) {
   Character& character = face.model.character;
   if (!options.about.empty()) {
     character.about = merged_about(character.about, options.about);
@@ -109,6 +110,10 @@ void replace_texts(archive::Archive& face, const RepackOptions& options) {
   }
   if (!options.licence.empty()) face.text.licence = options.licence;
   if (!options.thumbnail.empty()) character.thumbnail = options.thumbnail;
+  if (!options.sockets.empty()) {
+    add_sockets(options.sockets, face.model.rest, character);
+    face.proof = {};
+  }
 }
 
 }  // namespace
@@ -122,7 +127,7 @@ RepackResult repack(std::span<const std::byte> archive, const RepackOptions& opt
   if (!std::isfinite(options.max_error) || options.max_error < 0)
     fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
   archive::Archive face = archive::read_archive(archive);
-  replace_texts(face, options);
+  replace_character(face, options);
   if (face.proof.hashes.empty()) face.proof = make_proof(face.model, options.seed);
   RepackResult result;
   result.source_bytes = archive.size();

@@ -24,6 +24,7 @@ struct RepackOptions {
   std::string licence = {};  // replaces that of the archive; empty: it stays
   std::string about = {};    // put over what the archive says of the character (about.h); empty: that stays as it is
   std::vector<std::byte> thumbnail = {};  // replaces that of the archive; empty: it stays
+  std::string sockets = {};               // a JSON array, added to those of the archive (given_sockets.h); may be empty
 };
 
 struct RepackResult {
