@@ -142,3 +142,15 @@ fb_status fb_channel_at(const fb_model* model, uint32_t index, fb_channel* chann
 fb_status fb_find_channel(const fb_model* model, const char* name, uint32_t* index) {
   return find(model, &LoadedCharacter::channels, name, index, "channel");
 }
+
+void fb_exact_pose_fill(fb_exact_pose* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+uint32_t fb_exact_pose_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::exact_poses);
+}
+
+fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose* pose) {
+  return copy_at(model, &LoadedCharacter::exact_poses, index, pose, "fb_exact_pose");
+}

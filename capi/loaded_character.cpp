@@ -8,6 +8,7 @@ namespace fb::capi {
 LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
     : parts_(std::move(model.rest.parts)),
       channels_(std::move(model.schema.channels)),
+      exact_(std::move(model.exact)),
       character_(std::move(model.character)) {
   if (parts_.empty()) {
     const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
@@ -25,6 +26,7 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(images, character_.images.size(), "images");
   budget.reserve(sockets, character_.sockets.size(), "sockets");
   budget.reserve(channels, channels_.size(), "channels");
+  budget.reserve(exact_poses, exact_.size(), "exact poses");
   describe_meshes(model.rest);
   describe_materials();
   for (const Image& image : character_.images)
@@ -42,6 +44,15 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   for (const Channel& from : channels_)
     channels.push_back(
         {sizeof(fb_channel), 0, from.name.c_str(), from.unit.c_str(), from.minimum, from.maximum, from.rest});
+  describe_exact_poses();
+}
+
+void LoadedCharacter::describe_exact_poses() {
+  for (ExactPose& from : exact_) {
+    std::vector<std::int32_t>().swap(from.values);  // evaluation has its own
+    exact_poses.push_back({sizeof(fb_exact_pose), static_cast<std::uint32_t>(from.controls.size()), from.name.c_str(),
+                           from.controls.data()});
+  }
 }
 
 void LoadedCharacter::describe_meshes(const Mesh& rest) {

@@ -24,6 +24,7 @@ class LoadedCharacter {
   std::vector<fb_image> images;
   std::vector<fb_socket> sockets;
   std::vector<fb_channel> channels;
+  std::vector<fb_exact_pose> exact_poses;
 
   const char* about() const { return character_.about.c_str(); }
   std::span<const std::byte> thumbnail() const { return character_.thumbnail; }
@@ -31,9 +32,11 @@ class LoadedCharacter {
  private:
   void describe_meshes(const Mesh& rest);
   void describe_materials();
+  void describe_exact_poses();
 
   std::vector<MeshPart> parts_;
   std::vector<Channel> channels_;
+  std::vector<ExactPose> exact_;  // without values
   Character character_;
   std::vector<fb_material_run> runs_;
   std::vector<fb_texture> textures_;

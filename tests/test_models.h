@@ -1,6 +1,7 @@
 // Small face models for tests, made of nothing but a seed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -238,6 +239,30 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
       "{\"author\":\"Ren\xc3\xa9"
       "e\",\"rights\":{\"learning\":\"forbidden\"},\"shelf\":7}";
   model.character.thumbnail = white_png();
+  return model;
+}
+
+// character_model() with two exact poses that disturb neither each other nor the rest pose; the second corrects nothing
+// in the first row block.
+inline PackedModel exact_model(std::uint64_t seed = 1) {
+  PackedModel model = character_model(seed);
+  Random random(seed, 3);
+  const RigSchema& schema = model.schema;
+  const std::vector<float> rest = places_in_ranges(schema, schema.rest_pose());
+  std::vector<std::vector<float>> places;
+  for (const char* name : {"smile:12", "frown:0"}) {
+    ExactPose& pose = model.exact.emplace_back(ExactPose{name, schema.rest_pose(), 0, 0x1p-20f});
+    for (std::size_t c = 0; c < 3; ++c)
+      pose.controls[c] = random.uniform(schema.controls[c].minimum, schema.controls[c].maximum);
+    for (std::size_t row = 0; row < model.rest.points.size(); ++row)
+      pose.values.push_back(static_cast<std::int32_t>(random.uniform(-1, 1) * 1e6f));
+    places.push_back(places_in_ranges(schema, pose.controls));
+  }
+  std::fill_n(model.exact[1].values.begin(), model.row_blocks[0].row_count, 0);
+  model.exact[0].values[40] = largest_correction;
+  for (std::size_t i = 0; i < 2; ++i)
+    model.exact[i].falloff = 1.001f / std::min(squared_distance(places[0].data(), places[1].data(), rest.size()),
+                                               squared_distance(rest.data(), places[i].data(), rest.size()));
   return model;
 }
 

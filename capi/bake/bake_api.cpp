@@ -14,6 +14,17 @@ const std::vector<std::string>& recipes() {
   return names;
 }
 
+// The poses that a description names.
+std::vector<std::string> exact_of(const fb_bake_desc& desc) {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < desc.exact_count; ++i) {
+    require(desc.exact, "fb_bake_desc: exact");
+    require(desc.exact[i], "fb_bake_desc: one of exact");
+    names.emplace_back(desc.exact[i]);
+  }
+  return names;
+}
+
 fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Source& source, fb::Progress& progress) {
   require(desc.recipe, "fb_bake_desc: recipe");
   fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix", progress);
@@ -27,6 +38,7 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.force = desc.force != 0;
   options.skip_failing = desc.skip_failing != 0;
   options.examples = examples_of(desc, source, progress);
+  options.exact = exact_of(desc);
   options.licence = text_or_empty(desc.licence);
   options.created = text_or_empty(desc.created);
   options.about = text_or_empty(desc.about);

@@ -88,6 +88,7 @@ std::string diff_json(const std::string& before, const archive::Archive& old_arc
                     {"vertices", change(old_model.rest.surface_vertex_count(), model.rest.surface_vertex_count())},
                     {"same_polygons", difference.same_polygons},
                     {"same_texture_coordinates", difference.same_uvs},
+                    {"same_exact_poses", difference.same_exact_poses},
                     {"rest", errors(difference.rest, difference.rest_place)},
                     {"random", errors(difference.random, difference.random_place)},
                     {"controls", control_list(difference)},

@@ -103,6 +103,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   };
   bake::write_character(model.rest.parts, model.character, size_of, document);
   bake::write_channels(model.schema.channels, document);
+  for (const ExactPose& pose : model.exact) document["exact_poses"].push_back({{"name", pose.name}});
   if (!model.character.about.empty()) document["about"] = object_in(model.character.about);
   if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
   return json_text(document);

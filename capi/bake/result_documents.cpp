@@ -319,6 +319,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"train_seconds", baked.train_seconds},
                     {"held_back", held_back_of(baked.held_back)},
                     {"quantisation", figures(baked.quantisation)},
+                    {"exact", baked.exact ? figures(*baked.exact) : Json()},
                     {"controls", std::move(controls)},
                     {"repeatability", repeatability_of(baked.repeatability)},
                     {"warnings", baked.warnings}});

@@ -6,6 +6,7 @@
 
 #include "archive/container/byte_reader.h"
 #include "model/character.h"
+#include "model/exact_poses.h"
 #include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
@@ -25,5 +26,7 @@ std::vector<std::byte> read_thumbnail(ByteReader& in);
 std::vector<Channel> read_channels(ByteReader& in);
 // `controls`: how many the model has.
 ExpectedErrors read_expected_errors(ByteReader& in, std::size_t controls);
+// `vertices`: with those that carry channels.
+std::vector<ExactPose> read_exact_poses(ByteReader& in, std::size_t controls, std::size_t vertices);
 
 }  // namespace fb::archive

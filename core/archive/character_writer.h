@@ -5,6 +5,7 @@
 
 #include "archive/container/byte_writer.h"
 #include "model/character.h"
+#include "model/exact_poses.h"
 #include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
@@ -20,5 +21,6 @@ ByteWriter write_images(const std::vector<Image>& images);
 ByteWriter write_sockets(const std::vector<Socket>& sockets);
 ByteWriter write_channels(const std::vector<Channel>& channels);
 ByteWriter write_expected_errors(const ExpectedErrors& expected);
+ByteWriter write_exact_poses(const std::vector<ExactPose>& poses);
 
 }  // namespace fb::archive

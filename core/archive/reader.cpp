@@ -16,7 +16,7 @@ bool is_known(std::string_view name) {
         section::basis,      section::basis_values, section::labels,     section::uvs,      section::meshes,
         section::materials,  section::images,       section::sockets,    section::channels, section::expected_errors,
         section::about,      section::thumbnail,    section::provenance, section::licence,  section::certificate,
-        section::proof})
+        section::proof,      section::exact_poses})
     if (name == known) return true;
   return false;
 }
@@ -112,6 +112,10 @@ class ArchiveReader {
     const std::uint32_t vertices = archive.vertices + model_.rest.channel_vertices;
     read(section::basis, [&](ByteReader& in) { read_basis(in, vertices, model_); });
     read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, model_); });
+    if (!contains(section::exact_poses)) return;
+    const std::size_t controls = model_.schema.control_count();
+    model_.exact = read(section::exact_poses, [&](ByteReader& in) { return read_exact_poses(in, controls, vertices); });
+    for (const ExactPose& pose : model_.exact) count_names({&pose.name});
   }
 
   void read_texts() {
@@ -134,10 +138,12 @@ class ArchiveReader {
   void check_model() {
     // What the checks allocate: a set of names, and a mark a vertex.
     const ScopedCharge names(budget_, model_.schema.control_count(), 3 * 96, "control names");
+    const ScopedCharge places(budget_, model_.exact.empty() ? 0 : model_.schema.control_count(), 12, "controls");
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
     const ScopedCharge part_names(budget_,
                                   model_.rest.parts.size() + model_.character.sockets.size() +
-                                      model_.schema.channels.size() + model_.expected.regions.size(),
+                                      model_.schema.channels.size() + model_.expected.regions.size() +
+                                      model_.exact.size(),
                                   96, "names");
     try {
       check(model_);

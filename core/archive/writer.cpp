@@ -44,6 +44,7 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   }
   if (!model.schema.channels.empty()) compress(section::channels, true, write_channels(model.schema.channels));
   if (!model.expected.regions.empty()) compress(section::expected_errors, false, write_expected_errors(model.expected));
+  if (!model.exact.empty()) compress(section::exact_poses, true, write_exact_poses(model.exact));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);

@@ -133,6 +133,7 @@ void check(const PackedModel& model) {
   check_order(model.order, rows);
   check_blocks_of_parts(model);
   check(model.expected, model.schema, model.rest.surface_vertex_count());
+  check(model.exact, model.schema, rows);
 }
 
 }  // namespace fb

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/character.h"
+#include "model/exact_poses.h"
 #include "model/expected_errors.h"
 #include "model/mesh.h"
 #include "model/network.h"
@@ -74,6 +75,7 @@ struct PackedModel {
   Character character = {};
   ExpectedErrors expected = {};
   std::string provenance;  // a JSON object, for people and `inspect`
+  std::vector<ExactPose> exact = {};
 
   std::size_t parameter_count() const;  // weights and biases
   std::size_t value_count() const;      // of the basis

@@ -57,6 +57,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       meshes(model, memory, *from.heap),
       sockets(model, baked_index, memory),
       errors(model, baked_index, memory),
+      exact(model, memory),
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
       tangents(model.rest, baked_index, normals, memory, *from.heap),
       coefficient_count(model.columns) {

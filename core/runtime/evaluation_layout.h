@@ -10,6 +10,7 @@
 #include "model/packed_model.h"
 #include "runtime/csr_table.h"
 #include "runtime/error_prediction.h"
+#include "runtime/exact_blend.h"
 #include "runtime/feature_graph.h"
 #include "runtime/mesh_layout.h"
 #include "runtime/metered_memory.h"
@@ -85,6 +86,7 @@ struct EvaluationLayout {
   MeshLayout meshes;
   SocketFrames sockets;
   ErrorPrediction errors;
+  ExactBlend exact;
   VertexNormals normals;
   VertexTangents tangents;
   std::size_t coefficient_count;

@@ -116,6 +116,19 @@ void PoseExecution::run_row_blocks(float* const* rows) {
   }
 }
 
+// Adds the corrections of exact poses within reach.
+template <std::size_t poses>
+void PoseExecution::add_corrections(float* const* rows, bool in_workspace) {
+  const std::size_t blocks = layout_.row_blocks.size();
+  for (std::size_t p = 0; p < poses; ++p) {
+    const std::span<const ExactBlend::Weight> weights = layout_.exact.weights(p, workspace_.exact_);
+    if (weights.empty()) continue;
+    for (std::size_t b = 0; b < blocks; ++b)
+      if (is_posed(b) && layout_.exact.add(b, weights, rows[p] + layout_.row_blocks[b].first_row()) && in_workspace)
+        workspace_.moved_[p * blocks + b] = 1;
+  }
+}
+
 void PoseExecution::write(const float* rows, const VertexOutput& output) {
   const VertexWriter writer(layout_.kernels, rows, layout_.baked_index, workspace_.halves_.data(), output);
   if (meshes_.empty()) {
@@ -160,6 +173,7 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
     rows[p] =
         direct ? static_cast<float*>(outputs[p].positions.first) : workspace_.rows_.data() + p * layout_.row_stride();
   run_row_blocks<poses>(rows);
+  if (!layout_.exact.empty()) add_corrections<poses>(rows, !direct);
   for (std::size_t p = 0; p < poses; ++p)
     if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
   for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p]);
@@ -169,6 +183,7 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
 
 void PoseExecution::run_pose(const float* controls, const PoseOutput& output) {
   workspace_.clamped_ += layout_.features.run(layout_.kernels, controls, 0, 1, workspace_.features_);
+  layout_.exact.find_weights(controls, 0, workspace_.exact_);
   run_features_on<1>(&output);
 }
 
@@ -182,6 +197,8 @@ void PoseExecution::run_block(const float* controls, std::size_t stride, const P
     return;
   }
   workspace_.clamped_ += clamped;
+  for (std::size_t p = 0; p < poses_per_block; ++p)
+    layout_.exact.find_weights(controls + p * stride, p, workspace_.exact_);
   run_features_on<poses_per_block>(outputs);
 }
 

@@ -57,6 +57,8 @@ class PoseExecution {
   template <std::size_t poses>
   void run_row_blocks(float* const* rows);
   template <std::size_t poses>
+  void add_corrections(float* const* rows, bool in_workspace);
+  template <std::size_t poses>
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
   void write(const float* rows, const VertexOutput& output);

@@ -24,7 +24,8 @@ Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& 
       layer_inputs_(layout.max_width, poses_per_block, memory),
       normals_(layout.normals, memory),
       tangents_(layout.tangents, memory),
-      errors_(layout.errors, memory) {
+      errors_(layout.errors, memory),
+      exact_(layout.exact, poses_per_block, memory) {
   for (std::size_t p = 0; p < poses_per_block; ++p)
     std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
 }

@@ -7,6 +7,7 @@
 
 #include "runtime/error_prediction.h"
 #include "runtime/evaluation_layout.h"
+#include "runtime/exact_blend.h"
 #include "runtime/feature_graph.h"
 #include "runtime/quantise.h"
 #include "runtime/vertex_normals.h"
@@ -52,6 +53,7 @@ class Workspace {
   VertexNormals::State normals_;
   VertexTangents::State tangents_;
   ErrorPrediction::State errors_;
+  ExactBlend::State exact_;
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
 

@@ -23,7 +23,7 @@ struct BakeCommand {
     cache_mib = desc.cache_bytes >> 20;
   }
 
-  std::vector<std::string> sources, poses_like;
+  std::vector<std::string> sources, poses_like, exact;
   std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created;
   std::uint64_t cache_mib;
   fb_bake_desc desc;
@@ -55,6 +55,8 @@ std::string bake_text(const std::string& document) {
     table.add({"poses held back, mse", format("%.2e", held.at("mse").get<double>())});
   table.add({"rounding, mse", format("%.2e", quantisation.at("mse").get<double>())});
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});
+  if (const nlohmann::json& exact = figures.at("exact"); exact.is_object())
+    table.add({"exact poses, worst / diagonal", format("%.2e", exact.at("max").get<double>())});
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
     table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
   std::string text = table.text();
@@ -72,6 +74,9 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.source = source.get();
   desc.examples = examples.data();
   desc.example_count = static_cast<std::uint32_t>(examples.size());
+  const std::vector<const char*> exact_poses = c_strings(exact);
+  desc.exact = exact_poses.data();
+  desc.exact_count = static_cast<std::uint32_t>(exact_poses.size());
   desc.skip_failing = skip_failing ? 1 : 0;
   desc.archive = out.c_str();
   desc.recipe = recipe.c_str();
@@ -149,6 +154,11 @@ void add_bake(CLI::App& tool) {
   add_poses(*app, command->desc.poses, command->desc.rig_budget);
   add_mix(*app, command->mix);
   add_poses_like(*app, command->poses_like);
+  app->add_option("--exact", command->exact,
+                  "Poses that must come out as the source gives them, within rounding: CLIP:FRAME[,FRAME...], CLIP for "
+                  "all its frames, or, of a rig, a .csv or .npy of control values (repeatable)")
+      ->type_name("POSES")
+      ->allow_extra_args(false);
   add_epochs(*app, command->desc.epochs);
   app->add_option("--max-bytes", command->desc.max_bytes,
                   "Size limit of the archive: the least error within it; 0: the precision of the recipe")

@@ -56,6 +56,8 @@ std::string declared_text(const Json& document) {
     text += "vertices: " + change_text(vertices) + "; poses of different meshes are not compared\n";
   if (!document.at("same_polygons").get<bool>()) text += "the polygons differ\n";
   if (!document.at("same_texture_coordinates").get<bool>()) text += "the texture coordinates differ\n";
+  if (!document.at("same_exact_poses").get<bool>())
+    text += "the poses that are kept exact, or their corrections, differ\n";
   return text;
 }
 

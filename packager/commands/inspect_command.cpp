@@ -93,6 +93,7 @@ std::string character_tables(const Json& document) {
   Table materials({"material", "name", "alpha", "textures: images"});
   Table images({"image", "name", "media type", "bytes"});
   Table sockets({"socket", "vertices"});
+  Table exact({"exact pose"});
   const auto each = [&](const char* key, Table& table, const auto& row) {
     if (!document.contains(key)) return std::string();
     for (std::size_t i = 0; i < document[key].size(); ++i) table.add(row(document[key][i], std::to_string(i)));
@@ -112,15 +113,16 @@ std::string character_tables(const Json& document) {
   const auto socket = [](const Json& json, const std::string&) {
     return Row{json.at("name"), std::to_string(json.at("vertices").size())};
   };
+  const auto exact_pose = [](const Json& json, const std::string&) { return Row{json.at("name")}; };
   return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
-         each("sockets", sockets, socket);
+         each("sockets", sockets, socket) + each("exact_poses", exact, exact_pose);
 }
 
 // A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.
 void add_errors(Table& table, const std::string& what, const Json& json) {
   if (!json.is_object()) return;
   std::vector<std::string> row = {what};
-  const auto frames = json.find("frames");
+  const auto frames = json.contains("poses") ? json.find("poses") : json.find("frames");
   row.push_back(frames != json.end() && frames->is_number_unsigned() ? std::to_string(frames->get<std::uint64_t>())
                                                                      : "");
   for (const char* key : {"mse", "rms", "mean", "p99", "max", "mfm"}) {
@@ -154,7 +156,8 @@ std::string certificate_text(const Json& certificate) {
     add_error_list(table, "  region ", unseen, "regions", "name");
     add_errors(table, "  gaps of what touches", unseen.value("contact", Json()));
   }
-  for (const char* key : {"quantisation", "repacked", "bound"}) add_errors(table, key, certificate.value(key, Json()));
+  for (const char* key : {"quantisation", "exact", "repacked", "bound"})
+    add_errors(table, key, certificate.value(key, Json()));
   std::string text = table.text();
   const Json normals = unseen.is_object() ? unseen.value("normals", Json()) : Json();
   if (normals.is_object() && normals.contains("rms_degrees") && normals["rms_degrees"].is_number())

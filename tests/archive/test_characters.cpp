@@ -254,6 +254,59 @@ TEST_CASE("expected errors that contradict the face are refused") {
   lie(4, std::uint32_t(0), "there are no regions");
 }
 
+TEST_CASE("exact poses that contradict the face are refused") {
+  const auto check_exact = [](const std::function<void(std::vector<ExactPose>&)>& change, const char* message) {
+    PackedModel model = exact_model();
+    change(model.exact);
+    CHECK_THROWS_WITH_AS(write_archive(model, {}), doctest::Contains(message), Error);
+  };
+  using Poses = std::vector<ExactPose>;
+  check_exact([](Poses& p) { p[1].name = "smile:12"; }, "two exact poses named \"smile:12\"");
+  check_exact([](Poses& p) { p[0].name.clear(); }, "or one without a name");
+  check_exact([](Poses& p) { p[0].controls[1] = 7; }, "\"smile:12\" has control");
+  check_exact([](Poses& p) { p[0].controls[1] = NAN; }, "outside of its range");
+  check_exact([](Poses& p) { p[0].controls.pop_back(); }, "has 4 controls and 96 values for 5 and 96");
+  check_exact([](Poses& p) { p[0].values.pop_back(); }, "has 5 controls and 95 values");
+  check_exact([](Poses& p) { p[0].values[3] = largest_correction + 1; }, "has the value 16777216");
+  check_exact([](Poses& p) { p[0].step = 0; }, "and the step 0");
+  check_exact([](Poses& p) { p[0].falloff = INFINITY; }, "has the falloff inf");
+  check_exact([](Poses& p) { p[1].falloff = 1e-3f; }, "\"frown:0\" reaches the rest pose");
+  check_exact([](Poses& p) { p.resize(1025); }, "1025 exact poses; at most 1024");
+}
+
+TEST_CASE("exact poses that are forged, cut or too long are refused, and need be understood") {
+  ArchiveEditor archive(write_archive(exact_model(), {}));
+  CHECK(archive["exact-poses"].flags == section_required);
+  const Bytes contents = archive["exact-poses"].stored;
+  const auto lie = [&](std::size_t at, auto value, const char* message) {
+    Bytes changed = contents;
+    patch(changed, at, value);
+    archive["exact-poses"].set(changed);
+    check_refused(archive.bytes(), Status::corrupt, message);
+  };
+  lie(0, std::uint32_t(0), "there are no exact poses");
+  lie(0, UINT32_MAX, "exact poses need more than");
+  lie(0, std::uint32_t(1), "should end here");
+  lie(4, UINT32_MAX, "section \"exact-poses\"");
+  lie(16, std::uint32_t(0x7fc00000), "outside of its range");
+  for (std::size_t size = 0; size < contents.size(); ++size) {
+    archive["exact-poses"].set({contents.begin(), contents.begin() + std::ptrdiff_t(size)});
+    REQUIRE(outcome(archive.bytes()).status == Status::corrupt);
+  }
+  Bytes longer = contents;
+  longer.push_back(std::byte(0));
+  archive["exact-poses"].set(longer);
+  check_refused(archive.bytes(), Status::corrupt, "should end here");
+  archive["exact-poses"].set(contents);
+  for (std::byte& byte : archive["exact-poses"].stored)
+    for (const int mask : {0x01, 0x80, 0xff}) {
+      byte ^= std::byte(mask);
+      const Outcome seen = outcome(archive.bytes(), {std::uint64_t(1) << 24});
+      REQUIRE((seen.status == Status::ok || !seen.message.empty()));
+      byte ^= std::byte(mask);
+    }
+}
+
 TEST_CASE("weights of expected errors are bytes with a floating point") {
   CHECK(decoded_weight(0) == 0);
   CHECK(decoded_weight(255) == 15.0f / 16);

@@ -32,6 +32,7 @@ void check_same(const PackedModel& a, const PackedModel& b) {
   CHECK(a.rest.uv_corners == b.rest.uv_corners);
   CHECK(a.rest.parts == b.rest.parts);
   CHECK(a.character == b.character);
+  CHECK(a.exact == b.exact);
   CHECK(a.provenance == b.provenance);
 
   REQUIRE(a.features.size() == b.features.size());
@@ -122,7 +123,7 @@ TEST_CASE("a model is restored with all its parts") {
 
 TEST_CASE("many seeds, sizes and values are restored") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
-    for (const PackedModel& model : {tiny_packed_model(seed), character_model(seed)})
+    for (const PackedModel& model : {tiny_packed_model(seed), character_model(seed), exact_model(seed)})
       check_same(model, read_archive(write_archive(model, {})).model);
 }
 

@@ -457,6 +457,42 @@ static void expected_errors_come_with_their_regions(void** state) {
   fb_scratch_destroy(scratch);
 }
 
+static void exact_poses_are_told_and_corrected(void** state) {
+  (void)state;
+  fb_model* exact = NULL;
+  assert_ok(fb_load(FB_EXACT, NULL, &exact));
+  assert_int_equal(fb_exact_pose_count(exact), 2);
+  assert_int_equal(fb_exact_pose_count(character), 0);
+  assert_int_equal(fb_exact_pose_count(NULL), 0);
+  fb_exact_pose pose;
+  fb_exact_pose_init(&pose);
+  assert_int_equal(pose.struct_size, sizeof pose);
+  assert_ok(fb_exact_pose_at(exact, 1, &pose));
+  assert_string_equal(pose.name, "frown:0");
+  assert_ok(fb_exact_pose_at(exact, 0, &pose));
+  assert_string_equal(pose.name, "smile:12");
+  assert_int_equal(pose.control_count, fb_control_count(exact));
+  assert_int_equal(fb_exact_pose_at(exact, 2, &pose), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(fb_exact_pose_at(exact, 0, NULL), FB_ERROR_INVALID_ARGUMENT);
+  const size_t size = 3 * fb_vertex_count(exact) * sizeof(float);
+  float *corrected = malloc(size), *plain = malloc(size);
+  fb_scratch *scratch = NULL, *other = NULL;
+  assert_ok(fb_scratch_create(exact, 1, &scratch));
+  assert_ok(fb_scratch_create(character, 1, &other));
+  assert_ok(fb_evaluate(exact, scratch, pose.controls, corrected));
+  assert_ok(fb_evaluate(character, other, pose.controls, plain));
+  assert_memory_not_equal(corrected, plain, size);
+  const float rest[5] = {0, 0, 0.25f, 0, 0};
+  assert_ok(fb_evaluate(exact, scratch, rest, corrected));
+  assert_ok(fb_evaluate(character, other, rest, plain));
+  assert_memory_equal(corrected, plain, size);
+  free(corrected);
+  free(plain);
+  fb_scratch_destroy(scratch);
+  fb_scratch_destroy(other);
+  fb_release(exact);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(meshes_divide_the_pool),
@@ -472,6 +508,7 @@ int main(void) {
       cmocka_unit_test(channels_of_a_batch_are_those_of_each_pose),
       cmocka_unit_test(frames_are_the_same_with_any_other_output),
       cmocka_unit_test(expected_errors_come_with_their_regions),
+      cmocka_unit_test(exact_poses_are_told_and_corrected),
       cmocka_unit_test(wrong_use_is_refused),
       cmocka_unit_test(an_older_host_gets_the_fields_it_knows),
   };

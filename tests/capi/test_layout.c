@@ -135,6 +135,12 @@ static void layout_of_characters(void** state) {
   assert_at(fb_socket, weights, 24);
   assert_at(fb_socket, frame, 32);
 
+  assert_int_equal(sizeof(fb_exact_pose), 24);
+  assert_at(fb_exact_pose, struct_size, 0);
+  assert_at(fb_exact_pose, control_count, 4);
+  assert_at(fb_exact_pose, name, 8);
+  assert_at(fb_exact_pose, controls, 16);
+
   assert_int_equal(sizeof(fb_channel), 40);
   assert_at(fb_channel, name, 8);
   assert_at(fb_channel, unit, 16);
@@ -280,7 +286,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 216);
+  assert_int_equal(sizeof(fb_bake_desc), 232);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -310,6 +316,8 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, about, 192);
   assert_at(fb_bake_desc, thumbnail, 200);
   assert_at(fb_bake_desc, thumbnail_bytes, 208);
+  assert_at(fb_bake_desc, exact, 216);
+  assert_at(fb_bake_desc, exact_count, 224);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

@@ -4,6 +4,8 @@
 """
 import numpy as np
 
+import fbk_exact
+
 F = np.float32
 LIMIT = 32512
 TANH_MOST = F(7.90531110763549805)
@@ -146,6 +148,7 @@ def evaluate(face, controls):
     if np.isnan(controls).any():
         raise ValueError("a control is not a number")
     controls = [min(max(c, control[2]), control[3]) for c, control in zip(controls, face.controls)]
+    weights = fbk_exact.weights_of(face, controls)
     coefficients = coefficients_of(face, feature_values(face, controls))
     rest = np.concatenate([face.rest, np.zeros(3 * (face.points - face.vertices), F)])
     positions = rest.copy()
@@ -158,6 +161,7 @@ def evaluate(face, controls):
         if step != 0:
             at = block["coordinates"]
             positions[at] = rest[at] + step * (block["matrix"] @ q).astype(F)
+        fbk_exact.correct(face, weights, block, positions)
     behind = 3 * face.vertices
     values = [channel_value(channel, x) for channel, x in zip(face.channels, positions[behind:])]
     return positions[:behind], np.array(values, F)

@@ -24,6 +24,7 @@ import numpy as np
 import fbk_character
 import fbk_errors
 import fbk_evaluate
+import fbk_exact
 import fbk_sockets
 from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 
@@ -74,7 +75,7 @@ def decompress(sections, name):
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
 OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels",
-            "about", "thumbnail", "channels", "expected-errors")
+            "about", "thumbnail", "channels", "expected-errors", "exact-poses")
 
 
 # ---- Sections
@@ -531,6 +532,9 @@ class Face:
         self.errors = None
         if "expected-errors" in sections:
             fbk_errors.read_expected_errors(decompress(sections, "expected-errors"), self)
+        self.exact = []
+        if "exact-poses" in sections:
+            fbk_exact.read_exact_poses(decompress(sections, "exact-poses"), self)
         self.text = {n: read_text(decompress(sections, n)) for n in OPTIONAL[:3] if n in sections}
         self.proof_controls = np.zeros((0, len(self.controls)), F)
         if "proof" in sections:

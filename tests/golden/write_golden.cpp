@@ -162,6 +162,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("uvs.fbk", with_proof(with_uvs(give_uvs)));
   write("uvs-by-vertex.fbk", with_proof(with_uvs(give_uvs_by_vertex)));
   write("character.fbk", with_proof(character_model()));
+  write("exact-poses.fbk", with_proof(exact_model()));
   write("rows-1.fbk", with_proof(split_model(1, true)));
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));
@@ -343,6 +344,31 @@ void write_rejected_characters(const RejectedWriter& out) {
   out.patched("unsupported-texture-wrap.fbk", "materials", 60, std::uint8_t(3), model);
 }
 
+void write_rejected_exact_poses(const RejectedWriter& out) {
+  const PackedModel model = exact_model();
+  const char* const name = "exact-poses";
+  // Names take 4 + 8 and 4 + 7 bytes, controls 5 x 4, falloff and step 4 each.
+  constexpr std::size_t controls = 4 + 12, falloff = controls + 20, step = falloff + 4, second = step + 4,
+                        values = second + 11 + 20 + 8;
+  out.write("corrupt-no-exact.fbk", changed(
+                                        name, [](Bytes& b) { b.assign(4, {}); }, model));
+  out.write("corrupt-exact-more.fbk", changed(
+                                          name, [](Bytes& b) { b.resize(b.size() + 2); }, model));
+  out.write("corrupt-exact-names.fbk", changed(
+                                           name,
+                                           [&](Bytes& b) {
+                                             std::copy_n(b.begin() + 4, 12, b.begin() + second);
+                                             b.insert(b.begin() + second + 12, b[second + 12]);
+                                           },
+                                           model));
+  out.patched("corrupt-exact-control.fbk", name, controls, 1.5f, model);
+  out.patched("corrupt-exact-falloff.fbk", name, falloff, 0.0f, model);
+  out.patched("corrupt-exact-reach.fbk", name, falloff, 0x1p-10f, model);
+  out.patched("corrupt-exact-step.fbk", name, step, std::uint32_t(0x7f800000), model);
+  out.patched("corrupt-exact-value.fbk", name, values + 3 * 32, std::uint8_t(0x7f), model);
+  out.patched("unproven-exact.fbk", name, values + 7, std::uint8_t(0x7f), model);
+}
+
 void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
@@ -379,6 +405,7 @@ void write_rejected(const std::filesystem::path& folder) {
   write_rejected_sections(out);
   write_rejected_geometry(out);
   write_rejected_characters(out);
+  write_rejected_exact_poses(out);
   write_rejected_behaviour(out);
   write_rejected_texts_and_proofs(out);
 }

@@ -260,6 +260,11 @@ typedef struct fb_bake_desc {
   const void* thumbnail;    /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
                                (default):    none */
   uint64_t thumbnail_bytes; /**< of thumbnail */
+  const char* const* exact; /**< poses that must come out as the source gives them, within rounding: "CLIP:FRAME",
+                               "CLIP:FRAME,FRAME,...", "CLIP" for all its frames, or, of a live source, a .csv or .npy
+                               of control values as in examples; 1,024 poses at most. Poses at rest are exact anyhow */
+  uint32_t exact_count;     /**< of exact; default 0 */
+  uint32_t reserved2;       /**< 0 */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

@@ -178,6 +178,28 @@ FB_API fb_status fb_channel_at(const fb_model* model, uint32_t index, fb_channel
 /** Finds a channel by its exact name; FB_ERROR_NOT_FOUND names those there are. */
 FB_API fb_status fb_find_channel(const fb_model* model, const char* name, uint32_t* index);
 
+/* ---- Exact poses ------------------------------------------------------------------------------------------------- */
+
+/** A pose that comes out as the rig gave it, within rounding: what the basis gives is corrected there, with a weight
+ * that fades with the distance of the controls, to 0 at rest and at every other such pose. fb_evaluate and
+ * fb_evaluate_batch do so by themselves, whatever regions are left out; coefficients (fb_evaluate_coefficients) are
+ * without it. */
+typedef struct fb_exact_pose {
+  uint32_t struct_size;
+  uint32_t control_count; /**< of controls: fb_control_count */
+  const char* name;       /**< unique, not empty: "CLIP:FRAME" */
+  const float* controls;  /**< the values of the pose, each within its range */
+} fb_exact_pose;
+
+FB_API void fb_exact_pose_fill(fb_exact_pose* to, uint32_t struct_size);
+static inline void fb_exact_pose_init(fb_exact_pose* to) {
+  fb_exact_pose_fill(to, (uint32_t)sizeof *to);
+}
+/** Exact poses of the face; may be 0. */
+FB_API uint32_t fb_exact_pose_count(const fb_model* model);
+/** Fills *pose, up to its struct_size, for index < fb_exact_pose_count. */
+FB_API fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose* pose);
+
 /* ---- About the character ----------------------------------------------------------------------------------------- */
 
 /** Bytes that fb_about has at most, without the zero at its end. */

@@ -30,6 +30,7 @@ inline constexpr const char* about = "about";
 inline constexpr const char* thumbnail = "thumbnail";
 inline constexpr const char* channels = "channels";
 inline constexpr const char* expected_errors = "expected-errors";
+inline constexpr const char* exact_poses = "exact-poses";
 inline constexpr const char* network = "network";
 inline constexpr const char* weights = "weights";
 inline constexpr const char* basis = "basis";

@@ -99,7 +99,7 @@ Json independent_errors(const EvalReport& report, Split split) {
 
 std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
                         const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
-                        const std::vector<std::string>& warnings) {
+                        const std::vector<std::string>& warnings, const std::optional<Errors>& exact) {
   Json json;
   add(json["dependency"], dependency);
   if (held_back.total.frames > 0) {
@@ -108,6 +108,7 @@ std::string certificate(const Errors& dependency, const HeldBackErrors& held_bac
   }
   json["independent"] = independent ? independent_errors(*independent, split) : Json();
   add(json["quantisation"], quantisation);
+  if (exact) json["exact"] = {{"poses", exact->frames}, {"rms", rounded(exact->rms)}, {"max", rounded(exact->max)}};
   if (!warnings.empty()) json["warnings"] = warnings;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -127,6 +128,16 @@ void add_requantisation_errors(std::string& certificate, const Errors& moved) {
                      {"rms", rounded(bound)},
                      {"max", rounded(*figure(json[measured], "max") + max)}};
   }
+  certificate = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void add_exact_errors(std::string& certificate, const Errors& moved) {
+  Json json = parsed(certificate);
+  const Json before = json.value("exact", Json());
+  if (!figure(before, "rms") || !figure(before, "max")) return;  // nothing was measured
+  json["exact"] = {{"poses", moved.frames},
+                   {"rms", rounded(*figure(before, "rms") + moved.rms)},
+                   {"max", rounded(*figure(before, "max") + moved.max)}};
   certificate = json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

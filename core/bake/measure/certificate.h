@@ -15,15 +15,18 @@ namespace fb::bake {
 // A JSON object. `dependency`: on training poses. `held_back`: on those that nothing was fitted to. `independent` and
 // its split: with Detail::quality, on poses that were not trained on; absent where there are none. `quantisation`: of
 // the packed model against the float model. `warnings`: sentences; the certificate has the key only where there are
-// some.
+// some. `exact`: on the poses that are kept exact.
 std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
                         const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
-                        const std::vector<std::string>& warnings = {});
+                        const std::vector<std::string>& warnings = {}, const std::optional<Errors>& exact = {});
 
 // Adds to a certificate (whatever text it is) the errors made by repacking, "repacked": displacements of vertices from
 // where the archive before had them. Those of several repackings are summed. Where the certificate has measured errors,
 // "bound" becomes their sum with the displacements: an upper estimate of the error of the repacked face.
 void add_requantisation_errors(std::string& certificate, const Errors& moved);
+
+// Adds to the errors on poses that are kept exact how far repacking has moved these, in upper bounds.
+void add_exact_errors(std::string& certificate, const Errors& moved);
 
 // What a certificate says of a face's errors, over D.
 struct CertifiedErrors {

@@ -154,6 +154,7 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
   found.same_vertices = before.rest.surface_vertex_count() == now.rest.surface_vertex_count();
   found.same_polygons =
       before.rest.polygon_sizes == now.rest.polygon_sizes && before.rest.polygon_corners == now.rest.polygon_corners;
+  found.same_exact_poses = before.exact == now.exact;
   found.same_uvs = before.rest.uvs == now.rest.uvs && before.rest.uv_corners == now.rest.uv_corners;
   const std::vector<CommonControl> common = common_controls(found, before.schema, now.schema);
   if (!found.same_vertices) return found;
@@ -170,7 +171,8 @@ FaceDifference face_difference(PackedModel before, PackedModel now, const Parall
   compare_controls(found, before, now, common, map);
   compare_random(found, before, now, common, map);
   found.equal = found.schema.empty() && found.added.empty() && found.removed.empty() && found.same_polygons &&
-                found.same_uvs && found.controls.empty() && found.rest.max == 0 && found.random.max == 0;
+                found.same_uvs && found.same_exact_poses && found.controls.empty() && found.rest.max == 0 &&
+                found.random.max == 0;
   found.diagonal = units;
   return found;
 }

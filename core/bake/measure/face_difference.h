@@ -32,7 +32,7 @@ struct FaceDifference {
   double diagonal = 0;              // D: of the new rest mesh
   std::vector<std::string> schema;  // in words: name, units, up axis, order of controls
   std::vector<std::string> added, removed;
-  bool same_vertices = true, same_polygons = true, same_uvs = true;
+  bool same_vertices = true, same_polygons = true, same_uvs = true, same_exact_poses = true;
   // Where numbers of vertices are the same:
   std::vector<ControlDifference> controls;  // those whose declaration or motion differs, the largest first
   Errors rest, random;                      // between rest meshes; between positions in random poses

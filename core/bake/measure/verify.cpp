@@ -26,6 +26,20 @@ struct Posed {
   std::uint32_t outside = 0;                       // controls
 };
 
+// Some of the poses that are kept exact, and others on the way from each to the next.
+void add_exact_poses(const PackedModel& model, std::vector<float>& controls) {
+  constexpr std::size_t most = 8;
+  const std::size_t exact = model.exact.size(), count = std::min(exact, most);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t pose = i * exact / count;
+    const std::vector<float>&from = model.exact[pose].controls, &to = model.exact[(pose + 1) % exact].controls;
+    controls.insert(controls.end(), from.begin(), from.end());
+    for (std::size_t c = 0; c < from.size(); ++c)
+      controls.push_back(exact > 1 ? 0.75f * from[c] + 0.25f * to[c]
+                                   : 0.75f * from[c] + 0.25f * model.schema.controls[c].rest);
+  }
+}
+
 // Calls visit(pose, what it evaluates to) for every pose.
 template <class Visit>
 void for_each_pose(const PackedModel& model, std::span<const float> controls, Visit&& visit) {
@@ -73,6 +87,7 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
       proof.controls.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
     }
   }
+  add_exact_poses(model, proof.controls);
   const std::size_t vertices = model.rest.surface_vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
   for_each_pose(model, proof.controls, [&](std::size_t, const Posed& posed) {

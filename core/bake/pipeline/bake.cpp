@@ -9,6 +9,7 @@
 #include "bake/compress/mesh_blocks.h"
 #include "bake/measure/calibrate_errors.h"
 #include "bake/measure/certificate.h"
+#include "bake/measure/keep_exact.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/learning_curve.h"
@@ -20,6 +21,7 @@
 #include "bake/rig/changed_rig.h"
 #include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
+#include "bake/sampling/named_frames.h"
 #include "base/file.h"
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
@@ -164,9 +166,50 @@ std::optional<std::uint64_t> reuse(Source& source, const BakeOptions& options, P
   return evaluator.evaluated();
 }
 
+// Corrects a packed face where it is to be exact, by what its source gives there, which no budget counts.
+void correct_frames(PackedFace& face, RigEvaluator& source, const std::vector<NamedFrame>& named, std::uint64_t seed,
+                    Progress& progress) {
+  constexpr double rounding = 2e-6;  // over the diagonal
+  if (named.empty()) return;
+  const PurposeScope purpose(source, EvaluationPurpose::clips);
+  progress.begin("exact poses", named.size());
+  std::vector<ExactFrame> frames;
+  for (const NamedFrame& one : named) {
+    ExactFrame& frame =
+        frames.emplace_back(ExactFrame{one.name, one.controls, std::vector<float>(source.rest().points.size())});
+    with_context("pose \"" + one.name + "\", to be kept exact", [&] {
+      if (source.live())
+        source.evaluate_apart_cached(one.controls, 1, frame.points);
+      else
+        source.read(*one.clip, one.frame, 1, frame.points);
+    });
+    progress.step(frames.size());
+  }
+  keep_exact(face.model, frames);
+  face.baked.exact = exact_errors(face.model, frames);
+  if (face.baked.exact->max > rounding)
+    warn(face.baked,
+         format(
+             "poses that are to be exact are off by up to %.2g of the diagonal: coordinates of this size are no finer",
+             face.baked.exact->max),
+         progress);
+  face.proof = make_proof(face.model, seed);
+}
+
+// With room among max_bytes for the corrections of exact poses: most values take one byte, or two.
+BakeOptions with_exact_reserved(const BakeOptions& options, const Source& source, std::size_t poses) {
+  constexpr std::uint64_t bytes_a_coordinate = 2;
+  BakeOptions reserved = options;
+  reserved.reserved_bytes +=
+      poses * (bytes_a_coordinate * source.rest().points.size() + 4 * source.schema().control_count());
+  return reserved;
+}
+
 // bake_face, of a face of ordinary size.
-Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progress) {
-  const Recipe& recipe = checked_recipe(options);
+Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress) {
+  const Recipe& recipe = checked_recipe(given);
+  const std::vector<NamedFrame> exact = find_named_frames(given.exact, source, progress);
+  const BakeOptions options = with_exact_reserved(given, source, exact.size());
   const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
@@ -181,6 +224,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   Source& data = sampled ? *sampled : source;
   RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
   PackedFace face = train_and_pack(data, rig, with_budget_left(options, evaluator, 1), progress);
+  correct_frames(face, evaluator, exact, options.seed, progress);
 
   const PoseSet training = training_poses(data, options.use), independent = independent_poses(source);
   face.baked.stats.coverage = coverage_report(training, independent, options.parallel);
@@ -191,7 +235,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& options, Progress& progre
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
   const std::string measured = certificate(baked.dependency, baked.held_back, baked.independent,
-                                           baked.independent_split, baked.quantisation, certified);
+                                           baked.independent_split, baked.quantisation, certified, baked.exact);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });

@@ -42,6 +42,7 @@ struct Baked {
   // What bake_face measured of the packed model, as the certificate has it.
   Errors dependency;                      // on training poses
   HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
+  std::optional<Errors> exact;            // on the poses that are kept exact; absent where there are none
   std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
                                           // none
   Split independent_split = Split::test;  // of those clips

@@ -9,6 +9,7 @@
 #include "archive/writer.h"
 #include "bake/compress/step_scaling.h"
 #include "bake/measure/certificate.h"
+#include "bake/measure/keep_exact.h"
 #include "bake/measure/verify.h"
 #include "bake/rig/about.h"
 #include "bake/rig/given_sockets.h"
@@ -35,7 +36,7 @@ ExpectedErrors with_more_error(const PackedModel& face, const Errors& displaceme
 class Repacker {
  public:
   Repacker(const archive::Archive& face, std::uint64_t seed, Progress& progress)
-      : face_(&face), seed_(seed), progress_(&progress) {
+      : face_(&face), exact_(exact_frames(face.model)), seed_(seed), progress_(&progress) {
     constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses besides the archive's reference poses
     poses_ = make_proof(face.model, seed).controls;
     const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
@@ -67,6 +68,10 @@ class Repacker {
     archive::Archive scaled = *face_;
     if (factor > 1) {
       scaled.model = with_scaled_steps(face_->model, factor);
+      if (!exact_.empty()) {
+        keep_exact(scaled.model, exact_);
+        add_exact_errors(scaled.text.certificate, exact_errors(scaled.model, exact_));
+      }
       made.displacement = quantisation_errors(face_->model, scaled.model, poses_);
       add_requantisation_errors(scaled.text.certificate, made.displacement);
       scaled.model.expected = with_more_error(face_->model, made.displacement);
@@ -78,6 +83,7 @@ class Repacker {
   }
 
   const archive::Archive* face_;
+  const std::vector<ExactFrame> exact_;  // as the archive poses them
   std::uint64_t seed_;
   Progress* progress_;
   std::vector<float> poses_;

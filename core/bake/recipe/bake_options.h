@@ -53,6 +53,8 @@ struct BakeOptions {
   std::vector<std::byte> thumbnail;      // for the archive, a PNG; empty: none
   std::vector<SourceFile> source_files;  // for the provenance
   std::uint64_t reserved_bytes = 0;      // of max_bytes, for what is not learnt
+  // Poses that come out as the source gives them, within rounding, see find_named_frames.
+  std::vector<std::string> exact;
   // Trains on parts of the poses too, for the error by their number (BakeStats::learning): takes about as long as the
   // bake itself.
   bool learning_curve = false;

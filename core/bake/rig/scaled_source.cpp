@@ -57,6 +57,7 @@ PackedModel scaled(PackedModel face, int exponent) {
   for (PackedRowBlock& block : face.row_blocks)
     for (PackedColumn& column : block.columns) column.scale = std::ldexp(column.scale, exponent);
   face.expected.unit = std::ldexp(face.expected.unit, exponent);
+  for (ExactPose& pose : face.exact) pose.step = std::ldexp(pose.step, exponent);
   return face;
 }
 

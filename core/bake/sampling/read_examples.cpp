@@ -127,6 +127,12 @@ void read_one(const std::string& file, const RigSchema& schema, std::vector<floa
 
 }  // namespace
 
+std::vector<float> read_pose_file(const std::string& file, const RigSchema& schema, Progress& progress) {
+  std::vector<float> frames;
+  read_one(file, schema, frames, progress);
+  return frames;
+}
+
 std::vector<float> read_examples(const std::vector<std::string>& files, const Source& rig, Progress& progress) {
   const std::size_t width = rig.schema().control_count();
   std::vector<float> frames, kept;

@@ -18,4 +18,7 @@ namespace fb::bake {
 // Fails naming file, line and column; and with invalid_argument if no frame is left.
 std::vector<float> read_examples(const std::vector<std::string>& files, const Source& rig, Progress& progress);
 
+// The frames of one such file, all of them.
+std::vector<float> read_pose_file(const std::string& file, const RigSchema& schema, Progress& progress);
+
 }  // namespace fb::bake

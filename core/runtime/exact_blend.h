@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "model/packed_model.h"
+
+namespace fb::runtime {
+
+// Adds the corrections of exact poses to positions, see ExactPose. core/archive/EVALUATION.md defines every operation.
+class ExactBlend {
+ public:
+  ExactBlend(const PackedModel& model, std::pmr::memory_resource& memory);
+
+  bool empty() const { return falloffs_.empty(); }
+
+  struct Weight {
+    std::uint32_t pose;
+    float weight;
+  };
+  // Working memory of a worker, for a block of so many poses.
+  struct State {
+    State(const ExactBlend& blend, std::size_t poses, std::pmr::memory_resource& memory);
+    std::pmr::vector<float> places;         // of controls in their ranges
+    std::pmr::vector<Weight> weights;       // by pose of the block: room for all
+    std::pmr::vector<std::uint32_t> found;  // by pose of the block: weights above 0
+  };
+
+  // Finds the weights of pose number `pose` of a block from its controls, none of which is NaN.
+  void find_weights(const float* controls, std::size_t pose, State& state) const;
+  std::span<const Weight> weights(std::size_t pose, const State& state) const {
+    return state.found.empty() ? std::span<const Weight>()
+                               : std::span(state.weights).subspan(pose * falloffs_.size(), state.found[pose]);
+  }
+
+  // Adds weighted corrections to the rows of a row block. Returns whether there are any.
+  bool add(std::size_t block, std::span<const Weight> weights, float* rows) const;
+
+ private:
+  static constexpr std::size_t none = SIZE_MAX;
+
+  struct ControlRange {
+    float minimum, length, maximum;
+  };
+
+  std::pmr::vector<ControlRange> controls_;
+  std::pmr::vector<float> falloffs_;      // by exact pose
+  std::pmr::vector<float> places_;        // exact poses x controls
+  std::pmr::vector<std::size_t> starts_;  // exact poses x row blocks: in values_, or none where there is no correction
+  std::pmr::vector<std::uint32_t> row_counts_;  // by row block
+  std::pmr::vector<float> values_;
+};
+
+}  // namespace fb::runtime
