@@ -44,9 +44,9 @@ TEST_CASE("frames of a dataset are kept exact by bake and pack, and shown by ins
   CHECK(certificate.at("exact").at("max").get<double>() < 3e-6);
   CHECK(certificate.at("exact").at("max") > json.at("certificate").at("exact").at("max"));
   const std::string text = run_tool({"inspect", packed}).out;
-  CHECK(text.find("| exact pose |") != std::string::npos);
-  CHECK(text.find("| " + clip + ":2 |") != std::string::npos);
-  CHECK(text.find("| exact | 3 |") != std::string::npos);
+  CHECK(text.find("| exact pose") != std::string::npos);
+  CHECK(text.find("| " + clip + ":2 ") != std::string::npos);
+  CHECK(text.find("| exact  ") != std::string::npos);
   CHECK(run_tool({"verify", packed}).exit_code == 0);
 
   CHECK(output_of(with({"--json"})).at("exact").is_null());

@@ -141,7 +141,9 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const PoseSet validation = validation_poses(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
     return ask_during(progress, [&] {
-      return archive::write_archive(packed, make_proof(packed, options.seed)).size() + text_bytes +
+      PackedModel whole = packed;
+      if (options.complete) options.complete(whole);
+      return archive::write_archive(whole, make_proof(whole, options.seed)).size() + text_bytes +
              options.reserved_bytes + error_bytes(packed.schema.control_count());
     });
   };

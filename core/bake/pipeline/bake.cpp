@@ -166,14 +166,14 @@ std::optional<std::uint64_t> reuse(Source& source, const BakeOptions& options, P
   return evaluator.evaluated();
 }
 
-// Corrects a packed face where it is to be exact, by what its source gives there, which no budget counts.
-void correct_frames(PackedFace& face, RigEvaluator& source, const std::vector<NamedFrame>& named, std::uint64_t seed,
-                    Progress& progress) {
-  constexpr double rounding = 2e-6;  // over the diagonal
-  if (named.empty()) return;
+// What the source gives for poses that are to be exact, which no budget counts.
+std::vector<ExactFrame> read_exact_frames(RigEvaluator& source, const std::vector<std::string>& wanted,
+                                          Progress& progress) {
+  const std::vector<NamedFrame> named = find_named_frames(wanted, source, progress);
+  std::vector<ExactFrame> frames;
+  if (named.empty()) return frames;
   const PurposeScope purpose(source, EvaluationPurpose::clips);
   progress.begin("exact poses", named.size());
-  std::vector<ExactFrame> frames;
   for (const NamedFrame& one : named) {
     ExactFrame& frame =
         frames.emplace_back(ExactFrame{one.name, one.controls, std::vector<float>(source.rest().points.size())});
@@ -185,7 +185,14 @@ void correct_frames(PackedFace& face, RigEvaluator& source, const std::vector<Na
     });
     progress.step(frames.size());
   }
-  keep_exact(face.model, frames);
+  return frames;
+}
+
+// Corrects a packed face where it is to be exact.
+void correct_frames(PackedFace& face, std::span<const ExactFrame> frames, std::uint64_t seed, Progress& progress) {
+  constexpr double rounding = 2e-6;  // over the diagonal
+  if (frames.empty()) return;
+  keep_asking(progress, [&] { keep_exact(face.model, frames); });
   face.baked.exact = exact_errors(face.model, frames);
   if (face.baked.exact->max > rounding)
     warn(face.baked,
@@ -193,27 +200,20 @@ void correct_frames(PackedFace& face, RigEvaluator& source, const std::vector<Na
              "poses that are to be exact are off by up to %.2g of the diagonal: coordinates of this size are no finer",
              face.baked.exact->max),
          progress);
-  face.proof = make_proof(face.model, seed);
-}
-
-// With room among max_bytes for the corrections of exact poses: most values take one byte, or two.
-BakeOptions with_exact_reserved(const BakeOptions& options, const Source& source, std::size_t poses) {
-  constexpr std::uint64_t bytes_a_coordinate = 2;
-  BakeOptions reserved = options;
-  reserved.reserved_bytes +=
-      poses * (bytes_a_coordinate * source.rest().points.size() + 4 * source.schema().control_count());
-  return reserved;
+  face.proof = ask_during(progress, [&] { return make_proof(face.model, seed); });
 }
 
 // bake_face, of a face of ordinary size.
 Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress) {
   const Recipe& recipe = checked_recipe(given);
-  const std::vector<NamedFrame> exact = find_named_frames(given.exact, source, progress);
-  const BakeOptions options = with_exact_reserved(given, source, exact.size());
+  BakeOptions options = given;
   const std::optional<std::uint64_t> checked = reuse(source, options, progress);
   RigEvaluator evaluator(source, options.parallel, options.work / evaluations_name);
   evaluator.set_cache_limit({options.cache_bytes, options.rig_budget > 0});
   if (!checked) check_rig_unchanged(evaluator, options.seed, options.work, progress);
+  if (!options.exact.empty()) make_folder(options.work);
+  const std::vector<ExactFrame> exact = read_exact_frames(evaluator, options.exact, progress);
+  if (!exact.empty()) options.complete = [&exact](PackedModel& face) { keep_exact(face, exact); };
   std::unique_ptr<Source> sampled;
   EvaluationPlan plan;
   if (source.live()) {
@@ -224,7 +224,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   Source& data = sampled ? *sampled : source;
   RigEvaluator* const rig = source.live() ? &evaluator : nullptr;
   PackedFace face = train_and_pack(data, rig, with_budget_left(options, evaluator, 1), progress);
-  correct_frames(face, evaluator, exact, options.seed, progress);
+  correct_frames(face, exact, options.seed, progress);
 
   const PoseSet training = training_poses(data, options.use), independent = independent_poses(source);
   face.baked.stats.coverage = coverage_report(training, independent, options.parallel);

@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
+#include "model/packed_model.h"
 
 namespace fb::bake {
 
@@ -55,6 +57,9 @@ struct BakeOptions {
   std::uint64_t reserved_bytes = 0;      // of max_bytes, for what is not learnt
   // Poses that come out as the source gives them, within rounding, see find_named_frames.
   std::vector<std::string> exact;
+  // Adds to a packed face what takes bytes and is found once all else is done: the corrections of those poses; null:
+  // nothing.
+  std::function<void(PackedModel&)> complete;
   // Trains on parts of the poses too, for the error by their number (BakeStats::learning): takes about as long as the
   // bake itself.
   bool learning_curve = false;
