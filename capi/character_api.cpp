@@ -154,3 +154,34 @@ uint32_t fb_exact_pose_count(const fb_model* model) {
 fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose* pose) {
   return copy_at(model, &LoadedCharacter::exact_poses, index, pose, "fb_exact_pose");
 }
+
+void fb_joint_fill(fb_joint* to, uint32_t struct_size) {
+  fb_joint defaults = {};
+  defaults.parent = FB_NO_JOINT;
+  for (const std::size_t diagonal : {0, 5, 10}) defaults.rest[diagonal] = 1;
+  fill_struct(to, struct_size, defaults);
+}
+
+uint32_t fb_joint_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::joints);
+}
+
+fb_status fb_joint_at(const fb_model* model, uint32_t index, fb_joint* joint) {
+  return copy_at(model, &LoadedCharacter::joints, index, joint, "fb_joint");
+}
+
+fb_status fb_find_joint(const fb_model* model, const char* name, uint32_t* index) {
+  return find(model, &LoadedCharacter::joints, name, index, "joint");
+}
+
+uint32_t fb_skin_influences(const fb_model* model) {
+  return model ? model->character.skin().influences : 0;
+}
+
+const uint16_t* fb_skin_joints(const fb_model* model) {
+  return fb_skin_influences(model) > 0 ? model->character.skin().joints.data() : nullptr;
+}
+
+const float* fb_skin_weights(const fb_model* model) {
+  return fb_skin_influences(model) > 0 ? model->character.skin().weights.data() : nullptr;
+}

@@ -146,7 +146,8 @@ fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch
 fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
-    if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside)
+    if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside &&
+        !desc.bounds)
       require(desc.positions, "fb_batch_desc: positions");
   }
   if (desc.vertex_order > FB_ORDER_BAKED)
@@ -168,6 +169,10 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.channels) batch.channels = {desc.channels, desc.channel_floats, desc.channel_pose_stride};
   batch.errors = {desc.expected_errors, desc.expected_errors ? desc.expected_error_floats : 0,
                   desc.expected_error_pose_stride, desc.outside};
+  if (desc.displacements > 1)
+    fail(Status::invalid_argument, "fb_batch_desc: displacements %u, neither 0 nor 1", desc.displacements);
+  batch.displacements = desc.displacements == 1;
+  if (desc.bounds) batch.bounds = {desc.bounds, desc.bounds_floats, desc.bounds_pose_stride};
   return batch;
 }
 

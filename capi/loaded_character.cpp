@@ -27,6 +27,7 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(sockets, character_.sockets.size(), "sockets");
   budget.reserve(channels, channels_.size(), "channels");
   budget.reserve(exact_poses, exact_.size(), "exact poses");
+  budget.reserve(joints, character_.joints.size(), "joints");
   describe_meshes(model.rest);
   describe_materials();
   for (const Image& image : character_.images)
@@ -44,6 +45,11 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   for (const Channel& from : channels_)
     channels.push_back(
         {sizeof(fb_channel), 0, from.name.c_str(), from.unit.c_str(), from.minimum, from.maximum, from.rest});
+  for (const Joint& from : character_.joints) {
+    fb_joint& joint = joints.emplace_back(fb_joint{sizeof(fb_joint), from.parent, from.name.c_str(), {}, {}});
+    std::ranges::copy(from.rest, joint.rest);
+    std::ranges::copy(from.inverse_bind, joint.inverse_bind);
+  }
   describe_exact_poses();
 }
 

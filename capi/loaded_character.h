@@ -25,9 +25,11 @@ class LoadedCharacter {
   std::vector<fb_socket> sockets;
   std::vector<fb_channel> channels;
   std::vector<fb_exact_pose> exact_poses;
+  std::vector<fb_joint> joints;
 
   const char* about() const { return character_.about.c_str(); }
   std::span<const std::byte> thumbnail() const { return character_.thumbnail; }
+  const Skin& skin() const { return character_.skin; }
 
  private:
   void describe_meshes(const Mesh& rest);

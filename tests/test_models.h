@@ -266,6 +266,24 @@ inline PackedModel exact_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// character_model() with three joints, which its head follows, and its teeth do not.
+inline PackedModel body_model(std::uint64_t seed = 1) {
+  PackedModel model = character_model(seed);
+  model.character.joints = {
+      {"neck", no_joint, {0, -1, 0, 0.5f, 1, 0, 0, 0, 0, 0, 1, 0}, {0, 1, 0, 0, -1, 0, 0, 0.5f, 0, 0, 1, 0}},
+      {"head", 0, {2, 0, 0, 0, 0, 2, 0, 1, 0, 0, 2, 0}, {0, 0.5f, 0, -0.5f, -0.5f, 0, 0, 0.25f, 0, 0, 0.5f, 0}},
+      {"jaw", 1, {1, 0, 0, 0, 0, 1, 0, 0.5f, 0, 0, 1, 0.25f}, {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0}}};
+  model.character.skin.influences = 2;
+  for (std::uint16_t v = 0; v < 30; ++v) {  // two joints, except for the first row
+    const bool both = v >= 6 && v < 18;
+    const float first = v >= 18 ? 0 : both ? 0.125f * float(1 + v % 4) : 1;
+    model.character.skin.joints.insert(model.character.skin.joints.end(),
+                                       {std::uint16_t(v < 18 ? 1 : 0), std::uint16_t(both ? 2 * (v % 2) : 0)});
+    model.character.skin.weights.insert(model.character.skin.weights.end(), {first, both ? 1 - first : 0});
+  }
+  return model;
+}
+
 // A pose within the controls' ranges.
 inline std::vector<float> random_pose(const RigSchema& schema, Random& random) {
   std::vector<float> pose;

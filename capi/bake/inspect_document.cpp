@@ -58,6 +58,13 @@ Json control_list(const RigSchema& schema) {
   return controls;
 }
 
+Json skin_of(const PackedModel& model) {
+  const Skin& skin = model.character.skin;
+  std::size_t skinned = 0;
+  for (std::size_t v = 0; v < model.rest.surface_vertex_count(); ++v) skinned += skin.count(v) > 0;
+  return {{"influences", skin.influences}, {"vertices", skinned}};
+}
+
 Json provenance_of(const Archive& archive) {
   const Json json = object_in(archive.model.provenance);
   return json.is_null() ? Json::object() : json;
@@ -104,6 +111,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   bake::write_character(model.rest.parts, model.character, size_of, document);
   bake::write_channels(model.schema.channels, document);
   for (const ExactPose& pose : model.exact) document["exact_poses"].push_back({{"name", pose.name}});
+  if (model.character.skin.influences > 0) document["skin"] = skin_of(model);
   if (!model.character.about.empty()) document["about"] = object_in(model.character.about);
   if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
   return json_text(document);

@@ -126,6 +126,46 @@ std::vector<std::byte> read_thumbnail(ByteReader& in) {
   return png;
 }
 
+std::vector<Joint> read_joints(ByteReader& in) {
+  std::vector<Joint> joints;
+  in.budget().resize(joints, in.count(104, "joints"), "joints");
+  for (Joint& joint : joints) {
+    joint.name = in.string("a joint's name");
+    joint.parent = in.number<std::uint32_t>("a joint's parent");
+    read_floats(in, joint.rest, "a joint's frame at rest");
+    read_floats(in, joint.inverse_bind, "an inverse bind matrix");
+  }
+  if (joints.empty()) in.corrupt("there are no joints");
+  in.end();
+  return joints;
+}
+
+Skin read_skin(ByteReader& in, std::uint32_t vertices) {
+  Skin skin;
+  skin.influences = in.number<std::uint32_t>("the influences of a vertex");
+  if (skin.influences == 0 || skin.influences > most_influences) in.corrupt("influences are not 1 to 32");
+  const auto counts = in.take(vertices, "influences of vertices");
+  std::uint64_t sum = 0;
+  for (const std::byte count : counts) {
+    if (std::to_integer<std::uint32_t>(count) > skin.influences) in.corrupt("a vertex has more influences than all");
+    sum += std::to_integer<std::uint32_t>(count);
+  }
+  const auto joints = in.temporary_numbers<std::uint16_t>(sum, "joints of vertices");
+  const auto weights = in.temporary_float_planes(sum, "weights of vertices");
+  const std::uint64_t places = checked_multiply(vertices, skin.influences, "influences");
+  in.budget().resize(skin.joints, places, "joints of vertices");
+  in.budget().resize(skin.weights, places, "weights of vertices");
+  std::size_t from = 0;
+  for (std::size_t v = 0; v < vertices; ++v)
+    for (std::size_t k = 0; k < std::to_integer<std::size_t>(counts[v]); ++k, ++from) {
+      if (!(weights[from] > 0)) in.corrupt("a weight of a joint is not above 0");
+      skin.joints[v * skin.influences + k] = joints[from];
+      skin.weights[v * skin.influences + k] = weights[from];
+    }
+  in.end();
+  return skin;
+}
+
 std::vector<Channel> read_channels(ByteReader& in) {
   std::vector<Channel> channels;
   in.budget().resize(channels, in.count(24, "channels"), "channels");

@@ -23,6 +23,9 @@ std::vector<Material> read_materials(ByteReader& in);
 std::vector<Image> read_images(ByteReader& in);
 std::vector<Socket> read_sockets(ByteReader& in);
 std::vector<std::byte> read_thumbnail(ByteReader& in);
+std::vector<Joint> read_joints(ByteReader& in);
+// `vertices`: of the surface.
+Skin read_skin(ByteReader& in, std::uint32_t vertices);
 std::vector<Channel> read_channels(ByteReader& in);
 // `controls`: how many the model has.
 ExpectedErrors read_expected_errors(ByteReader& in, std::size_t controls);

@@ -98,6 +98,34 @@ ByteWriter write_sockets(const std::vector<Socket>& sockets) {
   return out;
 }
 
+ByteWriter write_joints(const std::vector<Joint>& joints) {
+  ByteWriter out;
+  out.count(joints.size(), "joints");
+  for (const Joint& joint : joints) {
+    out.string(joint.name, "a joint's name");
+    out.number(joint.parent);
+    write_floats(out, joint.rest);
+    write_floats(out, joint.inverse_bind);
+  }
+  return out;
+}
+
+ByteWriter write_skin(const Skin& skin) {
+  ByteWriter out;
+  out.number(skin.influences);
+  std::vector<std::uint16_t> joints;
+  std::vector<float> weights;
+  for (std::size_t v = 0; v < skin.weights.size() / skin.influences; ++v) {
+    const std::size_t first = v * skin.influences, count = skin.count(v);
+    out.number(static_cast<std::uint8_t>(count));
+    joints.insert(joints.end(), &skin.joints[first], &skin.joints[first] + count);
+    weights.insert(weights.end(), &skin.weights[first], &skin.weights[first] + count);
+  }
+  out.numbers(joints);
+  out.float_planes(weights);
+  return out;
+}
+
 ByteWriter write_channels(const std::vector<Channel>& channels) {
   ByteWriter out;
   out.count(channels.size(), "channels");

@@ -19,6 +19,8 @@ ByteWriter write_meshes(const std::vector<MeshPart>& meshes);
 ByteWriter write_materials(const std::vector<Material>& materials);
 ByteWriter write_images(const std::vector<Image>& images);
 ByteWriter write_sockets(const std::vector<Socket>& sockets);
+ByteWriter write_joints(const std::vector<Joint>& joints);
+ByteWriter write_skin(const Skin& skin);
 ByteWriter write_channels(const std::vector<Channel>& channels);
 ByteWriter write_expected_errors(const ExpectedErrors& expected);
 ByteWriter write_exact_poses(const std::vector<ExactPose>& poses);

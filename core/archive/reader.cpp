@@ -12,11 +12,11 @@ namespace {
 
 bool is_known(std::string_view name) {
   for (const char* known :
-       {section::definition, section::polygons,     section::geometry,   section::network,  section::weights,
-        section::basis,      section::basis_values, section::labels,     section::uvs,      section::meshes,
-        section::materials,  section::images,       section::sockets,    section::channels, section::expected_errors,
-        section::about,      section::thumbnail,    section::provenance, section::licence,  section::certificate,
-        section::proof,      section::exact_poses})
+       {section::definition, section::polygons,     section::geometry, section::network,    section::weights,
+        section::basis,      section::basis_values, section::labels,   section::uvs,        section::meshes,
+        section::materials,  section::images,       section::sockets,  section::channels,   section::expected_errors,
+        section::joints,     section::skin,         section::about,    section::thumbnail,  section::provenance,
+        section::licence,    section::certificate,  section::proof,    section::exact_poses})
     if (name == known) return true;
   return false;
 }
@@ -83,6 +83,10 @@ class ArchiveReader {
     for (const Material& material : character.materials) count_names({&material.name});
     if (contains(section::images)) character.images = read(section::images, read_images);
     for (const Image& image : character.images) count_names({&image.name, &image.media_type});
+    if (contains(section::joints)) character.joints = read(section::joints, read_joints);
+    for (const Joint& joint : character.joints) count_names({&joint.name});
+    if (contains(section::skin))
+      character.skin = read(section::skin, [&](ByteReader& in) { return read_skin(in, archive.vertices); });
     if (contains(section::about)) character.about = read(section::about, read_text);
     count_names({&character.about});
     if (contains(section::thumbnail)) character.thumbnail = read(section::thumbnail, read_thumbnail);
@@ -142,8 +146,8 @@ class ArchiveReader {
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
     const ScopedCharge part_names(budget_,
                                   model_.rest.parts.size() + model_.character.sockets.size() +
-                                      model_.schema.channels.size() + model_.expected.regions.size() +
-                                      model_.exact.size(),
+                                      model_.character.joints.size() + model_.schema.channels.size() +
+                                      model_.expected.regions.size() + model_.exact.size(),
                                   96, "names");
     try {
       check(model_);

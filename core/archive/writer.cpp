@@ -36,6 +36,8 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   if (!character.materials.empty()) compress(section::materials, false, write_materials(character.materials));
   if (!character.images.empty()) compress(section::images, false, write_images(character.images));
   if (!character.sockets.empty()) compress(section::sockets, false, write_sockets(character.sockets));
+  if (!character.joints.empty()) compress(section::joints, false, write_joints(character.joints));
+  if (character.skin.influences > 0) compress(section::skin, false, write_skin(character.skin));
   write_optional_text(section::about, character.about);
   if (!character.thumbnail.empty()) {
     ByteWriter png;

@@ -104,6 +104,7 @@ void check_thumbnail(std::span<const std::byte> png) {
 void check(const Character& character, const Mesh& rest) {
   check_about(character.about);
   if (!character.thumbnail.empty()) check_thumbnail(character.thumbnail);
+  check(character.joints, character.skin, rest);
   const std::size_t materials = character.materials.size();
   for (std::size_t m = 0; m < materials; ++m) check_material(character.materials[m], m, character.images.size());
   for (const MeshPart& part : rest.parts)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/joints.h"
 #include "model/mesh.h"
 
 namespace fb {
@@ -74,6 +75,8 @@ struct Character {
   std::vector<Socket> sockets;
   std::string about;                 // whose it is and what may be done with it: a JSON object; may be empty
   std::vector<std::byte> thumbnail;  // a square PNG; may be empty
+  std::vector<Joint> joints = {};    // of the skeleton that carries it; may be none
+  Skin skin = {};
   bool operator==(const Character&) const = default;
 };
 
@@ -85,9 +88,9 @@ void set_default_frame(Socket& socket, std::span<const float> points);
 void check_thumbnail(std::span<const std::byte> png);
 
 // Fails, naming material, mesh or socket, on a factor that is not finite, two textures in one slot, an image or a
-// material that there is not, a socket of vertices that there are not, of several meshes, or of too few, and texts and
-// thumbnails that are too long or none; whether a text is JSON is not checked. `rest`: the mesh, which has been
-// checked.
+// material that there is not, a socket of vertices that there are not, of several meshes, or of too few, texts and
+// thumbnails that are too long or none, and on joints and skins as check(joints) does; whether a text is JSON is not
+// checked. `rest`: the mesh, which has been checked.
 void check(const Character& character, const Mesh& rest);
 
 }  // namespace fb

@@ -53,6 +53,8 @@ struct Batch {
   PoseFloats sockets = {};   // 12 a socket
   PoseFloats channels = {};  // one a channel
   ErrorOutput errors = {};
+  bool displacements = false;  // positions: less the rest positions
+  PoseFloats bounds = {};      // 6 a pose, see PoseOutput::bounds
 };
 
 // Evaluates poses of one model. Immutable: any number of threads may evaluate at once, each with its own Workspace.

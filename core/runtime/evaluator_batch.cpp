@@ -85,6 +85,7 @@ void Evaluator::check_batch(const Batch& batch) const {
   check_output(batch.tangents, "tangents", batch.poses, vertex_count());
   check_floats(batch.sockets, "sockets", batch.poses, SocketFrames::frame_floats * socket_count());
   check_floats(batch.channels, "channels", batch.poses, channel_count());
+  check_floats(batch.bounds, "bounds", batch.poses, bounds_floats);
   check_errors(batch);
   const auto [regions, meshes] = batch.masks;
   if (!regions.empty() && regions.size() != layout_.networks.size())
@@ -130,9 +131,12 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
   };
   const auto output_at = [&](std::size_t pose) {
     return PoseOutput{output_of(batch, batch.positions, pose, vertices),
-                      output_of(batch, batch.normals, pose, vertices), output_of(batch, batch.tangents, pose, vertices),
+                      output_of(batch, batch.normals, pose, vertices),
+                      output_of(batch, batch.tangents, pose, vertices),
                       floats_of(batch.sockets, pose, SocketFrames::frame_floats * socket_count()),
-                      floats_of(batch.channels, pose, channel_count())};
+                      floats_of(batch.channels, pose, channel_count()),
+                      floats_of(batch.bounds, pose, bounds_floats),
+                      batch.displacements};
   };
   // Whole blocks first, if there are enough for all workers; then the remaining poses.
   const std::size_t blocks = batch.poses / poses_per_block >= workers ? batch.poses / poses_per_block : 0;

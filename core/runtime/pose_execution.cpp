@@ -140,13 +140,48 @@ void PoseExecution::write(const float* rows, const VertexOutput& output) {
     if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
 }
 
+void PoseExecution::write_displacements(const float* rows, const VertexOutput& output) {
+  const DisplacementWriter writer(layout_.kernels, rows, layout_.rest_rows.data(), layout_.baked_index, output);
+  if (meshes_.empty()) {
+    const VertexRange all = layout_.meshes.surface();
+    writer.write(all, {&all, 1});
+    return;
+  }
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
+}
+
+void PoseExecution::write_bounds(const float* rows, float* bounds) const {
+  bool empty = true;
+  const auto add = [&](VertexRange range) {
+    if (range.begin == range.end) return;
+    const float* const first = rows + 3 * std::size_t(range.begin);
+    for (std::size_t axis = 0; axis < 3 && empty; ++axis) bounds[axis] = bounds[3 + axis] = first[axis];
+    empty = false;
+    for (const float *at = first, *end = rows + 3 * std::size_t(range.end); at < end; at += 3)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        bounds[axis] = at[axis] < bounds[axis] ? at[axis] : bounds[axis];
+        bounds[3 + axis] = at[axis] > bounds[3 + axis] ? at[axis] : bounds[3 + axis];
+      }
+  };
+  if (meshes_.empty()) add(layout_.meshes.surface());
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), add);
+  if (empty) std::fill_n(bounds, bounds_floats, 0.0f);
+}
+
 void PoseExecution::write_channels(const float* rows, float* channels) const {
   rows += 3 * layout_.vertex_count();
   for (const Channel& channel : layout_.schema.channels) *channels++ = channel.value(*rows++);
 }
 
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {
-  if (output.positions.first) write(rows, output.positions);
+  if (output.positions.first) {
+    if (output.displacements)
+      write_displacements(rows, output.positions);
+    else
+      write(rows, output.positions);
+  }
   if (!output.normals.first && !output.tangents.first) return;
   const std::size_t blocks = layout_.row_blocks.size();
   layout_.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, blocks}, workspace_.normals_);
@@ -166,7 +201,7 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
   // Rows are written to the output itself if it has their order and format, and nothing else needs them.
   const bool direct = first.first && first.vertex_stride == 3 && !first.streamed &&
                       first.format == NumberFormat::float32 && !outputs[0].normals.first &&
-                      !outputs[0].tangents.first && !outputs[0].channels &&
+                      !outputs[0].tangents.first && !outputs[0].channels && !outputs[0].displacements &&
                       (layout_.baked_index.empty() || first.order == VertexOrder::baked);
   float* rows[poses];
   for (std::size_t p = 0; p < poses; ++p)
@@ -176,6 +211,8 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
   if (!layout_.exact.empty()) add_corrections<poses>(rows, !direct);
   for (std::size_t p = 0; p < poses; ++p)
     if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
+  for (std::size_t p = 0; p < poses; ++p)
+    if (outputs[p].bounds) write_bounds(rows[p], outputs[p].bounds);
   for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p]);
   for (std::size_t p = 0; p < poses; ++p)
     if (outputs[p].channels) write_channels(rows[p], outputs[p].channels);

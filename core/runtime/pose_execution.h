@@ -13,12 +13,17 @@ namespace fb::runtime {
 // By region, 0 for those whose networks do not run; their coefficients are 0, as at rest. Empty: all run.
 using RegionMask = std::span<const std::uint8_t>;
 
+inline constexpr std::size_t bounds_floats = 6;
+
 // The outputs of one pose.
 struct PoseOutput {
   VertexOutput positions, normals, tangents;
   float* sockets = nullptr;   // frames; null: no output
   float* channels = nullptr;  // values; null: no output
-  bool all_points = false;    // positions: those that carry channels, too
+  // bounds_floats of the positions of the vertices of posed meshes: the least, then the largest; null: no output
+  float* bounds = nullptr;
+  bool displacements = false;  // positions: less the rest positions
+  bool all_points = false;     // positions: those that carry channels, too
 };
 
 // What is left out of poses.
@@ -62,7 +67,9 @@ class PoseExecution {
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
   void write(const float* rows, const VertexOutput& output);
+  void write_displacements(const float* rows, const VertexOutput& output);
   void write_channels(const float* rows, float* channels) const;
+  void write_bounds(const float* rows, float* bounds) const;
   bool is_posed(std::size_t block) const {
     const std::uint32_t mesh = layout_.meshes.row_block_meshes[block];
     return mesh == layout_.meshes.count() ? with_channels_ : meshes_.empty() || meshes_[mesh];

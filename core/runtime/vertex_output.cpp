@@ -68,6 +68,33 @@ void VertexWriter::write_numbers(const Number* rows, VertexRange source, std::sp
     for (const VertexRange range : baked) write_range(rows, range, output_, [](std::size_t v) { return v; });
 }
 
+template <class IndexOf>
+void DisplacementWriter::write_range(VertexRange range, IndexOf&& index_of) const {
+  constexpr std::size_t chunk = 64;
+  float floats[3 * chunk + padding] = {};  // kernels read and write whole vectors
+  std::uint16_t halves[3 * chunk + padding];
+  for (std::size_t first = range.begin; first < range.end; first += chunk) {
+    const std::size_t count = range.end - first < chunk ? range.end - first : chunk;
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t row = 3 * index_of(first + i), axis = 0; axis < 3; ++axis)
+        floats[3 * i + axis] = rows_[row + axis] - rest_[row + axis];
+    const bool half = output_.format == NumberFormat::float16;
+    if (half) kernels_.convert_to_half(floats, halves, 3 * count);
+    const std::size_t size = half ? sizeof(std::uint16_t) : sizeof(float);
+    auto* to = static_cast<std::byte*>(output_.first) + first * output_.vertex_stride * size;
+    const auto* from = half ? reinterpret_cast<const std::byte*>(halves) : reinterpret_cast<const std::byte*>(floats);
+    for (std::size_t i = 0; i < count; ++i, to += output_.vertex_stride * size, from += 3 * size)
+      std::memcpy(to, from, 3 * size);
+  }
+}
+
+void DisplacementWriter::write(VertexRange source, std::span<const VertexRange> baked) const {
+  if (!baked_index_.empty() && output_.order == VertexOrder::source)
+    write_range(source, [&](std::size_t v) { return std::size_t(baked_index_[v]); });
+  else
+    for (const VertexRange range : baked) write_range(range, [](std::size_t v) { return v; });
+}
+
 void VertexWriter::write(VertexRange source, std::span<const VertexRange> baked) const {
   if (output_.format == NumberFormat::float32) return write_numbers(rows_, source, baked);
   for (const auto [begin, end] : baked)

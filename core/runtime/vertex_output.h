@@ -47,4 +47,23 @@ class VertexWriter {
   const VertexOutput& output_;
 };
 
+// The same of displacements: rows less `rest`, which is laid out like them.
+class DisplacementWriter {
+ public:
+  DisplacementWriter(const PoseKernels& kernels, const float* rows, const float* rest,
+                     std::span<const std::uint32_t> baked_index, const VertexOutput& output)
+      : kernels_(kernels), rows_(rows), rest_(rest), baked_index_(baked_index), output_(output) {}
+
+  void write(VertexRange source, std::span<const VertexRange> baked) const;
+
+ private:
+  template <class IndexOf>
+  void write_range(VertexRange range, IndexOf&& index_of) const;
+
+  const PoseKernels& kernels_;
+  const float *rows_, *rest_;
+  std::span<const std::uint32_t> baked_index_;
+  const VertexOutput& output_;
+};
+
 }  // namespace fb::runtime

@@ -87,6 +87,14 @@ std::string textures_text(const Json& material) {
   return text;
 }
 
+// How many vertices follow joints; "" without a skin.
+std::string skin_text(const Json& document) {
+  if (!document.contains("skin")) return "";
+  return format("skin: %s vertices follow joints, at most %s each\n",
+                count_text(document["skin"].at("vertices")).c_str(),
+                count_text(document["skin"].at("influences")).c_str());
+}
+
 // Tables of what a character has: those that are not empty.
 std::string character_tables(const Json& document) {
   Table meshes({"mesh", "vertices", "polygons", "materials"});
@@ -94,6 +102,7 @@ std::string character_tables(const Json& document) {
   Table images({"image", "name", "media type", "bytes"});
   Table sockets({"socket", "vertices"});
   Table exact({"exact pose"});
+  Table joints({"joint", "parent"});
   const auto each = [&](const char* key, Table& table, const auto& row) {
     if (!document.contains(key)) return std::string();
     for (std::size_t i = 0; i < document[key].size(); ++i) table.add(row(document[key][i], std::to_string(i)));
@@ -114,8 +123,13 @@ std::string character_tables(const Json& document) {
     return Row{json.at("name"), std::to_string(json.at("vertices").size())};
   };
   const auto exact_pose = [](const Json& json, const std::string&) { return Row{json.at("name")}; };
+  const auto joint = [&](const Json& json, const std::string&) {
+    if (!json.contains("parent")) return Row{json.at("name"), ""};
+    return Row{json.at("name"), document["joints"][json["parent"].get<std::size_t>()].at("name")};
+  };
   return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
-         each("sockets", sockets, socket) + each("exact_poses", exact, exact_pose);
+         each("sockets", sockets, socket) + each("joints", joints, joint) + skin_text(document) +
+         each("exact_poses", exact, exact_pose);
 }
 
 // A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.

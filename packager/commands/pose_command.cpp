@@ -245,7 +245,8 @@ void add_pose(CLI::App& tool) {
       ->type_name("N");
   app->add_option(
          "--out", command->out,
-         "File to write: .glb (meshes, materials and sockets; an animation by morph targets), .obj (polygons in the "
+         "File to write: .glb (meshes, materials, skin and sockets; an animation by morph targets), .obj (polygons in "
+         "the "
          "rig's own order) or .png (shaded picture). The frames of an animation become NAME.0000.obj or .png and so on")
       ->type_name("FILE")
       ->required();

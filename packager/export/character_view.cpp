@@ -39,6 +39,11 @@ CharacterView::CharacterView(const facebaker::Model& model) : mesh(mesh_of(model
   materials = all_of(m, fb_material_count(m), fb_material_fill, fb_material_at);
   images = all_of(m, fb_image_count(m), fb_image_fill, fb_image_at);
   sockets = all_of(m, fb_socket_count(m), fb_socket_fill, fb_socket_at);
+  joints = all_of(m, fb_joint_count(m), fb_joint_fill, fb_joint_at);
+  influences = fb_skin_influences(m);
+  const std::size_t places = std::size_t(influences) * fb_vertex_count(m);
+  skin_joints = {fb_skin_joints(m), places};
+  skin_weights = {fb_skin_weights(m), places};
 }
 
 std::string CharacterView::mesh_name(std::size_t index) const {

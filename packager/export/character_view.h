@@ -20,6 +20,10 @@ struct CharacterView {
   std::vector<fb_material> materials;
   std::vector<fb_image> images;
   std::vector<fb_socket> sockets;
+  std::vector<fb_joint> joints;
+  std::uint32_t influences = 0;                // of a vertex of the skin; 0: none
+  std::span<const std::uint16_t> skin_joints;  // vertices x influences
+  std::span<const float> skin_weights;
 
   explicit CharacterView(const facebaker::Model& model);
 

@@ -10,6 +10,7 @@
 #include "export/glb_animation.h"
 #include "export/glb_materials.h"
 #include "export/glb_meshes.h"
+#include "export/glb_skin.h"
 #include "export/socket_transform.h"
 #include "export/valid_utf8.h"
 
@@ -44,6 +45,12 @@ int add_mesh_node(tinygltf::Model& model, const CharacterView& character, std::s
   tinygltf::Node node;
   node.name = valid_utf8(character.mesh_name(mesh));
   node.mesh = static_cast<int>(mesh);
+  if (is_skinned(character, mesh)) {  // its node's transform has no effect
+    node.skin = 0;
+    const int index = add_node(model, node);
+    model.scenes[0].nodes.push_back(index);
+    return index;
+  }
   if (!*character.meshes[mesh].name) {
     model.nodes[0].mesh = node.mesh;
     return 0;
@@ -75,6 +82,7 @@ void add_scene(tinygltf::Model& model, GlbBuffer& buffer, const GlbScene& scene,
   const CharacterView& character = scene.character;
   GlbAnimation animation(model, buffer, scene.frames, scene.fps);
   add_root(model, character);
+  add_joints(model, buffer, character);
   for (std::size_t m = 0; m < character.meshes.size(); ++m) {
     add_mesh(model, buffer, character, m, character.part(m, scene.points), scene.morphs[m]);
     const int node = add_mesh_node(model, character, m);

@@ -1,6 +1,7 @@
 #include "export/glb_meshes.h"
 
 #include "export/glb_materials.h"
+#include "export/glb_skin.h"
 #include "export/morph_normals.h"
 #include "export/uv_seams.h"
 #include "export/valid_utf8.h"
@@ -64,6 +65,7 @@ void add_mesh(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& ch
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_POINTS;
   primitive.attributes = vertices_of(buffer, split, points, normals);
+  if (is_skinned(character, index)) add_influences(model, primitive.attributes, buffer, character, index, split);
   primitive.targets = targets_of(buffer, split, morph);
   if (view.polygon_sizes.empty())
     mesh.primitives.push_back(primitive);

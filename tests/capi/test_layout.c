@@ -47,7 +47,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 272);
+  assert_int_equal(sizeof(fb_batch_desc), 304);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -84,6 +84,10 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, expected_error_floats, 248);
   assert_at(fb_batch_desc, expected_error_pose_stride, 256);
   assert_at(fb_batch_desc, outside, 264);
+  assert_at(fb_batch_desc, displacements, 272);
+  assert_at(fb_batch_desc, bounds, 280);
+  assert_at(fb_batch_desc, bounds_floats, 288);
+  assert_at(fb_batch_desc, bounds_pose_stride, 296);
 }
 
 static void layout_of_characters(void** state) {
@@ -147,6 +151,12 @@ static void layout_of_characters(void** state) {
   assert_at(fb_channel, minimum, 24);
   assert_at(fb_channel, maximum, 28);
   assert_at(fb_channel, rest, 32);
+
+  assert_int_equal(sizeof(fb_joint), 112);
+  assert_at(fb_joint, parent, 4);
+  assert_at(fb_joint, name, 8);
+  assert_at(fb_joint, rest, 16);
+  assert_at(fb_joint, inverse_bind, 64);
 }
 
 static void layout_of_rigs(void** state) {
@@ -171,7 +181,7 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig_clip, frames, 24);
   assert_at(fb_rig_clip, controls, 32);
 
-  assert_int_equal(sizeof(fb_rig), 280);
+  assert_int_equal(sizeof(fb_rig), 328);
   assert_at(fb_rig, struct_size, 0);
   assert_at(fb_rig, abi, 4);
   assert_at(fb_rig, name, 8);
@@ -216,6 +226,13 @@ static void layout_of_rigs(void** state) {
   assert_at(fb_rig, channel_stride, 260);
   assert_at(fb_rig, channels, 264);
   assert_at(fb_rig, evaluate_all, 272);
+  assert_at(fb_rig, joint_count, 280);
+  assert_at(fb_rig, joint_stride, 284);
+  assert_at(fb_rig, joints, 288);
+  assert_at(fb_rig, skin_influences, 296);
+  assert_at(fb_rig, skin_joints, 304);
+  assert_at(fb_rig, skin_weights, 312);
+  assert_at(fb_rig, evaluate_skinned, 320);
 }
 
 static void layout_of_sources(void** state) {

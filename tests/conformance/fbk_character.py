@@ -1,11 +1,11 @@
-"""The sections of an .fbk archive that no pose changes: meshes, materials, images and texts about the character."""
+"""The sections of an .fbk archive that no pose changes: meshes, materials, images, joints and texts about it."""
 import struct
 
 import numpy as np
 
 from fbk_bytes import require
 
-NO_MATERIAL = NO_CONTROL = 2**32 - 1
+NO_MATERIAL = NO_CONTROL = NO_JOINT = 2**32 - 1
 SLOTS, WRAPS, ALPHA_MODES = 5, 3, 3
 
 
@@ -87,6 +87,43 @@ def read_thumbnail(c, face):
     width, height = struct.unpack_from(">II", png, 16)
     require(width == height and 1 <= width <= 512, f"thumbnail: {width} x {height} pixels")
     face.thumbnail = png
+
+
+def read_joints(c, face):
+    count = c.u32()
+    require(1 <= count <= 65536, "joints: number")
+    for j in range(count):
+        name, parent, frames = c.string(), c.u32(), c.array("f4", 24)
+        require(name and name not in (joint[0] for joint in face.joints), f"joints: name {name!r}")
+        require(parent < j or parent == NO_JOINT, f"joints: parent of {name}")
+        require(np.isfinite(frames).all(), f"joints: {name}: not finite")
+        face.joints.append((name, parent, frames[:12], frames[12:]))
+    c.end()
+
+
+def read_skin(c, face):
+    most = c.u32()
+    require(1 <= most <= 32, "skin: influences")
+    counts = list(c.take(face.vertices))
+    require(max(counts) <= most, "skin: influences of a vertex")
+    joints, planes = c.array("u2", sum(counts)), c.take(4 * sum(counts))
+    weights = np.frombuffer(bytes(planes), "u1").reshape(4, -1).T.copy().view("<f4").ravel()
+    require(all(j < len(face.joints) for j in joints), "skin: a joint that there is not")
+    require(np.isfinite(weights).all() and (weights > 0).all(), "skin: a weight")
+    at = 0
+    for v, count in enumerate(counts):
+        total = np.float32(0)
+        for weight in weights[at : at + count]:
+            total = total + weight
+        require(count == 0 or abs(total - np.float32(1)) <= np.float32(0.001), f"skin: weights of vertex {v}")
+        face.skin.append(list(zip(joints[at : at + count], weights[at : at + count])))
+        at += count
+    first = 0
+    for vertices in [m[1] for m in face.meshes] or [face.vertices]:
+        here = {count > 0 for count in counts[first : first + vertices]}
+        require(len(here) == 1, "skin: a mesh that follows joints in part")
+        first += vertices
+    c.end()
 
 
 def read_channels(c, face):

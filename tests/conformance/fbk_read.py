@@ -75,7 +75,7 @@ def decompress(sections, name):
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
 OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels",
-            "about", "thumbnail", "channels", "expected-errors", "exact-poses")
+            "about", "thumbnail", "channels", "expected-errors", "joints", "skin", "exact-poses")
 
 
 # ---- Sections
@@ -521,8 +521,8 @@ class Face:
         read_basis_values(decompress(sections, "basis-values"), self)
         if "uvs" in sections:
             read_uvs(decompress(sections, "uvs"), self)
-        self.meshes, self.materials, self.images = [], [], []
-        for name in ("labels", "meshes", "materials", "images", "about", "thumbnail"):
+        self.meshes, self.materials, self.images, self.joints, self.skin = [], [], [], [], []
+        for name in ("labels", "meshes", "materials", "images", "joints", "skin", "about", "thumbnail"):
             if name in sections:
                 getattr(fbk_character, "read_" + name)(decompress(sections, name), self)
         fbk_character.check(self)

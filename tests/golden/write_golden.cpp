@@ -163,6 +163,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("uvs-by-vertex.fbk", with_proof(with_uvs(give_uvs_by_vertex)));
   write("character.fbk", with_proof(character_model()));
   write("exact-poses.fbk", with_proof(exact_model()));
+  write("body.fbk", with_proof(body_model()));
   write("rows-1.fbk", with_proof(split_model(1, true)));
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));
@@ -369,6 +370,34 @@ void write_rejected_exact_poses(const RejectedWriter& out) {
   out.patched("unproven-exact.fbk", name, values + 7, std::uint8_t(0x7f), model);
 }
 
+void write_rejected_bodies(const RejectedWriter& out) {
+  const PackedModel model = body_model();
+  // Three joints, whose names take 4 + 4, 4 + 4 and 4 + 3 bytes; 30 counts, 30 joints of vertices.
+  constexpr std::size_t head_joint = 4 + 4 + 4 + 4 + 96, skin_joints = 4 + 30, skin_weights = skin_joints + 60;
+  out.patched("corrupt-joint-parent.fbk", "joints", head_joint + 8, std::uint32_t(1), model);
+  out.patched("corrupt-joint-name.fbk", "joints", head_joint + 4, std::uint32_t(0x6b63656e), model);
+  out.patched("corrupt-joint-frame.fbk", "joints", head_joint + 12, std::uint32_t(0x7f800000), model);
+  out.patched("corrupt-skin-influences.fbk", "skin", 0, std::uint32_t(33), model);
+  out.patched("corrupt-skin-count.fbk", "skin", 4, std::uint8_t(3), model);
+  out.patched("corrupt-skin-joint.fbk", "skin", skin_joints, std::uint16_t(3), model);
+  out.patched("corrupt-skin-weight.fbk", "skin", skin_weights + 3 * 30, std::uint8_t(0xbf), model);
+  out.patched("corrupt-skin-sum.fbk", "skin", skin_weights + 3 * 30, std::uint8_t(0x3e), model);
+  out.write("corrupt-skin-mesh.fbk", changed(
+                                         "skin", [](Bytes& b) { std::swap(b[4], b[4 + 18]); }, model));
+  out.write("corrupt-skin-more.fbk", changed(
+                                         "skin", [](Bytes& b) { b.resize(b.size() + 2); }, model));
+  out.write("corrupt-skin-alone.fbk", edited(
+                                          [](ArchiveEditor& archive) {
+                                            std::erase_if(archive.sections,
+                                                          [](const auto& section) { return section.name == "joints"; });
+                                          },
+                                          model));
+  out.write("corrupt-joints-none.fbk", changed(
+                                           "joints", [](Bytes& b) { b.assign(4, {}); }, model));
+  out.write("corrupt-joints-more.fbk", changed(
+                                           "joints", [](Bytes& b) { b.resize(b.size() + 2); }, model));
+}
+
 void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
@@ -406,6 +435,7 @@ void write_rejected(const std::filesystem::path& folder) {
   write_rejected_geometry(out);
   write_rejected_characters(out);
   write_rejected_exact_poses(out);
+  write_rejected_bodies(out);
   write_rejected_behaviour(out);
   write_rejected_texts_and_proofs(out);
 }

@@ -321,8 +321,8 @@ typedef struct fb_batch_desc {
   uint64_t control_floats;  /**< size of that buffer, in floats */
   uint64_t control_stride;  /**< in floats; 0: fb_control_count */
   void* positions;          /**< vertex v of pose p begins at positions + p * pose_stride + v * vertex_stride; may be
-                               null if normals, tangents, sockets or channels are
-                               given */
+                               null if normals, tangents, sockets, channels or
+                               bounds are given */
   uint64_t position_floats; /**< size of that buffer, in numbers */
   uint64_t pose_stride;     /**< in numbers; 0: vertex_stride * fb_vertex_count */
   uint64_t vertex_stride;   /**< in numbers, >= 3; 0: 3. Gaps between vertices are not written. */
@@ -368,6 +368,14 @@ typedef struct fb_batch_desc {
   uint64_t expected_error_floats;      /**< size of that buffer, in floats */
   uint64_t expected_error_pose_stride; /**< in floats; 0: 1 + fb_error_region_count */
   uint32_t* outside;                   /**< as fb_expected_error gives it, one number a pose; null: no output */
+  uint32_t displacements; /**< 1: positions receives displacements instead, position less rest position, which are 0
+                             where a pose is at rest; 0: positions */
+  uint32_t reserved_displacements; /**< 0 */
+  float* bounds; /**< of each pose, 6 floats: the smallest x, y and z, then the largest, of the positions of the
+                    vertices of the meshes that are posed, before any skin; 0 where none is posed. The same whatever
+                    format and displacements are, and the same bits on every machine. Null: no output */
+  uint64_t bounds_floats;      /**< size of that buffer, in floats */
+  uint64_t bounds_pose_stride; /**< in floats; 0: 6 */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);

@@ -1,7 +1,7 @@
 /** @file
- * What a character has besides positions: its meshes, materials, images, sockets and channels, and what is said about
- * it. C99; statuses and fb_model are those of facebaker.h, functions are in libfacebaker. The same structs describe a
- * loaded face here and a rig in facebaker_rig.h.
+ * What a character has besides positions: its meshes, materials, images, sockets, channels, joints and skin, and what
+ * is said about it. C99; statuses and fb_model are those of facebaker.h, functions are in libfacebaker. The same
+ * structs describe a loaded face here and a rig in facebaker_rig.h.
  *
  * All functions are thread-safe. Structs, strings and arrays that are filled point into the model and live as long as
  * it does. A count of a null model is 0.
@@ -199,6 +199,46 @@ static inline void fb_exact_pose_init(fb_exact_pose* to) {
 FB_API uint32_t fb_exact_pose_count(const fb_model* model);
 /** Fills *pose, up to its struct_size, for index < fb_exact_pose_count. */
 FB_API fb_status fb_exact_pose_at(const fb_model* model, uint32_t index, fb_exact_pose* pose);
+/* ---- Joints and skin --------------------------------------------------------------------------------------------- */
+
+#define FB_NO_JOINT 0xffffffffu /**< in fb_joint::parent: it has none */
+/** Influences that a vertex has at most. */
+#define FB_MOST_INFLUENCES 32u
+
+/** A joint of the skeleton that carries the face: of a neck, a head, an eye. Positions are those before skinning, in
+ * the bind pose: a host poses the face first, and then moves each vertex by the sum over its influences of weight *
+ * (where the joint is) * inverse_bind. Sockets, bounds and normals are before skinning, too. Joints come after their
+ * parents. */
+typedef struct fb_joint {
+  uint32_t struct_size;
+  uint32_t parent;                     /**< index of its parent, less than its own, or FB_NO_JOINT */
+  const char* name;                    /**< unique, not empty */
+  float rest[FB_FRAME_FLOATS];         /**< at rest, as a frame in its parent; of a joint without one, in the space that
+                                          the skin takes vertices to */
+  float inverse_bind[FB_FRAME_FLOATS]; /**< from the space of positions to the joint's; all 0 in a rig: the inverse of
+                                          where the joint is at rest */
+} fb_joint;
+
+/** No parent, at its origin, with an inverse bind matrix of 0. */
+FB_API void fb_joint_fill(fb_joint* to, uint32_t struct_size);
+static inline void fb_joint_init(fb_joint* to) {
+  fb_joint_fill(to, (uint32_t)sizeof *to);
+}
+/** Joints of the face; may be 0. */
+FB_API uint32_t fb_joint_count(const fb_model* model);
+/** Fills *joint, up to its struct_size, for index < fb_joint_count. */
+FB_API fb_status fb_joint_at(const fb_model* model, uint32_t index, fb_joint* joint);
+/** Finds a joint by its exact name; FB_ERROR_NOT_FOUND names those there are. */
+FB_API fb_status fb_find_joint(const fb_model* model, const char* name, uint32_t* index);
+
+/** Influences of each vertex in the two arrays below, at most FB_MOST_INFLUENCES; 0 if the face has no skin. */
+FB_API uint32_t fb_skin_influences(const fb_model* model);
+/** The joints that each vertex follows: fb_vertex_count x fb_skin_influences indices, in the source's vertex order.
+ * Null without a skin. */
+FB_API const uint16_t* fb_skin_joints(const fb_model* model);
+/** The weight of each, 0 to 1. Those of a vertex sum to 1, to a thousandth, and those that are 0 come last; or all are
+ * 0, for every vertex of a mesh that follows no joint. Null without a skin. */
+FB_API const float* fb_skin_weights(const fb_model* model);
 
 /* ---- About the character ----------------------------------------------------------------------------------------- */
 

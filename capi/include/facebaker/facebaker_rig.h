@@ -61,6 +61,10 @@ typedef struct fb_rig_clip {
 } fb_rig_clip;
 
 #define FB_RIG_THREAD_SAFE 1u /**< fb_rig::evaluate may be called from several threads at once */
+/** fb_rig::evaluate_skinned is called, whose positions have the motion of the joints in them. A bake takes it out
+ * again, so that archives hold positions before skinning. Without this flag, positions of a rig with joints are those.
+ */
+#define FB_RIG_SKINNED 2u
 
 /** A rig: anything that can say which controls it has, what its rest mesh is, and where the vertices are in a pose. A
  * plugin (librig_NAME.so, which exports fb_rig_open) or a host fills it; begin with fb_rig_init. All pointers are owned
@@ -131,6 +135,21 @@ typedef struct fb_rig {
    * receives poses x channel_count floats, finite; values outside a channel's range are clamped to it. */
   fb_status (*evaluate_all)(void* user, uint64_t poses, const float* controls, float* positions, float* channels,
                             char* message, uint32_t message_size);
+  uint32_t joint_count;        /**< 0, or a struct_size that ends before `evaluate_skinned`: none */
+  uint32_t joint_stride;       /**< bytes from a joint to the next: sizeof(fb_joint) as compiled */
+  const fb_joint* joints;      /**< joint_count of them */
+  uint32_t skin_influences;    /**< of each vertex, at most FB_MOST_INFLUENCES; 0: no skin */
+  uint32_t reserved_skin;      /**< 0 */
+  const uint16_t* skin_joints; /**< vertex_count x skin_influences indices of joints */
+  const float* skin_weights;   /**< of each, 0 or more; those of a vertex sum to 1, to a thousandth, or are all 0, which
+                                  then holds for every vertex of its mesh */
+  /** Evaluates like evaluate_all, and is called in its place, with FB_RIG_SKINNED; the others may then be null.
+   * positions and rest_positions are after skinning, at rest with the joints as fb_joint::rest says. joints receives
+   * poses x joint_count frames of FB_FRAME_FLOATS floats: where each joint is in the pose, in the space of the
+   * positions, not of its parent. channels is null where there are none. Fails the pose where the blend of a vertex
+   * cannot be inverted. */
+  fb_status (*evaluate_skinned)(void* user, uint64_t poses, const float* controls, float* positions, float* channels,
+                                float* joints, char* message, uint32_t message_size);
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */
@@ -146,6 +165,7 @@ static inline void fb_rig_init(fb_rig* rig) {
   rig->image_stride = (uint32_t)sizeof(fb_image);
   rig->socket_stride = (uint32_t)sizeof(fb_socket);
   rig->channel_stride = (uint32_t)sizeof(fb_channel);
+  rig->joint_stride = (uint32_t)sizeof(fb_joint);
 }
 
 /** Fills *rig: the one symbol that a plugin exports, under the name fb_rig_open. `path` is the plugin's own file, so

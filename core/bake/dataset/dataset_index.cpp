@@ -187,6 +187,10 @@ DatasetIndex read_index(const Field& root) {
       item.refuse(format("clip name \"%s\" occurs twice", index.clips.back().name.c_str()));
   }
   root.read_character(index);
+  if (root.has("skin")) {
+    index.skin_joints = root["skin"]["joints"].text();
+    index.skin_weights = root["skin"]["weights"].text();
+  }
   if (root.has("sampling")) {
     const Field sampling = root["sampling"];
     index.sampling =
@@ -263,6 +267,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
   }
   write_character(
       index.parts, index.character, [&](std::size_t i, Ordered& image) { image["file"] = index.image_files[i]; }, root);
+  if (!index.skin_joints.empty()) root["skin"] = {{"joints", index.skin_joints}, {"weights", index.skin_weights}};
   write_about(index.character.about, root);
   write_channels(index.schema.channels, root);
   if (index.sampling)

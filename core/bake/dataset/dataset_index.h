@@ -37,10 +37,11 @@ struct DatasetIndex {
 
   RigSchema schema;
   MeshArrays rest_arrays;
-  std::string rest_mesh;                 // a mesh file in place of rest_arrays; empty: none
-  std::vector<MeshPart> parts;           // of the rest mesh
-  Character character;                   // without the bytes of images
-  std::vector<std::string> image_files;  // of each image
+  std::string rest_mesh;                  // a mesh file in place of rest_arrays; empty: none
+  std::vector<MeshPart> parts;            // of the rest mesh
+  Character character;                    // without the bytes of images, and without the skin
+  std::vector<std::string> image_files;   // of each image
+  std::string skin_joints, skin_weights;  // files of the skin; empty: none
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bake/dataset/dataset_index.h"
+#include "bake/dataset/npy_skin.h"
 #include "bake/rig/channel_points.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -103,6 +104,9 @@ void DatasetSource::read_character(const DatasetIndex& index) {
   for (std::size_t i = 0; i < character_.images.size(); ++i)
     character_.images[i].bytes = read_file(dataset_path(folder_, index.image_files[i]), most_image_bytes);
   for (Socket& socket : character_.sockets) set_default_frame(socket, rest_.points);
+  if (!index.skin_joints.empty())
+    character_.skin = read_npy_skin(dataset_path(folder_, index.skin_joints), dataset_path(folder_, index.skin_weights),
+                                    rest_.vertex_count());
 }
 
 // Recorded values outside their range are what the rig was posed with: they are kept and noted.

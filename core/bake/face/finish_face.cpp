@@ -85,6 +85,13 @@ RecipeResult fit_bytes_read(const BlockwisePca& pca, double threshold, const Pac
   return best;
 }
 
+// The materials that meshes name are not there yet: their bytes are reserved, as those of all that is not learnt.
+PackedModel without_materials(PackedModel face) {
+  for (MeshPart& part : face.rest.parts)
+    for (MaterialRun& run : part.materials) run.material = no_material;
+  return face;
+}
+
 }  // namespace
 
 PoseSet without_shots(const PoseSet& poses) {
@@ -141,7 +148,7 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const PoseSet validation = validation_poses(poses, options.seed);
   const auto bytes = [&](const PackedModel& packed) {
     return ask_during(progress, [&] {
-      PackedModel whole = packed;
+      PackedModel whole = without_materials(packed);
       if (options.complete) options.complete(whole);
       return archive::write_archive(whole, make_proof(whole, options.seed)).size() + text_bytes +
              options.reserved_bytes + error_bytes(packed.schema.control_count());

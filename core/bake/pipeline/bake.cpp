@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "archive/character_writer.h"
+#include "archive/container/container_writer.h"
 #include "archive/writer.h"
 #include "bake/compress/mesh_blocks.h"
 #include "bake/measure/calibrate_errors.h"
@@ -291,6 +293,20 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
 
 namespace {
 
+// What a character takes in an archive beside images and texts.
+std::size_t character_bytes(const Character& character) {
+  std::size_t bytes = 0;
+  const auto add = [&](const char* name, archive::ByteWriter contents) {
+    bytes +=
+        archive::table_row_bytes + archive::compressed_section(name, false, std::move(contents.bytes)).stored.size();
+  };
+  if (!character.materials.empty()) add(archive::section::materials, archive::write_materials(character.materials));
+  if (!character.sockets.empty()) add(archive::section::sockets, archive::write_sockets(character.sockets));
+  if (!character.joints.empty()) add(archive::section::joints, archive::write_joints(character.joints));
+  if (character.skin.influences > 0) add(archive::section::skin, archive::write_skin(character.skin));
+  return bytes;
+}
+
 // With what is said of the character, and with the bytes that all of it takes.
 BakeOptions with_character(const BakeOptions& options, const Source& source, Progress& progress) {
   BakeOptions whole = options;
@@ -304,6 +320,8 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
   if (!whole.thumbnail.empty()) check_thumbnail(whole.thumbnail);
   whole.reserved_bytes = whole.about.size() + whole.thumbnail.size() + whole.licence.size();
   for (const Image& image : character.images) whole.reserved_bytes += image.bytes.size();
+  whole.reserved_bytes += character_bytes(character);
+  for (const MeshPart& part : source.rest().parts) whole.reserved_bytes += 4 * part.materials.size();
   return whole;
 }
 

@@ -44,6 +44,8 @@ nlohmann::ordered_json described(const Source& data) {
       data.rest().parts, character,
       [&](std::size_t i, nlohmann::ordered_json& image) { image["hash"] = hash64(character.images[i].bytes); },
       description);
+  if (const Skin& skin = character.skin; skin.influences > 0)
+    description["skin"] = hash64_of<std::uint16_t>(skin.joints, hash64_of<float>(skin.weights));
   return description;
 }
 

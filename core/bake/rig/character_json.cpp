@@ -153,6 +153,21 @@ Socket read_socket(const Object& from) {
   return socket;
 }
 
+Joint read_joint(const Object& from) {
+  Joint joint{from.text("name"), from.has("parent") ? from.count("parent") : no_joint, {}, {}};
+  joint.rest = from.numbers_or("rest", Frame<float>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  joint.inverse_bind = from.numbers_or("inverse_bind", joint.inverse_bind);
+  return joint;
+}
+
+ordered_json json_of(const Joint& joint) {
+  ordered_json object = {{"name", joint.name}};
+  if (joint.parent != no_joint) object["parent"] = joint.parent;
+  object["rest"] = joint.rest;
+  object["inverse_bind"] = joint.inverse_bind;
+  return object;
+}
+
 ordered_json json_of(const Material& material) {
   ordered_json textures = ordered_json::array();
   for (const Texture& texture : material.textures)
@@ -207,6 +222,7 @@ void write_character(const std::vector<MeshPart>& parts, const Character& charac
   for (const Socket& socket : character.sockets)
     to["sockets"].push_back(
         {{"name", socket.name}, {"vertices", socket.vertices}, {"weights", socket.weights}, {"frame", socket.frame}});
+  for (const Joint& joint : character.joints) to["joints"].push_back(json_of(joint));
 }
 
 void write_about(const std::string& about, ordered_json& to) {
@@ -236,6 +252,8 @@ void read_character(const json& from, const ReadImageBytes& read_bytes, std::vec
   for (const Object& image : root.objects("images"))
     character.images.push_back({image.text_or("name", ""), image.text("media_type"), read_bytes(image.value())});
   for (const Object& socket : root.objects("sockets")) character.sockets.push_back(read_socket(socket));
+  for (const Object& joint : root.objects("joints")) character.joints.push_back(read_joint(joint));
+  set_default_inverse_bind(character.joints);
   if (root.has("about")) character.about = about_text(from["about"]);
 }
 

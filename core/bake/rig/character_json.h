@@ -1,5 +1,5 @@
-// Meshes, materials, images, sockets, channels and what is said about a character as JSON: in dataset.json and in the
-// rig protocol.
+// Meshes, materials, images, sockets, joints, channels and what is said about a character as JSON: in dataset.json and
+// in the rig protocol.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@ namespace fb::bake {
 // Adds the fields "group", "arkit", "facs", "unit" and "mirror" to a control's object, those that are not empty.
 void write_labels(const Control& control, nlohmann::ordered_json& to);
 
-// Adds the fields "meshes", "materials", "images" and "sockets" to an object, those that are not empty. `describe`
-// writes where the bytes of an image are into its object.
+// Adds the fields "meshes", "materials", "images", "sockets" and "joints" to an object, those that are not empty.
+// `describe` writes where the bytes of an image are into its object. A skin is not written.
 using DescribeImage = std::function<void(std::size_t index, nlohmann::ordered_json& image)>;
 void write_character(const std::vector<MeshPart>& parts, const Character& character, const DescribeImage& describe,
                      nlohmann::ordered_json& to);

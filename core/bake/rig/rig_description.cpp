@@ -5,19 +5,24 @@
 
 #include "bake/rig/about.h"
 #include "bake/rig/channel_points.h"
+#include "bake/rig/skinned_pose.h"
 #include "bake/rig/source_rules.h"
+#include "base/hash.h"
 
 namespace fb::bake {
 namespace {
 
 // Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, with what a
-// character has, with what is said about it, and with channels.
+// character has, with what is said about it, with channels, and with joints.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
                       rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
                       rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version),
                       rig_with_character = offsetof(fb_rig, sockets) + sizeof(fb_rig::sockets),
                       rig_with_about = offsetof(fb_rig, about) + sizeof(fb_rig::about),
-                      rig_with_channels = offsetof(fb_rig, evaluate_all) + sizeof(fb_rig::evaluate_all);
+                      rig_with_channels = offsetof(fb_rig, evaluate_all) + sizeof(fb_rig::evaluate_all),
+                      rig_with_joints = offsetof(fb_rig, evaluate_skinned) + sizeof(fb_rig::evaluate_skinned);
+
+static_assert(FB_MOST_INFLUENCES == most_influences);
 
 // An element of an array whose elements may be longer than this header's.
 template <class T>
@@ -170,7 +175,7 @@ struct Reader {
     return image;
   }
 
-  Socket socket(const fb_socket& from, std::uint32_t index, const fb_rig& rig) const {
+  Socket socket(const fb_socket& from, std::uint32_t index, const Mesh& rest) const {
     Socket socket;
     socket.name = text(from.name, format("the name of socket %u", index).c_str());
     const std::uint32_t* vertices = array(from.vertices, from.vertex_count, "vertices of a socket", "vertex_count");
@@ -180,12 +185,12 @@ struct Reader {
     else
       socket.weights.assign(from.vertex_count, 1.0f);
     std::copy_n(from.frame, FB_FRAME_FLOATS, socket.frame.begin());
-    set_default_frame(socket, {rig.rest_positions, std::size_t{3} * rig.vertex_count});
+    set_default_frame(socket, rest.points);
     return socket;
   }
 
-  Character character(const fb_rig& rig) const {
-    Character character;
+  // Fills the character's materials, images and sockets.
+  void read_character(const fb_rig& rig, const Mesh& rest, Character& character) const {
     if (rig.material_count > 0) {
       const fb_material* materials = array(rig.materials, rig.material_count, "materials", "material_count");
       check_stride<fb_material>(rig.material_stride, "material_stride", "fb_material");
@@ -202,16 +207,59 @@ struct Reader {
       const fb_socket* sockets = array(rig.sockets, rig.socket_count, "sockets", "socket_count");
       check_stride<fb_socket>(rig.socket_stride, "socket_stride", "fb_socket");
       for (std::uint32_t s = 0; s < rig.socket_count; ++s)
-        character.sockets.push_back(socket(element(sockets, rig.socket_stride, s), s, rig));
+        character.sockets.push_back(socket(element(sockets, rig.socket_stride, s), s, rest));
     }
-    return character;
+  }
+
+  // Fills joints and skin.
+  void read_joints(const fb_rig& rig, Character& character) const {
+    if (rig.joint_count == 0) {
+      if (rig.skin_influences > 0) fail(Status::rig, "%s: a skin without joints", label.c_str());
+      return;
+    }
+    const fb_joint* joints = array(rig.joints, rig.joint_count, "joints", "joint_count");
+    check_stride<fb_joint>(rig.joint_stride, "joint_stride", "fb_joint");
+    for (std::uint32_t j = 0; j < rig.joint_count; ++j) {
+      const fb_joint& from = element(joints, rig.joint_stride, j);
+      Joint& joint = character.joints.emplace_back();
+      joint.name = text(from.name, format("the name of joint %u", j).c_str());
+      joint.parent = from.parent;
+      std::copy_n(from.rest, FB_FRAME_FLOATS, joint.rest.begin());
+      std::copy_n(from.inverse_bind, FB_FRAME_FLOATS, joint.inverse_bind.begin());
+    }
+    check_rules([&] { set_default_inverse_bind(character.joints); });
+    if (rig.skin_influences == 0) return;
+    if (rig.skin_influences > FB_MOST_INFLUENCES)
+      fail(Status::rig, "%s: skin_influences is %u, more than %u", label.c_str(), rig.skin_influences,
+           FB_MOST_INFLUENCES);
+    const std::size_t places = std::size_t{rig.vertex_count} * rig.skin_influences;
+    const std::uint16_t* of_vertices = array(rig.skin_joints, rig.skin_influences, "skin_joints", "skin_influences");
+    const float* weights = array(rig.skin_weights, rig.skin_influences, "skin_weights", "skin_influences");
+    character.skin = {rig.skin_influences, {of_vertices, of_vertices + places}, {weights, weights + places}};
+    tidy(character.skin);
+  }
+
+  // Takes what joints do at rest out of the rest mesh.
+  void remove_rest_skin(const fb_rig& rig, RigDescription& description) const {
+    const Character& character = description.character;
+    if (!rig.evaluate_skinned) fail(Status::rig, "%s: evaluate_skinned is null", label.c_str());
+    if (character.skin.influences == 0) fail(Status::rig, "%s: FB_RIG_SKINNED without a skin", label.c_str());
+    check_rules([&] {
+      check(description.rest);
+      check(character.joints, character.skin, description.rest);
+    });
+    if (const auto vertex =
+            remove_skin(character.joints, character.skin, rest_frames(character.joints), description.rest.points))
+      fail(Status::rig, "%s: the blend of the joints of vertex %zu cannot be inverted at rest", label.c_str(), *vertex);
+    description.skinned = true;
   }
 
   std::vector<Channel> channels(const fb_rig& rig) const {
     std::vector<Channel> channels;
     const fb_channel* from = array(rig.channels, rig.channel_count, "channels", "channel_count");
     check_stride<fb_channel>(rig.channel_stride, "channel_stride", "fb_channel");
-    if (!rig.evaluate_all) fail(Status::rig, "%s: evaluate_all is null", label.c_str());
+    if (!rig.evaluate_all && !(rig.flags & FB_RIG_SKINNED))
+      fail(Status::rig, "%s: evaluate_all is null", label.c_str());
     for (std::uint32_t i = 0; i < rig.channel_count; ++i) {
       const fb_channel& c = element(from, rig.channel_stride, i);
       channels.push_back({text(c.name, format("the name of channel %u", i).c_str()), c.unit ? c.unit : "", c.minimum,
@@ -239,6 +287,13 @@ struct Reader {
   }
 };
 
+// What a version says of a skin that is taken out of positions: with another, they are others.
+std::string skin_version(const Character& character) {
+  std::uint64_t hash = hash64_of<std::uint16_t>(character.skin.joints, hash64_of<float>(character.skin.weights));
+  for (const Joint& joint : character.joints) hash = hash64_of<float>(joint.inverse_bind, hash);
+  return format(" (skin %016llx)", static_cast<unsigned long long>(hash));
+}
+
 }  // namespace
 
 RigDescription describe(const fb_rig& rig) {
@@ -250,14 +305,20 @@ RigDescription describe(const fb_rig& rig) {
     fail(Status::rig, "rig: struct_size is %u, less than the %zu bytes of an fb_rig", rig.struct_size, smallest_rig);
   reader.label = format("rig \"%s\"", reader.text(rig.name, "name"));
   const bool channels = rig.struct_size >= rig_with_channels && rig.channel_count > 0;
-  if (!rig.evaluate && !channels) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
+  const bool joints = rig.struct_size >= rig_with_joints, skinned = (rig.flags & FB_RIG_SKINNED) != 0;
+  if (skinned && !joints)
+    fail(Status::rig, "%s: FB_RIG_SKINNED, and a struct_size of %u that ends before evaluate_skinned",
+         reader.label.c_str(), rig.struct_size);
+  if (!rig.evaluate && !channels && !skinned) fail(Status::rig, "%s: evaluate is null", reader.label.c_str());
   RigDescription description;
   description.schema = reader.schema(rig);
   description.rest = reader.mesh(rig);
   if (rig.struct_size >= rig_with_character) {
     reader.read_labels(rig, description.schema);
     description.rest.parts = reader.parts(rig);
-    description.character = reader.character(rig);
+    if (joints) reader.read_joints(rig, description.character);
+    if (skinned) reader.remove_rest_skin(rig, description);
+    reader.read_character(rig, description.rest, description.character);
   }
   if (rig.struct_size >= rig_with_about && rig.about)
     reader.check_rules([&] { description.character.about = merged_about(rig.about, ""); });
@@ -277,6 +338,7 @@ RigDescription describe(const fb_rig& rig) {
   if (rig.struct_size >= rig_with_block)
     description.preferred_block = std::min<std::size_t>(rig.preferred_block, most_preferred_poses);
   if (rig.struct_size >= rig_with_version && rig.version) description.version = rig.version;
+  if (skinned) description.version += skin_version(description.character);
   return description;
 }
 

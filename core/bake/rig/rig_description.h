@@ -21,6 +21,7 @@ struct RigDescription {
   Mesh rest;  // with the vertices that carry channels
   Character character = {};
   std::vector<Clip> clips;
+  bool skinned = false;             // evaluate_skinned is called, and what joints do is taken out; rest is without
   std::size_t preferred_block = 0;  // poses, see Source::preferred_block
   std::string version = {};         // see Source::version
   std::vector<std::string> notes = {};

@@ -6,6 +6,7 @@
 
 #include "bake/rig/channel_points.h"
 #include "bake/rig/foreign_call.h"
+#include "bake/rig/skinned_pose.h"
 #include "bake/rig/source_rules.h"
 
 namespace fb::bake {
@@ -35,9 +36,32 @@ Outcome call(const Evaluate& evaluate) {
   return {status, message[0] ? std::string(message.data()) : format("status %d without a message", status)};
 }
 
+// Without what the joints do.
+Outcome evaluate_skinned(const fb_rig& rig, const RigDescription& description, const float* controls, std::size_t count,
+                         float* points) {
+  const Character& character = description.character;
+  const std::size_t size = 3 * description.rest.surface_vertex_count(), joints = character.joints.size();
+  std::vector<float> positions(count * size), channels(count * description.schema.channels.size());
+  std::vector<Frame<float>> frames(count * joints);
+  const Outcome outcome = call([&](char* message, std::uint32_t length) {
+    return rig.evaluate_skinned(rig.user, count, controls, positions.data(),
+                                channels.empty() ? nullptr : channels.data(), frames.data()->data(), message, length);
+  });
+  for (std::size_t p = 0; p < count && outcome.status == FB_OK; ++p) {
+    std::vector<Frame<double>> of_pose;
+    for (std::size_t j = 0; j < joints; ++j) of_pose.push_back(to_double(frames[p * joints + j]));
+    const std::span<float> here = std::span(positions).subspan(p * size, size);
+    if (const auto vertex = remove_skin(character.joints, character.skin, of_pose, here))
+      return {FB_ERROR_RIG, format("the blend of the joints of vertex %zu cannot be inverted", *vertex)};
+  }
+  join_channels(description.schema, positions, channels, count, {points, count * description.rest.points.size()});
+  return outcome;
+}
+
 Outcome evaluate_poses(const fb_rig& rig, const RigDescription& description, const float* controls, std::size_t count,
                        float* points) {
   const RigSchema& schema = description.schema;
+  if (description.skinned) return evaluate_skinned(rig, description, controls, count, points);
   if (schema.channels.empty())
     return call([&](char* message, std::uint32_t size) {
       return rig.evaluate(rig.user, count, controls, points, message, size);

@@ -157,6 +157,15 @@ Mesh read_mesh(const Fields& fields, Numbers& numbers) {
   return mesh;
 }
 
+Skin read_skin(const Fields& fields, Numbers& numbers, const Mesh& rest) {
+  Skin skin{static_cast<std::uint32_t>(fields.count_or_zero("skin_influences")), {}, {}};
+  const std::size_t places = checked_multiply(rest.surface_vertex_count(), skin.influences, "influences");
+  skin.joints = numbers.take<std::uint16_t>(places, "joints of vertices");
+  skin.weights = numbers.take<float>(places, "weights of joints");
+  tidy(skin);
+  return skin;
+}
+
 std::vector<Clip> read_clips(const Fields& fields, Numbers& numbers, std::size_t controls) {
   std::vector<Clip> clips;
   if (!fields.has("clips")) return clips;
@@ -291,6 +300,8 @@ RigMessage hello_answer(const Source& rig) {
   write_character(
       rest.parts, rig.character(),
       [&](std::size_t i, ordered_json& image) { image["bytes"] = rig.character().images[i].bytes.size(); }, hello);
+  const Skin& skin = rig.character().skin;
+  if (skin.influences > 0) hello["skin_influences"] = skin.influences;
   write_about(rig.character().about, hello);
   write_channels(schema.channels, hello);
   RigMessage message = message_of(hello);
@@ -300,6 +311,8 @@ RigMessage hello_answer(const Source& rig) {
   append<float>(message.data, rest.uvs);
   append<std::uint32_t>(message.data, rest.uv_corners);
   for (const Image& image : rig.character().images) append<std::byte>(message.data, image.bytes);
+  append<std::uint16_t>(message.data, skin.joints);
+  append<float>(message.data, skin.weights);
   for (const Clip& clip : rig.clips()) append<float>(message.data, clip.controls);
   return message;
 }
@@ -344,6 +357,7 @@ RigDescription description_of(const RigMessage& answer) {
         [&](const json& image) { return numbers.take<std::byte>(Fields(image, "image ").count("bytes"), "images"); },
         rig.rest.parts, rig.character);
     rig.schema.channels = read_channels(fields.root());
+    rig.character.skin = read_skin(fields, numbers, rig.rest);
   } catch (const Error& error) {
     fail(Status::rig, "%s", error.what());
   }

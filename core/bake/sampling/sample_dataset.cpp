@@ -6,6 +6,7 @@
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
+#include "bake/dataset/npy_skin.h"
 #include "bake/dataset/rest_mesh.h"
 #include "bake/rig/channel_points.h"
 #include "bake/rig/content_hash.h"
@@ -83,8 +84,12 @@ DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIn
   index.character = rig.character();
   for (std::size_t i = 0; i < index.character.images.size(); ++i)
     index.image_files.push_back(format("image%zu%s", i, extension_of(index.character.images[i].media_type)));
+  if (index.character.skin.influences > 0) {
+    index.skin_joints = "skin_joints.npy";
+    index.skin_weights = "skin_weights.npy";
+  }
   index.sampling = sampling;
-  std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces"};
+  std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces", "skin_joints", "skin_weights"};
   for (const Clip& clip : plan) {
     const std::string stem = file_stem(clip.name, taken), points = stem + ".points.npy";
     DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
@@ -186,6 +191,8 @@ class DatasetWriter {
     for (std::size_t i = 0; i < index_.image_files.size(); ++i)
       if (!fs::exists(folder_ / index_.image_files[i]))
         write_file(folder_ / index_.image_files[i], std::span(index_.character.images[i].bytes));
+    if (!index_.skin_joints.empty())
+      write_npy_skin(rig_.character().skin, folder_ / index_.skin_joints, folder_ / index_.skin_weights);
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       const fs::path path = folder_ / index_.clips[i].controls[0];
       const std::vector<std::size_t> shape = {plan_[i].frames, width_};

@@ -18,9 +18,9 @@ using namespace fb::test;
 
 namespace {
 
-// The meshes of character_model() as a host's rig: control c moves the vertices of every fifth from c on, along z.
+// The meshes of body_model() as a host's rig: control c moves the vertices of every fifth from c on, along z.
 struct HostRig {
-  PackedModel model = character_model();
+  PackedModel model = body_model();
   std::vector<fb_rig_control> controls;
   std::vector<fb_rig_labels> labels;
   std::vector<fb_mesh> meshes;
@@ -30,6 +30,7 @@ struct HostRig {
   std::vector<fb_image> images;
   std::vector<fb_socket> sockets;
   std::vector<fb_channel> channels;
+  std::vector<fb_joint> joints;
   fb_rig rig;
   float scale;
 
@@ -75,6 +76,11 @@ struct HostRig {
     rig.channel_count = static_cast<std::uint32_t>(channels.size());
     rig.channels = channels.data();
     rig.evaluate_all = evaluate_all;
+    rig.joint_count = static_cast<std::uint32_t>(joints.size());
+    rig.joints = joints.data();
+    rig.skin_influences = model.character.skin.influences;
+    rig.skin_joints = model.character.skin.joints.data();
+    rig.skin_weights = model.character.skin.weights.data();
   }
   HostRig(const HostRig&) = delete;
 
@@ -112,6 +118,11 @@ struct HostRig {
                           s.weights.data(),  {}};
       std::ranges::copy(s.frame, socket.frame);
       sockets.push_back(socket);
+    }
+    for (const Joint& j : from.joints) {
+      joints.push_back({sizeof(fb_joint), j.parent, j.name.c_str(), {}, {}});
+      std::ranges::copy(j.rest, joints.back().rest);
+      std::ranges::copy(j.inverse_bind, joints.back().inverse_bind);
     }
     for (const Channel& c : model.schema.channels)
       channels.push_back({sizeof(fb_channel), 0, c.name.c_str(), c.unit.c_str(), c.minimum, c.maximum, c.rest});
@@ -182,6 +193,31 @@ TEST_CASE("a rig gives meshes, materials, images and sockets") {
   CHECK(labels_of(older.schema()) == std::vector<ControlLabels>(5));
 }
 
+TEST_CASE("a rig may leave out inverse bind matrices, and list influences in any order") {
+  HostRig rig;
+  std::fill_n(rig.joints[2].inverse_bind, 12, 0.0f);
+  std::vector<std::uint16_t> joints = {0, 1, 2};
+  std::vector<float> weights = {0, 1, 0};
+  for (std::size_t i = 3; i < 90; ++i) {
+    joints.push_back(static_cast<std::uint16_t>(i % 3 == 0 ? 0 : 2));
+    weights.push_back(i >= 54 || i % 3 == 0 ? 0 : 0.5f);  // the same joint twice
+  }
+  rig.rig.skin_influences = 3;
+  rig.rig.skin_joints = joints.data();
+  rig.rig.skin_weights = weights.data();
+  const RigSource source(rig.rig);
+  // The inverse of the three joints at rest, one after the other.
+  const Frame<float> expected = {0, 0.5f, 0, 0, -0.5f, 0, 0, -0.75f, 0, 0, 0.5f, -0.25f};
+  for (std::size_t i = 0; i < 12; ++i)
+    CHECK(source.character().joints[2].inverse_bind[i] == doctest::Approx(expected[i]).epsilon(1e-6));
+  const Skin& skin = source.character().skin;
+  CHECK(skin.influences == 1);
+  CHECK(skin.joints[0] == 1);
+  CHECK(skin.joints[1] == 2);
+  CHECK(skin.weights[17] == 1);
+  CHECK(skin.weights[18] == 0);
+}
+
 TEST_CASE("a rig may leave out runs, weights and frames") {
   HostRig rig;
   rig.meshes[0].run_count = 0;
@@ -219,6 +255,23 @@ TEST_CASE("a rig whose character contradicts itself is refused by name") {
   check_refused([](HostRig& r) { r.channels[3].maximum = 300; }, "channel \"heat\": minimum 300 is not below");
   check_refused([](HostRig& r) { r.rig.channel_stride = 4; }, "channel_stride is 4");
   check_refused([](HostRig& r) { r.rig.evaluate_all = nullptr; }, "evaluate_all is null");
+  check_refused([](HostRig& r) { r.joints[1].name = "neck"; }, "two joints named \"neck\"");
+  check_refused([](HostRig& r) { r.joints[1].name = nullptr; }, "the name of joint 1 is null");
+  check_refused([](HostRig& r) { r.joints[0].parent = 2; }, "parents come first");
+  check_refused([](HostRig& r) { r.rig.joint_stride = 12; }, "joint_stride is 12");
+  check_refused([](HostRig& r) { r.rig.joints = nullptr; }, "joints is null");
+  check_refused([](HostRig& r) { r.rig.joint_count = 0; }, "a skin without joints");
+  check_refused([](HostRig& r) { r.rig.joint_count = 2; }, "follows joint 2 of 2");
+  check_refused([](HostRig& r) { r.rig.skin_joints = nullptr; }, "skin_joints is null");
+  check_refused([](HostRig& r) { r.rig.skin_influences = 33; }, "skin_influences is 33, more than 32");
+  check_refused([](HostRig& r) { r.model.character.skin.weights[5] = -1; },
+                "vertex 2 follows a joint by the weight -1");
+  check_refused(
+      [](HostRig& r) {
+        std::fill_n(r.joints[1].inverse_bind, 12, 0.0f);
+        r.joints[0].rest[0] = r.joints[0].rest[1] = 0;
+      },
+      "joint \"head\" has no inverse bind matrix");
 }
 
 TEST_CASE("channels of a rig are clamped to their ranges, and refused where they are not finite") {
@@ -287,7 +340,8 @@ TEST_CASE("fields of a character in dataset.json are refused by name") {
     REQUIRE(changed.find(from) != std::string::npos);
     changed.replace(changed.find(from), from.size(), to);
     write_file(file, changed);
-    CHECK(contains(failure(Status::bad_data, [&] { open_source(folder.path()); }), message));
+    const std::string what = failure(Status::bad_data, [&] { open_source(folder.path()); });
+    CHECK_MESSAGE(contains(what, message), what);
   };
   lie("\"learning\": \"forbidden\"", "\"learning\": false", "about: rights learning is no string");
   lie("\"vertices\": 18", "\"vertices\": -18", "meshes[0] vertices is no whole number");
@@ -298,7 +352,27 @@ TEST_CASE("fields of a character in dataset.json are refused by name") {
   lie("\"file\": \"image0.png\"", "\"path\": \"image0.png\"", "images[0] has no \"file\"");
   lie("\"unit\": \"K\"", "\"unit\": 7", "channels[3] unit is no string");
   lie("\"channels\": \"", "\"chennels\": \"", "has points but no channels");
+  lie("\"parent\": 0", "\"parent\": -1", "joints[1] parent is no whole number");
+  lie("\"parent\": 0", "\"parent\": 1", "joint \"head\" has the number 1 and its parent 1");
+  lie("\"inverse_bind\": [", "\"inverse_bind\": [1,", "joints[0] inverse_bind has 13 numbers, not 12");
+  lie("\"skin_weights.npy\"", "\"rest.npy\"", "shape (30, 3) where (30, influences), 1 to 32, is needed");
+  lie("\"skin_joints.npy\"", "7", "skin joints: is no string");
   lie("\"sockets\": [", "\"sockets\": 7, \"x\": [", "sockets is no list");
+}
+
+TEST_CASE("a bake within a number of bytes keeps a character") {
+  HostRig rig;
+  RigSource source(rig.rig);
+  const Folder folder;
+  BakeOptions options;
+  options.recipe = "linear";
+  options.poses = 300;
+  options.work = folder.path();
+  options.max_bytes = 10000;
+  const Baked smaller = bake_face(source, options, silent_progress());
+  CHECK(smaller.archive.size() <= options.max_bytes);
+  CHECK(archive::read_archive(smaller.archive).model.character == rig.model.character);
+  CHECK(archive::read_archive(smaller.archive).model.rest.parts == rig.model.rest.parts);
 }
 
 TEST_CASE("a bake keeps a character, whatever its scale and recipe") {

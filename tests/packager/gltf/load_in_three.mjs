@@ -90,13 +90,24 @@ for (const { name, frame } of dataset.sockets) {
   near(socket.matrix.toArray(), matrix.toArray(), `socket ${name}`);
 }
 
-// Points of all meshes in the archive's order, in its unit.
+for (const mesh of dataset.meshes)
+  assert.equal(primitivesOf(mesh.name).every((primitive) => primitive.isSkinnedMesh === true), "skin" in dataset, "skin");
+if ("skin" in dataset) {
+  const { bones } = primitivesOf(dataset.meshes[0].name)[0].skeleton;
+  assert.equal(bones.length, dataset.joints.length, "joints");
+  bones.forEach((bone, j) => assert.equal(bone.userData.name ?? bone.name, dataset.joints[j].name, "names of joints"));
+}
+
+// Points of all meshes in the archive's order, in its unit. Those of skinned meshes come in metres, with y up; their joints
+// are as they were bound.
 function posedPoints(mixer, time) {
   mixer.setTime(time);
   const points = [];
   for (const mesh of dataset.meshes) {
     const [primitive] = primitivesOf(mesh.name);
-    for (let v = 0; v < mesh.vertices; ++v) points.push(...primitive.getVertexPosition(v, new THREE.Vector3()).toArray());
+    const unit = primitive.isSkinnedMesh ? 100 : 1;
+    for (let v = 0; v < mesh.vertices; ++v)
+      points.push(...primitive.getVertexPosition(v, new THREE.Vector3()).multiplyScalar(unit).toArray());
   }
   return points;
 }

@@ -1,24 +1,24 @@
 // Writes a small character as a dataset folder: five meshes with UV seams, five materials with textures in all slots,
 // three sockets, and four controls of which two do more together than apart. Its images are PNG and JPEG or, with
-// "ktx2", KTX2.
-//   node make_character.mjs FOLDER [ktx2]
+// "ktx2", KTX2. With "skin" it is on a neck of two joints, and its eyes have joints of their own.
+//   node make_character.mjs FOLDER [ktx2|skin]
 import fs from "node:fs";
 import path from "node:path";
 import zlib from "node:zlib";
 
-const [folder, images] = process.argv.slice(2);
+const [folder, kind] = process.argv.slice(2);
 fs.mkdirSync(folder, { recursive: true });
 
 function write(name, bytes) {
   fs.writeFileSync(path.join(folder, name), bytes);
 }
 
-function writeNpy(name, shape, values) {
-  const text = `{'descr': '<f4', 'fortran_order': False, 'shape': (${shape.join(", ")},), }`;
+function writeNpy(name, shape, values, numbers = Float32Array) {
+  const text = `{'descr': '<${numbers === Float32Array ? "f4" : "i4"}', 'fortran_order': False, 'shape': (${shape.join(", ")},), }`;
   const header = text.padEnd(Math.ceil((text.length + 11) / 64) * 64 - 11) + "\n";
   const start = Buffer.from("\x93NUMPY\x01\x00\0\0" + header, "latin1");
   start.writeUInt16LE(header.length, 8);
-  write(name, Buffer.concat([start, Buffer.from(Float32Array.from(values).buffer)]));
+  write(name, Buffer.concat([start, Buffer.from(numbers.from(values).buffer)]));
 }
 
 // ---- Images
@@ -70,7 +70,7 @@ function ktx2() {
   return file;
 }
 
-const pictures = images === "ktx2"
+const pictures = kind === "ktx2"
   ? [["skin", "ktx2", ktx2()], ["detail", "ktx2", ktx2()], ["grey", "ktx2", ktx2()]]
   : [["skin", "png", png(8, [224, 176, 160], [208, 150, 130])], ["detail", "png", png(4, [128, 128, 255], [140, 120, 250])],
      ["grey", "jpeg", jpeg()]];
@@ -148,6 +148,25 @@ writeNpy("motion.points.npy", [frames, count, 3], points);
 writeNpy("clip.npy", [24, 4], values.slice(0, 24 * 4));
 for (const [name, type, bytes] of pictures) write(`${name}.${type}`, bytes);
 
+let body = {};
+if (kind === "skin") {
+  const at = (x, y, z) => [1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z];
+  const followed = [], weights = [];
+  for (const [name, mesh] of all)
+    for (const [, y] of mesh.points) {
+      const eye = name.startsWith("eye"), share = eye || name !== "head" ? 1 : Math.min(1, Math.fround((y + 10) / 8));
+      followed.push(name === "eye_L" ? 2 : name === "eye_R" ? 3 : 1, 0);
+      weights.push(share, 1 - share);
+    }
+  writeNpy("skin_joints.npy", [count, 2], followed, Int32Array);
+  writeNpy("skin_weights.npy", [count, 2], weights);
+  body = {
+    joints: [{ name: "neck", rest: at(0, -12, 0) }, { name: "skull", parent: 0, rest: at(0, 8, -1) },
+      { name: "eye joint L", parent: 1, rest: at(3, 7, 9) }, { name: "eye joint R", parent: 1, rest: at(-3, 7, 9) }],
+    skin: { joints: "skin_joints.npy", weights: "skin_weights.npy" },
+  };
+}
+
 const texture = (slot, image, more) => ({ slot, image, ...more });
 write("dataset.json", JSON.stringify({
   format: "facebaker-dataset", version: 1, name: "five meshes", units: "cm", up_axis: "y", rest: "rest.obj", controls,
@@ -168,4 +187,5 @@ write("dataset.json", JSON.stringify({
   images: pictures.map(([name, type]) => ({ name, media_type: `image/${type}`, file: `${name}.${type}` })),
   sockets: [{ name: "glasses", vertices: [200, 210, 230, 240] }, { name: "chin", vertices: [50, 60, 70, 80, 90] },
     { name: "brace", vertices: [385, 390, 395, 400], frame: [0, 1, 0, 1, -1, 0, 0, -4, 0, 0, 1, 8] }],
+  ...body,
 }, null, 1));

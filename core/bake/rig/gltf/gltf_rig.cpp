@@ -8,9 +8,9 @@
 
 #include "bake/rig/gltf/gltf_clips.h"
 #include "bake/rig/gltf/gltf_controls.h"
+#include "bake/rig/gltf/gltf_joints.h"
 #include "bake/rig/gltf/gltf_materials.h"
 #include "bake/rig/gltf/gltf_mesh.h"
-#include "bake/rig/gltf/gltf_skin.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -88,8 +88,13 @@ class GltfRigReader {
     if (controls_.names.empty())
       fail(Status::bad_data, "shows no mesh with morph targets, which are the controls of such a rig");
     rig_.targets.resize(controls_.names.size());
-    for (std::size_t s = 0; s < shown.size(); ++s)
-      with_context("mesh \"" + shown[s].name + "\"", [&] { add(shown[s], controls_.of_shown[s]); });
+    std::vector<GltfMesh> meshes;
+    for (const ShownMesh& mesh : shown)
+      with_context("mesh \"" + mesh.name + "\"", [&] {
+        meshes.push_back(read_gltf_mesh(file_, file_.model().meshes[mesh.mesh], joint_count(file_, mesh), left_out_));
+      });
+    const GltfJoints joints(file_, scene_, meshes);
+    for (std::size_t s = 0; s < shown.size(); ++s) add(shown[s].name, meshes[s], joints.map(s), controls_.of_shown[s]);
     fill_uvs();
     RigDescription& to = rig_.description;
     const bool one_mesh = std::ranges::all_of(shown, [&](const ShownMesh& s) { return s.mesh == shown[0].mesh; });
@@ -97,6 +102,8 @@ class GltfRigReader {
     if (one_mesh && !mesh_name.empty()) to.schema.name = mesh_name;
     to.clips = read_gltf_clips(file_, shown, controls_, left_out_);
     to.character = read_gltf_materials(file_, to.rest.parts, left_out_);
+    to.character.joints = joints.joints();
+    to.character.skin = joints.skin();
     rig_.description.notes = left_out_.notes();
     set_controls();
     rig_.base = to.rest.points;
@@ -110,26 +117,23 @@ class GltfRigReader {
  private:
   static constexpr std::uint32_t no_uv = UINT32_MAX;
 
-  void add(const ShownMesh& shown, const std::vector<std::size_t>& controls) {
-    const tinygltf::Mesh& mesh = file_.model().meshes[shown.mesh];
-    const GltfMesh from = read_gltf_mesh(file_, mesh, joint_count(file_, shown), left_out_);
+  // map: from the mesh to the space of the character.
+  void add(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map,
+           const std::vector<std::size_t>& controls) {
     if (from.surface.points.empty()) return;  // points and lines
-    if (shown.skin >= 0)
-      left_out_.add("skins are left out, and meshes stay where the joints of the file have them", shown.name);
-    const VertexMaps maps = vertex_maps(file_, scene_, shown, from);
     const std::size_t first = rig_.description.rest.vertex_count();
-    add_surface(shown.name, from, maps);
+    add_surface(name, from, map);
     for (std::size_t t = 0; t < controls.size(); ++t)
-      add_offsets(from.targets[t], maps, first, rig_.targets[controls[t]]);
+      add_offsets(from.targets[t], map, first, rig_.targets[controls[t]]);
   }
 
-  void add_surface(const std::string& name, const GltfMesh& from, const VertexMaps& maps) {
+  void add_surface(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map) {
     const Mesh& surface = from.surface;
     Mesh& to = rig_.description.rest;
     const std::size_t first = to.vertex_count(), first_uv = to.uvs.size() / 2;
     for (std::size_t v = 0; v < surface.vertex_count(); ++v) {
       const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3f>(&surface.points[3 * v]).cast<double>();
-      const Eigen::Vector3f placed = (maps[v] * point.homogeneous()).cast<float>();
+      const Eigen::Vector3f placed = (map * point).cast<float>();
       to.points.insert(to.points.end(), placed.begin(), placed.end());
     }
     for (const std::uint32_t corner : surface.polygon_corners)
@@ -143,10 +147,10 @@ class GltfRigReader {
                         checked_u32(surface.polygon_sizes.size(), "triangles"), from.materials});
   }
 
-  static void add_offsets(const MorphTarget& from, const VertexMaps& maps, std::size_t first, MorphTarget& to) {
+  static void add_offsets(const MorphTarget& from, const Eigen::Affine3d& map, std::size_t first, MorphTarget& to) {
     for (std::size_t i = 0; i < from.vertices.size(); ++i) {
       const Eigen::Vector3d offset = Eigen::Map<const Eigen::Vector3f>(&from.offsets[3 * i]).cast<double>();
-      const Eigen::Vector3f placed = (maps[from.vertices[i]].leftCols<3>() * offset).cast<float>();
+      const Eigen::Vector3f placed = (map.linear() * offset).cast<float>();
       to.vertices.push_back(checked_u32(first + from.vertices[i], "vertices"));
       to.offsets.insert(to.offsets.end(), placed.begin(), placed.end());
     }

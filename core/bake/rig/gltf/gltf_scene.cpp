@@ -88,12 +88,14 @@ std::string UniqueNames::add(const std::string& name) {
 
 GltfScene::GltfScene(const GltfFile& file) {
   const tinygltf::Model& model = file.model();
-  const std::vector<int> parents = parents_of(model.nodes), roots = roots_of(parents);
+  parents_ = parents_of(model.nodes);
+  const std::vector<int> roots = roots_of(parents_);
   std::size_t placed = 0;
+  locals_.resize(model.nodes.size());
   worlds_.resize(model.nodes.size());
   visit_tree(model.nodes, roots, [&](std::size_t n) {
-    worlds_[n] = local_map(model.nodes[n]);
-    if (parents[n] >= 0) worlds_[n] = worlds_[static_cast<std::size_t>(parents[n])] * worlds_[n];
+    locals_[n] = worlds_[n] = local_map(model.nodes[n]);
+    if (parents_[n] >= 0) worlds_[n] = worlds_[static_cast<std::size_t>(parents_[n])] * locals_[n];
     ++placed;
   });
   if (placed < model.nodes.size()) fail(Status::bad_data, "some of its nodes are their own parents");

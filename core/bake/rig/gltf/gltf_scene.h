@@ -28,9 +28,14 @@ class GltfScene {
   const std::vector<ShownMesh>& meshes() const { return meshes_; }
   // From a node to the scene.
   const Eigen::Affine3d& world(std::size_t node) const { return worlds_.at(node); }
+  // From a node to its parent, or to the scene where it has none.
+  const Eigen::Affine3d& local(std::size_t node) const { return locals_.at(node); }
+  // -1: none.
+  int parent(std::size_t node) const { return parents_.at(node); }
 
  private:
-  std::vector<Eigen::Affine3d> worlds_;
+  std::vector<Eigen::Affine3d> locals_, worlds_;
+  std::vector<int> parents_;
   std::vector<ShownMesh> meshes_;
 };
 

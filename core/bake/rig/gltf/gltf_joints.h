@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bake/rig/gltf/gltf_mesh.h"
+#include "bake/rig/gltf/gltf_scene.h"
+#include "model/joints.h"
+
+namespace fb::bake {
+
+// Joints of the skin of a shown mesh; 0: it has none. Fails on a skin that names nodes that there are not.
+std::size_t joint_count(const GltfFile& file, const ShownMesh& shown);
+
+// The joints of a file, and where its meshes lie before skinning.
+//
+// All meshes share one space, in which the skins of all have one inverse bind matrix a joint: that of the scene where
+// the joint that has most of the first mesh with morph targets is at rest, so that a face which the file shows as it
+// was bound lies where the file shows it. A mesh without a skin that hangs on a joint follows that joint alone. Where
+// skins were bound in poses that do not agree, a joint occurs again, "Head (2)", as its own child. A vertex without
+// weights follows its first joint.
+//
+// Joints are those of the skins, nodes above them, and, where there are skins, nodes that animations move and that have
+// meshes on or below them. In a file without skins there are none.
+class GltfJoints {
+ public:
+  // `meshes`: those that scene.meshes() shows. Fails, naming the mesh, where no matrix of a skin can be inverted.
+  GltfJoints(const GltfFile& file, const GltfScene& scene, const std::vector<GltfMesh>& meshes);
+
+  // From a shown mesh, without node transform and before skinning, to the space of the character.
+  const Eigen::Affine3d& map(std::size_t shown) const { return maps_[shown]; }
+  const std::vector<Joint>& joints() const { return joints_; }
+  // Of the vertices of all meshes, one after the other.
+  const Skin& skin() const { return skin_; }
+
+ private:
+  using Map = Eigen::Affine3d;
+
+  // A skin of the file.
+  struct FileSkin {
+    std::vector<std::size_t> nodes;     // of its joints; empty: not read yet
+    std::vector<Map> inverses;          // inverse bind matrices
+    std::vector<double> weights;        // of all vertices, by joint
+    std::vector<std::uint32_t> joints;  // of joints_, by its own
+    Map map = Map::Identity();          // from its meshes to the space of the character
+  };
+
+  void find_nodes();
+  void add_node(std::size_t node);
+  void add_weights();
+  void read_skin(int index, FileSkin& skin) const;
+  void place_skins();
+  bool place_by_known(FileSkin& skin, const std::vector<std::size_t>& order) const;
+  bool place_at_rest(FileSkin& skin, const std::vector<std::size_t>& order) const;
+  void add_inverses(FileSkin& skin, double size);
+  void complete_inverses();
+  std::pair<int, Map> find_joint(std::size_t node, std::vector<std::optional<Map>>& to_joint);
+  void place_unskinned();
+  void fill_skin(const std::vector<std::vector<std::pair<std::uint32_t, float>>>& influences);
+
+  const GltfFile& file_;
+  const GltfScene& scene_;
+  const std::vector<GltfMesh>& meshes_;
+  UniqueNames names_;
+  std::vector<int> joint_of_node_;                // -1: none
+  std::vector<int> hangs_on_;                     // by node that is no joint, once it was asked for; -1: none
+  std::vector<std::size_t> nodes_;                // of each joint
+  std::vector<std::optional<Map>> inverse_bind_;  // of each joint
+  std::vector<FileSkin> skins_;                   // of the file
+  std::vector<Map> maps_;
+  std::vector<int> rigid_;  // by shown mesh: the joint that it follows alone, or -1
+  std::vector<Joint> joints_;
+  Skin skin_;
+};
+
+}  // namespace fb::bake
