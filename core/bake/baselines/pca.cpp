@@ -13,7 +13,7 @@ namespace {
 using Matrix = Eigen::MatrixXf;  // column-major: a column is a pose or a component
 
 constexpr std::size_t poses_per_read = 256;
-constexpr std::size_t sample_poses = 1024;  // of the first subspace
+constexpr std::size_t subspace_poses = 1024;  // of the first subspace
 constexpr std::size_t tile = 1024;          // rows of a product that one worker computes at a time
 
 // subspace^T * block: one column of coefficients a pose.
@@ -35,7 +35,7 @@ std::size_t count_reaching(const Eigen::VectorXd& values, double target) {
 // The normalised components of a sample of the poses. `width` becomes the number of columns to search with.
 Matrix initial_subspace(const PoseRows& poses, double fraction, const Parallel& parallel, Progress& progress,
                         std::size_t& width) {
-  const std::unique_ptr<PoseRows> sample = poses.subsampled(sample_poses);
+  const std::unique_ptr<PoseRows> sample = poses.subsampled(subspace_poses);
   const std::size_t rows = poses.rows(), samples = sample->size();
   Matrix points(rows, samples);
   sample->read(0, samples, std::span(points.data(), points.size()), parallel);
