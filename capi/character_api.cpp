@@ -113,6 +113,18 @@ fb_status fb_socket_at(const fb_model* model, uint32_t index, fb_socket* socket)
   return copy_at(model, &LoadedCharacter::sockets, index, socket, "fb_socket");
 }
 
+void fb_level_fill(fb_level* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+uint32_t fb_level_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::levels);
+}
+
+fb_status fb_level_at(const fb_model* model, uint32_t index, fb_level* level) {
+  return copy_at(model, &LoadedCharacter::levels, index, level, "fb_level");
+}
+
 const char* fb_about(const fb_model* model) {
   return model ? model->character.about() : nullptr;
 }

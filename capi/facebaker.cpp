@@ -165,6 +165,9 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
   batch.masks = read_masks(desc, scratch);
+  batch.masks.lod = desc.lod;
+  if (desc.level_only > 1) fail(Status::invalid_argument, "fb_batch_desc: level_only %u", desc.level_only);
+  batch.masks.level_only = desc.level_only != 0;
   if (desc.sockets) batch.sockets = {desc.sockets, desc.socket_floats, desc.socket_pose_stride};
   if (desc.channels) batch.channels = {desc.channels, desc.channel_floats, desc.channel_pose_stride};
   batch.errors = {desc.expected_errors, desc.expected_errors ? desc.expected_error_floats : 0,

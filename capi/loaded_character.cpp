@@ -9,7 +9,8 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
     : parts_(std::move(model.rest.parts)),
       channels_(std::move(model.schema.channels)),
       exact_(std::move(model.exact)),
-      character_(std::move(model.character)) {
+      character_(std::move(model.character)),
+      levels_(std::move(model.levels)) {
   if (parts_.empty()) {
     const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
     const auto polygons = static_cast<std::uint32_t>(model.rest.polygon_sizes.size());
@@ -18,6 +19,9 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   }
   std::size_t runs = 0, textures = 0;
   for (const MeshPart& part : parts_) runs += part.materials.size();
+  for (const DetailLevel& level : levels_)
+    for (const LevelPart& part : level.parts) runs += part.materials.size();
+  runs += levels_.size();  // of the one mesh of a face that names none
   for (const Material& material : character_.materials) textures += material.textures.size();
   budget.reserve(meshes, parts_.size(), "meshes");
   budget.reserve(runs_, runs, "material runs");
@@ -28,8 +32,11 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(channels, channels_.size(), "channels");
   budget.reserve(exact_poses, exact_.size(), "exact poses");
   budget.reserve(joints, character_.joints.size(), "joints");
+  budget.reserve(levels, levels_.size() + 1, "levels");
+  budget.reserve(level_meshes_, levels_.size() * parts_.size(), "levels");
   describe_meshes(model.rest);
   describe_materials();
+  describe_levels(model);
   for (const Image& image : character_.images)
     images.push_back(
         {sizeof(fb_image), 0, image.name.c_str(), image.media_type.c_str(), image.bytes.data(), image.bytes.size()});
@@ -78,6 +85,47 @@ void LoadedCharacter::describe_meshes(const Mesh& rest) {
     mesh.first_polygon += part.polygons;
     mesh.first_corner += mesh.corner_count;
   }
+}
+
+void LoadedCharacter::describe_levels(const PackedModel& model) {
+  const auto surface = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
+  levels.push_back({sizeof(fb_level), surface, 0, 0, nullptr, nullptr, nullptr, meshes.data(), model.columns, 0});
+  for (const DetailLevel& from : levels_) {
+    fb_mesh mesh = {};
+    mesh.struct_size = sizeof mesh;
+    const fb_mesh* const first = level_meshes_.data() + level_meshes_.size();
+    for (std::size_t m = 0; m < parts_.size(); ++m) {
+      const auto polygons = static_cast<std::uint32_t>(from.polygon_sizes.size());
+      const LevelPart whole{
+          polygons, polygons > 0 ? std::vector{MaterialRun{polygons, no_material}} : std::vector<MaterialRun>()};
+      const LevelPart& part = from.parts.empty() ? whole : from.parts[m];
+      mesh.name = meshes[m].name;
+      mesh.first_vertex = meshes[m].first_vertex;
+      mesh.vertex_count = meshes[m].vertex_count;
+      mesh.polygon_count = part.polygons;
+      mesh.runs = runs_.data() + runs_.size();
+      mesh.run_count = static_cast<std::uint32_t>(part.materials.size());
+      for (const MaterialRun& run : part.materials) runs_.push_back({run.polygons, run.material});
+      mesh.corner_count = 0;
+      for (std::uint32_t p = 0; p < part.polygons; ++p) mesh.corner_count += from.polygon_sizes[mesh.first_polygon + p];
+      level_meshes_.push_back(mesh);
+      mesh.first_polygon += part.polygons;
+      mesh.first_corner += mesh.corner_count;
+    }
+    levels.push_back({sizeof(fb_level), from.vertices, static_cast<std::uint32_t>(from.polygon_sizes.size()),
+                      static_cast<std::uint32_t>(from.polygon_corners.size()), from.polygon_sizes.data(),
+                      from.polygon_corners.data(), from.uv_corners.empty() ? nullptr : from.uv_corners.data(), first,
+                      static_cast<std::uint32_t>(coefficients_of(model, from)), 0});
+  }
+}
+
+void LoadedCharacter::use_polygons(const Mesh& rest, const std::uint32_t* sizes, const std::uint32_t* corners,
+                                   const std::uint32_t* uv_corners) {
+  levels[0].polygon_count = static_cast<std::uint32_t>(rest.polygon_sizes.size());
+  levels[0].corner_count = static_cast<std::uint32_t>(rest.polygon_corners.size());
+  levels[0].polygon_sizes = sizes;
+  levels[0].polygon_corners = corners;
+  levels[0].uv_corners = rest.uv_corners.empty() ? nullptr : uv_corners;
 }
 
 void LoadedCharacter::describe_materials() {

@@ -26,6 +26,11 @@ class LoadedCharacter {
   std::vector<fb_channel> channels;
   std::vector<fb_exact_pose> exact_poses;
   std::vector<fb_joint> joints;
+  std::vector<fb_level> levels;  // the whole first; its polygons are set by use_polygons()
+
+  // Says where the polygons of the whole lie, for level 0.
+  void use_polygons(const Mesh& rest, const std::uint32_t* sizes, const std::uint32_t* corners,
+                    const std::uint32_t* uv_corners);
 
   const char* about() const { return character_.about.c_str(); }
   std::span<const std::byte> thumbnail() const { return character_.thumbnail; }
@@ -33,6 +38,7 @@ class LoadedCharacter {
 
  private:
   void describe_meshes(const Mesh& rest);
+  void describe_levels(const PackedModel& model);
   void describe_materials();
   void describe_exact_poses();
 
@@ -42,6 +48,8 @@ class LoadedCharacter {
   Character character_;
   std::vector<fb_material_run> runs_;
   std::vector<fb_texture> textures_;
+  std::vector<DetailLevel> levels_;    // coarser ones
+  std::vector<fb_mesh> level_meshes_;  // of each
 };
 
 }  // namespace fb::capi

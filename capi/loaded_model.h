@@ -30,7 +30,9 @@ struct fb_model {
         diagonal(archive.model.rest.diagonal()),
         provenance(std::move(archive.model.provenance)),
         error_regions(std::move(archive.model.expected.regions)),
-        character(archive.model, *budget) {}
+        character(archive.model, *budget) {
+    character.use_polygons(archive.model.rest, polygon_sizes.data(), polygon_corners.data(), uv_corners.data());
+  }
 
   // Charges the names that a model copies from an archive, and the rest pose.
   static const fb::PackedModel& charge_names(const fb::PackedModel& model, fb::MemoryBudget& budget) {

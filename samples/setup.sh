@@ -5,7 +5,7 @@
 #   samples/setup.sh --docs   and what docs/build_reference.sh needs besides
 set -eu
 
-packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libtinygltf-dev libstb-dev nlohmann-json3-dev
+packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libmeshoptimizer-dev libtinygltf-dev libstb-dev nlohmann-json3-dev
   zlib1g-dev libxxhash-dev libcli11-dev libcmocka-dev doctest-dev python3-numpy"
 case "${1:-}" in
   "") ;;

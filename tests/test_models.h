@@ -284,6 +284,35 @@ inline PackedModel body_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// character_model at two coarser levels of detail: of 19 and of 13 of its 30 vertices, with two and with one of its
+// three coefficients that are not direct.
+inline PackedModel levelled_model(std::uint64_t seed = 1) {
+  PackedModel model = character_model(seed);
+  model.order = {0,  1,  2,  5, 7,  8,  12, 13, 17, 18, 23, 24, 29, 3,  6,  9,
+                 15, 20, 26, 4, 10, 11, 14, 16, 19, 21, 22, 25, 27, 28, 30, 31};
+  Random random(seed, 3);
+  model.row_blocks.clear();
+  std::uint32_t row = 0;
+  for (const std::uint32_t vertices : {9, 4, 4, 2, 5, 6, 2}) {
+    model.row_blocks.push_back(random_row_block(random, row, 3 * vertices, {0, 2, 3, 4}, 0.5f));
+    row += 3 * vertices;
+  }
+  model.row_blocks[1] = random_row_block(random, 27, 12, {0, 1, 2}, 0.5f);
+  DetailLevel first{19, {4, 4, 3, 4, 4}, {0, 3, 15, 12, 3, 5, 17, 15, 6, 9, 15, 18, 20, 26, 24, 20, 23, 29, 26}};
+  first.uv_corners.assign(first.polygon_corners.rbegin(), first.polygon_corners.rend());
+  first.parts = {{3, {{2, 0}, {1, no_material}}}, {2, {{2, 1}}}};
+  first.points = {{2, {128, 0}},  {0, {0, 128}}, {3, {1, 255}}, {4, {64, 64}}, {1, {0, 0}},  {5, {200, 10}},
+                  {7, {100, 78}}, {8, {1, 1}},   {6, {255, 1}}, {5, {0, 200}}, {8, {50, 60}}};
+  first.used_coefficients = {1, 1, 0};
+  DetailLevel second{13, {4, 3, 4}, {0, 5, 17, 12, 1, 8, 7, 18, 23, 29, 24}};
+  second.uv_corners = second.polygon_corners;
+  second.parts = {{2, {{1, 0}, {1, no_material}}}, {1, {{1, 1}}}};
+  second.points = {{0, {100, 0}}, {1, {20, 200}}, {2, {85, 86}}, {0, {12, 34}}, {3, {80, 90}}, {4, {0, 255}}};
+  second.used_coefficients = {1, 0, 0};
+  model.levels = {std::move(first), std::move(second)};
+  return model;
+}
+
 // A pose within the controls' ranges.
 inline std::vector<float> random_pose(const RigSchema& schema, Random& random) {
   std::vector<float> pose;

@@ -46,6 +46,13 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   for (const std::filesystem::path& file : desc.source->files)
     options.source_files.push_back(
         {file.filename().string(), std::filesystem::file_size(file), fb::sha256_of_file(file)});
+  if (desc.level_share_count > 0) require(desc.level_shares, "fb_bake_desc: level_shares");
+  for (std::uint32_t i = 0; i < desc.level_share_count; ++i) options.level_shares.push_back(desc.level_shares[i]);
+  if (desc.level_mesh_count > 0) require(desc.level_meshes, "fb_bake_desc: level_meshes");
+  for (std::uint32_t i = 0; i < desc.level_mesh_count; ++i) {
+    require(desc.level_meshes[i], "fb_bake_desc: one of level_meshes");
+    options.level_meshes.emplace_back(reinterpret_cast<const char8_t*>(desc.level_meshes[i]));
+  }
   options.cache_bytes = desc.cache_bytes;
   options.reuse = text_or_empty(desc.reuse);
   return options;

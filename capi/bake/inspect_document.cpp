@@ -112,6 +112,13 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
   bake::write_channels(model.schema.channels, document);
   for (const ExactPose& pose : model.exact) document["exact_poses"].push_back({{"name", pose.name}});
   if (model.character.skin.influences > 0) document["skin"] = skin_of(model);
+  for (std::size_t k = 1; k <= model.levels.size(); ++k) {
+    const DetailLevel& level = model.levels[k - 1];
+    document["levels"].push_back({{"level", k},
+                                  {"vertices", level.vertices},
+                                  {"polygons", level.polygon_sizes.size()},
+                                  {"coefficients", coefficients_of(model, level)}});
+  }
   if (!model.character.about.empty()) document["about"] = object_in(model.character.about);
   if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
   return json_text(document);

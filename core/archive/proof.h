@@ -19,6 +19,8 @@ struct Proof {
   // Expected errors: poses x ExpectedErrors::count(), and how many controls are outside of what was trained.
   std::vector<float> errors = {};
   std::vector<std::uint32_t> outside = {};
+  // Poses x twice the coarser levels: hashes of the positions at the levels of detail 1/2, 1, 3/2, ...
+  std::vector<std::uint64_t> level_hashes = {};
 };
 
 // Texts for people and reports. Empty: the archive does not have it.

@@ -1,10 +1,12 @@
 #include "archive/reader.h"
 
+#include <algorithm>
 #include <initializer_list>
 
 #include "archive/character_reader.h"
 #include "archive/coding/coding_reader.h"
 #include "archive/geometry/geometry_reader.h"
+#include "archive/level_reader.h"
 #include "archive/section_reader.h"
 
 namespace fb::archive {
@@ -12,11 +14,11 @@ namespace {
 
 bool is_known(std::string_view name) {
   for (const char* known :
-       {section::definition, section::polygons,     section::geometry, section::network,    section::weights,
-        section::basis,      section::basis_values, section::labels,   section::uvs,        section::meshes,
-        section::materials,  section::images,       section::sockets,  section::channels,   section::expected_errors,
-        section::joints,     section::skin,         section::about,    section::thumbnail,  section::provenance,
-        section::licence,    section::certificate,  section::proof,    section::exact_poses})
+       {section::definition, section::polygons,     section::geometry, section::network,     section::weights,
+        section::basis,      section::basis_values, section::labels,   section::uvs,         section::meshes,
+        section::materials,  section::images,       section::sockets,  section::channels,    section::expected_errors,
+        section::joints,     section::skin,         section::about,    section::thumbnail,   section::provenance,
+        section::licence,    section::certificate,  section::proof,    section::exact_poses, section::levels})
     if (name == known) return true;
   return false;
 }
@@ -108,6 +110,14 @@ class ArchiveReader {
     for (const ExpectedErrors::Region& region : model_.expected.regions) count_names({&region.name});
   }
 
+  // A part of the mesh, which the proof needs, too.
+  void read_levels_section() {
+    if (!contains(section::levels)) return;
+    model_.levels = read(section::levels, read_levels);
+    for (const DetailLevel& level : model_.levels)
+      check_limit(level.polygon_sizes.size(), limits_.max_polygons, "polygons in a level of detail");
+  }
+
   void read_behaviour() {
     read(section::network, [&](ByteReader& in) { read_network(in, model_); });
     check_limit(model_.features.size(), limits_.max_features, "features");
@@ -134,7 +144,7 @@ class ArchiveReader {
     if (contains(section::proof))
       archive.proof = read(section::proof, [&](ByteReader& in) {
         return read_proof(in, model_.schema, archive.vertices,
-                          {model_.character.sockets.size(), model_.expected.count()});
+                          {model_.character.sockets.size(), model_.expected.count(), model_.levels.size()});
       });
   }
 
@@ -149,6 +159,12 @@ class ArchiveReader {
                                       model_.character.joints.size() + model_.schema.channels.size() +
                                       model_.expected.regions.size() + model_.exact.size(),
                                   96, "names");
+    // Two numbers a vertex, and the triangles of a level.
+    std::uint64_t level_numbers = 0;
+    for (const DetailLevel& level : model_.levels)
+      level_numbers = std::max<std::uint64_t>(level_numbers, 3 * level.polygon_corners.size());
+    if (!model_.levels.empty()) level_numbers += 2 * (std::uint64_t(archive.vertices) + model_.rest.channel_vertices);
+    const ScopedCharge levels(budget_, level_numbers, sizeof(std::uint32_t), "levels");
     try {
       check(model_);
       check(model_.character, model_.rest);
@@ -197,7 +213,10 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   reader.read_definition_section();
   const bool mesh = has(parts, Parts::mesh), behaviour = has(parts, Parts::behaviour);
   if (mesh || behaviour) reader.read_mesh(mesh);
-  if (mesh || has(parts, Parts::proof)) reader.read_sockets_section();
+  if (mesh || has(parts, Parts::proof)) {
+    reader.read_sockets_section();
+    reader.read_levels_section();
+  }
   if (behaviour) reader.read_behaviour();
   if (behaviour || has(parts, Parts::proof)) reader.read_errors_section();
   if (has(parts, Parts::text)) reader.read_texts();

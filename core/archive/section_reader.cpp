@@ -96,6 +96,8 @@ Proof read_proof(ByteReader& in, const RigSchema& schema, std::uint32_t vertices
       in.numbers<float>(checked_multiply(poses, schema.channels.size(), "proof channels"), "proof channels");
   proof.errors = in.numbers<float>(checked_multiply(poses, sizes.errors, "proof errors"), "proof errors");
   if (sizes.errors > 0) proof.outside = in.numbers<std::uint32_t>(poses, "proof errors");
+  proof.level_hashes =
+      in.numbers<std::uint64_t>(checked_multiply(poses, 2 * sizes.levels, "proof hashes"), "proof hashes of levels");
   in.end();
   return proof;
 }

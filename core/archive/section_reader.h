@@ -29,6 +29,7 @@ void read_network(ByteReader& in, PackedModel& model);
 struct ProofSizes {
   std::size_t sockets = 0;
   std::size_t errors = 0;  // ExpectedErrors::count()
+  std::size_t levels = 0;  // coarser ones
 };
 
 // `vertices`: of the surface.

@@ -88,6 +88,9 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   if (proof.errors.size() != poses * errors || proof.outside.size() != (errors > 0 ? poses : 0))
     fail(Status::bad_data, "the proof has %zu expected errors for %zu poses of %zu", proof.errors.size(), poses,
          errors);
+  if (proof.level_hashes.size() != poses * 2 * model.levels.size())
+    fail(Status::bad_data, "the proof has %zu hashes of levels for %zu poses of %zu", proof.level_hashes.size(), poses,
+         model.levels.size());
   for (const std::uint32_t vertex : proof.vertices)
     if (vertex >= model.rest.surface_vertex_count())
       fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.surface_vertex_count());
@@ -101,6 +104,7 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   out.numbers(proof.channels);
   out.numbers(proof.errors);
   out.numbers(proof.outside);
+  out.numbers(proof.level_hashes);
   return out;
 }
 

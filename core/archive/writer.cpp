@@ -4,6 +4,7 @@
 #include "archive/coding/writer/coding_writer.h"
 #include "archive/container/container_writer.h"
 #include "archive/geometry/geometry_writer.h"
+#include "archive/level_writer.h"
 #include "archive/section_writer.h"
 
 namespace fb::archive {
@@ -47,6 +48,7 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   if (!model.schema.channels.empty()) compress(section::channels, true, write_channels(model.schema.channels));
   if (!model.expected.regions.empty()) compress(section::expected_errors, false, write_expected_errors(model.expected));
   if (!model.exact.empty()) compress(section::exact_poses, true, write_exact_poses(model.exact));
+  if (!model.levels.empty()) compress(section::levels, false, write_levels(model));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "model/basis.h"
 #include "model/mesh.h"
@@ -16,6 +18,8 @@ struct FaceModel {
   Network network;
   Basis basis;             // rows = 3 x vertices, columns = network.coefficient_count()
   std::string provenance;  // a JSON object: recipe, creator, seed, sources, figures; for people and `inspect`
+  std::vector<std::uint8_t> coarsest_levels = {};  // by vertex, for levels of detail: rows follow it, the highest
+                                                   // first; empty: there are none
 };
 
 // Validates every part and their sizes against each other.

@@ -134,6 +134,7 @@ void check(const PackedModel& model) {
   check_blocks_of_parts(model);
   check(model.expected, model.schema, model.rest.surface_vertex_count());
   check(model.exact, model.schema, rows);
+  check_levels(model);
 }
 
 }  // namespace fb

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/character.h"
+#include "model/detail_levels.h"
 #include "model/exact_poses.h"
 #include "model/expected_errors.h"
 #include "model/mesh.h"
@@ -76,6 +77,7 @@ struct PackedModel {
   ExpectedErrors expected = {};
   std::string provenance;  // a JSON object, for people and `inspect`
   std::vector<ExactPose> exact = {};
+  std::vector<DetailLevel> levels = {};  // coarser and coarser; empty: there is only the whole
 
   std::size_t parameter_count() const;  // weights and biases
   std::size_t value_count() const;      // of the basis

@@ -55,6 +55,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       order(model.order.begin(), model.order.end(), &memory),
       baked_index(inverse(model.order, memory)),
       meshes(model, memory, *from.heap),
+      details(memory),
       sockets(model, baked_index, memory),
       errors(model, baked_index, memory),
       exact(model, memory),
@@ -71,6 +72,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
   find_list_offsets(model);
   find_scatter_table(model, *from.heap);
   find_row_block_regions(*from.heap);
+  with_float_mode([&] { details.add_levels(model, baked_index, coefficient_offsets, row_blocks, memory, *from.heap); });
 }
 
 void EvaluationLayout::add_networks(const PackedModel& model, std::pmr::memory_resource& heap) {

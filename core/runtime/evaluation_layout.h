@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
@@ -9,6 +10,7 @@
 #include "base/large_pages.h"
 #include "model/packed_model.h"
 #include "runtime/csr_table.h"
+#include "runtime/detail_layout.h"
 #include "runtime/error_prediction.h"
 #include "runtime/exact_blend.h"
 #include "runtime/feature_graph.h"
@@ -52,12 +54,13 @@ struct EvaluationLayout {
     std::uint32_t list, index;
     float scale;
   };
-  // The inputs begin..end - 1 of a row block that are coefficients of a region.
-  struct RegionInputs {
-    std::uint32_t region, begin, end;
-  };
 
   std::size_t vertex_count() const { return meshes.surface_vertices; }
+  // Row blocks of the surface; those behind them have channels.
+  std::size_t surface_blocks() const {
+    const auto& of_block = meshes.row_block_meshes;
+    return static_cast<std::size_t>(std::find(of_block.begin(), of_block.end(), meshes.count()) - of_block.begin());
+  }
   // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
   std::size_t row_stride() const { return rest_rows.size() + 1; }
   std::size_t gate_list(std::size_t region) const { return networks.size() + region; }
@@ -84,6 +87,7 @@ struct EvaluationLayout {
   std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows; channels are last
   std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
   MeshLayout meshes;
+  DetailLayout details;
   SocketFrames sockets;
   ErrorPrediction errors;
   ExactBlend exact;

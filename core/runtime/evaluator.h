@@ -81,6 +81,12 @@ class Evaluator {
   // See ErrorPrediction.
   std::size_t error_count() const { return layout_.errors.count(); }
   std::span<const std::uint32_t> error_regions() const { return layout_.errors.vertex_regions(); }
+  // Levels of detail, with the whole, number 0.
+  std::size_t level_count() const { return layout_.details.levels.size() + 1; }
+  // Vertices of a level: the first so many in baked order.
+  std::uint32_t level_vertices(std::size_t level) const {
+    return layout_.details.vertices_at(level, layout_.meshes.surface_vertices);
+  }
   std::size_t mesh_count() const { return layout_.meshes.count(); }
   // Takes the regions that move no vertex of these meshes out of a mask of regions, which is not empty. `channels`:
   // whether channels are evaluated.
@@ -88,9 +94,7 @@ class Evaluator {
   const std::vector<std::string>& region_names() const { return layout_.region_names; }
   // Those of the surface.
   std::span<const RowBlockMatrix> row_blocks() const {
-    const auto& meshes = layout_.meshes.row_block_meshes;
-    const auto end = std::find(meshes.begin(), meshes.end(), layout_.meshes.count());
-    return std::span(layout_.row_blocks).first(static_cast<std::size_t>(end - meshes.begin()));
+    return std::span(layout_.row_blocks).first(layout_.surface_blocks());
   }
   // See Basis::order.
   std::span<const std::uint32_t> order() const { return layout_.order; }
@@ -122,6 +126,7 @@ class Evaluator {
  private:
   void check_batch(const Batch& batch) const;
   void check_errors(const Batch& batch) const;
+  std::size_t check_detail(const Batch& batch) const;
   // The first control that is NaN, or control_count().
   std::size_t find_nan(const float* controls) const;
   void refuse_nan(const float* controls) const;

@@ -27,12 +27,14 @@ Strides strides_of(const BatchOutput& output, std::size_t vertices) {
   return {output.pose_stride ? output.pose_stride : checked_multiply(vertex, vertices, "pose stride"), vertex};
 }
 
-void check_output(const BatchOutput& output, const char* what, std::size_t poses, std::size_t vertices) {
+// `written`: the vertices of a pose that are written, at most.
+void check_output(const BatchOutput& output, const char* what, std::size_t poses, std::size_t vertices,
+                  std::size_t written) {
   if (!output.first && output.size == 0) return;
   const auto [pose_stride, vertex_stride] = strides_of(output, vertices);
   if (vertex_stride < 3)
     fail(Status::invalid_argument, "%s: a vertex stride of %zu numbers is below 3", what, vertex_stride);
-  const std::size_t pose_extent = extent(vertices, vertex_stride, 3);
+  const std::size_t pose_extent = extent(written, vertex_stride, 3);
   const std::size_t needed = extent(poses, pose_stride, pose_extent);
   if (output.size < needed)
     fail(Status::invalid_argument, "%zu poses need %zu numbers of %s; the buffer has %zu", poses, needed, what,
@@ -78,16 +80,18 @@ void Evaluator::check_batch(const Batch& batch) const {
   if (batch.controls.size() < needed)
     fail(Status::invalid_argument, "%zu poses need %zu control floats; the buffer has %zu", batch.poses, needed,
          batch.controls.size());
-  check_output(batch.positions, "positions", batch.poses, vertex_count());
-  check_output(batch.normals, "normals", batch.poses, vertex_count());
+  const std::size_t vertices = check_detail(batch);
+  check_output(batch.positions, "positions", batch.poses, vertex_count(), vertices);
+  check_output(batch.normals, "normals", batch.poses, vertex_count(), vertices);
   if (batch.tangents.first && layout_.tangents.signs().empty())
     fail(Status::invalid_argument, "a face without texture coordinates has no tangents");
-  check_output(batch.tangents, "tangents", batch.poses, vertex_count());
+  check_output(batch.tangents, "tangents", batch.poses, vertex_count(), vertices);
   check_floats(batch.sockets, "sockets", batch.poses, SocketFrames::frame_floats * socket_count());
   check_floats(batch.channels, "channels", batch.poses, channel_count());
   check_floats(batch.bounds, "bounds", batch.poses, bounds_floats);
   check_errors(batch);
-  const auto [regions, meshes] = batch.masks;
+  const RegionMask regions = batch.masks.regions;
+  const MeshMask meshes = batch.masks.meshes;
   if (!regions.empty() && regions.size() != layout_.networks.size())
     fail(Status::invalid_argument, "a mask of %zu regions for a model of %zu", regions.size(), layout_.networks.size());
   if (!meshes.empty() && meshes.size() != mesh_count())
@@ -98,6 +102,17 @@ void Evaluator::check_batch(const Batch& batch) const {
       fail(Status::not_finite, "pose %zu: control \"%s\" is not a number", pose,
            schema().controls[control].name.c_str());
   }
+}
+
+// Returns how many vertices of a pose are written.
+std::size_t Evaluator::check_detail(const Batch& batch) const {
+  const float lod = batch.masks.lod;
+  if (lod != lod) fail(Status::not_finite, "the level of detail is not a number");
+  if (lod < 0) fail(Status::invalid_argument, "the level of detail is %g, below 0", static_cast<double>(lod));
+  if (!batch.masks.level_only) return vertex_count();
+  if (batch.order != VertexOrder::baked && !layout_.baked_index.empty())
+    fail(Status::invalid_argument, "the vertices of a level alone are written in baked order only");
+  return level_vertices(DetailChoice(layout_.details, lod).number);
 }
 
 void Evaluator::check_errors(const Batch& batch) const {

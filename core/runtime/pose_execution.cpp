@@ -7,8 +7,9 @@
 
 namespace fb::runtime {
 
-// Writes the values of active features to the input lists.
-template <std::size_t poses>
+// Writes the values of active features to the input lists; at a level, not to those of row blocks that it does not
+// have.
+template <std::size_t poses, bool at_level>
 void PoseExecution::scatter_features() {
   using Entry = EvaluationLayout::ScatterEntry;
   constexpr std::size_t prefetch_distance = 8;  // in active features
@@ -19,12 +20,16 @@ void PoseExecution::scatter_features() {
   const std::uint32_t* const offsets = layout_.scatter.row_offsets.data();
   const Entry* const entries = layout_.scatter.entries.data();
   const std::span<const std::uint32_t> active = workspace_.features_.active();
+  const std::size_t left_out = at_level ? layout_.row_block_list(detail_.level->blocks) : 0;
+  const std::size_t left_out_end =
+      at_level ? layout_.row_block_list(with_channels_ ? layout_.surface_blocks() : layout_.row_blocks.size()) : 0;
   for (std::size_t i = 0; i < active.size(); ++i) {
     if (i + prefetch_distance < active.size()) __builtin_prefetch(entries + offsets[active[i + prefetch_distance]]);
     float value[poses];
     std::copy_n(workspace_.features_[active[i]], poses, value);
     const Entry* const end = entries + offsets[active[i] + 1];
     for (const Entry* entry = entries + offsets[active[i]]; entry < end; ++entry) {
+      if (at_level && entry->list >= left_out && entry->list < left_out_end) continue;
       const std::uint32_t at = ends[entry->list]++;
       indices[at] = entry->index;
       for (std::size_t p = 0; p < poses; ++p) values[at * poses + p] = value[p] * entry->scale;
@@ -51,22 +56,35 @@ void PoseExecution::find_gate_values(std::size_t region, float (&gates)[poses]) 
   }
 }
 
+// Coefficients that the next level does not use come to 0 on the way there.
+void PoseExecution::fade_coefficients(std::size_t region, std::size_t count, std::size_t poses) {
+  const std::uint32_t first = layout_.coefficient_offsets[region];
+  for (std::size_t c = first; c < first + count; ++c)
+    for (std::size_t p = 0; !detail_.next->used[c] && p < poses; ++p)
+      workspace_.coefficients_[c * poses + p] *= 1 - detail_.share;
+}
+
 template <std::size_t poses>
 void PoseExecution::run_regions() {
   for (std::size_t r = 0; r < layout_.networks.size(); ++r) {
     const MatrixInputs inputs = workspace_.list(layout_, r, poses);
     workspace_.active_regions_[r] = 0;
-    if (inputs.count == 0 || !(regions_.empty() || regions_[r] != 0)) continue;
+    const RegionNetwork& network = layout_.networks[r];
+    const std::size_t count = !detail_.level   ? network.output_count()
+                              : with_channels_ ? detail_.level->all_outputs[r]
+                                               : detail_.level->outputs[r];
+    if (inputs.count == 0 || count == 0 || !(regions_.empty() || regions_[r] != 0)) continue;
     float gates[poses];
     find_gate_values<poses>(r, gates);
     if (std::all_of(gates, gates + poses, [](float gate) { return gate == 0; })) continue;
     workspace_.active_regions_[r] = 1;
-    const RegionNetwork& network = layout_.networks[r];
     float* coefficients = workspace_.coefficients_.data() + layout_.coefficient_offsets[r] * poses;
-    network.run(layout_.kernels, inputs, poses, workspace_.layers_.data(), workspace_.layer_inputs_, coefficients);
-    for (std::size_t i = 0; i < network.output_count(); ++i)
+    network.run(layout_.kernels, inputs, poses, count, workspace_.layers_.data(), workspace_.layer_inputs_,
+                coefficients);
+    for (std::size_t i = 0; i < count; ++i)
       for (std::size_t p = 0; p < poses; ++p, ++coefficients)
         *coefficients = zero_unless(gates[p] != 0, *coefficients * gates[p]);
+    if (detail_.next) fade_coefficients(r, count, poses);
   }
 }
 
@@ -75,7 +93,8 @@ template <std::size_t poses>
 void PoseExecution::quantise_inputs(std::size_t b, std::int16_t* to, QuantisedInputs& inputs) {
   const RowBlockMatrix& block = layout_.row_blocks[b];
   MatrixInputs list = workspace_.list(layout_, layout_.row_block_list(b), poses);
-  for (const auto& [region, begin, end] : layout_.row_block_regions.row(b)) {
+  for (const auto& [region, begin, end] :
+       (detail_.level ? detail_.level->block_regions : layout_.row_block_regions).row(b)) {
     if (!workspace_.active_regions_[region]) continue;
     block.scale_coefficients<poses>({begin, end}, workspace_.coefficients_.data(), list.values + list.count * poses);
     for (std::uint32_t i = begin; i < end; ++i) list.indices[list.count++] = i;
@@ -129,8 +148,22 @@ void PoseExecution::add_corrections(float* const* rows, bool in_workspace) {
   }
 }
 
+// The vertices that are written, as ranges in baked order.
+template <class Visit>
+void PoseExecution::visit_written(const Visit& visit) const {
+  const std::uint32_t end = level_only_ && detail_.level ? detail_.level->vertices : layout_.meshes.surface().end;
+  const auto visit_below = [&](VertexRange range) {
+    range.end = std::min(range.end, end);
+    if (range.begin < range.end) visit(range);
+  };
+  if (meshes_.empty()) visit_below(layout_.meshes.surface());
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), visit_below);
+}
+
 void PoseExecution::write(const float* rows, const VertexOutput& output) {
   const VertexWriter writer(layout_.kernels, rows, layout_.baked_index, workspace_.halves_.data(), output);
+  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range, {&range, 1}); });
   if (meshes_.empty()) {
     const VertexRange all = all_points_ ? layout_.meshes.all() : layout_.meshes.surface();
     writer.write(all, {&all, 1});
@@ -142,6 +175,7 @@ void PoseExecution::write(const float* rows, const VertexOutput& output) {
 
 void PoseExecution::write_displacements(const float* rows, const VertexOutput& output) {
   const DisplacementWriter writer(layout_.kernels, rows, layout_.rest_rows.data(), layout_.baked_index, output);
+  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range, {&range, 1}); });
   if (meshes_.empty()) {
     const VertexRange all = layout_.meshes.surface();
     writer.write(all, {&all, 1});
@@ -154,7 +188,6 @@ void PoseExecution::write_displacements(const float* rows, const VertexOutput& o
 void PoseExecution::write_bounds(const float* rows, float* bounds) const {
   bool empty = true;
   const auto add = [&](VertexRange range) {
-    if (range.begin == range.end) return;
     const float* const first = rows + 3 * std::size_t(range.begin);
     for (std::size_t axis = 0; axis < 3 && empty; ++axis) bounds[axis] = bounds[3 + axis] = first[axis];
     empty = false;
@@ -164,15 +197,38 @@ void PoseExecution::write_bounds(const float* rows, float* bounds) const {
         bounds[3 + axis] = at[axis] > bounds[3 + axis] ? at[axis] : bounds[3 + axis];
       }
   };
-  if (meshes_.empty()) add(layout_.meshes.surface());
-  for (std::size_t m = 0; m < meshes_.size(); ++m)
-    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), add);
+  visit_written(add);
   if (empty) std::fill_n(bounds, bounds_floats, 0.0f);
 }
 
 void PoseExecution::write_channels(const float* rows, float* channels) const {
   rows += 3 * layout_.vertex_count();
   for (const Channel& channel : layout_.schema.channels) *channels++ = channel.value(*rows++);
+}
+
+// Moves the vertices of a pose to where they lie at the level of detail.
+void PoseExecution::slide(std::size_t pose, float* rows, bool in_workspace) {
+  const auto slide_range = [&](VertexRange range) {
+    slide_vertices(layout_.details, detail_, range.begin, range.end, !level_only_, rows);
+  };
+  if (meshes_.empty()) slide_range(layout_.meshes.surface());
+  for (std::size_t m = 0; m < meshes_.size(); ++m)
+    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), slide_range);
+  const std::size_t first = (detail_.next ? detail_.next : detail_.level)->blocks, blocks = layout_.row_blocks.size();
+  if (in_workspace)
+    std::fill_n(workspace_.moved_.begin() + std::ptrdiff_t(pose * blocks + first), layout_.surface_blocks() - first,
+                std::uint8_t(1));
+}
+
+// Vectors of all vertices: those that the level does not have take that of the nearest corner of where they lie.
+const float* PoseExecution::with_missing_vertices(const float* of_level) {
+  if (level_only_) return of_level;
+  const std::uint32_t last_level = layout_.details.levels.back().vertices;
+  float* const all = workspace_.level_vectors_.data();
+  std::copy_n(of_level, 3 * std::size_t(detail_.level->vertices), all);
+  for (std::uint32_t i = detail_.level->vertices; i < layout_.vertex_count(); ++i)
+    std::copy_n(all + 3 * std::size_t(layout_.details.points[i - last_level].nearest), 3, all + 3 * std::size_t(i));
+  return all;
 }
 
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {
@@ -184,6 +240,15 @@ void PoseExecution::write_outputs(std::size_t pose, const float* rows, const Pos
   }
   if (!output.normals.first && !output.tangents.first) return;
   const std::size_t blocks = layout_.row_blocks.size();
+  if (detail_.level) {
+    LevelVectors& vectors = workspace_.levels_[detail_.number - 1];
+    const DetailLevelLayout& level = *detail_.level;
+    level.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, level.blocks}, vectors.normals);
+    if (output.normals.first) write(with_missing_vertices(vectors.normals.normals()), output.normals);
+    if (!output.tangents.first) return;
+    level.tangents.run(rows, level.normals, vectors.normals, vectors.tangents);
+    return write(with_missing_vertices(vectors.tangents.tangents()), output.tangents);
+  }
   layout_.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, blocks}, workspace_.normals_);
   if (output.normals.first) write(workspace_.normals_.normals(), output.normals);
   if (!output.tangents.first) return;
@@ -195,7 +260,7 @@ template <std::size_t poses>
 void PoseExecution::run_features_on(const PoseOutput* outputs) {
   all_points_ = outputs[0].all_points;
   with_channels_ = outputs[0].channels || all_points_;
-  scatter_features<poses>();
+  detail_.level ? scatter_features<poses, true>() : scatter_features<poses, false>();
   run_regions<poses>();
   const VertexOutput& first = outputs[0].positions;
   // Rows are written to the output itself if it has their order and format, and nothing else needs them.
@@ -209,6 +274,7 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
         direct ? static_cast<float*>(outputs[p].positions.first) : workspace_.rows_.data() + p * layout_.row_stride();
   run_row_blocks<poses>(rows);
   if (!layout_.exact.empty()) add_corrections<poses>(rows, !direct);
+  for (std::size_t p = 0; p < poses && (detail_.level || detail_.next); ++p) slide(p, rows[p], !direct);
   for (std::size_t p = 0; p < poses; ++p)
     if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
   for (std::size_t p = 0; p < poses; ++p)
@@ -241,7 +307,7 @@ void PoseExecution::run_block(const float* controls, std::size_t stride, const P
 
 void PoseExecution::run_coefficients(const float* controls, float* coefficients) {
   workspace_.clamped_ += layout_.features.run(layout_.kernels, controls, 0, 1, workspace_.features_);
-  scatter_features<1>();
+  scatter_features<1, false>();
   run_regions<1>();
   for (std::size_t d = 0; d < layout_.direct.size(); ++d) coefficients[d] = *workspace_.features_[layout_.direct[d]];
   for (std::size_t r = 0; r < layout_.networks.size(); ++r)

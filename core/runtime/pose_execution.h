@@ -30,6 +30,11 @@ struct PoseOutput {
 struct PoseMasks {
   RegionMask regions = {};
   MeshMask meshes = {};  // the vertices of those that are not posed are not written
+  // The level of detail: 0 the whole, between whole numbers sliding from one to the next; 0 or more.
+  float lod = 0;
+  // Whether only the vertices of the level are written, the first in baked order, instead of all: others on its
+  // surface.
+  bool level_only = false;
 };
 
 // Evaluates poses of a layout in a workspace: features, input lists, networks, row blocks, output. All calls run under
@@ -37,7 +42,12 @@ struct PoseMasks {
 class PoseExecution {
  public:
   PoseExecution(const EvaluationLayout& layout, const PoseMasks& masks, Workspace& workspace)
-      : layout_(layout), regions_(masks.regions), meshes_(masks.meshes), workspace_(workspace) {}
+      : layout_(layout),
+        regions_(masks.regions),
+        meshes_(masks.meshes),
+        detail_(layout.details, masks.lod),
+        level_only_(masks.level_only),
+        workspace_(workspace) {}
 
   // One pose. Adds the number of clamped controls to the workspace, as the others do.
   void run_pose(const float* controls, const PoseOutput& output);
@@ -51,12 +61,13 @@ class PoseExecution {
  private:
   template <std::size_t poses>
   void run_features_on(const PoseOutput* outputs);
-  template <std::size_t poses>
+  template <std::size_t poses, bool at_level>
   void scatter_features();
   template <std::size_t poses>
   void run_regions();
   template <std::size_t poses>
   void find_gate_values(std::size_t region, float (&gates)[poses]);
+  void fade_coefficients(std::size_t region, std::size_t count, std::size_t poses);
   template <std::size_t poses>
   void quantise_inputs(std::size_t block, std::int16_t* to, QuantisedInputs& inputs);
   template <std::size_t poses>
@@ -65,19 +76,26 @@ class PoseExecution {
   void add_corrections(float* const* rows, bool in_workspace);
   template <std::size_t poses>
   void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
+  template <class Visit>
+  void visit_written(const Visit& visit) const;
+  void slide(std::size_t pose, float* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
+  const float* with_missing_vertices(const float* of_level);
   void write(const float* rows, const VertexOutput& output);
   void write_displacements(const float* rows, const VertexOutput& output);
   void write_channels(const float* rows, float* channels) const;
   void write_bounds(const float* rows, float* bounds) const;
   bool is_posed(std::size_t block) const {
     const std::uint32_t mesh = layout_.meshes.row_block_meshes[block];
-    return mesh == layout_.meshes.count() ? with_channels_ : meshes_.empty() || meshes_[mesh];
+    if (mesh == layout_.meshes.count()) return with_channels_;
+    return (meshes_.empty() || meshes_[mesh]) && !(detail_.level && block >= detail_.level->blocks);
   }
 
   const EvaluationLayout& layout_;
   const RegionMask regions_;
   const MeshMask meshes_;
+  const DetailChoice detail_;
+  const bool level_only_;
   bool with_channels_ = false, all_points_ = false;  // in the current poses
   Workspace& workspace_;
 };

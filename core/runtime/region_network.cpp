@@ -35,8 +35,8 @@ RegionNetwork::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, st
 }
 
 void RegionNetwork::Layer::run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride,
-                               const float* input, float* output) const {
-  for (std::uint32_t first = 0; first < outputs; first += low.panel_rows()) {
+                               std::size_t count, const float* input, float* output) const {
+  for (std::uint32_t first = 0; first < count; first += low.panel_rows()) {
     std::int32_t low_sums[poses_per_block * max_panel_rows], high_sums[poses_per_block * max_panel_rows];
     low.sum(kernels, first, x.panel_inputs(), low_sums);
     if (high) high->sum(kernels, first, x.panel_inputs(), high_sums);
@@ -47,7 +47,7 @@ void RegionNetwork::Layer::run(const PoseKernels& kernels, const QuantisedInputs
   }
   if (!skip) return;
   for (std::size_t pose = 0; pose < x.poses; ++pose)
-    for (std::uint32_t o = 0; o < outputs; ++o) output[pose * stride + o] += input[pose * stride + o];
+    for (std::size_t o = 0; o < count; ++o) output[pose * stride + o] += input[pose * stride + o];
 }
 
 RegionNetwork::RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory)
@@ -63,8 +63,8 @@ std::size_t RegionNetwork::max_width() const {
   return width;
 }
 
-void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, float* work,
-                        QuantiseBuffers& buffers, float* outputs) const {
+void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, std::size_t count,
+                        float* work, QuantiseBuffers& buffers, float* outputs) const {
   const std::size_t stride = work_size();
   float *before = work, *after = work + stride / 2;
   if (layers_.front().skip)
@@ -78,19 +78,18 @@ void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, s
     const MatrixInputs dense = {before, layer.inputs, stride};
     quantise(kernels, &layer == &layers_.front() ? input : dense, layer.limit, poses, buffers.values(), buffers.row(),
              x);
-    layer.run(kernels, x, stride, before, after);
+    layer.run(kernels, x, stride, &layer == &layers_.back() ? count : layer.outputs, before, after);
     std::swap(before, after);
   }
   for (std::size_t pose = 0; pose < poses; ++pose)
-    for (std::size_t o = 0; o < output_count(); ++o)
-      outputs[o * poses + pose] = before[pose * stride + o] - rest_outputs_[o];
+    for (std::size_t o = 0; o < count; ++o) outputs[o * poses + pose] = before[pose * stride + o] - rest_outputs_[o];
 }
 
 void RegionNetwork::find_rest(const PoseKernels& kernels, const char* name, std::pmr::memory_resource& heap) {
   std::pmr::vector<float> work(work_size(), &heap), outputs(output_count(), &heap);
   QuantiseBuffers buffers(max_width(), 1, heap);
   std::fill(rest_outputs_.begin(), rest_outputs_.end(), 0.0f);
-  run(kernels, {nullptr, 0}, 1, work.data(), buffers, outputs.data());
+  run(kernels, {nullptr, 0}, 1, output_count(), work.data(), buffers, outputs.data());
   std::copy(outputs.begin(), outputs.end(), rest_outputs_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
     fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);

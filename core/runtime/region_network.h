@@ -27,18 +27,19 @@ class RegionNetwork {
   // Floats of `work` that run() needs for each pose.
   std::size_t work_size() const { return 2 * (max_width() + padding); }
 
-  // EVALUATION.md, "Regions", without the gate. input: sparse inputs of the first layer, in 1 or poses_per_block poses; all
-  // others are 0. work: poses * work_size() floats. buffers: for max_width() inputs. outputs: output_count() * poses
-  // floats, output o of pose p at o * poses + p.
-  void run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, float* work,
+  // EVALUATION.md, "Regions", without the gate. input: sparse inputs of the first layer, in 1 or poses_per_block poses;
+  // all others are 0. work: poses * work_size() floats. buffers: for max_width() inputs. outputs: the first `count` <=
+  // output_count(), times poses: output o of pose p at o * poses + p.
+  void run(const PoseKernels& kernels, const MatrixInputs& input, std::size_t poses, std::size_t count, float* work,
            QuantiseBuffers& buffers, float* outputs) const;
 
  private:
   struct Layer {
     Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory);
-    // input: the floats that x was made from, for skip layers. Poses are `stride` floats apart in input and output.
-    void run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride, const float* input,
-             float* output) const;
+    // Computes the first `count` outputs, or some more. input: the floats that x was made from, for skip layers. Poses
+    // are `stride` floats apart in input and output.
+    void run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride, std::size_t count,
+             const float* input, float* output) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;

@@ -25,7 +25,12 @@ Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& 
       normals_(layout.normals, memory),
       tangents_(layout.tangents, memory),
       errors_(layout.errors, memory),
-      exact_(layout.exact, poses_per_block, memory) {
+      exact_(layout.exact, poses_per_block, memory),
+      levels_(&memory),
+      level_vectors_(layout.details.levels.empty() ? 0 : layout.row_stride(), &memory) {
+  levels_.reserve(layout.details.levels.size());
+  for (const DetailLevelLayout& level : layout.details.levels)
+    levels_.push_back({{level.normals, memory}, {level.tangents, memory}});
   for (std::size_t p = 0; p < poses_per_block; ++p)
     std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
 }

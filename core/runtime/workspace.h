@@ -17,6 +17,12 @@ namespace fb::runtime {
 
 class Evaluator;
 
+// Normals and tangents at a level of detail.
+struct LevelVectors {
+  VertexNormals::State normals;
+  VertexTangents::State tangents;
+};
+
 // Working memory of one worker, for a block of poses_per_block poses. It fits the evaluator it was made for, and does
 // not refer to it.
 class Workspace {
@@ -54,6 +60,8 @@ class Workspace {
   VertexTangents::State tangents_;
   ErrorPrediction::State errors_;
   ExactBlend::State exact_;
+  std::pmr::vector<LevelVectors> levels_;  // by coarser level
+  std::pmr::vector<float> level_vectors_;  // of a level, spread to all vertices
   std::uint64_t clamped_ = 0, poses_ = 0;
 };
 

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,6 +26,9 @@ struct BakeCommand {
 
   std::vector<std::string> sources, poses_like, exact;
   std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created;
+  std::vector<double> shares;  // of levels of detail
+  std::vector<std::string> level_meshes;
+  std::uint32_t levels = 0;
   std::uint64_t cache_mib;
   fb_bake_desc desc;
   Parallel parallel;
@@ -89,6 +93,12 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.about = about.empty() ? nullptr : about_words.c_str();
   desc.thumbnail = picture.empty() ? nullptr : picture.data();
   desc.thumbnail_bytes = picture.size();
+  for (std::uint32_t k = 1; k < levels; ++k) shares.push_back(std::ldexp(1.0, -static_cast<int>(k)));
+  const std::vector<const char*> meshes = c_strings(level_meshes);
+  desc.level_shares = shares.data();
+  desc.level_share_count = static_cast<std::uint32_t>(shares.size());
+  desc.level_meshes = meshes.data();
+  desc.level_mesh_count = static_cast<std::uint32_t>(meshes.size());
   desc.created = created.empty() ? nullptr : created.c_str();
   desc.work = work.empty() ? nullptr : work.c_str();
   desc.reuse = reuse.empty() ? nullptr : reuse.c_str();
@@ -117,6 +127,27 @@ void BakeCommand::run() {
   }
   if (!report.empty()) write_report(report, "bake", figures, bake_text(figures));
   print_result(json ? figures.c_str() : (out + "\n" + bake_text(figures)).c_str());
+}
+
+// Levels of detail, made or given.
+void add_level_options(CLI::App& app, BakeCommand& command) {
+  CLI::Option* levels =
+      app.add_option("--levels", command.levels,
+                     "Levels of detail with the whole, 2 to 16: each of half the vertices of the one before it")
+          ->check(CLI::Range(2, 16))
+          ->type_name("N");
+  CLI::Option* shares = app.add_option("--level-shares", command.shares,
+                                       "Coarser levels of detail of these shares of the vertices, such as 0.5,0.2,0.05")
+                            ->delimiter(',')
+                            ->type_name("S,...")
+                            ->excludes(levels);
+  app.add_option("--level-mesh", command.level_meshes,
+                 "A mesh for a coarser level of detail (repeatable, the finest first): .obj or .glb, of vertices that "
+                 "are vertices of the face")
+      ->type_name("FILE")
+      ->allow_extra_args(false)
+      ->excludes(levels)
+      ->excludes(shares);
 }
 
 // What is kept of the work, and what is taken over of an earlier bake.
@@ -181,6 +212,7 @@ void add_bake(CLI::App& tool) {
   app->add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
   app->add_option("--created", command->created, "A date to put into the archive; without it there is none")
       ->type_name("DATE");
+  add_level_options(*app, *command);
   add_work_options(*app, *command);
   add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
   add_learning_curve(*app, command->learning_curve);

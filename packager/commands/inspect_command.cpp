@@ -103,6 +103,7 @@ std::string character_tables(const Json& document) {
   Table sockets({"socket", "vertices"});
   Table exact({"exact pose"});
   Table joints({"joint", "parent"});
+  Table levels({"level of detail", "vertices", "polygons", "coefficients"});
   const auto each = [&](const char* key, Table& table, const auto& row) {
     if (!document.contains(key)) return std::string();
     for (std::size_t i = 0; i < document[key].size(); ++i) table.add(row(document[key][i], std::to_string(i)));
@@ -122,6 +123,10 @@ std::string character_tables(const Json& document) {
   const auto socket = [](const Json& json, const std::string&) {
     return Row{json.at("name"), std::to_string(json.at("vertices").size())};
   };
+  const auto level = [](const Json& json, const std::string&) {
+    return Row{count_text(json.at("level")), count_text(json.at("vertices")), count_text(json.at("polygons")),
+               count_text(json.at("coefficients"))};
+  };
   const auto exact_pose = [](const Json& json, const std::string&) { return Row{json.at("name")}; };
   const auto joint = [&](const Json& json, const std::string&) {
     if (!json.contains("parent")) return Row{json.at("name"), ""};
@@ -129,7 +134,7 @@ std::string character_tables(const Json& document) {
   };
   return each("meshes", meshes, mesh) + each("materials", materials, material) + each("images", images, image) +
          each("sockets", sockets, socket) + each("joints", joints, joint) + skin_text(document) +
-         each("exact_poses", exact, exact_pose);
+         each("exact_poses", exact, exact_pose) + each("levels", levels, level);
 }
 
 // A row of the table of errors from a JSON object; nothing if it is none. An archive may hold any JSON.
@@ -170,6 +175,9 @@ std::string certificate_text(const Json& certificate) {
     add_error_list(table, "  region ", unseen, "regions", "name");
     add_errors(table, "  gaps of what touches", unseen.value("contact", Json()));
   }
+  const Json levels = certificate.value("levels", Json());
+  for (std::size_t k = 0; levels.is_array() && k < levels.size(); ++k)
+    add_errors(table, format("level of detail %zu", k + 1), levels[k]);
   for (const char* key : {"quantisation", "exact", "repacked", "bound"})
     add_errors(table, key, certificate.value(key, Json()));
   std::string text = table.text();

@@ -32,7 +32,7 @@ struct PoseCommand {
   PoseRequest request;
   std::optional<std::size_t> frame;
   SceneOptions scene;
-  float error_scale = 0;
+  float error_scale = 0, lod = 0;
   View view;
   Parallel parallel;
   RigOptions rigs;
@@ -128,7 +128,7 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   std::optional<PoseRenderer> renderer;
   if (out.ends_with(".png")) {
     const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);
-    renderer.emplace(mesh_of(model), MeshPoses{bounds.begin(), bounds.end()}, fb_up_axis(model.get()), view,
+    renderer.emplace(evaluator.character().mesh, MeshPoses{bounds.begin(), bounds.end()}, fb_up_axis(model.get()), view,
                      resolution_from(size), parallel);
   }
   ProgressBar progress;
@@ -163,6 +163,8 @@ void PoseCommand::check_options() const {
   if (!out.ends_with(".glb") && !picture && !out.ends_with(".obj"))
     fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", shown(out).c_str());
   if (!beside.empty() && !picture) fail(Status::invalid_argument, "--beside needs a picture: --out NAME.png");
+  if (lod > 0 && out.ends_with(".glb"))
+    fail(Status::invalid_argument, "--lod needs --out NAME.obj or NAME.png: morph targets are those of the whole");
   if (frame && request.animation().empty()) fail(Status::invalid_argument, "--frame needs --clip or --livelink");
   scene.check(out.ends_with(".glb"));
 }
@@ -192,7 +194,7 @@ void PoseCommand::run() {
   expected_ = expect_errors(model, poses);
   if (expected_)
     if (const auto warning = outside_warning(*expected_, poses.frames)) print_notes({*warning});
-  PoseEvaluator evaluator(model, parallel);
+  PoseEvaluator evaluator(model, parallel, lod);
   if (out.ends_with(".glb")) {
     summary_ = write_scene(evaluator, poses, scene, out);
     print_notes(summary_->notes);
@@ -250,6 +252,12 @@ void add_pose(CLI::App& tool) {
          "rig's own order) or .png (shaded picture). The frames of an animation become NAME.0000.obj or .png and so on")
       ->type_name("FILE")
       ->required();
+  app->add_option("--lod", command->lod,
+                  "Level of detail, for .obj and .png: 0 is the whole, 1, 2, ... are coarser levels; in between, "
+                  "vertices slide from one to the next")
+      ->check(CLI::Range(0.0f, 15.0f))
+      ->type_name("X")
+      ->capture_default_str();
   app->add_option("--fps", command->request.fps,
                   "Frames a second: of --clip, for .glb (default 30); to which --livelink is resampled (default: as "
                   "recorded)")

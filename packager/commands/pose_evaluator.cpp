@@ -2,10 +2,11 @@
 
 namespace fb::tool {
 
-PoseEvaluator::PoseEvaluator(const facebaker::Model& model, const Parallel& parallel)
+PoseEvaluator::PoseEvaluator(const facebaker::Model& model, const Parallel& parallel, float lod)
     : model_(model),
-      character_(model_),
+      character_(model_, lod),
       parallel_(parallel),
+      lod_(lod),
       workers_(static_cast<std::uint32_t>(worker_count(parallel))),
       scratch_(model_, workers_) {}
 
@@ -16,6 +17,7 @@ fb_batch_desc PoseEvaluator::batch_of(std::span<const float> controls) const {
   batch.controls = controls.data();
   batch.control_floats = controls.size();
   batch.threads = workers_;
+  batch.lod = lod_;
   return batch;
 }
 

@@ -12,7 +12,8 @@ namespace fb::tool {
 // Evaluates poses of a model on several threads.
 class PoseEvaluator {
  public:
-  PoseEvaluator(const facebaker::Model& model, const Parallel& parallel);
+  // lod: the level of detail, see fb_batch_desc; the character has the polygons of that level.
+  PoseEvaluator(const facebaker::Model& model, const Parallel& parallel, float lod = 0);
 
   // controls: frames x controls; gives frames x 3 x vertices.
   std::vector<float> positions(std::span<const float> controls);
@@ -35,6 +36,7 @@ class PoseEvaluator {
   facebaker::Model model_;
   CharacterView character_;
   Parallel parallel_;
+  float lod_;
   std::uint32_t workers_;
   facebaker::Scratch scratch_;
 };

@@ -1,5 +1,7 @@
 #include "export/character_view.h"
 
+#include <algorithm>
+
 namespace fb::tool {
 namespace {
 
@@ -30,12 +32,22 @@ MeshView mesh_of(const facebaker::Model& model) {
   return mesh;
 }
 
-CharacterView::CharacterView(const facebaker::Model& model) : mesh(mesh_of(model)) {
+CharacterView::CharacterView(const facebaker::Model& model, float lod) : mesh(mesh_of(model)) {
   const fb_model* m = model.get();
   name = fb_name(m);
   units = fb_units(m);
   up_axis = fb_up_axis(m);
   meshes = all_of(m, fb_mesh_count(m), fb_mesh_fill, fb_mesh_at);
+  if (lod >= 1) {
+    fb_level level;
+    fb_level_init(&level);
+    const float last = static_cast<float>(fb_level_count(m) - 1);
+    facebaker::check(fb_level_at(m, static_cast<std::uint32_t>(std::min(lod, last)), &level));
+    mesh.polygon_sizes = {level.polygon_sizes, level.polygon_count};
+    mesh.polygon_corners = {level.polygon_corners, level.corner_count};
+    if (level.uv_corners) mesh.uv_corners = {level.uv_corners, level.corner_count};
+    meshes.assign(level.meshes, level.meshes + meshes.size());
+  }
   materials = all_of(m, fb_material_count(m), fb_material_fill, fb_material_at);
   images = all_of(m, fb_image_count(m), fb_image_fill, fb_image_at);
   sockets = all_of(m, fb_socket_count(m), fb_socket_fill, fb_socket_at);

@@ -25,7 +25,8 @@ struct CharacterView {
   std::span<const std::uint16_t> skin_joints;  // vertices x influences
   std::span<const float> skin_weights;
 
-  explicit CharacterView(const facebaker::Model& model);
+  // lod: a level of detail, whose polygons are those of the level that it is rounded down to.
+  explicit CharacterView(const facebaker::Model& model, float lod = 0);
 
   // The name of a mesh; the character's if it has none.
   std::string mesh_name(std::size_t index) const;

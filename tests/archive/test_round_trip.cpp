@@ -123,7 +123,8 @@ TEST_CASE("a model is restored with all its parts") {
 
 TEST_CASE("many seeds, sizes and values are restored") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
-    for (const PackedModel& model : {tiny_packed_model(seed), character_model(seed), exact_model(seed)})
+    for (const PackedModel& model :
+         {tiny_packed_model(seed), character_model(seed), exact_model(seed), levelled_model(seed)})
       check_same(model, read_archive(write_archive(model, {})).model);
 }
 

@@ -47,7 +47,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
 
-  assert_int_equal(sizeof(fb_batch_desc), 304);
+  assert_int_equal(sizeof(fb_batch_desc), 312);
   assert_at(fb_batch_desc, struct_size, 0);
   assert_at(fb_batch_desc, threads, 4);
   assert_at(fb_batch_desc, poses, 8);
@@ -88,6 +88,8 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, bounds, 280);
   assert_at(fb_batch_desc, bounds_floats, 288);
   assert_at(fb_batch_desc, bounds_pose_stride, 296);
+  assert_at(fb_batch_desc, lod, 304);
+  assert_at(fb_batch_desc, level_only, 308);
 }
 
 static void layout_of_characters(void** state) {
@@ -303,7 +305,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
 
-  assert_int_equal(sizeof(fb_bake_desc), 232);
+  assert_int_equal(sizeof(fb_bake_desc), 256);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -335,6 +337,10 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, thumbnail_bytes, 208);
   assert_at(fb_bake_desc, exact, 216);
   assert_at(fb_bake_desc, exact_count, 224);
+  assert_at(fb_bake_desc, level_share_count, 232);
+  assert_at(fb_bake_desc, level_mesh_count, 236);
+  assert_at(fb_bake_desc, level_shares, 240);
+  assert_at(fb_bake_desc, level_meshes, 248);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

@@ -64,10 +64,11 @@ const std::map<std::string, Layers>& law() {
     may["bake/compress"] = with(written, {"bake/linalg"});
     may["bake/measure"] = with(written, {"runtime", "bake/rig", "bake/regions"});
     may["bake/recipe"] = with(nouns, {"bake/rig", "bake/compress", "bake/train"});
+    may["bake/levels"] = with(with(nouns, data), {"bake/regions", "bake/recipe"});
     may["bake/face"] = with(with(written, data), {"bake/linalg", "bake/analysis", "bake/sampling", "bake/regions",
                                                   "bake/train", "bake/compress", "bake/measure", "bake/recipe"});
     may["bake/baselines"] = with(may["bake/face"], {"bake/face"});
-    may["bake/pipeline"] = with(may["bake/baselines"], {"bake/baselines"});
+    may["bake/pipeline"] = with(may["bake/baselines"], {"bake/baselines", "bake/levels"});
 
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});

@@ -143,13 +143,15 @@ def channel_value(channel, coordinate):
     return (value if value < high else high) if value > low else low
 
 
-def evaluate(face, controls):
-    """Positions and channels of a pose."""
+def evaluate(face, controls, factors=None):
+    """Positions and channels of a pose; factors: of coefficients, at a level of detail."""
     if np.isnan(controls).any():
         raise ValueError("a control is not a number")
     controls = [min(max(c, control[2]), control[3]) for c, control in zip(controls, face.controls)]
     weights = fbk_exact.weights_of(face, controls)
     coefficients = coefficients_of(face, feature_values(face, controls))
+    if factors is not None:
+        coefficients = np.where(factors == 0, F(0), np.where(factors == 1, coefficients, coefficients * factors))
     rest = np.concatenate([face.rest, np.zeros(3 * (face.points - face.vertices), F)])
     positions = rest.copy()
     for block in face.row_blocks:

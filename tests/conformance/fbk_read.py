@@ -25,6 +25,7 @@ import fbk_character
 import fbk_errors
 import fbk_evaluate
 import fbk_exact
+import fbk_levels
 import fbk_sockets
 from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 
@@ -75,7 +76,7 @@ def decompress(sections, name):
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
 OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "materials", "images", "sockets", "labels",
-            "about", "thumbnail", "channels", "expected-errors", "joints", "skin", "exact-poses")
+            "about", "thumbnail", "channels", "expected-errors", "joints", "skin", "exact-poses", "levels")
 
 
 # ---- Sections
@@ -499,6 +500,7 @@ def read_proof(c, face):
         count = len(face.errors[1]) + 1
         face.proof_errors = c.array("f4", poses * count).reshape(poses, count)
         face.proof_outside = c.array("u4", poses).tolist()
+    face.proof_levels = c.array("u8", poses * 2 * len(face.levels)).reshape(poses, 2 * len(face.levels)).tolist()
     c.end()
 
 
@@ -529,6 +531,10 @@ class Face:
         self.sockets = []
         if "sockets" in sections:
             fbk_sockets.read_sockets(decompress(sections, "sockets"), self)
+        self.levels = []
+        if "levels" in sections:
+            fbk_levels.read_levels(decompress(sections, "levels"), self)
+            fbk_levels.check_sockets(self)
         self.errors = None
         if "expected-errors" in sections:
             fbk_errors.read_expected_errors(decompress(sections, "expected-errors"), self)
@@ -556,6 +562,9 @@ class Face:
                 errors, outside = fbk_errors.expected_errors(self, controls)
                 require(errors.tobytes() == self.proof_errors[pose].tobytes(), f"pose {pose}: expected errors differ")
                 require(outside == self.proof_outside[pose], f"pose {pose}: {outside} controls are outside")
+            for half, then in enumerate(self.proof_levels[pose], 1):
+                found = xxh64(fbk_levels.positions_at(self, controls, half / 2).astype("<f4").tobytes())
+                require(found == then, f"pose {pose}, level of detail {half / 2}: the positions differ")
         return len(self.proof_controls)
 
 

@@ -164,6 +164,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("character.fbk", with_proof(character_model()));
   write("exact-poses.fbk", with_proof(exact_model()));
   write("body.fbk", with_proof(body_model()));
+  write("levels.fbk", with_proof(levelled_model()));
   write("rows-1.fbk", with_proof(split_model(1, true)));
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));
@@ -398,6 +399,34 @@ void write_rejected_bodies(const RejectedWriter& out) {
                                            "joints", [](Bytes& b) { b.resize(b.size() + 2); }, model));
 }
 
+void write_rejected_levels(const RejectedWriter& out) {
+  const PackedModel model = levelled_model();
+  // After the number of levels, the first has 3 numbers, 5 sizes and 19 corners and texture coordinates.
+  constexpr std::size_t coding = 4 + 12 + 4 * 5 + 4 * 19, meshes = coding + 4 + 4 * 19,
+                        points = meshes + 4 + 2 * 8 + 3 * 8, weights = points + 4 + 4 * 11,
+                        coefficients = weights + 2 * 11;
+  out.write("corrupt-no-levels.fbk", changed(
+                                         "levels", [](Bytes& b) { b.assign(4, {}); }, model));
+  out.write("corrupt-levels-more.fbk", changed(
+                                           "levels", [](Bytes& b) { b.resize(b.size() + 2); }, model));
+  out.patched("corrupt-level-vertices.fbk", "levels", 4, std::uint32_t(18), model);
+  out.patched("corrupt-level-sizes.fbk", "levels", 16, std::uint8_t(5), model);
+  out.patched("corrupt-level-corner.fbk", "levels", 16 + 4 * 5, std::uint8_t(8), model);
+  out.patched("unsupported-level-uvs.fbk", "levels", coding, std::uint32_t(3), model);
+  out.patched("corrupt-level-uvs.fbk", "levels", coding + 4, std::uint8_t(99), model);
+  out.patched("corrupt-level-meshes.fbk", "levels", meshes + 4, std::uint32_t(2), model);
+  out.patched("corrupt-level-material.fbk", "levels", meshes + 4 + 12, std::uint32_t(2), model);
+  out.patched("corrupt-level-triangle.fbk", "levels", points + 4, std::uint8_t(99), model);
+  out.patched("corrupt-level-point-mesh.fbk", "levels", points + 4, std::uint8_t(12), model);
+  out.patched("corrupt-level-weights.fbk", "levels", weights + 11, std::uint8_t(200), model);
+  out.patched("corrupt-level-coefficients.fbk", "levels", coefficients + 4, std::uint8_t(0), model);
+  out.patched("corrupt-level-bits.fbk", "levels", coefficients + 4, std::uint8_t(11), model);
+  out.patched("unproven-level.fbk", "levels", weights, std::uint8_t(64), model);
+  PackedModel other = model;
+  other.character.sockets[0].vertices[0] = 0;
+  out.patched("corrupt-level-socket.fbk", "sockets", 16, std::uint32_t(3), other);
+}
+
 void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-tables.fbk", "weights", 0, std::uint8_t(64));
   out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
@@ -436,6 +465,7 @@ void write_rejected(const std::filesystem::path& folder) {
   write_rejected_characters(out);
   write_rejected_exact_poses(out);
   write_rejected_bodies(out);
+  write_rejected_levels(out);
   write_rejected_behaviour(out);
   write_rejected_texts_and_proofs(out);
 }

@@ -376,6 +376,16 @@ typedef struct fb_batch_desc {
                     format and displacements are, and the same bits on every machine. Null: no output */
   uint64_t bounds_floats;      /**< size of that buffer, in floats */
   uint64_t bounds_pose_stride; /**< in floats; 0: 6 */
+  float lod;                   /**< level of detail: 0 (default) is the whole, 1, 2, ... are the levels of fb_level_at
+                                  (facebaker_character.h). Positions are continuous in it: between whole numbers, the vertices that only
+                                  the finer level has slide to where they lie on the surface of the coarser one. All vertices are written:
+                                  those that a level does not have lie on its surface, so that polygons of finer levels stay whole.
+                                  Normals and tangents are of the polygons of the level that lod is rounded down to; a vertex that it does
+                                  not have gets those of the nearest corner. Beyond the last level it is that one; a face without levels
+                                  is                   always whole. Refused below 0. */
+  uint32_t level_only; /**< 1: of positions, normals, tangents and bounds only the vertices of the level that lod is
+                          rounded down to are written, the first fb_level::vertex_count in baked order, and buffers need
+                          have no others; needs FB_ORDER_BAKED. 0 (default): all */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);
@@ -385,7 +395,8 @@ static inline void fb_batch_desc_init(fb_batch_desc* to) {
 
 /** Many poses, or one with more options. Each pose has the same bits as with fb_evaluate, for any batch, order, strides
  * and threads. A single pose runs on the calling thread. Outputs of some megabytes without gaps are written with
- * non-temporal stores. Before anything is written, fails with FB_ERROR_INVALID_ARGUMENT on buffers too small for their
+ * non-temporal stores. Before anything is written, fails with FB_ERROR_INVALID_ARGUMENT on a level of detail below 0,
+ * buffers too small for their
  * poses and strides, overlapping poses, and unknown regions, orders and formats, and with FB_ERROR_NOT_FINITE, naming
  * pose and control, on NaN. Buffers may not overlap each other. 0 poses need no buffers. A parallel_for that calls too
  * few, too many or invalid tasks fails with FB_ERROR_INVALID_ARGUMENT afterwards. */

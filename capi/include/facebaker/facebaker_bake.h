@@ -257,14 +257,22 @@ typedef struct fb_bake_desc {
   const char* about;    /**< a JSON object that says whose the character is and what may be done with it, see
                            docs/characters.md: its fields come before those of the source, and null removes them. Null
                            (default): what the source says */
-  const void* thumbnail;    /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
-                               (default):    none */
-  uint64_t thumbnail_bytes; /**< of thumbnail */
-  const char* const* exact; /**< poses that must come out as the source gives them, within rounding: "CLIP:FRAME",
-                               "CLIP:FRAME,FRAME,...", "CLIP" for all its frames, or, of a live source, a .csv or .npy
-                               of control values as in examples; 1,024 poses at most. Poses at rest are exact anyhow */
-  uint32_t exact_count;     /**< of exact; default 0 */
-  uint32_t reserved2;       /**< 0 */
+  const void* thumbnail;      /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
+                                 (default):    none */
+  uint64_t thumbnail_bytes;   /**< of thumbnail */
+  const char* const* exact;   /**< poses that must come out as the source gives them, within rounding: "CLIP:FRAME",
+                                 "CLIP:FRAME,FRAME,...", "CLIP" for all its frames, or, of a live source, a .csv or .npy
+                                 of control values as in examples; 1,024 poses at most. Poses at rest are exact anyhow */
+  uint32_t exact_count;       /**< of exact; default 0 */
+  uint32_t reserved2;         /**< 0 */
+  uint32_t level_share_count; /**< of level_shares; at most 15 */
+  uint32_t level_mesh_count;  /**< of level_meshes; at most 15 */
+  const double* level_shares; /**< levels of detail by simplifying: of about so many of the vertices, each share
+                                 between 0 and the one before it, the first below 1. Not of the paper's recipes
+                                 and baselines. Null (default): none */
+  const char* const* level_meshes; /**< levels of detail as given: files .obj or .glb, the finest first, whose vertices
+                                      are vertices of the source's rest mesh, up to 1e-4 of its diagonal; in place of
+                                      level_shares. Null (default): none */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);

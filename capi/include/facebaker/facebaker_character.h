@@ -1,7 +1,7 @@
 /** @file
- * What a character has besides positions: its meshes, materials, images, sockets, channels, joints and skin, and what
- * is said about it. C99; statuses and fb_model are those of facebaker.h, functions are in libfacebaker. The same
- * structs describe a loaded face here and a rig in facebaker_rig.h.
+ * What a character has besides positions: its meshes, materials, images, sockets, channels, joints and skin, and levels
+ * of detail, and what is said about it. C99; statuses and fb_model are those of facebaker.h, functions are in
+ * libfacebaker. The same structs describe a loaded face here and a rig in facebaker_rig.h.
  *
  * All functions are thread-safe. Structs, strings and arrays that are filled point into the model and live as long as
  * it does. A count of a null model is 0.
@@ -239,6 +239,36 @@ FB_API const uint16_t* fb_skin_joints(const fb_model* model);
 /** The weight of each, 0 to 1. Those of a vertex sum to 1, to a thousandth, and those that are 0 come last; or all are
  * 0, for every vertex of a mesh that follows no joint. Null without a skin. */
 FB_API const float* fb_skin_weights(const fb_model* model);
+
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+/** A level of detail: the character at fewer vertices and with fewer coefficients. Level 0 is the whole. The vertices
+ * of a level are some of the level before it: the first vertex_count in baked order (fb_vertex_order).
+ * fb_batch_desc::lod chooses the level that is posed; the certificate (fb_archive, `facebaker inspect`) has the errors
+ * of each. */
+typedef struct fb_level {
+  uint32_t struct_size;
+  uint32_t vertex_count;           /**< the first so many in baked order */
+  uint32_t polygon_count;          /**< of polygon_sizes */
+  uint32_t corner_count;           /**< of polygon_corners and uv_corners */
+  const uint32_t* polygon_sizes;   /**< corners of each polygon, >= 3; may be null where there are no polygons */
+  const uint32_t* polygon_corners; /**< vertex indices below fb_vertex_count, in the source's order, of this level's
+                                      vertices only; may be null likewise */
+  const uint32_t* uv_corners; /**< for each corner the index of its pair in fb_uvs; null without texture coordinates */
+  const fb_mesh* meshes;      /**< fb_mesh_count of them: polygons, corners and runs are those of the level;
+                                 names and vertices are those of fb_mesh_at, not all of which the level has */
+  uint32_t coefficient_count; /**< that move its vertices; fb_coefficient_count at level 0 */
+  uint32_t reserved;          /**< 0 */
+} fb_level;
+
+FB_API void fb_level_fill(fb_level* to, uint32_t struct_size);
+static inline void fb_level_init(fb_level* to) {
+  fb_level_fill(to, (uint32_t)sizeof *to);
+}
+/** Levels of detail of the face with level 0, at least 1. */
+FB_API uint32_t fb_level_count(const fb_model* model);
+/** Fills *level, up to its struct_size, for index < fb_level_count. */
+FB_API fb_status fb_level_at(const fb_model* model, uint32_t index, fb_level* level);
 
 /* ---- About the character ----------------------------------------------------------------------------------------- */
 

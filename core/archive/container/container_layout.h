@@ -33,6 +33,7 @@ inline constexpr const char* expected_errors = "expected-errors";
 inline constexpr const char* exact_poses = "exact-poses";
 inline constexpr const char* joints = "joints";
 inline constexpr const char* skin = "skin";
+inline constexpr const char* levels = "levels";
 inline constexpr const char* network = "network";
 inline constexpr const char* weights = "weights";
 inline constexpr const char* basis = "basis";

@@ -6,6 +6,29 @@
 
 namespace fb::archive {
 
+std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes,
+                                         const std::vector<std::uint32_t>& corners) {
+  std::vector<std::uint32_t> deltas;
+  std::size_t at = 0;
+  std::uint32_t previous_size = 0;
+  for (const std::uint32_t size : sizes) {
+    for (std::uint32_t k = 0; k < size; ++k, ++at)
+      deltas.push_back(to_zigzag(corners[at] - predicted_corner(corners, at, k, previous_size)));
+    previous_size = size;
+  }
+  return deltas;
+}
+
+void restore_corners(const std::vector<std::uint32_t>& sizes, std::vector<std::uint32_t>& deltas) {
+  std::size_t at = 0;
+  std::uint32_t previous_size = 0;
+  for (const std::uint32_t size : sizes) {
+    for (std::uint32_t k = 0; k < size; ++k, ++at)
+      deltas[at] = predicted_corner(deltas, at, k, previous_size) + from_zigzag(deltas[at]);
+    previous_size = size;
+  }
+}
+
 TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::uint32_t vertices,
                              std::pmr::memory_resource& memory)
     : first_(std::size_t(vertices) + 1, &memory), edges_(triangles.size(), &memory) {

@@ -17,6 +17,13 @@ inline std::uint32_t predicted_corner(const std::vector<std::uint32_t>& corners,
   return at > 0 ? corners[at - 1] : 0;
 }
 
+// The zigzag differences of corners from their predictions, of polygons of these sizes. Those of neighbouring polygons
+// are small and alike.
+std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes,
+                                         const std::vector<std::uint32_t>& corners);
+// Its inverse, in place.
+void restore_corners(const std::vector<std::uint32_t>& sizes, std::vector<std::uint32_t>& deltas);
+
 // The half-edges of triangles, by the vertex they start from.
 class TriangleEdges {
  public:

@@ -13,15 +13,9 @@ namespace {
 std::vector<std::uint32_t> read_corner_deltas(ByteReader& in, const std::vector<std::uint32_t>& sizes,
                                               std::uint32_t corners, std::uint32_t limit, const char* error) {
   std::vector<std::uint32_t> decoded = in.planes(corners, "corners");  // in place
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at) {
-      decoded[at] = predicted_corner(decoded, at, k, previous_size) + from_zigzag(decoded[at]);
-      if (decoded[at] >= limit) in.corrupt(error);
-    }
-    previous_size = size;
-  }
+  restore_corners(sizes, decoded);
+  if (std::any_of(decoded.begin(), decoded.end(), [&](std::uint32_t corner) { return corner >= limit; }))
+    in.corrupt(error);
   in.end();
   return decoded;
 }

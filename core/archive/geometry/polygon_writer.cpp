@@ -15,20 +15,6 @@ void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
   out.number(static_cast<std::uint32_t>(coding));
 }
 
-// The zigzag differences of corners from their predictions. Those of neighbouring polygons are small and alike.
-std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes,
-                                         const std::vector<std::uint32_t>& corners) {
-  std::vector<std::uint32_t> deltas;
-  std::size_t at = 0;
-  std::uint32_t previous_size = 0;
-  for (const std::uint32_t size : sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at)
-      deltas.push_back(to_zigzag(corners[at] - predicted_corner(corners, at, k, previous_size)));
-    previous_size = size;
-  }
-  return deltas;
-}
-
 ByteWriter write_deltas(const Mesh& mesh) {
   ByteWriter out;
   write_sizes(out, mesh, CornerCoding::deltas);

@@ -29,7 +29,9 @@ RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOpti
   model.basis = make_basis(checked_u32(model.rest.points.size(), "coordinates"),
                            checked_u32(model.network.direct.size(), "blendshapes"), shapes);
   result.packing.basis_tolerance = packing_tolerance;
-  if (has_target(options)) return finish_face(model, {}, {}, result.packing, poses, options, progress);
+  model.coarsest_levels = options.coarsest_levels;
+  if (has_target(options) || has_levels(options))
+    return finish_face(model, {}, {}, result.packing, poses, options, progress);
   return result;
 }
 

@@ -226,7 +226,7 @@ BlockwisePca::BlockwisePca(const FaceModel& model, std::span<const std::vector<f
     parts->regions.push_back(region_columns(network.regions[r], next, covariance[r]));
 
   const std::vector<std::uint32_t> labels = strongest_regions(model.basis, parts->regions, parallel);
-  for (auto& vertices : vertex_blocks(model.rest, labels, block_vertices))
+  for (auto& vertices : vertex_blocks(model.rest, labels, block_vertices, model.coarsest_levels))
     parts->blocks.push_back({std::move(vertices), {}, {}});
   const RowFinder finder(model.basis);
   parallel_for(parallel, parts->blocks.size(), [&](std::size_t i, std::size_t) {

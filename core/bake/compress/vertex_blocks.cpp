@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "base/status.h"
@@ -44,15 +45,18 @@ void bisect(const Mesh& rest, std::span<std::uint32_t> vertices, std::uint32_t l
 }  // namespace
 
 std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::span<const std::uint32_t> labels,
-                                                      std::uint32_t largest) {
-  if (labels.size() != rest.vertex_count() || largest == 0)
+                                                      std::uint32_t largest,
+                                                      std::span<const std::uint8_t> coarsest_levels) {
+  if (labels.size() != rest.vertex_count() || largest == 0 ||
+      (!coarsest_levels.empty() && coarsest_levels.size() != labels.size()))
     fail(Status::invalid_argument, "blocks of at most %u vertices, %zu labels for %zu vertices", largest, labels.size(),
          rest.vertex_count());
-  std::map<std::pair<std::size_t, std::uint32_t>, std::vector<std::uint32_t>> of_label;  // and part
+  // By level, the coarsest first, part and label.
+  std::map<std::tuple<int, std::size_t, std::uint32_t>, std::vector<std::uint32_t>> of_label;
   const std::vector<std::uint32_t> ends = rest.part_ends();
   for (std::size_t v = 0, part = 0; v < labels.size(); ++v) {
     while (v >= ends[part]) ++part;
-    of_label[{part, labels[v]}].push_back(std::uint32_t(v));
+    of_label[{coarsest_levels.empty() ? 0 : -coarsest_levels[v], part, labels[v]}].push_back(std::uint32_t(v));
   }
   std::vector<std::vector<std::uint32_t>> blocks;
   for (auto& [label, vertices] : of_label) bisect(rest, vertices, largest, blocks);

@@ -125,6 +125,7 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   face.additive = parts.regions.empty() && parts.analysis.correctives.empty();
   face.model.schema = poses.source().schema();
   face.model.rest = poses.source().rest();
+  face.model.coarsest_levels = options.coarsest_levels;
   face.model.network.features = inputs.features;
   std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);

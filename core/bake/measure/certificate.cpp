@@ -99,7 +99,8 @@ Json independent_errors(const EvalReport& report, Split split) {
 
 std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
                         const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
-                        const std::vector<std::string>& warnings, const std::optional<Errors>& exact) {
+                        const std::vector<std::string>& warnings, const std::optional<Errors>& exact,
+                        const std::vector<LevelErrors>& levels) {
   Json json;
   add(json["dependency"], dependency);
   if (held_back.total.frames > 0) {
@@ -109,6 +110,12 @@ std::string certificate(const Errors& dependency, const HeldBackErrors& held_bac
   json["independent"] = independent ? independent_errors(*independent, split) : Json();
   add(json["quantisation"], quantisation);
   if (exact) json["exact"] = {{"poses", exact->frames}, {"rms", rounded(exact->rms)}, {"max", rounded(exact->max)}};
+  for (const LevelErrors& level : levels) {
+    Json figures = {{"vertices", level.vertices}, {"polygons", level.polygons}, {"coefficients", level.coefficients}};
+    add(figures, level.own);
+    figures["surface"] = {{"rms", rounded(level.surface.rms)}, {"max", rounded(level.surface.max)}};
+    json["levels"].push_back(std::move(figures));
+  }
   if (!warnings.empty()) json["warnings"] = warnings;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

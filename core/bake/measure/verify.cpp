@@ -24,6 +24,7 @@ struct Posed {
   std::vector<float> positions, frames, channels;  // of all vertices, sockets and channels
   std::vector<float> errors;                       // expected ones
   std::uint32_t outside = 0;                       // controls
+  std::vector<std::uint64_t> level_hashes = {};    // see archive::Proof
 };
 
 // Some of the poses that are kept exact, and others on the way from each to the next.
@@ -38,6 +39,23 @@ void add_exact_poses(const PackedModel& model, std::vector<float>& controls) {
       controls.push_back(exact > 1 ? 0.75f * from[c] + 0.25f * to[c]
                                    : 0.75f * from[c] + 0.25f * model.schema.controls[c].rest);
   }
+}
+
+// Hashes of the positions of a pose at the levels of detail 1/2, 1, 3/2, ...
+std::vector<std::uint64_t> level_hashes(const runtime::Evaluator& face, std::span<const float> controls,
+                                        runtime::Workspace& workspace) {
+  std::vector<std::uint64_t> hashes;
+  std::vector<float> positions(face.level_count() > 1 ? 3 * face.vertex_count() : 0);
+  runtime::Batch batch;
+  batch.poses = 1;
+  batch.controls = controls;
+  batch.positions = {positions.data(), positions.size()};
+  for (std::size_t half = 1; half <= 2 * (face.level_count() - 1); ++half) {
+    batch.masks.lod = static_cast<float>(half) / 2;
+    face.evaluate_batch(batch, {&workspace, 1});
+    hashes.push_back(hash64_little(positions));
+  }
+  return hashes;
 }
 
 // Calls visit(pose, what it evaluates to) for every pose.
@@ -57,6 +75,7 @@ void for_each_pose(const PackedModel& model, std::span<const float> controls, Vi
   for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
     batch.controls = controls.subspan(pose * face.control_count(), face.control_count());
     face.evaluate_batch(batch, {&workspace, 1});
+    posed.level_hashes = level_hashes(face, batch.controls, workspace);
     visit(pose, posed);
   }
 }
@@ -96,6 +115,7 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
     proof.channels.insert(proof.channels.end(), posed.channels.begin(), posed.channels.end());
     proof.errors.insert(proof.errors.end(), posed.errors.begin(), posed.errors.end());
     if (!posed.errors.empty()) proof.outside.push_back(posed.outside);
+    proof.level_hashes.insert(proof.level_hashes.end(), posed.level_hashes.begin(), posed.level_hashes.end());
     for (const std::uint32_t v : proof.vertices)
       proof.positions.insert(proof.positions.end(), &posed.positions[3 * v], &posed.positions[3 * v] + 3);
   });
@@ -134,6 +154,10 @@ VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
           "the archive does not pose as it did: pose %zu of its proof has %u controls outside of what was trained, and "
           "had %u",
           pose, posed.outside, proof.outside[pose]);
+    for (std::size_t i = 0; i < posed.level_hashes.size(); ++i)
+      if (posed.level_hashes[i] != proof.level_hashes[pose * posed.level_hashes.size() + i])
+        fail(Status::corrupt, "the archive does not pose as it did: pose %zu of its proof, at level of detail %g", pose,
+             static_cast<double>(i + 1) / 2);
   });
   return report;
 }

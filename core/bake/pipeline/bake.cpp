@@ -9,9 +9,11 @@
 #include "archive/container/container_writer.h"
 #include "archive/writer.h"
 #include "bake/compress/mesh_blocks.h"
+#include "bake/levels/plan_levels.h"
 #include "bake/measure/calibrate_errors.h"
 #include "bake/measure/certificate.h"
 #include "bake/measure/keep_exact.h"
+#include "bake/measure/level_coefficients.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/learning_curve.h"
@@ -56,6 +58,8 @@ const Recipe& checked_recipe(const BakeOptions& options) {
     fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
   if (has_target(options) && !recipe.supports_targets)
     fail(Status::invalid_argument, "the recipe \"%s\" supports neither max_bytes nor max_error", recipe.name);
+  if (has_levels(options) && !recipe.supports_targets)
+    fail(Status::invalid_argument, "the recipe \"%s\" does not support levels of detail", recipe.name);
   return recipe;
 }
 
@@ -76,6 +80,9 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
                                        {"quantisation_over_diagonal", baked.quantisation.max}};
   for (const SourceFile& file : options.source_files)
     provenance["source_files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  if (!options.level_shares.empty()) provenance["level_shares"] = options.level_shares;
+  for (const std::filesystem::path& mesh : options.level_meshes)
+    provenance["level_meshes"].push_back(mesh.filename().string());
   if (!options.created.empty()) provenance["created"] = options.created;
   return provenance.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -143,6 +150,13 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
       const PurposeScope purpose(source, EvaluationPurpose::clips);
       baked.independent =
           evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+    });
+  }
+  if (!face.model.levels.empty()) {
+    const PoseSet unseen = poses.size() > 0 ? poses : training.subsampled(measured_poses);
+    measure_unless_failing("by level of detail", source, options, progress, [&] {
+      const PurposeScope purpose(source, EvaluationPurpose::clips);
+      baked.levels = measure_levels(face.model, unseen, without_asking(options.parallel));
     });
   }
   warn(baked, worse_than_rest(face.model, training, options.parallel), progress);
@@ -236,8 +250,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   const std::vector<std::string> certified = face.baked.warnings;
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
-  const std::string measured = certificate(baked.dependency, baked.held_back, baked.independent,
-                                           baked.independent_split, baked.quantisation, certified, baked.exact);
+  const std::string measured =
+      certificate(baked.dependency, baked.held_back, baked.independent, baked.independent_split, baked.quantisation,
+                  certified, baked.exact, baked.levels);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
@@ -252,13 +267,39 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
 
 }  // namespace
 
-PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
-  const Recipe& recipe = checked_recipe(options);
-  const PoseSet poses = training_poses(data, options.use);
+namespace {
+
+// Gives a packed model the levels of a plan, with as few coefficients as the errors on poses held back, or trained on,
+// allow.
+void add_levels(const LevelPlan& plan, const PoseSet& poses, const BakeOptions& options, PackedFace& face) {
+  if (plan.empty()) return;
+  face.model.levels = plan.levels_of(face.model);
+  constexpr std::size_t some = 500;
+  const PoseSet& held = face.held_back.empty() ? poses : poses.picked(face.held_back);
+  const Errors whole = evaluate_model_on(face.model, held.subsampled(some), options.parallel, silent_progress());
+  choose_level_coefficients(face.model, poses, whole, options.parallel);
+}
+
+// For recipes, with what levels of detail are stored in besides rows: about two bytes a corner and five a vertex.
+BakeOptions with_plan(const BakeOptions& options, const LevelPlan& plan) {
+  BakeOptions planned = options;
+  planned.coarsest_levels = plan.coarsest;
+  for (const DetailLevel& level : plan.levels) planned.reserved_bytes += 2 * level.polygon_corners.size();
+  if (!plan.empty()) planned.reserved_bytes += 5 * plan.coarsest.size() + 4096;
+  return planned;
+}
+
+}  // namespace
+
+PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& given, Progress& progress) {
+  const Recipe& recipe = checked_recipe(given);
+  const PoseSet poses = training_poses(data, given.use);
   if (poses.size() == 0)
     fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s",
-         data.schema().name.c_str(), name_of(options.use), options.use == Use::variant ? " that is not a shot" : "");
-  make_folder(options.work);
+         data.schema().name.c_str(), name_of(given.use), given.use == Use::variant ? " that is not a shot" : "");
+  make_folder(given.work);
+  const LevelPlan plan = plan_levels(poses, rig ? rig->character() : data.character(), given, progress);
+  const BakeOptions options = with_plan(given, plan);
 
   PackedFace face;
   Baked& baked = face.baked;
@@ -281,6 +322,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& op
   face.model.character = rig ? rig->character() : data.character();
   face.model.character.about = options.about;
   face.model.character.thumbnail = options.thumbnail;
+  add_levels(plan, poses, options, face);
   progress.step(1);
   baked.quantisation =
       quantisation_errors(result.model, face.model, quantisation_poses(poses, options.seed), options.parallel);
@@ -332,7 +374,9 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
   Baked baked;
   if (const int exponent = scale_exponent(source.rest())) {
     ScaledSource ordinary(source, exponent);
-    baked = bake_ordinary(ordinary, options, progress);
+    BakeOptions scaled_options = options;
+    scaled_options.scale_exponent = exponent;
+    baked = bake_ordinary(ordinary, scaled_options, progress);
     baked.archive = in_units_of_source(baked.archive, exponent, options.seed);
     if (baked.independent) baked.independent->diagonal = source.rest().diagonal();
   } else {

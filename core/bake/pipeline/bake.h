@@ -19,6 +19,7 @@
 #include "bake/measure/control_errors.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/held_back_errors.h"
+#include "bake/measure/level_errors.h"
 #include "bake/measure/repeatability.h"
 #include "bake/pipeline/evaluation_plan.h"
 #include "bake/recipe/bake_options.h"
@@ -46,6 +47,7 @@ struct Baked {
   std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
                                           // none
   Split independent_split = Split::test;  // of those clips
+  std::vector<LevelErrors> levels;        // of its levels of detail, on the same poses; on training poses without them
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
   EvaluationPlan plan;                         // of a live rig: what was to be asked of it

@@ -19,6 +19,10 @@ bool has_target(const BakeOptions& options) {
   return options.max_bytes > 0 || options.max_error > 0;
 }
 
+bool has_levels(const BakeOptions& options) {
+  return !options.level_shares.empty() || !options.level_meshes.empty();
+}
+
 PoseSet training_poses(Source& data, Use use) {
   return PoseSet(data, [use](const Clip& clip) {
     return clip.split == Split::train && (use == Use::backlot || clip.kind != ClipKind::shot);

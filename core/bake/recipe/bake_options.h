@@ -60,6 +60,12 @@ struct BakeOptions {
   // Adds to a packed face what takes bytes and is found once all else is done: the corrections of those poses; null:
   // nothing.
   std::function<void(PackedModel&)> complete;
+  // Levels of detail: shares of the vertices, falling from below 1, or meshes (.obj, .glb) of vertices of the source;
+  // both empty: none.
+  std::vector<double> level_shares;
+  std::vector<std::filesystem::path> level_meshes;
+  std::vector<std::uint8_t> coarsest_levels;  // see LevelPlan: set for recipes by the pipeline
+  int scale_exponent = 0;                     // of the power of two that the source is multiplied with; likewise
   // Trains on parts of the poses too, for the error by their number (BakeStats::learning): takes about as long as the
   // bake itself.
   bool learning_curve = false;
@@ -77,6 +83,8 @@ struct BakeOptions {
 
 // Whether the options have a target of bytes or error.
 bool has_target(const BakeOptions& options);
+// Whether they ask for levels of detail.
+bool has_levels(const BakeOptions& options);
 
 // The clips of the split train, without shots for a variant.
 PoseSet training_poses(Source& data, Use use);
