@@ -14,12 +14,12 @@ using namespace fb::runtime;
 namespace {
 
 using Rotation = Eigen::Matrix3d;
-using Frame = std::array<float, 12>;
+using SocketFrame = std::array<float, 12>;
 using Rows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
 
 const std::vector<std::uint32_t> vertices = {3, 9, 10, 17, 22, 28};
 const std::vector<float> weights = {1, 2, 0.5f, 1, 3, 1};
-const Frame at_rest = {0, -1, 0, 2, 1, 0, 0, 1.5f, 0, 0, 1, 1};
+const SocketFrame at_rest = {0, -1, 0, 2, 1, 0, 0, 1.5f, 0, 0, 1, 1};
 
 PackedModel model_with_socket() {
   PackedModel model = tiny_packed_model();
@@ -28,9 +28,9 @@ PackedModel model_with_socket() {
   return model;
 }
 
-Frame frame_of(const PackedModel& model, const std::vector<float>& points) {
+SocketFrame frame_of(const PackedModel& model, const std::vector<float>& points) {
   const SocketFrames sockets(model, {}, *std::pmr::get_default_resource());
-  Frame frame;
+  SocketFrame frame;
   sockets.run(points.data(), {}, frame.data());
   return frame;
 }
@@ -65,7 +65,7 @@ Eigen::Matrix<double, 3, 4> best_fit(const std::vector<float>& rest, const std::
   return moved;
 }
 
-double difference(const Frame& a, const Eigen::Matrix<double, 3, 4>& b) {
+double difference(const SocketFrame& a, const Eigen::Matrix<double, 3, 4>& b) {
   return (Rows(a.data()).cast<double>() - b).cwiseAbs().maxCoeff();
 }
 
@@ -85,8 +85,7 @@ TEST_CASE("a frame follows every rotation and translation") {
     const Rotation r = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
     const Eigen::Vector3d shift(random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9));
     std::vector<float> posed = model.rest.points;
-    for (std::uint32_t v = 0; v < posed.size() / 3; ++v)
-      set_point(posed, v, r * point(model.rest.points, v) + shift);
+    for (std::uint32_t v = 0; v < posed.size() / 3; ++v) set_point(posed, v, r * point(model.rest.points, v) + shift);
     Eigen::Matrix<double, 3, 4> expected = r * Rows(at_rest.data()).cast<double>();
     expected.col(3) += shift;
     CHECK(difference(frame_of(model, posed), expected) < 1e-5);
@@ -112,8 +111,7 @@ TEST_CASE("vertices on a plane and on almost a line have a best fit, too") {
     }
     const Rotation r = Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     std::vector<float> posed = model.rest.points;
-    for (std::uint32_t v = 0; v < posed.size() / 3; ++v)
-      set_point(posed, v, r * point(model.rest.points, v));
+    for (std::uint32_t v = 0; v < posed.size() / 3; ++v) set_point(posed, v, r * point(model.rest.points, v));
     CHECK(difference(frame_of(model, posed), best_fit(model.rest.points, posed)) < 1e-3);
   }
 }
@@ -121,7 +119,7 @@ TEST_CASE("vertices on a plane and on almost a line have a best fit, too") {
 TEST_CASE("a frame of collapsed vertices does not turn, and one of infinite ones stays") {
   const PackedModel model = model_with_socket();
   std::vector<float> posed(model.rest.points.size(), 2.0f);
-  const Frame frame = frame_of(model, posed);
+  const SocketFrame frame = frame_of(model, posed);
   for (const std::size_t i : {0u, 1u, 2u, 4u, 5u, 6u, 8u, 9u, 10u}) CHECK(frame[i] == at_rest[i]);
   posed[3 * vertices[0]] = INFINITY;
   CHECK(frame_of(model, posed) == at_rest);
