@@ -369,7 +369,7 @@ typedef struct fb_batch_desc {
   uint64_t expected_error_pose_stride; /**< in floats; 0: 1 + fb_error_region_count */
   uint32_t* outside;                   /**< as fb_expected_error gives it, one number a pose; null: no output */
   uint32_t displacements; /**< 1: positions receives displacements instead, position less rest position, which are 0
-                             where a pose is at rest; 0: positions */
+                             where a pose is at rest, but for vertices that lod moves; 0: positions */
   uint32_t reserved_displacements; /**< 0 */
   float* bounds; /**< of each pose, 6 floats: the smallest x, y and z, then the largest, of the positions of the
                     vertices of the meshes that are posed, before any skin; 0 where none is posed. The same whatever
@@ -377,12 +377,13 @@ typedef struct fb_batch_desc {
   uint64_t bounds_floats;      /**< size of that buffer, in floats */
   uint64_t bounds_pose_stride; /**< in floats; 0: 6 */
   float lod;                   /**< level of detail: 0 (default) is the whole, 1, 2, ... are the levels of fb_level_at
-                                  (facebaker_character.h). Positions are continuous in it: between whole numbers, the vertices that only
-                                  the finer level has slide to where they lie on the surface of the coarser one. All vertices are written:
-                                  those that a level does not have lie on its surface, so that polygons of finer levels stay whole.
-                                  Normals and tangents are of the polygons of the level that lod is rounded down to; a vertex that it does
-                                  not have gets those of the nearest corner. Beyond the last level it is that one; a face without levels
-                                  is                   always whole. Refused below 0. */
+                                    (facebaker_character.h). Positions are continuous in it: between whole numbers, the
+                                    vertices that only the finer level has slide to where they lie on the surface of the
+                                    coarser one. All vertices are written: those that a level does not have lie on its
+                                    surface, so that polygons of finer levels stay whole. Normals and tangents are of the
+                                    polygons of the level that lod is rounded down to; a vertex that it does not have gets
+                                    those of the nearest corner. Beyond the last level it is that one; a face without levels
+                                    is always whole. Refused below 0. */
   uint32_t level_only; /**< 1: of positions, normals, tangents and bounds only the vertices of the level that lod is
                           rounded down to are written, the first fb_level::vertex_count in baked order, and buffers need
                           have no others; needs FB_ORDER_BAKED. 0 (default): all */

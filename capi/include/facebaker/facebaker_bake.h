@@ -258,7 +258,7 @@ typedef struct fb_bake_desc {
                            docs/characters.md: its fields come before those of the source, and null removes them. Null
                            (default): what the source says */
   const void* thumbnail;      /**< a PNG that shows the character: square, at most 512 pixels wide and 64 KiB; null
-                                 (default):    none */
+                                 (default): none */
   uint64_t thumbnail_bytes;   /**< of thumbnail */
   const char* const* exact;   /**< poses that must come out as the source gives them, within rounding: "CLIP:FRAME",
                                  "CLIP:FRAME,FRAME,...", "CLIP" for all its frames, or, of a live source, a .csv or .npy
