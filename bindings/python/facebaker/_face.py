@@ -55,6 +55,7 @@ class Face:
         self.error_regions = tuple(
             library.fb_error_region_name(handle, i).decode() for i in range(library.fb_error_region_count(handle))
         )
+        self.level_count = library.fb_level_count(handle)  # levels of detail, with level 0
         self.controls = tuple(self._control(index) for index in range(self.control_count))
 
     def _control(self, index):
@@ -165,13 +166,16 @@ class Face:
         baked_order=False,
         regions=None,
         dtype=numpy.float32,
+        lod=0.0,
+        displacements=False,
     ):
         """(poses, controls) -> (poses, vertices, 3), with the same bits as evaluate.
 
         threads: 0 is all cores. dtype: float32 or float16. out, normals, tangents: contiguous arrays of the result's shape
         and dtype; unit normals and unit tangents are written to the latter two; tangents need texture coordinates.
         baked_order: vertices in the order of vertex_order. regions: the names of the regions whose networks run; the
-        others keep their values at rest."""
+        others keep their values at rest. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
+        displacements: from rest, in place of positions."""
         controls = self._floats(controls, 2)
         if threads < 0:
             raise ValueError(f"{threads} threads")
@@ -193,6 +197,7 @@ class Face:
         desc.controls, desc.control_floats = _pointer(controls), controls.size
         desc.positions, desc.position_floats = out.ctypes.data, out.size
         desc.vertex_order, desc.format = int(baked_order), int(dtype == numpy.float16)
+        desc.lod, desc.displacements = lod, int(displacements)
         if normals is not None:
             desc.normals, desc.normal_numbers = normals.ctypes.data, normals.size
         if tangents is not None:

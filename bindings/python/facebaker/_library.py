@@ -60,10 +60,20 @@ class BatchDesc(Structure):
         ("sockets", POINTER(c_float)),
         ("socket_floats", c_uint64),
         ("socket_pose_stride", c_uint64),
+        ("channels", POINTER(c_float)),
+        ("channel_floats", c_uint64),
+        ("channel_pose_stride", c_uint64),
         ("expected_errors", POINTER(c_float)),
         ("expected_error_floats", c_uint64),
         ("expected_error_pose_stride", c_uint64),
         ("outside", POINTER(c_uint32)),
+        ("displacements", c_uint32),
+        ("reserved_displacements", c_uint32),
+        ("bounds", POINTER(c_float)),
+        ("bounds_floats", c_uint64),
+        ("bounds_pose_stride", c_uint64),
+        ("lod", c_float),
+        ("level_only", c_uint32),
     ]
 
 
@@ -123,6 +133,7 @@ _FUNCTIONS = {
     "fb_error_region_count": (c_uint32, [c_void_p]),
     "fb_error_region_name": (c_char_p, [c_void_p, c_uint32]),
     "fb_error_vertex_regions": (POINTER(c_uint32), [c_void_p]),
+    "fb_level_count": (c_uint32, [c_void_p]),
     "fb_expected_error": (c_int32, [c_void_p, c_void_p, POINTER(c_float), POINTER(c_float), POINTER(c_uint32)]),
     "fb_row_block_values": (c_int32, [c_void_p, c_uint32, POINTER(c_uint32), POINTER(c_float)]),
 }

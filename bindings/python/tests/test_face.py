@@ -173,9 +173,9 @@ class FaceTest(unittest.TestCase):
         self.assertEqual((self.face.error_regions, len(self.face.error_vertex_regions)), ((), 0))
         self.assert_error("FB_ERROR_INVALID_ARGUMENT", "no expected errors", self.face.expected_error, {})
 
-    def assert_error(self, name, part, call, *arguments):
+    def assert_error(self, name, part, call, *arguments, **options):
         with self.assertRaises(facebaker.Error) as caught:
-            call(*arguments)
+            call(*arguments, **options)
         self.assertEqual(caught.exception.status_name, name)
         self.assertIn(part, str(caught.exception))
 
@@ -186,6 +186,23 @@ class FaceTest(unittest.TestCase):
         self.assert_error("FB_ERROR_CORRUPT", "", facebaker.load, FIXTURE.read_bytes()[:-1])
         self.assert_error("FB_ERROR_NOT_FOUND", '"jaw_open"', self.face.find, "jaw_opne")
         self.assert_error("FB_ERROR_NOT_FINITE", '"brow_raise"', self.face.evaluate, [0, 0, float("nan"), 0, 0])
+
+    def test_displacements_are_from_rest(self):
+        poses = random_poses(self.face, 3)
+        moved = self.face.evaluate_batch(poses, displacements=True)
+        numpy.testing.assert_array_equal(moved, self.face.evaluate_batch(poses) - self.face.rest_positions)
+
+    def test_levels_of_detail(self):
+        face = facebaker.load(FIXTURE.with_name("levels.fbk"))
+        self.assertEqual(self.face.level_count, 1)
+        self.assertEqual(face.level_count, 3)
+        poses = random_poses(face, 3)
+        whole, coarsest = (face.evaluate_batch(poses, lod=lod) for lod in (0, 2))
+        numpy.testing.assert_array_equal(whole[0], face.evaluate(poses[0]))
+        self.assertFalse(numpy.array_equal(whole, coarsest))
+        numpy.testing.assert_array_equal(coarsest, face.evaluate_batch(poses, lod=7))
+        numpy.testing.assert_allclose(face.evaluate_batch(poses, lod=1.9999), coarsest, atol=1e-3 * face.diagonal)
+        self.assert_error("FB_ERROR_INVALID_ARGUMENT", "level of detail", face.evaluate_batch, poses, lod=-1)
 
     def test_wrong_shapes_are_refused(self):
         for controls in [0] * 4, [[0] * 5]:
