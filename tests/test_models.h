@@ -103,8 +103,8 @@ inline FaceModel tiny_model(std::uint64_t seed = 1) {
   return model;
 }
 
-inline std::vector<std::int16_t> random_numbers(Random& random, std::size_t count, bool wide) {
-  const int reach = wide ? largest_wide : largest_narrow;
+// Within -reach..reach.
+inline std::vector<std::int16_t> random_numbers(Random& random, std::size_t count, int reach) {
   std::vector<std::int16_t> numbers(count);
   for (std::int16_t& number : numbers)
     number = static_cast<std::int16_t>(int(random.below(static_cast<std::uint32_t>(2 * reach + 1))) - reach);
@@ -114,12 +114,12 @@ inline std::vector<std::int16_t> random_numbers(Random& random, std::size_t coun
 // Weights of up to +-0.5 in all, however wide.
 inline PackedLayer random_packed_layer(Random& random, std::uint32_t inputs, std::uint32_t outputs,
                                        Activation activation, bool skip, bool wide) {
+  const int largest = wide ? largest_wide : largest_narrow;
   PackedLayer layer{inputs,     outputs,
                     activation, skip,
-                    wide,       random_numbers(random, std::size_t(inputs) * outputs, wide),
+                    wide,       random_numbers(random, std::size_t(inputs) * outputs, largest),
                     {},         random_values(random, outputs, 0.25f)};
-  for (std::uint32_t o = 0; o < outputs; ++o)
-    layer.scales.push_back(random.uniform(0.25f, 0.5f) / float(wide ? largest_wide : largest_narrow));
+  for (std::uint32_t o = 0; o < outputs; ++o) layer.scales.push_back(random.uniform(0.25f, 0.5f) / float(largest));
   return layer;
 }
 
@@ -129,11 +129,23 @@ inline PackedRowBlock random_row_block(Random& random, std::uint32_t first_row, 
   PackedRowBlock block{first_row, row_count, {}, {}};
   for (const std::uint32_t column : columns) {
     const bool wide = random.uniform() < 0.5f;
-    block.columns.push_back({column, wide, reach / float(wide ? largest_wide : largest_narrow)});
-    const std::vector<std::int16_t> values = random_numbers(random, row_count, wide);
+    const int largest = wide ? largest_wide : largest_narrow;
+    block.columns.push_back({column, wide, reach / float(largest)});
+    const std::vector<std::int16_t> values = random_numbers(random, row_count, largest);
     block.values.insert(block.values.end(), values.begin(), values.end());
   }
   return block;
+}
+
+// Gives every wide column other values, of which the largest is between 128 and largest_wide, that move as far.
+inline void vary_wide_columns(PackedRowBlock& block, Random& random) {
+  for (std::size_t c = 0; c < block.columns.size(); ++c) {
+    if (!block.columns[c].wide) continue;
+    const int largest = largest_wide >> random.below(8);
+    block.columns[c].scale *= float(largest_wide) / float(largest);
+    const std::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
+    std::copy(values.begin(), values.end(), block.values.begin() + static_cast<std::ptrdiff_t>(c * block.row_count));
+  }
 }
 
 // The controls, mesh and sizes of tiny_model, in whole numbers, with everything a packed model can have: features of

@@ -102,6 +102,13 @@ std::size_t PackedModel::value_count() const {
   return count;
 }
 
+int low_digit_bits(const std::int16_t* values, std::size_t count) {
+  int largest = 0, bits = 1;
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, std::abs(int(values[i])));
+  while (largest > largest_narrow << bits) ++bits;
+  return bits;
+}
+
 std::vector<float> displacements(const PackedRowBlock& block, std::size_t column) {
   const auto first = block.values.begin() + column * block.row_count;
   std::vector<float> moved(first, first + block.row_count);

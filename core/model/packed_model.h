@@ -21,13 +21,19 @@ namespace fb {
 // is 256 * high + low with both digits in -128..127.
 inline constexpr int largest_narrow = 127, largest_wide = 32512;
 
-// The two signed 8-bit digits of a value.
-constexpr int low_digit(int number) {
-  return ((number + 128) & 255) - 128;
+// The two signed digits of a value whose low digit has so many bits, 1 to 8.
+constexpr int low_digit(int number, int bits = 8) {
+  const int half = 1 << (bits - 1);
+  return ((number + half) & (2 * half - 1)) - half;
 }
-constexpr int high_digit(int number) {
-  return (number - low_digit(number)) / 256;
+constexpr int high_digit(int number, int bits = 8) {
+  return (number + (1 << (bits - 1))) >> bits;
 }
+// Bits of the low digits of a wide column of a row block: as few as leave high digits of at most 127, and at least 1.
+// Its inputs for high digits are 2^bits times those for low ones, and all inputs of a row block are rounded to
+// multiples of one step, so a fixed 256 would round columns of a few hundred steps as coarsely as one of 32,512: by up
+// to half of a step of their own.
+int low_digit_bits(const std::int16_t* values, std::size_t count);
 
 // The largest number of inputs of a matrix row: a sum of so many digits fits 32 bits.
 inline constexpr std::uint32_t max_row_inputs = 0xffffff;

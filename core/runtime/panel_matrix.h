@@ -23,8 +23,11 @@ class PanelMatrix {
     quads,    // quad_columns columns interleaved, for dense inputs
   };
 
-  // A value is 256 * high + low; a narrow value is its own low digit.
-  enum class Digit { low, high };
+  // Which digit of a value, see low_digit; a narrow value is its own low digit of 8 bits.
+  struct Digit {
+    bool high = false;
+    int low_bits = 8;
+  };
 
   // All digits are 0. Set them by columns or by rows, then call find_limit().
   PanelMatrix(Form form, std::uint32_t rows, std::size_t columns, std::pmr::memory_resource& memory)
@@ -112,7 +115,8 @@ class PanelMatrix {
     std::uint8_t digit[64];
   };
   static std::uint8_t stored(std::int16_t value, Digit digit) {
-    return static_cast<std::uint8_t>((digit == Digit::low ? value : (value + 128) >> 8) + 128);
+    const int number = digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
+    return static_cast<std::uint8_t>(number + 128);
   }
   static std::uint32_t whole_vectors(std::uint32_t rows) { return (rows + 15) / 16 * 16; }
   // Columns of a line, which is a column or a quad.

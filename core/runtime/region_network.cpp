@@ -25,12 +25,12 @@ RegionNetwork::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, st
       outputs(layer.outputs),
       activation(layer.activation),
       skip(layer.skip),
-      low(digits_of(layer, form, PanelMatrix::Digit::low, memory)),
+      low(digits_of(layer, form, {.high = false}, memory)),
       limit(static_cast<float>(low.limit())),
       scales(layer.scales.begin(), layer.scales.end(), &memory),
       bias(layer.bias.begin(), layer.bias.end(), &memory) {
   if (!layer.wide) return;
-  high.emplace(digits_of(layer, form, PanelMatrix::Digit::high, memory));
+  high.emplace(digits_of(layer, form, {.high = true}, memory));
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
 }
 

@@ -1,19 +1,35 @@
 #include "runtime/row_block_matrix.h"
 
 #include <algorithm>
+#include <span>
 
 namespace fb::runtime {
 namespace {
 
-PanelMatrix digits_of(const PackedRowBlock& block, std::pmr::memory_resource& memory) {
-  const auto wide = std::count_if(block.columns.begin(), block.columns.end(), [](const auto& c) { return c.wide; });
-  PanelMatrix digits(PanelMatrix::Form::columns, block.row_count, block.columns.size() + static_cast<std::size_t>(wide),
-                     memory);
-  std::size_t high = block.columns.size();
+// See low_digit_bits, of the wide columns.
+std::pmr::vector<std::uint8_t> bits_of(const PackedRowBlock& block, std::pmr::memory_resource& memory) {
+  std::pmr::vector<std::uint8_t> bits(&memory);
+  bits.reserve(static_cast<std::size_t>(std::ranges::count(block.columns, true, &PackedColumn::wide)));
+  for (std::size_t c = 0; c < block.columns.size(); ++c)
+    if (block.columns[c].wide)
+      bits.push_back(
+          static_cast<std::uint8_t>(low_digit_bits(block.values.data() + c * block.row_count, block.row_count)));
+  return bits;
+}
+
+PanelMatrix digits_of(const PackedRowBlock& block, std::span<const std::uint8_t> wide_bits,
+                      std::pmr::memory_resource& memory) {
+  PanelMatrix digits(PanelMatrix::Form::columns, block.row_count, block.columns.size() + wide_bits.size(), memory);
+  std::size_t wide = 0;
   for (std::size_t c = 0; c < block.columns.size(); ++c) {
     const std::int16_t* values = block.values.data() + c * block.row_count;
-    digits.set_column(c, values, PanelMatrix::Digit::low);
-    if (block.columns[c].wide) digits.set_column(high++, values, PanelMatrix::Digit::high);
+    if (!block.columns[c].wide) {
+      digits.set_column(c, values, {});
+      continue;
+    }
+    const int bits = wide_bits[wide];
+    digits.set_column(c, values, {.high = false, .low_bits = bits});
+    digits.set_column(block.columns.size() + wide++, values, {.high = true, .low_bits = bits});
   }
   digits.find_limit();
   return digits;
@@ -26,15 +42,19 @@ RowBlockMatrix::RowBlockMatrix(const PackedRowBlock& block, std::pmr::memory_res
       column_count_(block.columns.size()),
       columns_(&memory),
       scales_(&memory),
-      digits_(digits_of(block, memory)) {
+      wide_bits_(bits_of(block, memory)),
+      digits_(digits_of(block, wide_bits_, memory)) {
   columns_.reserve(digits_.columns());
   scales_.reserve(digits_.columns());
-  for (const bool high : {false, true})
-    for (const PackedColumn& column : block.columns)
-      if (column.wide || !high) {
-        columns_.push_back(column.column);
-        scales_.push_back(high ? 256 * column.scale : column.scale);
-      }
+  for (const PackedColumn& column : block.columns) {
+    columns_.push_back(column.column);
+    scales_.push_back(column.scale);
+  }
+  for (const PackedColumn& column : block.columns)
+    if (column.wide) {
+      scales_.push_back(column.scale * static_cast<float>(1 << wide_bits_[columns_.size() - column_count_]));
+      columns_.push_back(column.column);
+    }
 }
 
 std::pair<RowBlockMatrix::InputRange, RowBlockMatrix::InputRange> RowBlockMatrix::inputs_of(
@@ -66,7 +86,8 @@ void RowBlockMatrix::displacements(std::size_t input, float* values) const {
   const std::size_t high = wide - columns_.begin();
   const bool has_high = wide != columns_.end() && *wide == columns_[input];
   for (std::uint32_t r = 0; r < row_count(); ++r) {
-    const int value = digits_.digit(r, input) + (has_high ? 256 * digits_.digit(r, high) : 0);
+    const int value =
+        digits_.digit(r, input) + (has_high ? digits_.digit(r, high) * (1 << wide_bits_[high - column_count_]) : 0);
     values[r] = scales_[input] * static_cast<float>(value);
   }
 }

@@ -60,6 +60,7 @@ class RowBlockMatrix {
   std::size_t column_count_;
   std::pmr::vector<std::uint32_t> columns_;  // of the basis, by matrix column
   std::pmr::vector<float> scales_;
+  std::pmr::vector<std::uint8_t> wide_bits_;  // of low digits, of each wide column
   PanelMatrix digits_;
 };
 

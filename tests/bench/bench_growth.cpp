@@ -76,7 +76,7 @@ PackedModel made_up_face(const Size& size) {
     for (std::uint32_t o = 0; o < outputs; ++o)
       if (random.uniform() < 0.25f) used.push_back(direct + region * outputs + o);
     const std::uint32_t first = 3 * block_vertices * chunk, rows = std::min(3 * block_vertices, 3 * vertices - first);
-    PackedRowBlock group{first, rows, {}, random_numbers(random, std::size_t(rows) * used.size(), false)};
+    PackedRowBlock group{first, rows, {}, random_numbers(random, std::size_t(rows) * used.size(), largest_narrow)};
     for (const std::uint32_t column : used) group.columns.push_back({column, false, 0.01f / largest_narrow});
     model.row_blocks.push_back(std::move(group));
   }

@@ -14,9 +14,17 @@ TANH_P = [F(x) for x in (-2.76076847742355e-16, 2.00018790482477e-13, -8.6046715
 TANH_Q = [F(x) for x in (1.19825839466702e-06, 1.18534705686654e-04, 2.26843463243900e-03, 4.89352518554385e-03)]
 
 
-def digits(q):
-    low = (q + 128 & 255) - 128
-    return (q - low) // 256, low
+def digits(q, base=256):
+    low = (q + base // 2) % base - base // 2
+    return (q - low) // base, low
+
+
+def base_of(values):
+    """Of the digits of a 16-bit segment."""
+    largest, base = int(np.abs(values).max(initial=0)), 2
+    while largest > 127 * base:
+        base *= 2
+    return base
 
 
 def limit_of(matrix):
@@ -73,7 +81,8 @@ def prepare(face):
         rows, summands = np.arange(block["first"], block["first"] + block["rows"]), []
         for segment in block["segments"]:
             if segment["is_16_bit"]:
-                summands += digits(segment["values"])
+                segment["base"] = base_of(segment["values"])
+                summands += digits(segment["values"], segment["base"])
             else:
                 summands.append(segment["values"])
         block["matrix"] = np.stack(summands, 1) if summands else np.zeros((block["rows"], 0), np.int64)
@@ -157,8 +166,10 @@ def evaluate(face, controls, factors=None):
     for block in face.row_blocks:
         summands = []
         for segment in block["segments"]:
-            low = coefficients[segment["column"]] * segment["scale"]
-            summands += [F(256) * low, low] if segment["is_16_bit"] else [low]
+            coefficient = coefficients[segment["column"]]
+            if segment["is_16_bit"]:
+                summands.append(coefficient * (segment["scale"] * F(segment["base"])))
+            summands.append(coefficient * segment["scale"])
         q, step = quantise(np.array(summands, F), block["limit"])
         if step != 0:
             at = block["coordinates"]

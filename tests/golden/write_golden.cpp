@@ -67,6 +67,30 @@ PackedModel smallest() {
   return model;
 }
 
+// 16-bit segments on either side of where the base of their digits doubles, up to 256.
+PackedModel digit_bases() {
+  PackedModel model = tiny_packed_model();
+  Random random(11);
+  int base = 1;
+  bool above = false;
+  model.row_blocks.clear();
+  for (std::uint32_t first = 0; first < 90; first += 15)
+    model.row_blocks.push_back(random_row_block(random, first, 15, {0, 2, 3, 4}, 0.3f));
+  for (PackedRowBlock& block : model.row_blocks) {
+    block.values.clear();
+    for (PackedColumn& column : block.columns) {
+      const int largest = std::min(largest_narrow * base + (above ? 1 : 0), largest_wide);
+      column = {column.column, true, 0.3f / static_cast<float>(largest)};
+      std::vector<std::int16_t> values = random_numbers(random, block.row_count, largest);
+      values[0] = static_cast<std::int16_t>(above ? -largest : largest);
+      block.values.insert(block.values.end(), values.begin(), values.end());
+      if (above) base = base == 256 ? 1 : 2 * base;
+      above = !above;
+    }
+  }
+  return model;
+}
+
 // Positions on a grid and 20 quads coded along triangles, the vertices in another order than Draco's.
 PackedModel regular(bool polygons) {
   PackedModel model = tiny_packed_model();
@@ -165,6 +189,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("exact-poses.fbk", with_proof(exact_model()));
   write("body.fbk", with_proof(body_model()));
   write("levels.fbk", with_proof(levelled_model()));
+  write("digit-bases.fbk", with_proof(digit_bases()));
   write("rows-1.fbk", with_proof(split_model(1, true)));
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));

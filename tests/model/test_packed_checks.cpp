@@ -28,10 +28,23 @@ TEST_CASE("valid packed models pass") {
   for (std::uint64_t seed = 1; seed < 5; ++seed) CHECK_NOTHROW(check(tiny_packed_model(seed)));
 }
 
-TEST_CASE("a wide value is 256 times its high digit plus its low digit") {
-  for (int number = -largest_wide; number <= largest_wide; ++number) {
-    const int low = low_digit(number), high = high_digit(number);
-    if (256 * high + low != number || low < -128 || low > 127 || high < -127 || high > 127) FAIL_CHECK(number);
+TEST_CASE("a wide value is its high digit, shifted by the bits of low digits, plus its low digit") {
+  for (int number = -largest_wide; number <= largest_wide; ++number)
+    for (int bits = 1; bits <= 8; ++bits) {
+      if (std::abs(number) > largest_narrow << bits) continue;
+      const int low = low_digit(number, bits), high = high_digit(number, bits), half = 1 << (bits - 1);
+      if (high * 2 * half + low != number || low < -half || low >= half || high < -127 || high > 127)
+        FAIL_CHECK(number, " with ", bits, " bits");
+    }
+}
+
+TEST_CASE("low digits of a wide column have as few bits as its values allow") {
+  const std::pair<int, int> bits_of_largest[] = {{0, 1},    {127, 1},  {254, 1},   {255, 2},
+                                                 {508, 2},  {509, 3},  {16256, 7}, {16257, 8},
+                                                 {-254, 1}, {-255, 2}, {32512, 8}, {-32512, 8}};
+  for (const auto& [largest, bits] : bits_of_largest) {
+    const std::int16_t values[] = {0, 100, static_cast<std::int16_t>(largest)};
+    CHECK_MESSAGE(low_digit_bits(values, 3) == (largest == 0 ? 1 : bits), largest);
   }
 }
 

@@ -109,12 +109,22 @@ inline std::vector<std::int64_t> multiply(const Digits& digits, const std::vecto
   return sums;
 }
 
-// value = 256 * high + low, low in -128..127.
-inline void split(std::int64_t value, std::int64_t& high, std::int64_t& low) {
+// value = base * high + low, low in -base / 2..base / 2 - 1.
+inline void split(std::int64_t value, std::int64_t base, std::int64_t& high, std::int64_t& low) {
   high = 0;
-  while (value > 127) value -= 256, ++high;
-  while (value < -128) value += 256, --high;
+  while (value > base / 2 - 1) value -= base, ++high;
+  while (value < -base / 2) value += base, --high;
   low = value;
+}
+
+// Of the digits of a wide column.
+inline std::int64_t base_of(const PackedRowBlock& block, std::size_t column) {
+  for (std::int64_t base = 2;; base *= 2) {
+    bool fits = true;
+    for (std::size_t r = 0; r < block.row_count; ++r)
+      if (std::abs(std::int64_t(block.values[column * block.row_count + r])) > 127 * base) fits = false;
+    if (fits) return base;
+  }
 }
 
 inline Floats layer_of(const PackedLayer& layer, const Floats& x) {
@@ -122,7 +132,7 @@ inline Floats layer_of(const PackedLayer& layer, const Floats& x) {
   for (std::size_t o = 0; o < layer.outputs; ++o)
     for (std::size_t i = 0; i < layer.inputs; ++i) {
       low[o][i] = layer.weights[o * layer.inputs + i];
-      if (layer.wide) split(low[o][i], high[o][i], low[o][i]);
+      if (layer.wide) split(low[o][i], 256, high[o][i], low[o][i]);
     }
   const std::int64_t low_limit = limit_of(largest_row_sum(low)), high_limit = limit_of(largest_row_sum(high));
   const Quantised in = quantise(x, low_limit < high_limit ? low_limit : high_limit);
@@ -182,13 +192,13 @@ inline Floats positions(const PackedModel& model, const Floats& controls) {
     Floats x;
     for (std::size_t c = 0; c < block.columns.size(); ++c) {
       const PackedColumn& column = block.columns[c];
-      const float moved = weights[column.column] * column.scale;
-      if (column.wide) x.push_back(256 * moved);
-      x.push_back(moved);
+      const std::int64_t base = base_of(block, c);
+      if (column.wide) x.push_back(weights[column.column] * (column.scale * float(base)));
+      x.push_back(weights[column.column] * column.scale);
       for (std::size_t r = 0; r < block.row_count; ++r) {
         const std::int64_t value = block.values[c * block.row_count + r];
         std::int64_t high = 0, low = value;
-        if (column.wide) split(value, high, low);
+        if (column.wide) split(value, base, high, low);
         if (column.wide) digits[r].push_back(high);
         digits[r].push_back(low);
       }

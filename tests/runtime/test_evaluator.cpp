@@ -59,6 +59,7 @@ PackedModel wide_model(std::uint64_t seed = 7) {
     for (std::uint32_t column = 0; column < 60; ++column)
       if (column % 4 == 0 || random.uniform() < 0.3f) columns.push_back(column);
     model.row_blocks.push_back(random_row_block(random, first, count, columns, 0.3f));
+    vary_wide_columns(model.row_blocks.back(), random);
     first += count;
   }
   model.order.clear();
@@ -201,6 +202,46 @@ TEST_CASE("coefficients are the weights of the basis' columns") {
     }
   for (std::size_t i = 0; i < sum.size(); ++i)  // up to the rounding of coefficients
     CHECK(std::fabs(positions[i] - sum[i]) < 1e-4 * model.rest.diagonal());
+}
+
+TEST_CASE("positions follow slow motion: a wide column is rounded as finely as its values allow") {
+  PackedModel model = tiny_packed_model();
+  Random random(3);
+  constexpr float reach = 0.5f;  // of every column, for one unit of its coefficient
+  for (PackedRowBlock& block : model.row_blocks) {
+    for (PackedColumn& column : block.columns) column = {column.column, true, reach / float(largest_wide)};
+    vary_wide_columns(block, random);
+  }
+  const Evaluator evaluator(model);
+  Workspace workspace(evaluator);
+  const std::vector<float> from = random_pose(model.schema, random), to = random_pose(model.schema, random);
+  double worst = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    std::vector<float> pose = from;
+    for (std::size_t c = 0; c < pose.size(); ++c) pose[c] += 1e-4f * float(frame) * (to[c] - from[c]);
+    std::vector<float> weights(evaluator.coefficient_count());
+    evaluator.coefficients(pose.data(), weights.data(), workspace);
+    const std::vector<float> positions = evaluate(evaluator, pose);
+    float largest_weight = 0;
+    for (const float weight : weights) largest_weight = std::max(largest_weight, std::fabs(weight));
+    std::vector<double> exact(model.rest.points.begin(), model.rest.points.end());
+    std::size_t most_columns = 0;
+    for (const PackedRowBlock& block : model.row_blocks) {
+      most_columns = std::max(most_columns, block.columns.size());
+      for (std::size_t c = 0; c < block.columns.size(); ++c) {
+        const std::vector<float> moved = displacements(block, c);
+        for (std::uint32_t r = 0; r < block.row_count; ++r)
+          exact[model.coordinate(block.first_row + r)] += double(weights[block.columns[c].column]) * moved[r];
+      }
+    }
+    // A summand is off by half a step at most. The largest digit of a column is 64 or more, so the largest summand is
+    // at most a 64th of what its column moves, and a step a 32,512th of that.
+    const double step = reach * largest_weight / 64 / 32512, digits = 127 + 128;
+    const double bound = double(most_columns) * digits * step / 2;
+    for (std::size_t i = 0; i < exact.size(); ++i) worst = std::max(worst, std::fabs(positions[i] - exact[i]) / bound);
+  }
+  CHECK(worst < 1);
+  CHECK(worst > 0);
 }
 
 TEST_CASE("values outside their range are clamped and counted; NaN is refused by name") {

@@ -75,7 +75,7 @@ TEST_CASE("panel sums are exact, for matrices of both forms, all sizes and all k
         PanelMatrix matrix(form, rows, width, *std::pmr::get_default_resource());
         for (std::uint32_t r = 0; r < rows; ++r) {
           const std::vector<std::int16_t> row(digits.begin() + r * width, digits.begin() + (r + 1) * width);
-          matrix.set_row(r, row.data(), PanelMatrix::Digit::low);
+          matrix.set_row(r, row.data(), {});
         }
         matrix.find_limit();
         bool kept = true;
