@@ -8,10 +8,9 @@ import weakref
 
 import numpy
 
-from ._library import RowBlockStruct, BatchDesc, ControlStruct, check, library
-
-Control = collections.namedtuple("Control", "name group minimum maximum rest")
-Control.__doc__ = "A control of the rig: its name, its control group (may be empty), its range and its value at rest."
+from ._character import Control
+from ._library import check, library
+from ._structs import BatchDesc, ControlStruct, RowBlockStruct
 
 ExpectedError = collections.namedtuple("ExpectedError", "face regions outside")
 ExpectedError.__doc__ = """What to expect of a pose: the root mean square distance of the face's vertices from where the

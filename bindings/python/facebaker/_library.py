@@ -1,90 +1,13 @@
-"""The ctypes interface of libfacebaker: loading the library, its structs, functions and errors."""
+"""The ctypes interface of libfacebaker: finding the library, its functions and its errors."""
 
 import ctypes
 import ctypes.util
 import os
 import pathlib
-from ctypes import POINTER, Structure, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 
-
-class Error(Exception):
-    """A call that failed. `status` is the number of facebaker.h, `status_name` its constant."""
-
-    def __init__(self, status, status_name, message):
-        super().__init__(message)
-        self.status = status
-        self.status_name = status_name
-
-
-class ControlStruct(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("reserved", c_uint32),
-        ("name", c_char_p),
-        ("group", c_char_p),
-        ("minimum", c_float),
-        ("maximum", c_float),
-        ("rest", c_float),
-        ("reserved_float", c_float),
-    ]
-
-
-class BatchDesc(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("threads", c_uint32),
-        ("poses", c_uint64),
-        ("controls", POINTER(c_float)),
-        ("control_floats", c_uint64),
-        ("control_stride", c_uint64),
-        ("positions", c_void_p),
-        ("position_floats", c_uint64),
-        ("pose_stride", c_uint64),
-        ("vertex_stride", c_uint64),
-        ("parallel_for", c_void_p),
-        ("parallel_user", c_void_p),
-        ("vertex_order", c_uint32),
-        ("format", c_uint32),
-        ("normals", c_void_p),
-        ("normal_numbers", c_uint64),
-        ("normal_pose_stride", c_uint64),
-        ("normal_vertex_stride", c_uint64),
-        ("regions", POINTER(c_uint32)),
-        ("region_count", c_uint64),
-        ("tangents", c_void_p),
-        ("tangent_numbers", c_uint64),
-        ("tangent_pose_stride", c_uint64),
-        ("tangent_vertex_stride", c_uint64),
-        ("meshes", POINTER(c_uint32)),
-        ("mesh_count", c_uint64),
-        ("sockets", POINTER(c_float)),
-        ("socket_floats", c_uint64),
-        ("socket_pose_stride", c_uint64),
-        ("channels", POINTER(c_float)),
-        ("channel_floats", c_uint64),
-        ("channel_pose_stride", c_uint64),
-        ("expected_errors", POINTER(c_float)),
-        ("expected_error_floats", c_uint64),
-        ("expected_error_pose_stride", c_uint64),
-        ("outside", POINTER(c_uint32)),
-        ("displacements", c_uint32),
-        ("reserved_displacements", c_uint32),
-        ("bounds", POINTER(c_float)),
-        ("bounds_floats", c_uint64),
-        ("bounds_pose_stride", c_uint64),
-        ("lod", c_float),
-        ("level_only", c_uint32),
-    ]
-
-
-class RowBlockStruct(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("first_row", c_uint32),
-        ("row_count", c_uint32),
-        ("column_count", c_uint32),
-    ]
-
+from ._errors import STATUS_ERRORS, Error
+from ._structs import BatchDesc, ControlStruct, RowBlockStruct
 
 # name: (result, arguments). Handles are void pointers.
 _FUNCTIONS = {
@@ -139,32 +62,46 @@ _FUNCTIONS = {
 }
 
 
-def _candidates():
-    named = os.environ.get("FACEBAKER_LIBRARY")
+def _candidates(variable, name):
+    named = os.environ.get(variable)
     if named:
         return [named]
-    beside = sorted(pathlib.Path(__file__).parent.glob("libfacebaker.so*"))
-    found = ctypes.util.find_library("facebaker")
-    return [str(path) for path in beside] + ([found] if found else [])
+    beside = pathlib.Path(__file__).with_name(f"lib{name}.so")
+    found = ctypes.util.find_library(name)
+    return ([str(beside)] if beside.exists() else []) + ([found] if found else [])
 
 
-def _open():
-    candidates = _candidates()
-    if not candidates:
-        raise ImportError("libfacebaker was not found; name it in the environment variable FACEBAKER_LIBRARY")
-    library = ctypes.CDLL(candidates[0])
-    for name, (result, arguments) in _FUNCTIONS.items():
-        function = getattr(library, name)
-        function.restype = result
-        function.argtypes = arguments
-    return library
+class Library:
+    """A library that is opened when its first function is used; functions are attributes."""
+
+    def __init__(self, variable, name, functions):
+        self._variable, self._name, self._functions = variable, name, functions
+
+    def __getattr__(self, name):
+        if name not in self._functions:
+            raise AttributeError(name)
+        if "_opened" not in self.__dict__:
+            self._opened = self._open()
+        function = getattr(self._opened, name)
+        function.restype, function.argtypes = self._functions[name]
+        setattr(self, name, function)
+        return function
+
+    def _open(self):
+        candidates = _candidates(self._variable, self._name)
+        if not candidates:
+            raise ImportError(
+                f"lib{self._name} was not found; name it in the environment variable {self._variable}"
+            )
+        return ctypes.CDLL(candidates[0])
+
+    def check(self, status):
+        """Raises Error unless status is FB_OK. To be called on the thread whose call gave the status."""
+        if status != 0:
+            name = self.fb_status_name(status).decode()
+            message = self.fb_last_error().decode("utf-8", "replace")
+            raise STATUS_ERRORS.get(status, Error)(status, name, message)
 
 
-library = _open()
-__version__ = library.fb_version_string().decode()
-
-
-def check(status):
-    """Raises Error unless status is FB_OK. To be called on the thread whose call gave the status."""
-    if status != 0:
-        raise Error(status, library.fb_status_name(status).decode(), library.fb_last_error().decode("utf-8", "replace"))
+library = Library("FACEBAKER_LIBRARY", "facebaker", _FUNCTIONS)
+check = library.check
