@@ -1,22 +1,56 @@
-"""Load baked faces (.fbk) and pose them; see facebaker.h for what everything means."""
+"""Load baked faces (.fbk) and pose them, bake faces from rigs, measure and pack them; docs/python.md begins with examples,
+and facebaker.h and facebaker_bake.h say what everything means.
+
+Arrays are NumPy's: controls are (poses, controls) and positions (poses, vertices, 3), float32, in the character's units.
+facebaker.serve serves a rig to another process."""
 
 from typing import TYPE_CHECKING
 
-from ._character import Channel, Control, Image, Joint, Material, MaterialRun, Mesh, Skin, Socket, Texture
-from ._errors import Error
+from ._bake import bake, compare, diff, evaluate, inspect, pack, recipes, sample, verify
+from ._character import (
+    Channel,
+    Control,
+    ExactPose,
+    Image,
+    Joint,
+    Level,
+    Material,
+    MaterialRun,
+    Mesh,
+    Skin,
+    Socket,
+    Texture,
+)
+from ._dataset import save_dataset
+
+from ._errors import (
+    BadDataError, CorruptError, Error, FileError, InternalError, InvalidArgumentError, LimitError, NotAnArchiveError,
+    NotFiniteError, NotFoundError, OutOfMemoryError, RigError, StoppedError, UnsupportedError,
+)  # fmt: skip
 from ._face import ExpectedError, Face, load
+
+from ._results import (
+    BakeResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, Result, SampleResult,
+    VerifyResult,
+)  # fmt: skip
 from ._rig import Clip, Rig
+from ._source import Source
 
 __all__ = [
-    "Channel", "Clip", "Control", "Error", "ExpectedError", "Face", "Image", "Joint", "Material", "MaterialRun", "Mesh",
-    "Rig", "Skin", "Socket", "Texture", "load", "__version__",
+    "BadDataError", "BakeResult", "Channel", "Clip", "ClipErrors", "CompareResult", "Control", "CorruptError", "Error",
+    "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure", "FileError", "Image", "InternalError",
+    "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun", "Mesh", "Method",
+    "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult", "Result", "Rig", "RigError",
+    "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture", "UnsupportedError", "VerifyResult",
+    "__version__", "bake", "compare", "diff", "evaluate", "inspect", "load", "pack", "recipes", "sample", "save_dataset",
+    "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
     __version__: str
 else:
 
-    def __getattr__(name):
+    def __getattr__(name: str) -> str:
         """__version__ is the library's, which is opened by then."""
         if name != "__version__":
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -55,9 +55,10 @@ def padded_polygons(sizes: Indices, corners: Indices) -> npt.NDArray[np.int32]:
     return polygons
 
 
-def fan_corners(sizes: Indices) -> Indices:
+def fan_corners(sizes: Indices) -> npt.NDArray[Any]:
     """(triangles, 3): every polygon as a fan around its first corner, as indices into the list of all corners."""
     counts = np.maximum(sizes.astype(np.int64) - 2, 0)
     first = np.repeat(np.cumsum(sizes, dtype=np.int64) - sizes, counts)
     step = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.stack([first, first + step + 1, first + step + 2], 1).astype(np.uint32)
+    corners: npt.NDArray[Any] = np.stack([first, first + step + 1, first + step + 2], 1)
+    return corners.astype(np.uint32)

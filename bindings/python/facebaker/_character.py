@@ -8,6 +8,11 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ._arrays import ArrayLike, Floats, Indices
 
+# Words in the order of the numbers that facebaker_character.h gives them.
+SLOTS = ("base_colour", "metallic_roughness", "normal", "occlusion", "emissive")
+WRAPS = ("repeat", "clamp", "mirror")
+ALPHA_MODES = ("opaque", "mask", "blend")
+
 
 class _NameAndRange(NamedTuple):
     name: str

@@ -1,287 +1,254 @@
-import collections
+"""Loaded faces: what is in them, and posing them."""
+
+from __future__ import annotations
+
 import collections.abc
 import ctypes
-import json
+import difflib
 import os
-import threading
-import weakref
+from ctypes import byref, c_void_p
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-import numpy
+import numpy as np
+import numpy.typing as npt
 
-from ._character import Control
+from ._arrays import ArrayLike, Floats, Indices
+from ._face_contents import FaceContents
 from ._library import check, library
-from ._structs import BatchDesc, ControlStruct, RowBlockStruct
+from ._structs import BatchDesc, RowBlockStruct, filled
 
-ExpectedError = collections.namedtuple("ExpectedError", "face regions outside")
-ExpectedError.__doc__ = """What to expect of a pose: the root mean square distance of the face's vertices from where the
-rig has them, in units; the same of each of error_regions; and how many controls are outside of what was trained."""
+Controls = Union[ArrayLike, Mapping[str, float]]
 
 
-def load(source):
-    """Loads a face from a path, or from the bytes of an archive."""
-    handle = ctypes.c_void_p()
+class ExpectedError(NamedTuple):
+    """What to expect of a pose.
+
+    face: the root mean square distance of the face's vertices from where the rig has them, in units. regions: the same of
+    each of error_regions. outside: how many controls are outside of what was trained."""
+
+    face: Any
+    regions: Floats
+    outside: Any
+
+
+def load(source: "Union[str, os.PathLike[str], bytes, bytearray, memoryview]") -> "Face":
+    """Loads a face from a path, or from the bytes of an archive. Files from strangers are safe. Raises NotFoundError,
+    FileError, NotAnArchiveError, CorruptError, UnsupportedError, LimitError or OutOfMemoryError."""
+    handle = c_void_p()
     if isinstance(source, (bytes, bytearray, memoryview)):
         data = bytes(source)
-        check(library.fb_load_memory(data, len(data), None, ctypes.byref(handle)))
-    else:
-        check(library.fb_load(os.fsencode(source), None, ctypes.byref(handle)))
-    return Face(handle)
+        check(library.fb_load_memory(data, len(data), None, byref(handle)))
+        return Face(handle, data)
+    path = os.fspath(source)
+    check(library.fb_load(os.fsencode(path), None, byref(handle)))
+    return Face(handle, os.path.abspath(path))
 
 
-class Face:
-    """A loaded face. Its arrays are read-only views of the model. Threads may share a face; its evaluations are serialised,
-    so use evaluate_batch for speed."""
+class Face(FaceContents):
+    """A loaded face, which never changes. Any number of threads may evaluate one face at once.
 
-    def __init__(self, handle):
-        """Called by load(). Takes ownership of the reference in handle."""
-        self._handle = handle
-        self._closer = weakref.finalize(self, library.fb_release, handle)
-        self._scratches = {}
-        self._lock = threading.Lock()
-        self._clamped = 0
-        self.vertex_count = library.fb_vertex_count(handle)
-        self.control_count = library.fb_control_count(handle)
-        self.coefficient_count = library.fb_coefficient_count(handle)
-        self.name = library.fb_name(handle).decode()
-        self.units = library.fb_units(handle).decode()
-        self.up_axis = library.fb_up_axis(handle).decode()
-        self.diagonal = library.fb_diagonal(handle)
-        self.runtime_bytes = library.fb_runtime_bytes(handle)
-        self.instruction_set = library.fb_instruction_set(handle).decode()
-        self.regions = tuple(
-            library.fb_region_name(handle, index).decode() for index in range(library.fb_region_count(handle))
-        )
-        self.error_regions = tuple(
-            library.fb_error_region_name(handle, i).decode() for i in range(library.fb_error_region_count(handle))
-        )
-        self.level_count = library.fb_level_count(handle)  # levels of detail, with level 0
-        self.controls = tuple(self._control(index) for index in range(self.control_count))
+    Its arrays are read-only views of the model, without copies, which they keep alive. It can be pickled: a face that was
+    loaded from a path by that path, one that was loaded from bytes by these bytes, which it keeps. It is a context
+    manager, which closes it."""
 
-    def _control(self, index):
-        struct = ControlStruct()
-        library.fb_control_fill(struct, ctypes.sizeof(struct))
-        check(library.fb_control_at(self._handle, index, struct))
-        return Control(struct.name.decode(), struct.group.decode(), struct.minimum, struct.maximum, struct.rest)
+    def __enter__(self) -> "Face":
+        return self
 
-    def _view(self, pointer, count, shape=None):
-        """A read-only array over memory of the model, which it keeps alive."""
-        if count == 0:
-            return numpy.empty(0, numpy.uint32)
-        memory = ctypes.cast(pointer, ctypes.POINTER(pointer._type_ * count)).contents
-        memory._face = self
-        array = numpy.ctypeslib.as_array(memory)
-        array.flags.writeable = False
-        return array.reshape(shape) if shape else array
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return load, (self.source,)
+
+    # Poses
 
     @property
-    def provenance(self):
-        """How the archive was made, as a dictionary; empty if it is not recorded."""
-        return json.loads(library.fb_provenance(self._handle) or b"{}")
+    def clamped_count(self) -> int:
+        """The number of control values that this thread's last evaluation clamped to their ranges."""
+        return self._scratches.clamped_count
 
-    @property
-    def names(self):
-        return [control.name for control in self.controls]
+    def find(self, name: str) -> int:
+        """The index of a control by its name, its ARKit name or its FACS name; the error names the closest there is."""
+        return self._found(library.fb_find_control, name)
 
-    @property
-    def ranges(self):
-        """(controls, 2): minimum and maximum of every control."""
-        return numpy.array([(c.minimum, c.maximum) for c in self.controls], numpy.float32)
+    def find_mesh(self, name: str) -> int:
+        """The index of a mesh; the error names those there are. So do find_socket, find_channel and find_joint."""
+        return self._found(library.fb_find_mesh, name)
 
-    @property
-    def rest_controls(self):
-        return self._view(library.fb_rest_controls(self._handle), self.control_count)
+    def find_socket(self, name: str) -> int:
+        return self._found(library.fb_find_socket, name)
 
-    @property
-    def rest_positions(self):
-        """(vertices, 3)."""
-        return self._view(library.fb_rest_positions(self._handle), 3 * self.vertex_count, (self.vertex_count, 3))
+    def find_channel(self, name: str) -> int:
+        return self._found(library.fb_find_channel, name)
 
-    @property
-    def polygon_sizes(self):
-        """Corners of every polygon."""
-        return self._view(library.fb_polygon_sizes(self._handle), library.fb_polygon_count(self._handle))
+    def find_joint(self, name: str) -> int:
+        return self._found(library.fb_find_joint, name)
 
-    @property
-    def polygon_corners(self):
-        """Vertex indices, polygon after polygon."""
-        return self._view(library.fb_polygon_corners(self._handle), library.fb_polygon_corner_count(self._handle))
+    def find_region(self, name: str) -> int:
+        """The index of a region. Raises ValueError, with the closest name there is."""
+        return _index_of(name, self.regions, "region")
 
-    @property
-    def uvs(self):
-        """(texture coordinates, 2): u and v, v growing upwards; empty if the source had none."""
-        count = library.fb_uv_count(self._handle)
-        return self._view(library.fb_uvs(self._handle), 2 * count, (count, 2))
-
-    @property
-    def uv_corners(self):
-        """The index into uvs of every polygon corner."""
-        count = library.fb_polygon_corner_count(self._handle) if library.fb_uv_count(self._handle) else 0
-        return self._view(library.fb_uv_corners(self._handle), count)
-
-    @property
-    def tangent_signs(self):
-        """(vertices,): -1 where the texture is mirrored, else 1; empty without texture coordinates."""
-        count = self.vertex_count if library.fb_uv_count(self._handle) else 0
-        return self._view(library.fb_tangent_signs(self._handle), count)
-
-    @property
-    def clamped_count(self):
-        """The number of control values that the last evaluation clamped to their ranges."""
-        return self._clamped
-
-    def find(self, name):
-        """The index of a control; the error names the closest one there is."""
-        index = ctypes.c_uint32()
-        check(library.fb_find_control(self._handle, name.encode(), ctypes.byref(index)))
-        return index.value
-
-    def pose(self, values):
+    def pose(self, values: Mapping[str, float]) -> Floats:
         """(controls,), float32: the rest pose with the controls in `values`, a dictionary from names to values."""
         controls = self.rest_controls.copy()
         for name, value in values.items():
             controls[self.find(name)] = value
         return controls
 
-    def evaluate(self, controls):
-        """(controls,), or a dictionary as for pose() -> (vertices, 3), float32."""
-        if isinstance(controls, collections.abc.Mapping):
-            controls = self.pose(controls)
-        controls = self._floats(controls, 1)
-        positions = numpy.empty((self.vertex_count, 3), numpy.float32)
-        with self._lock:
-            scratch = self._scratch(1)
-            check(library.fb_evaluate(self._handle, scratch, _pointer(controls), _pointer(positions)))
-            self._clamped = library.fb_clamped_count(scratch)
-        return positions
+    def evaluate(self, controls: Controls, out: Optional[Floats] = None) -> Floats:
+        """One pose, on the calling thread: (controls,), or a dictionary as for pose() -> positions, (vertices, 3), float32,
+        in units. out: a contiguous float32 array of that shape to write them to."""
+        values = self._one_pose(controls)
+        if out is None:
+            out = np.empty((self.vertex_count, 3), np.float32)
+        else:
+            _check_output("out", out, (self.vertex_count, 3), np.dtype(np.float32))
+        with self._scratches.borrow(1) as scratch:
+            check(library.fb_evaluate(self._handle, scratch, values.ctypes.data, out.ctypes.data))
+        return out
 
     def evaluate_batch(
         self,
-        controls,
-        threads=0,
-        out=None,
+        controls: ArrayLike,
+        threads: int = 0,
+        out: Optional[npt.NDArray[Any]] = None,
         *,
-        normals=None,
-        tangents=None,
-        baked_order=False,
-        regions=None,
-        dtype=numpy.float32,
-        lod=0.0,
-        displacements=False,
-    ):
-        """(poses, controls) -> (poses, vertices, 3), with the same bits as evaluate.
+        normals: Optional[npt.NDArray[Any]] = None,
+        tangents: Optional[npt.NDArray[Any]] = None,
+        sockets: Optional[Floats] = None,
+        channels: Optional[Floats] = None,
+        bounds: Optional[Floats] = None,
+        expected_errors: Optional[Floats] = None,
+        outside: Optional[Indices] = None,
+        baked_order: bool = False,
+        regions: Optional[Sequence[Union[str, int]]] = None,
+        meshes: Optional[Sequence[Union[str, int]]] = None,
+        dtype: npt.DTypeLike = np.float32,
+        lod: float = 0.0,
+        displacements: bool = False,
+    ) -> npt.NDArray[Any]:
+        """Many poses: (poses, controls) -> positions, (poses, vertices, 3), with the same bits as evaluate.
 
-        threads: 0 is all cores. dtype: float32 or float16. out, normals, tangents: contiguous arrays of the result's shape
-        and dtype; unit normals and unit tangents are written to the latter two; tangents need texture coordinates.
-        baked_order: vertices in the order of vertex_order. regions: the names of the regions whose networks run; the
-        others keep their values at rest. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
+        threads: 0 is all cores. dtype: float32 or float16, of positions, normals and tangents. Outputs are contiguous
+        arrays that are written: out, normals and tangents of the result's shape and dtype, unit normals and unit tangents
+        (those need texture coordinates); sockets, (poses, sockets, 3, 4), frames; channels, (poses, channels); bounds,
+        (poses, 2, 3), the least and the largest coordinates; expected_errors, (poses, 1 + error_regions); all float32;
+        outside, (poses,), uint32, as of ExpectedError.
+        baked_order: vertices in the order of vertex_order. regions: the names or indices of the regions whose networks
+        run; the others keep their values at rest. meshes: names or indices of the meshes that are posed; vertices of the
+        others are not written. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
         displacements: from rest, in place of positions."""
-        controls = self._floats(controls, 2)
+        values = self._poses(controls)
         if threads < 0:
             raise ValueError(f"{threads} threads")
-        dtype = numpy.dtype(dtype)
-        if dtype not in (numpy.float32, numpy.float16):
-            raise ValueError(f"dtype is {dtype}, neither float32 nor float16")
-        shape = (len(controls), self.vertex_count, 3)
+        kind = np.dtype(dtype)
+        if kind not in (np.float32, np.float16):
+            raise ValueError(f"dtype is {kind}, neither float32 nor float16")
+        poses, single = len(values), np.dtype(np.float32)
+        shape = (poses, self.vertex_count, 3)
         if out is None:
-            out = numpy.empty(shape, dtype)
-        for name, array in (("out", out), ("normals", normals), ("tangents", tangents)):
-            if array is not None and (
-                array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous or not array.flags.writeable
-            ):
-                raise ValueError(f"{name} must be a writable contiguous {dtype} array of shape {shape}")
-        desc = BatchDesc()
-        library.fb_batch_desc_fill(desc, ctypes.sizeof(desc))
-        desc.threads = threads
-        desc.poses = len(controls)
-        desc.controls, desc.control_floats = _pointer(controls), controls.size
-        desc.positions, desc.position_floats = out.ctypes.data, out.size
-        desc.vertex_order, desc.format = int(baked_order), int(dtype == numpy.float16)
+            # What of meshes that are not posed is not written stays 0.
+            out = np.empty(shape, kind) if meshes is None else np.zeros(shape, kind)
+        desc = filled(BatchDesc, library.fb_batch_desc_fill)
+        desc.threads, desc.poses = threads, poses
+        desc.controls, desc.control_floats = values.ctypes.data, values.size
+        desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
         desc.lod, desc.displacements = lod, int(displacements)
-        if normals is not None:
-            desc.normals, desc.normal_numbers = normals.ctypes.data, normals.size
-        if tangents is not None:
-            desc.tangents, desc.tangent_numbers = tangents.ctypes.data, tangents.size
+        for name, array, wanted, of_kind, count in (
+            ("out", out, shape, kind, "position_floats"),
+            ("normals", normals, shape, kind, "normal_numbers"),
+            ("tangents", tangents, shape, kind, "tangent_numbers"),
+            ("sockets", sockets, (poses, len(self.sockets), 3, 4), single, "socket_floats"),
+            ("channels", channels, (poses, len(self.channels)), single, "channel_floats"),
+            ("bounds", bounds, (poses, 2, 3), single, "bounds_floats"),
+            ("expected_errors", expected_errors, (poses, 1 + len(self.error_regions)), single, "expected_error_floats"),
+            ("outside", outside, (poses,), np.dtype(np.uint32), ""),
+        ):
+            if array is None:
+                continue
+            _check_output(name, array, wanted, of_kind)
+            setattr(desc, "positions" if name == "out" else name, array.ctypes.data)
+            if count:
+                setattr(desc, count, array.size)
         if regions is not None:
-            indices = [self.regions.index(name) for name in regions]
-            desc.regions, desc.region_count = (ctypes.c_uint32 * max(len(indices), 1))(*indices), len(indices)
-        with self._lock:
-            scratch = self._scratch(threads or os.cpu_count() or 1)
+            desc.regions, desc.region_count = _choice(regions, self.regions, "region")
+        if meshes is not None:
+            desc.meshes, desc.mesh_count = _choice(meshes, [mesh.name for mesh in self.meshes], "mesh")
+        with self._scratches.borrow(threads or os.cpu_count() or 1) as scratch:
             check(library.fb_evaluate_batch(self._handle, scratch, desc))
-            self._clamped = library.fb_clamped_count(scratch)
         return out
 
-    def coefficients(self, controls):
+    def coefficients(self, controls: Controls) -> Floats:
         """(controls,), or a dictionary as for pose() -> (coefficients,), float32: the weights of basis()'s columns."""
-        if isinstance(controls, collections.abc.Mapping):
-            controls = self.pose(controls)
-        controls = self._floats(controls, 1)
-        coefficients = numpy.empty(self.coefficient_count, numpy.float32)
-        with self._lock:
-            scratch = self._scratch(1)
-            check(library.fb_evaluate_coefficients(self._handle, scratch, _pointer(controls), _pointer(coefficients)))
-            self._clamped = library.fb_clamped_count(scratch)
+        values = self._one_pose(controls)
+        coefficients = np.empty(self.coefficient_count, np.float32)
+        with self._scratches.borrow(1) as scratch:
+            check(library.fb_evaluate_coefficients(self._handle, scratch, values.ctypes.data, coefficients.ctypes.data))
         return coefficients
 
-    def expected_error(self, controls):
+    def expected_error(self, controls: Controls) -> ExpectedError:
         """(controls,), or a dictionary as for pose() -> ExpectedError, for little of the time that evaluate() takes. (poses,
         controls) -> one of arrays with one row a pose. Fails if error_regions is empty."""
         if isinstance(controls, collections.abc.Mapping):
             controls = self.pose(controls)
-        single = numpy.ndim(controls) == 1
-        controls = self._floats([controls] if single else controls, 2)
-        errors = numpy.empty((len(controls), 1 + len(self.error_regions)), numpy.float32)
-        outside = numpy.empty(len(controls), numpy.uint32)
-        with self._lock:
-            scratch = self._scratch(1)
-            for pose, row, count in zip(controls, errors, outside.ctypes.data + 4 * numpy.arange(len(controls))):
-                to = ctypes.cast(int(count), ctypes.POINTER(ctypes.c_uint32))
-                check(library.fb_expected_error(self._handle, scratch, _pointer(pose), _pointer(row), to))
+        single = np.ndim(controls) == 1
+        poses = self._poses(np.asarray(controls, np.float32)[None] if single else controls)
+        errors = np.empty((len(poses), 1 + len(self.error_regions)), np.float32)
+        outside = np.empty(len(poses), np.uint32)
+        with self._scratches.borrow(1) as scratch:
+            for pose in range(len(poses)):
+                arrays = (poses[pose], errors[pose], outside[pose:])
+                check(library.fb_expected_error(self._handle, scratch, *(array.ctypes.data for array in arrays)))
         if single:
             return ExpectedError(float(errors[0, 0]), errors[0, 1:], int(outside[0]))
         return ExpectedError(errors[:, 0], errors[:, 1:], outside)
 
-    @property
-    def error_vertex_regions(self):
-        """(vertices,): the index into error_regions of every vertex; empty if there are none."""
-        count = self.vertex_count if self.error_regions else 0
-        return self._view(library.fb_error_vertex_regions(self._handle), count)
-
-    @property
-    def vertex_order(self):
-        """Baked order: the source index of every vertex."""
-        order = library.fb_vertex_order(self._handle)
-        if not order:
-            return numpy.arange(self.vertex_count, dtype=numpy.uint32)
-        return self._view(order, self.vertex_count)
-
-    def basis(self):
+    def basis(self) -> Iterator[Tuple[slice, Indices, Floats]]:
         """Yields the row blocks of the basis: (rows, columns, values). rows: a slice of the 3 x vertices coordinates in baked
         order; columns: the coefficients that displace them; values: (columns, rows), the displacements for one unit."""
         for index in range(library.fb_row_block_count(self._handle)):
-            block = RowBlockStruct()
-            library.fb_row_block_fill(block, ctypes.sizeof(block))
+            block = filled(RowBlockStruct, library.fb_row_block_fill)
             check(library.fb_row_block_at(self._handle, index, block))
-            columns = numpy.empty(block.column_count, numpy.uint32)
-            values = numpy.empty((block.column_count, block.row_count), numpy.float32)
-            pointer = columns.ctypes.data_as(ctypes.POINTER(ctypes.c_uint32))
-            check(library.fb_row_block_values(self._handle, index, pointer, _pointer(values)))
+            columns = np.empty(block.column_count, np.uint32)
+            values = np.empty((block.column_count, block.row_count), np.float32)
+            check(library.fb_row_block_values(self._handle, index, columns.ctypes.data, values.ctypes.data))
             yield slice(block.first_row, block.first_row + block.row_count), columns, values
 
-    def _floats(self, controls, dimensions):
-        controls = numpy.ascontiguousarray(controls, numpy.float32)
-        if controls.ndim != dimensions or controls.shape[-1] != self.control_count:
-            wanted = (self.control_count,) if dimensions == 1 else ("poses", self.control_count)
-            raise ValueError(f"controls have shape {controls.shape}, not {wanted}")
-        return controls
+    def _found(self, find: Any, name: str) -> int:
+        index = ctypes.c_uint32()
+        check(find(self._handle, name.encode(), byref(index)))
+        return index.value
 
-    def _scratch(self, workers):
-        if workers not in self._scratches:
-            handle = ctypes.c_void_p()
-            check(library.fb_scratch_create(self._handle, workers, ctypes.byref(handle)))
-            weakref.finalize(self, library.fb_scratch_destroy, handle)
-            self._scratches[workers] = handle
-        return self._scratches[workers]
+    def _one_pose(self, controls: Controls) -> Floats:
+        if isinstance(controls, collections.abc.Mapping):
+            return self.pose(controls)
+        values = np.ascontiguousarray(controls, np.float32)
+        if values.shape != (self.control_count,):
+            raise ValueError(f"controls have shape {values.shape}, not {(self.control_count,)}")
+        return values
+
+    def _poses(self, controls: ArrayLike) -> Floats:
+        values = np.ascontiguousarray(controls, np.float32)
+        if values.ndim != 2 or values.shape[1] != self.control_count:
+            raise ValueError(f"controls have shape {values.shape}, not {('poses', self.control_count)}")
+        return values
 
 
-def _pointer(array):
-    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
+def _check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], kind: "np.dtype[Any]") -> None:
+    flags = array.flags
+    if array.shape != shape or array.dtype != kind or not flags.c_contiguous or not flags.writeable:
+        raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
+
+
+def _index_of(name: str, names: Sequence[str], what: str) -> int:
+    if name in names:
+        return list(names).index(name)
+    close = difflib.get_close_matches(name, names, 1, 0)
+    hint = f'; the closest is "{close[0]}"' if close else "; there are none"
+    raise ValueError(f'there is no {what} "{name}"{hint}')
+
+
+def _choice(chosen: Sequence[Union[str, int]], names: Sequence[str], what: str) -> Tuple[Any, int]:
+    """Indices of names, for the library; a list of none is one, too."""
+    indices = [_index_of(item, names, what) if isinstance(item, str) else item for item in chosen]
+    return (ctypes.c_uint32 * max(len(indices), 1))(*indices), len(indices)

@@ -27,7 +27,7 @@ def character_fields(rig: Rig, images: List[Fields]) -> Fields:
         "images": [
             {"name": image.name, "media_type": image.media_type, **more} for image, more in zip(rig.images, images)
         ],
-        "sockets": [_socket(socket) for socket in rig.sockets],
+        "sockets": [socket_fields(socket) for socket in rig.sockets],
         "joints": [_joint(joint) for joint in rig.joints],
         "channels": [_channel(channel) for channel in rig.channels],
     }
@@ -45,12 +45,7 @@ def _control(control: Control) -> Fields:
 
 
 def _range(named: Any) -> Fields:
-    return {
-        "name": named.name,
-        "min": float(named.minimum),
-        "max": float(named.maximum),
-        "default": float(named.rest),
-    }
+    return {"name": named.name, "min": float(named.minimum), "max": float(named.maximum), "default": float(named.rest)}
 
 
 def _channel(channel: Channel) -> Fields:
@@ -79,7 +74,7 @@ def _numbers(values: Optional[ArrayLike]) -> List[float]:
     return numbers
 
 
-def _socket(socket: Socket) -> Fields:
+def socket_fields(socket: Socket) -> Fields:
     fields: Fields = {"name": socket.name, "vertices": np.asarray(socket.vertices).tolist()}
     if socket.weights is not None:
         fields["weights"] = _numbers(socket.weights)

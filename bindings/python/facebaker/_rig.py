@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import traceback
 from dataclasses import dataclass
 from typing import Any, Callable, Optional, Sequence, Tuple, Union
 
@@ -103,7 +105,9 @@ class Rig:
 
     def __repr__(self) -> str:
         kind = "rig" if self.evaluate else "recording"
-        return f"<facebaker.Rig {self.name!r}: {kind}, {len(self.controls)} controls, {len(self.rest_positions)} vertices>"
+        return (
+            f"<facebaker.Rig {self.name!r}: {kind}, {len(self.controls)} controls, {len(self.rest_positions)} vertices>"
+        )
 
     def evaluate_poses(self, controls: Floats) -> Tuple[Floats, Floats]:
         """(poses, controls) -> what evaluate gives, checked: (poses, vertices, 3) and (poses, channels), contiguous.
@@ -169,3 +173,10 @@ class Rig:
             given = np.zeros((0, 0)) if clip.channels is None else clip.channels
             channels = floats(given, (len(controls), len(self.channels)), f"{what}: channels")
         return Clip(clip.name, controls, clip.kind, clip.split, clip.fps, positions, channels)
+
+
+def describe(error: BaseException) -> str:
+    """One line: the exception's type, its text and where it was raised."""
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {error}{place}"

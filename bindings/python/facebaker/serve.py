@@ -20,7 +20,7 @@ import numpy as np
 
 from ._arrays import Floats
 from ._fields import character_fields
-from ._rig import Rig
+from ._rig import Rig, describe
 
 PROTOCOL_VERSION = 1
 _HEADER = struct.Struct("<4sIQ")
@@ -117,13 +117,6 @@ class _Server:
         self._told = True
         fields = _error(describe(error))
         return fields if pose is None else {**fields, "pose": pose}
-
-
-def describe(error: BaseException) -> str:
-    """One line: the exception's type, its text and where it was raised."""
-    frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})" if frames else ""
-    return f"{type(error).__name__}: {error}{place}"
 
 
 def _error(message: str) -> Dict[str, Any]:

@@ -1,0 +1,303 @@
+"""Sampling, baking, comparing, measuring and packing. Each is one call of facebaker_bake.h, which says more about every
+option; options have the names and defaults that they have there.
+
+All take `progress`, called with stage, steps done and steps in all (True: shows it on standard error), and `note`, called
+with sentences for the user. What they raise ends the call. So does Ctrl-C, as KeyboardInterrupt; the same call goes on
+afterwards where a work folder or dataset keeps what is done. Calls fail with the exceptions of facebaker.Error."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import pathlib
+from ctypes import byref, c_double, c_void_p, sizeof
+from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _bake_structs as b
+from ._archive import AnyArchive, Archive
+from ._arrays import floats
+from ._bake_library import library
+from ._calls import Call, Note, c_strings, path_bytes, text_bytes
+from ._character import About, Socket
+from ._fields import socket_fields
+from ._progress import Progress
+from ._results import USES, BakeResult, CompareResult, EvalResult, PackResult, Result, SampleResult, VerifyResult
+from ._rig import SPLITS, Clip
+from ._rig_struct import clip_struct
+from ._source import AnySource, Place, Source
+from ._structs import filled
+
+_MEASURES = ("quality", "locality")
+
+
+def recipes() -> Tuple[str, ...]:
+    """The names of the recipes that bake and compare know."""
+    return tuple(library.fb_recipe_name(index).decode() for index in range(library.fb_recipe_count()))
+
+
+def sample(
+    source: AnySource,
+    folder: Place,
+    *,
+    poses: int = 20_000,
+    seed: int = 1,
+    mix: str = "dense",
+    rig_budget: int = 0,
+    shots: bool = True,
+    clips: Sequence[Clip] = (),
+    skip_failing: bool = False,
+    examples: Sequence[Place] = (),
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> SampleResult:
+    """Plans and evaluates training poses of a live source and writes them as a dataset folder, shard by shard; one begun
+    with the same options is continued.
+
+    poses: new training poses. mix: how they are spread over the kinds, "dense" or "paper". rig_budget: different poses
+    asked for at most in order to learn; 0: no limit. shots: also the rig's own clips. clips: more clips to evaluate,
+    without positions. skip_failing: puts the rest pose in the place of drawn poses that fail. examples: files of control
+    curves near which poses are sampled."""
+    desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
+    desc.threads, desc.directory, desc.mix = threads, path_bytes(folder), text_bytes(mix)
+    desc.poses, desc.seed, desc.rig_budget = poses, seed, rig_budget
+    desc.shots, desc.skip_failing = shots, skip_failing
+    desc.examples, desc.example_count = c_strings([path_bytes(example) for example in examples])
+    with _opened(source, progress, note) as (opened, call):
+        kept: List[Any] = []
+        structs = [clip_struct(_plan(clip, opened), kept) for clip in clips]
+        desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
+        desc.clip_stride = sizeof(b.RigClipStruct)
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        report = _reported(call, library.fb_sample, desc, rig=opened.host_rig)
+    return SampleResult(report, call.notes, pathlib.Path(folder))
+
+
+def bake(
+    source: AnySource,
+    out: Place,
+    *,
+    recipe: str = "hero",
+    use: str = "backlot",
+    epochs: int = 0,
+    poses: int = 20_000,
+    mix: str = "dense",
+    rig_budget: int = 0,
+    seed: int = 1,
+    max_bytes: int = 0,
+    max_error: float = 0.0,
+    force: bool = False,
+    measure: Sequence[str] = (),
+    learning_curve: bool = False,
+    licence: Optional[str] = None,
+    created: Optional[str] = None,
+    work: Optional[Place] = None,
+    reuse: Optional[Place] = None,
+    skip_failing: bool = False,
+    examples: Sequence[Place] = (),
+    normal_weight: float = 1.0,
+    cache_bytes: int = 8 << 30,
+    about: Optional[About] = None,
+    thumbnail: Optional[bytes] = None,
+    exact: Sequence[str] = (),
+    level_shares: Sequence[float] = (),
+    level_meshes: Sequence[Place] = (),
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> BakeResult:
+    """Samples a live source, trains, packs, measures and verifies a face and writes its archive, complete or not at all.
+
+    source: a Rig, a Source, or what the tool takes: a dataset folder, a plugin, a glTF file, "exec:COMMAND", "sample".
+    out: the .fbk to write. recipe: one of recipes(). use: "backlot" preserves a character whose shots exist, which are
+    trained on; "variant" makes new ones. epochs: passes over the training poses; 0: the recipe's own. poses, mix,
+    rig_budget, skip_failing, examples: of a live source, as for sample. max_bytes: of the archive. max_error: largest
+    distance of a vertex, over the diagonal. force: write a face that meets neither; else LimitError. measure: "quality"
+    (normals, jitter, ...) and "locality", for the result. learning_curve: bake on parts of the poses too. licence: text.
+    created: a date; None: the same seed gives the same bytes. work: folder that keeps what resuming needs; None: beside
+    the archive, removed at the end. reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much
+    errors of normals count, 0 to 4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail:
+    a square PNG. exact: poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by
+    their share of the vertices; level_meshes: as files. threads: 0: all."""
+    desc = filled(b.BakeDesc, library.fb_bake_desc_fill)
+    desc.threads, desc.archive, desc.recipe = threads, path_bytes(out), text_bytes(recipe)
+    desc.use, desc.epochs, desc.poses, desc.mix = _number(USES, use, "use"), epochs, poses, text_bytes(mix)
+    desc.rig_budget, desc.seed, desc.max_bytes, desc.max_error = rig_budget, seed, max_bytes, max_error
+    desc.force, desc.measure, desc.learning_curve = force, _measures(measure), learning_curve
+    desc.licence, desc.created = _optional_text(licence), _optional_text(created)
+    desc.work, desc.reuse = _optional_path(work), _optional_path(reuse)
+    desc.skip_failing, desc.normal_weight, desc.cache_bytes = skip_failing, normal_weight, cache_bytes
+    desc.examples, desc.example_count = c_strings([path_bytes(example) for example in examples])
+    desc.exact, desc.exact_count = c_strings([path_bytes(pose) for pose in exact])
+    desc.level_meshes, desc.level_mesh_count = c_strings([path_bytes(mesh) for mesh in level_meshes])
+    if level_shares:
+        desc.level_shares, desc.level_share_count = (c_double * len(level_shares))(*level_shares), len(level_shares)
+    _set_texts(desc, about, thumbnail)
+    with _opened(source, progress, note) as (opened, call):
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        report = _reported(call, library.fb_bake, desc, rig=opened.host_rig)
+    return BakeResult(report, call.notes, pathlib.Path(out))
+
+
+def compare(
+    source: AnySource,
+    *,
+    methods: Sequence[str] = ("linear", "paper-tuned", "hero"),
+    epochs: int = 0,
+    poses: int = 20_000,
+    mix: str = "dense",
+    rig_budget: int = 0,
+    seed: int = 1,
+    learning_curve: bool = False,
+    work: Optional[Place] = None,
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> CompareResult:
+    """Bakes several recipes on the same poses and measures them on the same clips. Options are those of bake; work: None:
+    a temporary folder."""
+    desc = filled(b.CompareDesc, library.fb_compare_desc_fill)
+    desc.threads, desc.epochs, desc.poses, desc.mix = threads, epochs, poses, text_bytes(mix)
+    desc.methods, desc.method_count = c_strings([text_bytes(method) for method in methods])
+    desc.rig_budget, desc.seed, desc.learning_curve = rig_budget, seed, learning_curve
+    desc.work = _optional_path(work)
+    with _opened(source, progress, note) as (opened, call):
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        report = _reported(call, library.fb_compare, desc, rig=opened.host_rig)
+    return CompareResult(report, call.notes)
+
+
+def evaluate(
+    archive: AnyArchive,
+    source: AnySource,
+    *,
+    split: str = "test",
+    measure: Sequence[str] = (),
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> EvalResult:
+    """Compares an archive with the true rig, on the source's clips of a split: "train", "validation", "test" or "all". It
+    is what the tool calls eval; to pose a face, see Face.evaluate.
+
+    archive: a path, bytes or a Face. source: of the same face, as for bake. measure: as for bake."""
+    desc = filled(b.EvalDesc, library.fb_eval_desc_fill)
+    desc.threads, desc.measure = threads, _measures(measure)
+    desc.split = -1 if split == "all" else _number(SPLITS, split, "split")
+    opened_archive = Archive(archive)
+    desc.archive = opened_archive.handle
+    with _opened(source, progress, note) as (opened, call):
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        report = _reported(call, library.fb_eval, desc, rig=opened.host_rig)
+    return EvalResult(report, call.notes)
+
+
+def verify(archive: AnyArchive) -> VerifyResult:
+    """Whether an archive is whole and still evaluates to the bits that were archived. Raises CorruptError, naming pose and
+    vertex, if not. archive: a path, bytes or a Face."""
+    opened = Archive(archive)
+    return VerifyResult(_reported(Call(), library.fb_verify, opened.handle), ())
+
+
+def inspect(archive: AnyArchive) -> Result:
+    """Everything worth knowing of an archive, as the document of `facebaker inspect`: its `document`."""
+    opened = Archive(archive)
+    return Result(_reported(Call(), library.fb_inspect, opened.handle), ())
+
+
+def diff(before: AnyArchive, now: AnyArchive) -> Result:
+    """What has changed between two archives of one character, as the document of `facebaker diff`."""
+    opened = Archive(before), Archive(now)
+    return Result(_reported(Call(), library.fb_diff, *(archive.handle for archive in opened)), ())
+
+
+def pack(
+    archive: Union[Place, bytes],
+    out: Optional[Place] = None,
+    *,
+    force: bool = False,
+    seed: int = 1,
+    max_bytes: int = 0,
+    max_error: float = 0.0,
+    licence: Optional[str] = None,
+    about: Optional[About] = None,
+    thumbnail: Optional[bytes] = None,
+    sockets: Sequence[Socket] = (),
+    progress: Progress = None,
+    note: Note = None,
+) -> PackResult:
+    """Packs an archive again, without training: into this version of the format, into fewer bytes, with another licence.
+
+    archive: a path, or bytes. out: the .fbk to write, which may be the same; None: the result has the bytes. max_bytes,
+    max_error, force: as for bake, where errors are displacements. licence, about, thumbnail: in place of the archive's;
+    None: kept. sockets: added, or in place of those of the same names."""
+    desc = filled(b.PackDesc, library.fb_pack_desc_fill)
+    desc.force, desc.seed, desc.max_bytes, desc.max_error = force, seed, max_bytes, max_error
+    if isinstance(archive, bytes):
+        desc.bytes, desc.byte_count = archive, len(archive)
+    else:
+        desc.path = path_bytes(archive)
+    desc.out, desc.licence = _optional_path(out), _optional_text(licence)
+    _set_texts(desc, about, thumbnail)
+    if sockets:
+        desc.sockets = json.dumps([socket_fields(socket) for socket in sockets]).encode()
+    with Call(progress, note) as call:
+        desc.callbacks = call.callbacks
+        report = _reported(call, library.fb_pack, desc)
+    return PackResult(report, call.notes)
+
+
+@contextlib.contextmanager
+def _opened(source: AnySource, progress: Progress, note: Note) -> Iterator[Tuple[Source, Call]]:
+    """An open source, closed at the end unless it came open, and a call."""
+    with contextlib.ExitStack() as stack:
+        if isinstance(source, Source):
+            opened, notes = source, []
+        else:
+            opened = stack.enter_context(Source(source, progress=progress, note=note))
+            notes = list(opened.notes)
+        call = stack.enter_context(Call(progress, note))
+        call.notes += notes
+        yield opened, call
+
+
+def _reported(call: Call, function: Any, *arguments: Any, rig: Any = None) -> c_void_p:
+    """Runs a call and gives its report, which the caller owns."""
+    report = c_void_p()
+    call.run(function, *arguments, byref(report), rig=rig)
+    return report
+
+
+def _plan(clip: Clip, source: Source) -> Clip:
+    controls = floats(clip.controls, (None, len(source.controls)), f'clip "{clip.name}": controls')
+    _number(SPLITS, clip.split, "split")
+    return Clip(clip.name, controls, clip.kind, clip.split, clip.fps)
+
+
+def _set_texts(desc: Any, about: Optional[About], thumbnail: Optional[bytes]) -> None:
+    if about is not None:
+        desc.about = json.dumps(about).encode()
+    if thumbnail is not None:
+        desc.thumbnail, desc.thumbnail_bytes = np.frombuffer(thumbnail, np.uint8).ctypes.data, len(thumbnail)
+
+
+def _number(words: Sequence[str], word: str, what: str) -> int:
+    if word not in words:
+        raise ValueError(f"{what} is {word!r}, none of {', '.join(words)}")
+    return words.index(word)
+
+
+def _measures(words: Sequence[str]) -> int:
+    if isinstance(words, str):
+        words = [words]
+    return sum(1 << _number(_MEASURES, word, "measure") for word in set(words))
+
+
+def _optional_text(text: Optional[str]) -> Optional[bytes]:
+    return None if text is None else text_bytes(text)
+
+
+def _optional_path(path: Optional[Place]) -> Optional[bytes]:
+    return None if path is None else path_bytes(path)
