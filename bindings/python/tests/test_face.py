@@ -1,6 +1,7 @@
 import gc
 import os
 import pathlib
+import pickle
 import re
 import threading
 import unittest
@@ -203,6 +204,153 @@ class FaceTest(unittest.TestCase):
         numpy.testing.assert_array_equal(coarsest, face.evaluate_batch(poses, lod=7))
         numpy.testing.assert_allclose(face.evaluate_batch(poses, lod=1.9999), coarsest, atol=1e-3 * face.diagonal)
         self.assert_error("FB_ERROR_INVALID_ARGUMENT", "level of detail", face.evaluate_batch, poses, lod=-1)
+
+    def test_repr_tells(self):
+        for source in FIXTURE, FIXTURE.read_bytes():
+            said = repr(facebaker.load(source))
+            self.assertRegex(said, r"^<facebaker.Face 'tiny' from .+: 5 controls, 30 vertices, \d+ coefficients>$")
+        self.assertIn(f"{len(FIXTURE.read_bytes())} bytes", said)
+
+    def test_pickled_faces(self):
+        for source in FIXTURE, FIXTURE.read_bytes():
+            face = facebaker.load(source)
+            again = pickle.loads(pickle.dumps(face))
+            self.assertEqual(again.source, face.source)
+            self.assertTrue(numpy.array_equal(again.evaluate({"jaw_open": 1}), face.evaluate({"jaw_open": 1})))
+        self.assertLess(len(pickle.dumps(self.face)), 500)
+        control = facebaker.Control("a", "b", -1, 1, 0, unit="degrees", mirror="c")
+        again = pickle.loads(pickle.dumps(control))
+        self.assertEqual((again, again.unit, again.mirror), (control, "degrees", "c"))
+
+    def test_closing(self):
+        with facebaker.load(FIXTURE) as face:
+            rest, expected = face.rest_positions, face.evaluate({})
+        for call in (lambda: face.rest_positions, lambda: face.evaluate({}), lambda: face.materials):
+            with self.assertRaisesRegex(ValueError, "'tiny' is closed"):
+                call()
+        gc.collect()
+        self.assertTrue(numpy.array_equal(rest, expected))
+        face.close()
+
+    def test_triangles(self):
+        face = self.face
+        self.assertEqual(len(face.triangles), (face.polygon_sizes - 2).sum())
+        self.assertEqual(face.triangles[-3:].tolist(), [[29, 28, 22], [29, 22, 16], [29, 16, 17]])
+        self.assertTrue(numpy.array_equal(face.polygon_corners[face.triangle_corners], face.triangles))
+        self.assertEqual(face.uvs[face.uv_corners[face.triangle_corners]].shape, (len(face.triangles), 3, 2))
+        # The area of the polygons is that of the triangles.
+        a, b, c = numpy.moveaxis(face.rest_positions[face.triangles].astype(float), 1, 0)
+        normals, first = numpy.cross(b - a, c - a), 0
+        for polygon, size in enumerate(face.polygon_sizes.tolist()):
+            corners = face.rest_positions[face.polygon_corners[face.polygon_sizes[:polygon].sum() :][:size]].astype(
+                float
+            )
+            whole = numpy.cross(corners, numpy.roll(corners, -1, 0)).sum(0)
+            numpy.testing.assert_allclose(normals[first : first + size - 2].sum(0), whole, atol=1e-4)
+            first += size - 2
+        with self.assertRaises(ValueError):
+            face.triangles[0] = 0
+
+    def test_a_character(self):
+        face = facebaker.load(FIXTURE.with_name("character.fbk"))
+        document = facebaker.inspect(face).document
+        self.assertEqual([mesh.name for mesh in face.meshes], [mesh["name"] for mesh in document["meshes"]])
+        self.assertEqual(sum(mesh.vertices for mesh in face.meshes), face.vertex_count)
+        self.assertEqual([m.polygons for m in face.meshes], [sum(r.polygons for r in m.materials) for m in face.meshes])
+        self.assertGreater(len(face.materials), 0)
+        self.assertTrue(all(t.image < len(face.images) for m in face.materials for t in m.textures))
+        self.assertEqual(face.certificate, document["certificate"] or {})
+        self.assertEqual(face.licence, document["licence"])
+        self.assertEqual(self.face.thumbnail, None)
+        mesh = face.meshes[1]
+        self.assertEqual(face.find_mesh(mesh.name), 1)
+        self.assert_error("FB_ERROR_NOT_FOUND", mesh.name, face.find_mesh, "nose ring")
+        poses = random_poses(face, 4)
+        both, one = face.evaluate_batch(poses), face.evaluate_batch(poses, meshes=[mesh.name])
+        self.assertTrue(numpy.array_equal(one[:, mesh.vertex_slice], both[:, mesh.vertex_slice]))
+        self.assertFalse(one[:, face.meshes[0].vertex_slice].any())
+        sockets = numpy.empty((4, len(face.sockets), 3, 4), numpy.float32)
+        channels = numpy.empty((4, len(face.channels)), numpy.float32)
+        bounds = numpy.empty((4, 2, 3), numpy.float32)
+        errors = numpy.empty((4, 1 + len(face.error_regions)), numpy.float32)
+        outside = numpy.empty(4, numpy.uint32)
+        face.evaluate_batch(
+            poses, sockets=sockets, channels=channels, bounds=bounds, expected_errors=errors, outside=outside
+        )
+        self.assertTrue(numpy.array_equal(bounds, numpy.stack([both.min(1), both.max(1)], 1)))
+        turns = sockets[..., :3] @ sockets[..., :3].swapaxes(2, 3)
+        numpy.testing.assert_allclose(turns, numpy.broadcast_to(numpy.eye(3), turns.shape), atol=1e-5)
+        for channel, values in zip(face.channels, channels.T):
+            self.assertTrue(((values >= channel.minimum) & (values <= channel.maximum)).all())
+        expected = face.expected_error(poses)
+        self.assertEqual(errors[:, 0].tolist(), expected.face.tolist())
+        self.assertEqual(outside.tolist(), expected.outside.tolist())
+        at_rest = numpy.empty_like(sockets[:1])
+        face.evaluate_batch([face.rest_controls], sockets=at_rest)
+        numpy.testing.assert_allclose(at_rest[0], [socket.frame for socket in face.sockets], atol=1e-5)
+        self.assertEqual(face.find_socket(face.sockets[0].name), 0)
+        self.assertEqual(face.find_channel(face.channels[0].name), 0)
+
+    def test_a_body(self):
+        face = facebaker.load(FIXTURE.with_name("body.fbk"))
+        self.assertGreater(len(face.joints), 1)
+        self.assertEqual(face.find_joint(face.joints[1].name), 1)
+        self.assertTrue(all(j.parent is None or j.parent < i for i, j in enumerate(face.joints)))
+        joints, weights = face.skin
+        self.assertEqual((joints.shape, joints.dtype), ((face.vertex_count, weights.shape[1]), numpy.uint16))
+        sums = weights.sum(1)
+        self.assertTrue(((abs(sums - 1) < 1e-3) | (sums == 0)).all())
+        self.assertIsNone(self.face.skin)
+
+    def test_exact_poses_and_levels(self):
+        exact = facebaker.load(FIXTURE.with_name("exact.fbk"))
+        self.assertGreater(len(exact.exact_poses), 0)
+        self.assertEqual(exact.exact_poses[0].controls.shape, (exact.control_count,))
+        face = facebaker.load(FIXTURE.with_name("levels.fbk"))
+        self.assertEqual(len(face.levels), face.level_count)
+        self.assertEqual(face.levels[0].vertices, face.vertex_count)
+        self.assertEqual(face.levels[0].polygon_corners.tolist(), face.polygon_corners.tolist())
+        for level in face.levels:
+            self.assertEqual(level.polygon_sizes.sum(), len(level.polygon_corners))
+            self.assertLessEqual(set(level.polygon_corners.tolist()), set(face.vertex_order[: level.vertices].tolist()))
+            self.assertEqual(sum(mesh.polygons for mesh in level.meshes), len(level.polygon_sizes))
+
+    def test_names_that_there_are_not(self):
+        with self.assertRaisesRegex(ValueError, 'no region "brows"; the closest is "brow"'):
+            self.face.evaluate_batch([[0] * 5], regions=["brows"])
+        self.assertEqual(self.face.find_region("brow"), 1)
+
+    def test_outputs_without_copies(self):
+        out = numpy.empty((30, 3), numpy.float32)
+        self.assertIs(self.face.evaluate({"jaw_open": 1}, out), out)
+        for wrong in numpy.empty((30, 3)), numpy.empty((3, 30), numpy.float32).T:
+            with self.assertRaises(ValueError):
+                self.face.evaluate({}, wrong)
+        rest = self.face.rest_positions.ctypes.data
+        self.assertEqual(rest, self.face.rest_positions.ctypes.data)
+
+    def test_threads_evaluate_at_once(self):
+        poses = random_poses(self.face, 40)
+        expected = self.face.evaluate_batch(poses)
+        start, wrong = threading.Barrier(4), []
+
+        def work():
+            start.wait()
+            for _ in range(30):
+                if not numpy.array_equal(self.face.evaluate_batch(poses, threads=1), expected):
+                    wrong.append(1)
+                self.face.evaluate([9, 0, 0.25, 0, 0])
+                if self.face.clamped_count != 1:
+                    wrong.append(2)
+
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+        self.face.evaluate({})
+        self.assertEqual(self.face.clamped_count, 0)
 
     def test_wrong_shapes_are_refused(self):
         for controls in [0] * 4, [[0] * 5]:

@@ -1,0 +1,63 @@
+"""mypy --strict accepts the package, and programs that use it; it is skipped without mypy."""
+
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import textwrap
+import unittest
+
+MYPY = shutil.which("mypy")
+PACKAGE = pathlib.Path(__file__).parents[1] / "facebaker"
+USER = """
+import numpy as np
+import facebaker
+from facebaker.serve import serve
+
+def evaluate(controls: "np.ndarray[tuple[int, int], np.dtype[np.float32]]") -> object:
+    return controls
+
+rig = facebaker.Rig(["a", facebaker.Control("b", "mouth", -1, 1)], evaluate, polygons=[[0, 1, 2]])
+with facebaker.Source(rig, workers=2) as source:
+    result = facebaker.bake(source, "a.fbk", use="variant", progress=print)
+size: int = len(result.method.archive)
+face = facebaker.load(result.path)
+worst: float = facebaker.evaluate(face, ["a", "b"]).method.unseen.max
+face.evaluate({"a": 0.5})[0, 0] + face.evaluate_batch([[0, 1]]).sum()
+serve(rig)
+"""
+
+
+class TypesTest(unittest.TestCase):
+    def mypy(self, *words):
+        cache = tempfile.TemporaryDirectory()
+        self.addCleanup(cache.cleanup)
+        command = [MYPY, "--strict", "--no-error-summary", "--cache-dir", cache.name, *words]
+        return subprocess.run(command, capture_output=True, text=True, cwd=PACKAGE.parent).stdout
+
+    @unittest.skipUnless(MYPY, "mypy is not installed")
+    def test_the_package(self):
+        self.assertEqual(self.mypy("--python-version", "3.9", "facebaker"), "")
+
+    @unittest.skipUnless(MYPY, "mypy is not installed")
+    def test_a_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder, "program.py")
+            program.write_text(USER)
+            self.assertEqual(self.mypy(str(program)), "")
+            program.write_text(
+                USER
+                + textwrap.dedent(
+                    """
+                facebaker.bake(rig)
+                facebaker.Control(7)
+                face.polygons
+            """
+                )
+            )
+            found = self.mypy(str(program))
+            self.assertEqual(found.count("error:"), 3, found)
+
+
+if __name__ == "__main__":
+    unittest.main()
