@@ -8,7 +8,7 @@ import os
 import pathlib
 from ctypes import POINTER, c_char_p, c_double, c_float, c_int32, c_size_t, c_uint16, c_uint32, c_uint64
 from ctypes import c_void_p
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, Iterable, List, Tuple
 
 from . import _structs as s
 from ._errors import STATUS_ERRORS, Error
@@ -57,13 +57,30 @@ class Library:
         try:
             return ctypes.CDLL(candidates[0])
         except OSError as error:
-            carried = sorted(pathlib.Path(__file__).parent.glob("carried/*.so*"))
-            if not carried or not os.path.isabs(candidates[0]):
+            # What a wheel carries for systems without it; once loaded, it is found by its name.
+            if not _load_all(pathlib.Path(__file__).parent.glob("carried/*")):
                 raise ImportError(str(error)) from error
-        # Libraries that a wheel carries for systems without them; once loaded, they are found by their names.
-        for path in carried:
-            ctypes.CDLL(str(path))
         return ctypes.CDLL(candidates[0])
+
+
+def _load_all(paths: Iterable[pathlib.Path]) -> int:
+    """Loads libraries, of which some may need others; how many there are."""
+    left = list(paths)
+    count = len(left)
+    while left:
+        failed = [path for path in left if not _loads(path)]
+        if len(failed) == len(left):
+            break
+        left = failed
+    return count
+
+
+def _loads(path: pathlib.Path) -> bool:
+    try:
+        ctypes.CDLL(str(path))
+    except OSError:
+        return False
+    return True
 
 
 # name: (result, arguments). Handles, and arrays that the caller gives, are void pointers.

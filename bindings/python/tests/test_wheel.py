@@ -1,0 +1,137 @@
+"""The wheel: its contents, and a bake after it was installed offline into a virtual environment without a compiler."""
+
+import base64
+import csv
+import hashlib
+import io
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+
+try:
+    import numpy  # noqa: F401
+    import pip  # noqa: F401
+    import tomllib  # noqa: F401
+    import venv  # noqa: F401
+except ImportError as error:
+    raise unittest.SkipTest(f"{error.name} is not installed")
+
+PROJECT = pathlib.Path(__file__).parents[1]
+ROOT = PROJECT.parents[1]
+LIBRARIES = pathlib.Path(os.environ["FACEBAKER_LIBRARY"]).parent
+BAKE = """
+import sys
+import numpy as np
+import facebaker
+assert facebaker.__file__.startswith(sys.prefix), facebaker.__file__
+rest = np.random.default_rng(1).normal(size=(40, 3))
+rig = facebaker.Rig(["lift"], lambda controls: rest + controls[:, :, None] * [0, 1, 0], rest_positions=rest)
+print(facebaker.__version__, facebaker.bake(rig, "face.fbk", use="variant", poses=50).load().vertex_count)
+"""
+
+
+def clean_environment(**variables):
+    """Without what points to this tree, and without programs."""
+    kept = {key: value for key, value in os.environ.items() if not key.startswith(("FACEBAKER", "PYTHON", "CC"))}
+    return {**kept, "PATH": "/nowhere", "OMP_WAIT_POLICY": "PASSIVE", **variables}
+
+
+class WheelTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        setting = f"libraries={LIBRARIES}"
+        cls.pip("wheel", "--no-deps", "--config-settings", setting, "-w", cls.folder.name, str(PROJECT))
+        (cls.wheel,) = pathlib.Path(cls.folder.name).glob("*.whl")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @staticmethod
+    def pip(command, *words, python=sys.executable):
+        quiet = ["--quiet", "--disable-pip-version-check", "--no-input", "--isolated"]
+        line = [sys.executable, "-m", "pip", "--python", python, *quiet, command, "--no-index", *words]
+        result = subprocess.run(line, capture_output=True, text=True)
+        assert result.returncode == 0, result.stdout + result.stderr
+
+    def test_its_name_says_where_it_runs(self):
+        version = (ROOT / "VERSION").read_text().strip()
+        self.assertRegex(
+            self.wheel.name, rf"^facebaker-{re.escape(version)}-py3-none-(manylinux_2_\d+|linux)_\w+\.whl$"
+        )
+
+    def test_its_contents(self):
+        with zipfile.ZipFile(self.wheel) as wheel:
+            files = {name: wheel.read(name) for name in wheel.namelist()}
+        information = next(name.split("/")[0] for name in files if ".dist-info/" in name)
+        rows = {row[0]: row[1:] for row in csv.reader(io.StringIO(files[f"{information}/RECORD"].decode()))}
+        self.assertEqual(set(rows), set(files))
+        for name, (digest, size) in rows.items():
+            if digest:
+                sha = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).rstrip(b"=").decode()
+                self.assertEqual((digest, size), (f"sha256={sha}", str(len(files[name]))))
+        for name in "libfacebaker.so", "libfacebaker_bake.so":
+            self.assertEqual(files[f"facebaker/{name}"], (LIBRARIES / name).read_bytes())
+        sources = {f"facebaker/{path.name}" for path in (PROJECT / "facebaker").glob("*.py")}
+        self.assertLessEqual(sources | {"facebaker/py.typed"}, set(files))
+        self.assertEqual(files[f"{information}/LICENSE"], (ROOT / "LICENSE").read_bytes())
+        metadata = files[f"{information}/METADATA"].decode()
+        self.assertIn("\nRequires-Dist: numpy>=", metadata)
+        self.assertIn("# FaceBaker for Python", metadata)
+
+    def test_it_bakes_where_there_is_no_compiler(self):
+        with tempfile.TemporaryDirectory() as folder:
+            # Without pip: that of the system installs into it.
+            made = [sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", folder]
+            subprocess.run(made, check=True)
+            python = os.path.join(folder, "bin", "python3")
+            self.pip("install", str(self.wheel), python=python)
+            run = subprocess.run(
+                [python, "-c", BAKE], cwd=folder, env=clean_environment(), capture_output=True, text=True
+            )
+            version = (ROOT / "VERSION").read_text().strip()
+            self.assertEqual(run.stdout, f"{version} 40\n", run.stderr)
+
+    def test_the_same_tree_gives_the_same_bytes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = (
+                f"import facebaker_wheel; facebaker_wheel.build_wheel({folder!r}, {{'libraries': {str(LIBRARIES)!r}}})"
+            )
+            environment = {**os.environ, "PYTHONPATH": str(PROJECT / "wheel"), "PYTHONDONTWRITEBYTECODE": "1"}
+            subprocess.run([sys.executable, "-c", program], check=True, env=environment)
+            self.assertEqual(pathlib.Path(folder, self.wheel.name).read_bytes(), self.wheel.read_bytes())
+
+    def test_libraries_that_are_not_there(self):
+        program = "import facebaker_wheel; facebaker_wheel.build_wheel('.')"
+        environment = {**os.environ, "PYTHONPATH": str(PROJECT / "wheel"), "PYTHONDONTWRITEBYTECODE": "1"}
+        environment["FACEBAKER_LIBRARIES"] = self.folder.name
+        run = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("there is no libfacebaker.so", run.stderr)
+
+
+class ImportTest(unittest.TestCase):
+    def test_importing_opens_no_library_and_is_quick(self):
+        program = "import sys, facebaker, facebaker.serve; print('libfacebaker' in open('/proc/self/maps').read())"
+        environment = {**os.environ, "FACEBAKER_LIBRARY": "/nowhere/libfacebaker.so"}
+        result = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+        self.assertEqual(result.stdout, "False\n", result.stderr)
+        beyond = self.least_seconds("import facebaker") - self.least_seconds("import numpy")
+        self.assertLess(beyond, 0.1)
+
+    @staticmethod
+    def least_seconds(statement):
+        """Processor time, which other programs on the machine change least."""
+        program = f"{statement}; import time; print(time.process_time())"
+        runs = [subprocess.run([sys.executable, "-c", program], capture_output=True, check=True) for _ in range(5)]
+        return min(float(run.stdout) for run in runs)
+
+
+if __name__ == "__main__":
+    unittest.main()
