@@ -7,7 +7,7 @@ import ctypes
 import difflib
 import os
 from ctypes import byref, c_void_p
-from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import IO, Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -31,10 +31,13 @@ class ExpectedError(NamedTuple):
     outside: Any
 
 
-def load(source: "Union[str, os.PathLike[str], bytes, bytearray, memoryview]") -> "Face":
-    """Loads a face from a path, or from the bytes of an archive. Files from strangers are safe. Raises NotFoundError,
-    FileError, NotAnArchiveError, CorruptError, UnsupportedError, LimitError or OutOfMemoryError."""
+def load(source: "Union[str, os.PathLike[str], bytes, bytearray, memoryview, IO[bytes]]") -> "Face":
+    """Loads a face from a path, from the bytes of an archive, or from an open file, which is read to its end. Files from
+    strangers are safe. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError, UnsupportedError, LimitError or
+    OutOfMemoryError."""
     handle = c_void_p()
+    if hasattr(source, "read"):
+        source = source.read()
     if isinstance(source, (bytes, bytearray, memoryview)):
         data = bytes(source)
         check(library.fb_load_memory(data, len(data), None, byref(handle)))

@@ -7,7 +7,7 @@ import json
 import pathlib
 import weakref
 from ctypes import byref, c_char_p, c_void_p
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple
 
 from . import _bake_structs as b
@@ -121,15 +121,22 @@ class Failure:
 
 
 class BakeResult(Result):
-    """path: of the archive. method: the face and its errors."""
+    """path: of the archive. method: the face and its errors; on unseen clips only if bake was told to measure. held_back:
+    errors on poses that were kept from every fit; None where there are none."""
 
     def __init__(self, report: c_void_p, notes: Sequence[str], path: pathlib.Path) -> None:
         super().__init__(report, notes)
         self.path = path
         self.method = _methods(report)[0]
+        held_back = self.document.get("held_back")
+        names = [field.name for field in fields(Errors)]
+        self.held_back = Errors(*(held_back[name] for name in names)) if held_back else None
 
     def __repr__(self) -> str:
-        return f"<facebaker.BakeResult {str(self.path)!r}: {len(self.method.archive)} bytes, {_figures(self.method.unseen)}>"
+        errors = self.method.unseen
+        if self.held_back and not errors.frames:
+            errors = self.held_back
+        return f"<facebaker.BakeResult {str(self.path)!r}: {len(self.method.archive)} bytes, {_figures(errors)}>"
 
     def load(self) -> "Face":
         """The face, from its file."""

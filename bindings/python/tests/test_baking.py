@@ -78,6 +78,9 @@ class SourcesTest(BakingTest):
     def test_arrays(self):
         result = self.bake(toy_rig.make_recording(), recipe="linear")
         self.assertEqual(result.method.poses, 300)
+        self.assertIn("not measured", repr(result.method))
+        compact = self.bake(toy_rig.make_recording(), recipe="compact")
+        self.assertIn(f"mse {compact.held_back.mse:.2g}", repr(compact))
         face = result.load()
         self.assertEqual(face.polygon_sizes.tolist(), [4] * 64)
         self.assertLess(error_of(face), 0.05)

@@ -129,8 +129,10 @@ class FaceTest(unittest.TestCase):
         self.assertEqual(self.face.clamped_count, 2)
 
     def test_bytes_load_like_a_path(self):
-        face = facebaker.load(FIXTURE.read_bytes())
-        self.assertTrue(numpy.array_equal(face.rest_positions, self.face.rest_positions))
+        with FIXTURE.open("rb") as file:
+            faces = [facebaker.load(source) for source in (FIXTURE.read_bytes(), bytearray(FIXTURE.read_bytes()), file)]
+        for face in faces:
+            self.assertTrue(numpy.array_equal(face.rest_positions, self.face.rest_positions))
 
     def test_views_are_read_only_and_outlive_the_face(self):
         rest = facebaker.load(FIXTURE).rest_positions
