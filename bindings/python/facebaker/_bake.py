@@ -266,7 +266,11 @@ def _opened(source: AnySource, progress: Progress, note: Note) -> Iterator[Tuple
 def _reported(call: Call, function: Any, *arguments: Any, rig: Any = None) -> c_void_p:
     """Runs a call and gives its report, which the caller owns."""
     report = c_void_p()
-    call.run(function, *arguments, byref(report), rig=rig)
+    try:
+        call.run(function, *arguments, byref(report), rig=rig)
+    except BaseException:  # of a callback, or Ctrl-C, when the call was done already
+        library.fb_report_free(report)
+        raise
     return report
 
 

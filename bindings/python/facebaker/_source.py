@@ -70,10 +70,10 @@ class Source:
             places: List[Place] = [source] if isinstance(source, (str, os.PathLike)) else list(source)
             desc.paths, desc.path_count = c_strings([path_bytes(place) for place in places])
         handle = c_void_p()
+        self._closer = weakref.finalize(self, _close, handle, self._rig, self._folder)
         with Call(progress, note) as call:
             desc.callbacks = call.callbacks
             call.run(library.fb_source_open, desc, byref(handle), rig=self._rig)
-        self._closer = weakref.finalize(self, _close, handle, self._rig, self._folder)
         self._handle: Optional[c_void_p] = handle
         self.notes: Tuple[str, ...] = tuple(call.notes)
         self._describe()

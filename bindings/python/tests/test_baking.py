@@ -166,6 +166,45 @@ class SourcesTest(BakingTest):
         with self.assertRaisesRegex(ValueError, "closed"):
             source.evaluate(toy_rig.poses(1))
 
+    def test_options_reach_the_library(self):
+        np.save(self.folder / "curves.npy", toy_rig.poses(30, 9))
+        examples = self.folder / "curves.npy"
+        exact = toy_rig.poses(2, 11)
+        shot = facebaker.Clip("shot", exact, split="test")
+        result = self.bake(
+            toy_rig.make(clips=[shot]), recipe="compact", exact=["shot:0,1"], level_shares=[0.5, 0.2], work=self.folder / "work",
+            examples=[examples], seed=5, normal_weight=0, created="2030-01-01", learning_curve=True, threads=1,
+        )  # fmt: skip
+        face = result.load()
+        self.assertEqual([pose.name for pose in face.exact_poses], ["shot:0", "shot:1"])
+        away = np.linalg.norm(face.evaluate_batch(exact) - toy_rig.positions(exact), axis=2).max()
+        self.assertLess(away, 3e-6 * face.diagonal)
+        self.assertEqual(face.level_count, 3)
+        self.assertTrue((self.folder / "work").is_dir())
+        self.assertIn("2030-01-01", face.provenance.values())
+        self.assertEqual(face.provenance["seed"], 5)
+        with self.assertRaisesRegex(facebaker.Error, "earlier"):
+            self.bake(toy_rig.make(), recipe="compact", reuse=self.folder / "earlier")
+        with self.assertRaisesRegex(facebaker.BadDataError, "PNG"):
+            self.bake(toy_rig.make(), recipe="linear", thumbnail=b"GIF89a")
+        with self.assertRaises(facebaker.LimitError):
+            self.bake(toy_rig.make(), recipe="compact", max_bytes=100)
+        self.bake(toy_rig.make(), recipe="compact", max_bytes=100, force=True)
+
+    def test_a_rig_whose_opening_was_interrupted_is_closed(self):
+        class Enough(Exception):
+            pass
+
+        def stop(note):
+            raise Enough
+
+        recording = toy_rig.make_recording()
+        shifted = facebaker.Clip("wide", toy_rig.poses(3) * 3, "dense", positions=toy_rig.positions(toy_rig.poses(3)))
+        rig = toy_rig.make(None, clips=[*recording.clips, shifted])
+        with self.assertRaises(Enough):
+            facebaker.Source(rig, note=stop)
+        self.assertTrue(any("wide" in note for note in facebaker.Source(rig).notes))
+
     def test_sampling_resumes_and_its_folder_is_a_source(self):
         shot = facebaker.Clip("extra", toy_rig.poses(7), split="test")
         given = {"poses": 120, "clips": [shot], "seed": 3}
