@@ -7,7 +7,7 @@ import ctypes
 import difflib
 import os
 from ctypes import byref, c_void_p
-from typing import IO, Any, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import IO, Any, Callable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from ._arrays import ArrayLike, Floats, Indices
 from ._face_contents import FaceContents
 from ._library import check, library
-from ._structs import BatchDesc, RowBlockStruct, filled
+from ._structs import BatchDesc, LoadDesc, LogFunction, RowBlockStruct, filled
 
 Controls = Union[ArrayLike, Mapping[str, float]]
 
@@ -31,20 +31,41 @@ class ExpectedError(NamedTuple):
     outside: Any
 
 
-def load(source: "Union[str, os.PathLike[str], bytes, bytearray, memoryview, IO[bytes]]") -> "Face":
-    """Loads a face from a path, from the bytes of an archive, or from an open file, which is read to its end. Files from
-    strangers are safe. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError, UnsupportedError, LimitError or
-    OutOfMemoryError."""
+def load(
+    source: "Union[str, os.PathLike[str], bytes, bytearray, memoryview, IO[bytes]]",
+    *,
+    max_file_bytes: int = 4 << 30,
+    max_model_bytes: int = 4 << 30,
+    max_name_bytes: int = 16 << 20,
+    max_vertices: int = 4 << 20,
+    max_polygons: int = 8 << 20,
+    max_features: int = 1 << 20,
+    note: Optional[Callable[[str], Any]] = None,
+) -> "Face":
+    """Loads a face from a path, from the bytes of an archive, or from an open file, which is read to its end.
+
+    Files from strangers are safe; what is larger than a limit is refused with LimitError, see fb_load_desc. note: called
+    with sentences about what is odd but no error. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError,
+    UnsupportedError, LimitError or OutOfMemoryError."""
+    desc = filled(LoadDesc, library.fb_load_desc_fill)
+    desc.max_file_bytes, desc.max_model_bytes, desc.max_name_bytes = max_file_bytes, max_model_bytes, max_name_bytes
+    desc.max_vertices, desc.max_polygons, desc.max_features = max_vertices, max_polygons, max_features
+    notes: List[str] = []
+    desc.log = LogFunction(lambda _, sentence: notes.append(sentence.decode("utf-8", "replace")))
     handle = c_void_p()
     if hasattr(source, "read"):
         source = source.read()
     if isinstance(source, (bytes, bytearray, memoryview)):
-        data = bytes(source)
-        check(library.fb_load_memory(data, len(data), None, byref(handle)))
-        return Face(handle, data)
-    path = os.fspath(source)
-    check(library.fb_load(os.fsencode(path), None, byref(handle)))
-    return Face(handle, os.path.abspath(path))
+        data: Union[bytes, str] = bytes(source)
+        check(library.fb_load_memory(data, len(data), desc, byref(handle)))
+    else:
+        data = os.path.abspath(os.fspath(source))
+        check(library.fb_load(os.fsencode(source), desc, byref(handle)))
+    face = Face(handle, data)
+    if note is not None:
+        for sentence in notes:
+            note(sentence)
+    return face
 
 
 class Face(FaceContents):
@@ -129,6 +150,7 @@ class Face(FaceContents):
         dtype: npt.DTypeLike = np.float32,
         lod: float = 0.0,
         displacements: bool = False,
+        level_only: bool = False,
     ) -> npt.NDArray[Any]:
         """Many poses: (poses, controls) -> positions, (poses, vertices, 3), with the same bits as evaluate.
 
@@ -140,7 +162,8 @@ class Face(FaceContents):
         baked_order: vertices in the order of vertex_order. regions: the names or indices of the regions whose networks
         run; the others keep their values at rest. meshes: names or indices of the meshes that are posed; vertices of the
         others are not written. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
-        displacements: from rest, in place of positions."""
+        displacements: from rest, in place of positions. level_only: only the vertices of the level that lod is rounded down
+        to, which needs baked_order; results then have levels[...].vertices vertices."""
         values = self._poses(controls)
         if threads < 0:
             raise ValueError(f"{threads} threads")
@@ -148,15 +171,17 @@ class Face(FaceContents):
         if kind not in (np.float32, np.float16):
             raise ValueError(f"dtype is {kind}, neither float32 nor float16")
         poses, single = len(values), np.dtype(np.float32)
-        shape = (poses, self.vertex_count, 3)
+        vertices = self.levels[min(int(lod), self.level_count - 1)].vertices if level_only else self.vertex_count
+        shape = (poses, vertices, 3)
         if out is None:
             # What of meshes that are not posed is not written stays 0.
             out = np.empty(shape, kind) if meshes is None else np.zeros(shape, kind)
         desc = filled(BatchDesc, library.fb_batch_desc_fill)
         desc.threads, desc.poses = threads, poses
         desc.controls, desc.control_floats = values.ctypes.data, values.size
+        desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
-        desc.lod, desc.displacements = lod, int(displacements)
+        desc.lod, desc.displacements, desc.level_only = lod, int(displacements), int(level_only)
         for name, array, wanted, of_kind, count in (
             ("out", out, shape, kind, "position_floats"),
             ("normals", normals, shape, kind, "normal_numbers"),

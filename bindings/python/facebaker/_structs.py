@@ -3,7 +3,7 @@ field, so fields are called as they are there."""
 
 from __future__ import annotations
 
-from ctypes import POINTER, Structure, c_char_p, c_float, c_uint32, c_uint64, c_void_p, sizeof
+from ctypes import CFUNCTYPE, POINTER, Structure, c_char_p, c_float, c_uint32, c_uint64, c_void_p, sizeof
 from typing import Any, TypeVar
 
 FRAME_FLOATS = 12
@@ -17,6 +17,34 @@ def filled(struct: "type[AnyStruct]", fill: Any) -> AnyStruct:
     made = struct()
     fill(made, sizeof(made))
     return made
+
+
+LogFunction = CFUNCTYPE(None, c_void_p, c_char_p)
+
+
+class AllocatorStruct(Structure):
+    c_name = "fb_allocator"
+    _fields_ = [("user", c_void_p), ("allocate", c_void_p), ("release", c_void_p)]
+
+
+class LoadDesc(Structure):
+    c_name = "fb_load_desc"
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("max_file_bytes", c_uint64),
+        ("max_model_bytes", c_uint64),
+        ("allocator", AllocatorStruct),
+        ("log", LogFunction),
+        ("log_user", c_void_p),
+        ("instruction_set", c_char_p),
+        ("map_file", c_uint32),
+        ("reserved_number", c_uint32),
+        ("max_name_bytes", c_uint64),
+        ("max_vertices", c_uint64),
+        ("max_polygons", c_uint64),
+        ("max_features", c_uint64),
+    ]
 
 
 class ControlStruct(Structure):
@@ -208,6 +236,8 @@ class LevelStruct(Structure):
 
 
 RUNTIME_STRUCTS = (
+    AllocatorStruct,
+    LoadDesc,
     ControlStruct, BatchDesc, RowBlockStruct, MaterialRunStruct, MeshStruct, TextureStruct, MaterialStruct, ImageStruct,
     SocketStruct, ChannelStruct, ExactPoseStruct, JointStruct, LevelStruct,
 )  # fmt: skip

@@ -1,4 +1,5 @@
 import gc
+import inspect
 import os
 import pathlib
 import pickle
@@ -12,6 +13,8 @@ except ImportError:
     raise unittest.SkipTest("NumPy is not installed")
 
 import facebaker
+from facebaker._library import library
+from facebaker._structs import LoadDesc, filled
 
 FIXTURE = pathlib.Path(os.environ["FB_FIXTURE"])
 
@@ -206,6 +209,21 @@ class FaceTest(unittest.TestCase):
         numpy.testing.assert_array_equal(coarsest, face.evaluate_batch(poses, lod=7))
         numpy.testing.assert_allclose(face.evaluate_batch(poses, lod=1.9999), coarsest, atol=1e-3 * face.diagonal)
         self.assert_error("FB_ERROR_INVALID_ARGUMENT", "level of detail", face.evaluate_batch, poses, lod=-1)
+        for lod in 0, 1, 1.5, 2, 9:
+            few = face.evaluate_batch(poses, lod=lod, baked_order=True, level_only=True)
+            all_vertices = face.evaluate_batch(poses, lod=lod, baked_order=True)
+            self.assertEqual(few.shape[1], face.levels[min(int(lod), 2)].vertices)
+            numpy.testing.assert_array_equal(few, all_vertices[:, : few.shape[1]])
+        self.assert_error("FB_ERROR_INVALID_ARGUMENT", "order", face.evaluate_batch, poses, lod=1, level_only=True)
+
+    def test_limits_of_loading(self):
+        for source in FIXTURE, FIXTURE.read_bytes():
+            self.assert_error("FB_ERROR_LIMIT", "30 vertices", facebaker.load, source, max_vertices=29)
+            self.assertEqual(facebaker.load(source, max_vertices=30, note=self.fail).vertex_count, 30)
+        defaults = filled(LoadDesc, library.fb_load_desc_fill)
+        for name, parameter in inspect.signature(facebaker.load).parameters.items():
+            if name.startswith("max_"):
+                self.assertEqual(parameter.default, getattr(defaults, name), name)
 
     def test_repr_tells(self):
         for source in FIXTURE, FIXTURE.read_bytes():
