@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import pathlib
 from ctypes import byref, c_double, c_void_p, sizeof
 from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
@@ -27,7 +28,7 @@ from ._results import USES, BakeResult, CompareResult, EvalResult, PackResult, R
 from ._rig import SPLITS, Clip
 from ._rig_struct import clip_struct
 from ._source import AnySource, Place, Source
-from ._structs import filled
+from ._structs import assign, filled
 
 _MEASURES = ("quality", "locality")
 
@@ -61,10 +62,10 @@ def sample(
     without positions. skip_failing: puts the rest pose in the place of drawn poses that fail. examples: files of control
     curves near which poses are sampled."""
     desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
-    desc.threads, desc.directory, desc.mix = threads, path_bytes(folder), text_bytes(mix)
-    desc.poses, desc.seed, desc.rig_budget = poses, seed, rig_budget
-    desc.shots, desc.skip_failing = shots, skip_failing
-    desc.examples, desc.example_count = c_strings([path_bytes(example) for example in examples])
+    desc.directory, desc.mix = path_bytes(folder), text_bytes(mix)
+    assign(desc, threads=threads, poses=poses, seed=seed, rig_budget=rig_budget)
+    assign(desc, shots=shots, skip_failing=skip_failing)
+    desc.examples, desc.example_count = _paths(examples)
     with _opened(source, progress, note) as (opened, call):
         kept: List[Any] = []
         structs = [clip_struct(_plan(clip, opened), kept) for clip in clips]
@@ -122,16 +123,16 @@ def bake(
     a square PNG. exact: poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by
     their share of the vertices; level_meshes: as files. threads: 0: all."""
     desc = filled(b.BakeDesc, library.fb_bake_desc_fill)
-    desc.threads, desc.archive, desc.recipe = threads, path_bytes(out), text_bytes(recipe)
-    desc.use, desc.epochs, desc.poses, desc.mix = _number(USES, use, "use"), epochs, poses, text_bytes(mix)
-    desc.rig_budget, desc.seed, desc.max_bytes, desc.max_error = rig_budget, seed, max_bytes, max_error
-    desc.force, desc.measure, desc.learning_curve = force, _measures(measure), learning_curve
+    desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
+    desc.use, desc.measure = _number(USES, use, "use"), _measures(measure)
+    assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed, force=force)
+    assign(desc, max_bytes=max_bytes, max_error=max_error, learning_curve=learning_curve, skip_failing=skip_failing)
+    assign(desc, normal_weight=normal_weight, cache_bytes=cache_bytes)
     desc.licence, desc.created = _optional_text(licence), _optional_text(created)
     desc.work, desc.reuse = _optional_path(work), _optional_path(reuse)
-    desc.skip_failing, desc.normal_weight, desc.cache_bytes = skip_failing, normal_weight, cache_bytes
-    desc.examples, desc.example_count = c_strings([path_bytes(example) for example in examples])
-    desc.exact, desc.exact_count = c_strings([path_bytes(pose) for pose in exact])
-    desc.level_meshes, desc.level_mesh_count = c_strings([path_bytes(mesh) for mesh in level_meshes])
+    desc.examples, desc.example_count = _paths(examples)
+    desc.exact, desc.exact_count = _paths(exact)
+    desc.level_meshes, desc.level_mesh_count = _paths(level_meshes)
     if level_shares:
         desc.level_shares, desc.level_share_count = (c_double * len(level_shares))(*level_shares), len(level_shares)
     _set_texts(desc, about, thumbnail)
@@ -159,10 +160,10 @@ def compare(
     """Bakes several recipes on the same poses and measures them on the same clips. Options are those of bake; work: None:
     a temporary folder."""
     desc = filled(b.CompareDesc, library.fb_compare_desc_fill)
-    desc.threads, desc.epochs, desc.poses, desc.mix = threads, epochs, poses, text_bytes(mix)
+    assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed)
+    assign(desc, learning_curve=learning_curve)
     desc.methods, desc.method_count = c_strings([text_bytes(method) for method in methods])
-    desc.rig_budget, desc.seed, desc.learning_curve = rig_budget, seed, learning_curve
-    desc.work = _optional_path(work)
+    desc.mix, desc.work = text_bytes(mix), _optional_path(work)
     with _opened(source, progress, note) as (opened, call):
         desc.source, desc.callbacks = opened.handle, call.callbacks
         report = _reported(call, library.fb_compare, desc, rig=opened.host_rig)
@@ -184,7 +185,7 @@ def evaluate(
 
     archive: a path, bytes or a Face. source: of the same face, as for bake. measure: as for bake."""
     desc = filled(b.EvalDesc, library.fb_eval_desc_fill)
-    desc.threads, desc.measure = threads, _measures(measure)
+    assign(desc, threads=threads, measure=_measures(measure))
     desc.split = -1 if split == "all" else _number(SPLITS, split, "split")
     opened_archive = Archive(archive)
     desc.archive = opened_archive.handle
@@ -234,7 +235,7 @@ def pack(
     max_error, force: as for bake, where errors are displacements. licence, about, thumbnail: in place of the archive's;
     None: kept. sockets: added, or in place of those of the same names."""
     desc = filled(b.PackDesc, library.fb_pack_desc_fill)
-    desc.force, desc.seed, desc.max_bytes, desc.max_error = force, seed, max_bytes, max_error
+    assign(desc, force=force, seed=seed, max_bytes=max_bytes, max_error=max_error)
     if isinstance(archive, bytes):
         desc.bytes, desc.byte_count = archive, len(archive)
     else:
@@ -297,6 +298,12 @@ def _measures(words: Sequence[str]) -> int:
     if isinstance(words, str):
         words = [words]
     return sum(1 << _number(_MEASURES, word, "measure") for word in set(words))
+
+
+def _paths(paths: Sequence[Place]) -> Tuple[Any, int]:
+    if isinstance(paths, (str, os.PathLike)):
+        paths = [paths]
+    return c_strings([path_bytes(path) for path in paths])
 
 
 def _optional_text(text: Optional[str]) -> Optional[bytes]:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from ._arrays import ArrayLike, Floats, Indices
 from ._face_contents import FaceContents
 from ._library import check, library
-from ._structs import BatchDesc, LoadDesc, LogFunction, RowBlockStruct, filled
+from ._structs import BatchDesc, LoadDesc, LogFunction, RowBlockStruct, assign, filled
 
 Controls = Union[ArrayLike, Mapping[str, float]]
 
@@ -48,8 +48,8 @@ def load(
     with sentences about what is odd but no error. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError,
     UnsupportedError, LimitError or OutOfMemoryError."""
     desc = filled(LoadDesc, library.fb_load_desc_fill)
-    desc.max_file_bytes, desc.max_model_bytes, desc.max_name_bytes = max_file_bytes, max_model_bytes, max_name_bytes
-    desc.max_vertices, desc.max_polygons, desc.max_features = max_vertices, max_polygons, max_features
+    assign(desc, max_file_bytes=max_file_bytes, max_model_bytes=max_model_bytes, max_name_bytes=max_name_bytes)
+    assign(desc, max_vertices=max_vertices, max_polygons=max_polygons, max_features=max_features)
     notes: List[str] = []
     desc.log = LogFunction(lambda _, sentence: notes.append(sentence.decode("utf-8", "replace")))
     handle = c_void_p()
@@ -164,40 +164,25 @@ class Face(FaceContents):
         others are not written. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
         displacements: from rest, in place of positions. level_only: only the vertices of the level that lod is rounded down
         to, which needs baked_order; results then have levels[...].vertices vertices."""
-        values = self._poses(controls)
-        if threads < 0:
-            raise ValueError(f"{threads} threads")
-        kind = np.dtype(dtype)
+        values, kind = self._poses(controls), np.dtype(dtype)
         if kind not in (np.float32, np.float16):
             raise ValueError(f"dtype is {kind}, neither float32 nor float16")
-        poses, single = len(values), np.dtype(np.float32)
         vertices = self.levels[min(int(lod), self.level_count - 1)].vertices if level_only else self.vertex_count
-        shape = (poses, vertices, 3)
+        shape = (len(values), vertices, 3)
         if out is None:
             # What of meshes that are not posed is not written stays 0.
             out = np.empty(shape, kind) if meshes is None else np.zeros(shape, kind)
         desc = filled(BatchDesc, library.fb_batch_desc_fill)
-        desc.threads, desc.poses = threads, poses
-        desc.controls, desc.control_floats = values.ctypes.data, values.size
+        if threads < 0:
+            raise ValueError(f"{threads} threads")
+        assign(desc, threads=threads, poses=len(values), controls=values.ctypes.data, control_floats=values.size)
         desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
         desc.lod, desc.displacements, desc.level_only = lod, int(displacements), int(level_only)
-        for name, array, wanted, of_kind, count in (
-            ("out", out, shape, kind, "position_floats"),
-            ("normals", normals, shape, kind, "normal_numbers"),
-            ("tangents", tangents, shape, kind, "tangent_numbers"),
-            ("sockets", sockets, (poses, len(self.sockets), 3, 4), single, "socket_floats"),
-            ("channels", channels, (poses, len(self.channels)), single, "channel_floats"),
-            ("bounds", bounds, (poses, 2, 3), single, "bounds_floats"),
-            ("expected_errors", expected_errors, (poses, 1 + len(self.error_regions)), single, "expected_error_floats"),
-            ("outside", outside, (poses,), np.dtype(np.uint32), ""),
-        ):
-            if array is None:
-                continue
-            _check_output(name, array, wanted, of_kind)
-            setattr(desc, "positions" if name == "out" else name, array.ctypes.data)
-            if count:
-                setattr(desc, count, array.size)
+        _set_output(desc, "positions", out, shape, kind, "position_floats")
+        _set_output(desc, "normals", normals, shape, kind, "normal_numbers")
+        _set_output(desc, "tangents", tangents, shape, kind, "tangent_numbers")
+        self._set_other_outputs(desc, sockets, channels, bounds, expected_errors, outside)
         if regions is not None:
             desc.regions, desc.region_count = _choice(regions, self.regions, "region")
         if meshes is not None:
@@ -205,6 +190,20 @@ class Face(FaceContents):
         with self._scratches.borrow(threads or os.cpu_count() or 1) as scratch:
             check(library.fb_evaluate_batch(self._handle, scratch, desc))
         return out
+
+    def _set_other_outputs(
+        self, desc: BatchDesc, sockets: Any, channels: Any, bounds: Any, errors: Any, outside: Any
+    ) -> None:
+        """The outputs of evaluate_batch whose format does not depend on its dtype."""
+        poses: int = desc.poses
+        for name, array, shape, count in (
+            ("sockets", sockets, (len(self.sockets), 3, 4), "socket_floats"),
+            ("channels", channels, (len(self.channels),), "channel_floats"),
+            ("bounds", bounds, (2, 3), "bounds_floats"),
+            ("expected_errors", errors, (1 + len(self.error_regions),), "expected_error_floats"),
+        ):
+            _set_output(desc, name, array, (poses, *shape), np.dtype(np.float32), count)
+        _set_output(desc, "outside", outside, (poses,), np.dtype(np.uint32))
 
     def coefficients(self, controls: Controls) -> Floats:
         """(controls,), or a dictionary as for pose() -> (coefficients,), float32: the weights of basis()'s columns."""
@@ -266,6 +265,18 @@ def _check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], ki
     flags = array.flags
     if array.shape != shape or array.dtype != kind or not flags.c_contiguous or not flags.writeable:
         raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
+
+
+def _set_output(
+    desc: BatchDesc, field: str, array: Any, shape: Tuple[int, ...], kind: "np.dtype[Any]", count: str = ""
+) -> None:
+    """Has a field of a batch point to an array, if there is one, after checking it; count: the field of its size."""
+    if array is None:
+        return
+    _check_output("out" if field == "positions" else field, array, shape, kind)
+    setattr(desc, field, array.ctypes.data)
+    if count:
+        setattr(desc, count, array.size)
 
 
 def _index_of(name: str, names: Sequence[str], what: str) -> int:

@@ -93,6 +93,8 @@ class Rig:
         self.sockets, self.channels, self.joints = tuple(sockets), tuple(channels), tuple(joints)
         self.about, self.version, self.notes = about, version, tuple(notes)
         self.preferred_block, self.thread_safe = preferred_block, thread_safe
+        if not 0 <= preferred_block <= 4096:
+            raise ValueError(f"preferred_block is {preferred_block}, not 0 to 4096")
         self.rest_controls: Floats = np.array([control.rest for control in self.controls], np.float32)
         if rest_positions is None:
             rest_positions = self._positions_at_rest()

@@ -20,7 +20,7 @@ from ._from_structs import controls_of, copied
 from ._progress import Progress
 from ._rig import KINDS, SPLITS, Clip, Rig
 from ._rig_struct import HostRig
-from ._structs import ControlStruct, filled
+from ._structs import ControlStruct, assign, filled
 
 Place = Union[str, "os.PathLike[str]"]
 AnySource = Union["Source", Rig, Place, Sequence[Place]]
@@ -55,7 +55,7 @@ class Source:
         note: Note = None,
     ) -> None:
         desc = filled(SourceDesc, library.fb_source_desc_fill)
-        desc.workers, desc.pose_seconds, desc.clip_budget = workers, pose_seconds, clip_budget
+        assign(desc, workers=workers, pose_seconds=pose_seconds, clip_budget=clip_budget)
         desc.host = None if host is None else path_bytes(host)
         self._rig: Optional[HostRig] = None
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None

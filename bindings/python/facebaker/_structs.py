@@ -19,6 +19,14 @@ def filled(struct: "type[AnyStruct]", fill: Any) -> AnyStruct:
     return made
 
 
+def assign(struct: Structure, **values: "int | float") -> None:
+    """Sets numbers of a struct. Raises ValueError on one that the field cannot hold, which ctypes would cut."""
+    for name, value in values.items():
+        setattr(struct, name, value)
+        if getattr(struct, name) != value:
+            raise ValueError(f"{name} is {value}")
+
+
 LogFunction = CFUNCTYPE(None, c_void_p, c_char_p)
 
 

@@ -341,6 +341,17 @@ class FailingTest(BakingTest):
                 toy_rig.CONTROLS.pop()
         with self.assertRaisesRegex(ValueError, "zero byte"):
             self.bake(toy_rig.make(), licence="a\0b")
+        for name, value in {
+            "poses": -1,
+            "epochs": 1 << 32,
+            "seed": 1 << 64,
+            "max_error": float("nan"),
+            "threads": -2,
+        }.items():
+            with self.assertRaisesRegex(ValueError, f"{name} is "):
+                self.bake(toy_rig.make(), **{name: value})
+        with self.assertRaisesRegex(ValueError, "workers is -1"):
+            facebaker.Source(toy_rig.make(), workers=-1)
         with self.assertRaisesRegex(facebaker.InvalidArgumentError, "5000 threads"):
             self.bake(toy_rig.make(), threads=5000)
         with self.assertRaisesRegex(TypeError, "recording"):

@@ -257,6 +257,7 @@ class RigTest(unittest.TestCase):
     def test_what_does_not_fit_is_refused(self):
         cases = {
             "a recording needs rest_positions": {"evaluate": None},
+            "preferred_block is 5000": {"preferred_block": 5000},
             "rest_positions: shape": {"rest_positions": [[0, 1]]},
             "6 uvs of 5 vertices": {"uvs": np.zeros((6, 2))},
             "uv_polygons: not as many": {"polygons": [[0, 1, 2]], "uvs": np.zeros((9, 2)), "uv_polygons": [[0, 1, 2, 3]]},
