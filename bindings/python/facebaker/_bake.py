@@ -111,35 +111,31 @@ def bake(
 ) -> BakeResult:
     """Samples a live source, trains, packs, measures and verifies a face and writes its archive, complete or not at all.
 
-    source: a Rig, a Source, or what the tool takes: a dataset folder, a plugin, a glTF file, "exec:COMMAND", "sample".
-    out: the .fbk to write. recipe: one of recipes(). use: "backlot" preserves a character whose shots exist, which are
-    trained on; "variant" makes new ones. epochs: passes over the training poses; 0: the recipe's own. poses, mix,
-    rig_budget, skip_failing, examples: of a live source, as for sample. max_bytes: of the archive. max_error: largest
-    distance of a vertex, over the diagonal. force: write a face that meets neither; else LimitError. measure: "quality"
-    (normals, jitter, ...) and "locality", for the result. learning_curve: bake on parts of the poses too. licence: text.
-    created: a date; None: the same seed gives the same bytes. work: folder that keeps what resuming needs; None: beside
-    the archive, removed at the end. reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much
-    errors of normals count, 0 to 4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail:
-    a square PNG. exact: poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by
-    their share of the vertices; level_meshes: as files. threads: 0: all."""
+    source: a Rig, a Source, or what the tool takes: a dataset folder, a plugin, a glTF file, "exec:COMMAND",
+    "sample". out: the .fbk to write. recipe: one of recipes(). use: "backlot" preserves a character whose shots
+    exist, which are trained on; "variant" makes new ones. epochs: 0: the recipe's own. poses, mix, rig_budget,
+    skip_failing, examples: of a live source, as for sample. max_bytes: of the archive. max_error: largest distance of
+    a vertex, over the diagonal. force: write a face that meets neither; else LimitError. measure: "quality" and
+    "locality", for the result. learning_curve: bake on parts of the poses too. licence: text. created: a date; None:
+    the same seed gives the same bytes. work: folder that keeps what resuming needs; None: beside the archive, removed
+    at the end. reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much errors of
+    normals count, 0 to 4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail: a
+    square PNG. exact: poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail
+    by their share; level_meshes: as files. threads: 0: all."""
     desc = filled(b.BakeDesc, library.fb_bake_desc_fill)
     desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
     desc.use, desc.measure = _number(USES, use, "use"), _measures(measure)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed, force=force)
-    assign(desc, max_bytes=max_bytes, max_error=max_error, learning_curve=learning_curve, skip_failing=skip_failing)
-    assign(desc, normal_weight=normal_weight, cache_bytes=cache_bytes)
+    assign(desc, max_bytes=max_bytes, max_error=max_error, learning_curve=learning_curve)
+    assign(desc, skip_failing=skip_failing, normal_weight=normal_weight, cache_bytes=cache_bytes)
     desc.licence, desc.created = _optional_text(licence), _optional_text(created)
     desc.work, desc.reuse = _optional_path(work), _optional_path(reuse)
     desc.examples, desc.example_count = _paths(examples)
     desc.exact, desc.exact_count = _paths(exact)
-    desc.level_meshes, desc.level_mesh_count = _paths(level_meshes)
-    if level_shares:
-        desc.level_shares, desc.level_share_count = (c_double * len(level_shares))(*level_shares), len(level_shares)
+    _set_levels(desc, level_shares, level_meshes)
     _set_texts(desc, about, thumbnail)
-    with _opened(source, progress, note) as (opened, call):
-        desc.source, desc.callbacks = opened.handle, call.callbacks
-        report = _reported(call, library.fb_bake, desc, rig=opened.host_rig)
-    return BakeResult(report, call.notes, pathlib.Path(out))
+    report, notes = _run(library.fb_bake, desc, source, progress, note)
+    return BakeResult(report, notes, pathlib.Path(out))
 
 
 def compare(
@@ -164,10 +160,8 @@ def compare(
     assign(desc, learning_curve=learning_curve)
     desc.methods, desc.method_count = c_strings([text_bytes(method) for method in methods])
     desc.mix, desc.work = text_bytes(mix), _optional_path(work)
-    with _opened(source, progress, note) as (opened, call):
-        desc.source, desc.callbacks = opened.handle, call.callbacks
-        report = _reported(call, library.fb_compare, desc, rig=opened.host_rig)
-    return CompareResult(report, call.notes)
+    report, notes = _run(library.fb_compare, desc, source, progress, note)
+    return CompareResult(report, notes)
 
 
 def evaluate(
@@ -189,10 +183,8 @@ def evaluate(
     desc.split = -1 if split == "all" else _number(SPLITS, split, "split")
     opened_archive = Archive(archive)
     desc.archive = opened_archive.handle
-    with _opened(source, progress, note) as (opened, call):
-        desc.source, desc.callbacks = opened.handle, call.callbacks
-        report = _reported(call, library.fb_eval, desc, rig=opened.host_rig)
-    return EvalResult(report, call.notes)
+    report, notes = _run(library.fb_eval, desc, source, progress, note)
+    return EvalResult(report, notes)
 
 
 def verify(archive: AnyArchive) -> VerifyResult:
@@ -264,6 +256,13 @@ def _opened(source: AnySource, progress: Progress, note: Note) -> Iterator[Tuple
         yield opened, call
 
 
+def _run(function: Any, desc: Any, source: AnySource, progress: Progress, note: Note) -> Tuple[c_void_p, List[str]]:
+    """The report of a call on a source, and its notes."""
+    with _opened(source, progress, note) as (opened, call):
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        return _reported(call, function, desc, rig=opened.host_rig), call.notes
+
+
 def _reported(call: Call, function: Any, *arguments: Any, rig: Any = None) -> c_void_p:
     """Runs a call and gives its report, which the caller owns."""
     report = c_void_p()
@@ -279,6 +278,11 @@ def _plan(clip: Clip, source: Source) -> Clip:
     controls = floats(clip.controls, (None, len(source.controls)), f'clip "{clip.name}": controls')
     _number(SPLITS, clip.split, "split")
     return Clip(clip.name, controls, clip.kind, clip.split, clip.fps)
+
+
+def _set_levels(desc: b.BakeDesc, shares: Sequence[float], meshes: Sequence[Place]) -> None:
+    desc.level_meshes, desc.level_mesh_count = _paths(meshes)
+    desc.level_shares, desc.level_share_count = (c_double * len(shares))(*shares), len(shares)
 
 
 def _set_texts(desc: Any, about: Optional[About], thumbnail: Optional[bytes]) -> None:
