@@ -134,7 +134,7 @@ def build_libraries(build):
     """Has CMake build them; see CONTRIBUTING.md for what it needs."""
     subprocess.run(["cmake", "-S", ROOT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DFB_TESTS=OFF"], check=True)
     targets = [f"lib{name}" for name in LIBRARIES]
-    subprocess.run(["cmake", "--build", build, "--parallel", "--target", *targets], check=True)
+    subprocess.run(["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1), "--target", *targets], check=True)
     return build / "lib"
 
 
