@@ -59,6 +59,7 @@ const std::map<std::string, Layers>& law() {
     may["bake/dataset"] = with(may["bake/rig"], {"bake/rig", "bake/rig_process"});
     may["bake/analysis"] = with(nouns, {"bake/linalg", "bake/rig"});
     may["bake/sampling"] = with(with(nouns, data), {"bake/analysis"});
+    may["bake/check"] = with(with(nouns, data), {"bake/sampling"});
     may["bake/regions"] = with(nouns, {"bake/linalg", "bake/rig", "bake/analysis"});
     may["bake/train"] = with(nouns, {"bake/linalg"});
     may["bake/compress"] = with(written, {"bake/linalg"});
@@ -73,7 +74,7 @@ const std::map<std::string, Layers>& law() {
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] =
-        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process"});
+        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check"});
     may["packager"] = {"base", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -1,5 +1,6 @@
 #include "bake/dataset/dataset_index.h"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -75,6 +76,11 @@ class Field {
   std::uint64_t count() const {
     if (!value_.is_number_unsigned() || value_.get<std::uint64_t>() == 0) refuse("is no positive whole number");
     return value_.get<std::uint64_t>();
+  }
+
+  bool flag() const {
+    if (!value_.is_boolean()) refuse("is neither true nor false");
+    return value_.get<bool>();
   }
 
   std::vector<Field> items() const {
@@ -158,45 +164,88 @@ DatasetIndex::Entry read_entry(const Field& field) {
   return entry;
 }
 
-DatasetIndex read_index(const Field& root) {
-  DatasetIndex index;
-  if (!root.has("format") || root["format"].text() != format_name)
-    root.refuse(format("its \"format\" is not \"%s\"", format_name));
-  if (const double version = root["version"].number(); version != format_version)
-    root["version"].refuse(format("is %g; this program reads %d", version, format_version), Status::unsupported);
-  index.schema.name = root["name"].text();
-  index.schema.units = root["units"].text();
-  index.schema.up_axis = root["up_axis"].text();
-  if (index.schema.up_axis != "y" && index.schema.up_axis != "z") root["up_axis"].refuse("is neither \"y\" nor \"z\"");
-  const Field rest = root["rest"];
-  if (rest.is_text()) {
-    index.rest_mesh = rest.text();
-  } else {
-    index.rest_arrays.points = rest["points"].text();
-    index.rest_arrays.faces = rest["faces"].text();
-    if (rest.has("uvs") || rest.has("uv_faces")) {
-      index.rest_arrays.uvs = rest["uvs"].text();
-      index.rest_arrays.uv_faces = rest["uv_faces"].text();
+// Calls read(), or adds what is wrong to a list where there is one.
+class Attempts {
+ public:
+  explicit Attempts(std::vector<std::string>* faults) : faults_(faults) {}
+
+  template <class Read>
+  bool operator()(Read&& read) const {
+    if (!faults_) return read(), true;
+    try {
+      read();
+      return true;
+    } catch (const Error& error) {
+      faults_->push_back(error.what());
+      return false;
     }
   }
-  for (const Field& item : root["controls"].items()) index.schema.controls.push_back(read_control(item));
+
+ private:
+  std::vector<std::string>* faults_;
+};
+
+void read_rest(const Field& rest, DatasetIndex& index) {
+  if (rest.is_text()) {
+    index.rest_mesh = rest.text();
+    return;
+  }
+  index.rest_arrays.points = rest["points"].text();
+  index.rest_arrays.faces = rest["faces"].text();
+  if (rest.has("uvs") || rest.has("uv_faces")) {
+    index.rest_arrays.uvs = rest["uvs"].text();
+    index.rest_arrays.uv_faces = rest["uv_faces"].text();
+  }
+}
+
+void read_clips(const Field& root, DatasetIndex& index, const Attempts& attempt) {
   std::unordered_set<std::string> names;
-  for (const Field& item : root["clips"].items()) {
-    index.clips.push_back(read_entry(item));
-    if (!names.insert(index.clips.back().name).second)
-      item.refuse(format("clip name \"%s\" occurs twice", index.clips.back().name.c_str()));
-  }
-  root.read_character(index);
-  if (root.has("skin")) {
-    index.skin_joints = root["skin"]["joints"].text();
-    index.skin_weights = root["skin"]["weights"].text();
-  }
-  if (root.has("sampling")) {
-    const Field sampling = root["sampling"];
-    index.sampling =
-        DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count()};
-    if (sampling.has("left_out")) index.sampling->left_out = sampling["left_out"].count();
-  }
+  for (const Field& item : root["clips"].items())
+    attempt([&] {
+      DatasetIndex::Entry entry = read_entry(item);
+      if (!names.insert(entry.name).second) item.refuse(format("clip name \"%s\" occurs twice", entry.name.c_str()));
+      index.clips.push_back(std::move(entry));
+    });
+}
+
+void read_sampling(const Field& sampling, DatasetIndex& index) {
+  index.sampling =
+      DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count()};
+  if (sampling.has("left_out")) index.sampling->left_out = sampling["left_out"].count();
+}
+
+// `schema_only`: rest mesh and clips may be missing.
+DatasetIndex read_index(const Field& root, const Attempts& attempt, bool schema_only) {
+  DatasetIndex index;
+  attempt([&] {
+    if (!root.has("format") || root["format"].text() != format_name)
+      root.refuse(format("its \"format\" is not \"%s\"", format_name));
+  });
+  attempt([&] {
+    if (const double version = root["version"].number(); version != format_version)
+      root["version"].refuse(format("is %g; this program reads %d", version, format_version), Status::unsupported);
+  });
+  attempt([&] { index.schema.name = root["name"].text(); });
+  attempt([&] { index.schema.units = root["units"].text(); });
+  attempt([&] {
+    const std::string axis = root["up_axis"].text();
+    if (axis != "y" && axis != "z") root["up_axis"].refuse("is neither \"y\" nor \"z\"");
+    index.schema.up_axis = axis;
+  });
+  if (!schema_only || root.has("rest")) attempt([&] { read_rest(root["rest"], index); });
+  attempt([&] {
+    for (const Field& item : root["controls"].items())
+      attempt([&] { index.schema.controls.push_back(read_control(item)); });
+  });
+  if (!schema_only) attempt([&] { read_clips(root, index, attempt); });
+  attempt([&] { root.read_character(index); });
+  if (root.has("skin"))
+    attempt([&] {
+      index.skin_joints = root["skin"]["joints"].text();
+      index.skin_weights = root["skin"]["weights"].text();
+    });
+  if (root.has("sampling") && !schema_only) attempt([&] { read_sampling(root["sampling"], index); });
+  if (root.has("plan") && !schema_only) attempt([&] { index.plan = root["plan"].flag(); });
   return index;
 }
 
@@ -211,8 +260,9 @@ fs::path dataset_path(const fs::path& folder, const std::string& name) {
   return with_context(shown(folder / dataset_file), [&] { return path_inside(folder, name); });
 }
 
-DatasetIndex read_dataset_index(const fs::path& folder) {
-  const fs::path path = folder / dataset_file;
+namespace {
+
+DatasetIndex parse_index(const fs::path& path, const Attempts& attempt, bool schema_only) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 28);
   const char* text = reinterpret_cast<const char*>(bytes.data());
   with_context(shown(path), [&] { check_json_depth({text, bytes.size()}); });
@@ -223,13 +273,30 @@ DatasetIndex read_dataset_index(const fs::path& folder) {
     const std::string why = error.what();  // "[json.exception...] parse error at line 3, ..."
     fail(Status::bad_data, "%s: is no JSON: %s", shown(path).c_str(), why.substr(why.find("] ") + 2).c_str());
   }
-  DatasetIndex index = read_index(Field(root, path));
-  try {
-    check(index.schema);
-  } catch (const Error& error) {
-    fail(error.status(), "%s: %s", shown(path).c_str(), error.what());
-  }
+  return read_index(Field(root, path), attempt, schema_only);
+}
+
+DatasetIndex read_checked(const fs::path& path, bool schema_only) {
+  DatasetIndex index = parse_index(path, Attempts(nullptr), schema_only);
+  with_context(shown(path), [&] { check(index.schema); });
   return index;
+}
+
+}  // namespace
+
+DatasetIndex read_dataset_index(const fs::path& folder) {
+  return read_checked(folder / dataset_file, false);
+}
+
+DatasetIndex read_dataset_index(const fs::path& folder, std::vector<std::string>& faults) {
+  DatasetIndex index;
+  const Attempts attempt(&faults);
+  attempt([&] { index = parse_index(folder / dataset_file, attempt, false); });
+  return index;
+}
+
+DatasetIndex read_dataset_schema(const fs::path& file) {
+  return read_checked(file, true);
 }
 
 void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
@@ -275,6 +342,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
                         {"plan", format("%016" PRIx64, index.sampling->plan)},
                         {"shard_frames", index.sampling->shard_frames}};
   if (index.sampling && index.sampling->left_out > 0) root["sampling"]["left_out"] = index.sampling->left_out;
+  if (index.plan) root["plan"] = true;
   try {
     write_file(folder / dataset_file, root.dump(1) + "\n");
   } catch (const json::exception& error) {
@@ -284,12 +352,19 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
 
 std::string shard_name(const std::string& name, std::size_t number) {
   std::size_t end = name.size();
-  for (const char* suffix : {".points.npy", ".controls.npy", ".channels.npy", ".npy"})
+  for (const char* suffix :
+       {".points.npy", ".controls.npy", ".channels.npy", ".npy", ".points.mdd", ".mdd", ".points.pc2", ".pc2"})
     if (name.ends_with(suffix)) {
       end = name.size() - std::char_traits<char>::length(suffix);
       break;
     }
   return name.substr(0, end) + format(".%03zu", number) + name.substr(end);
+}
+
+bool has_shards(const fs::path& folder, const std::vector<std::string>& names) {
+  const auto there = [&](const std::string& name) { return fs::exists(dataset_path(folder, name)); };
+  if (names.size() == 1 && there(shard_name(names[0], 0))) return true;
+  return std::all_of(names.begin(), names.end(), there);
 }
 
 std::vector<fs::path> shard_files(const fs::path& folder, const std::vector<std::string>& names) {

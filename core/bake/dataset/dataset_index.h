@@ -44,6 +44,8 @@ struct DatasetIndex {
   std::string skin_joints, skin_weights;  // files of the skin; empty: none
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
+  // The folder is a plan: points that clips name and that are not there yet are to be evaluated by some program.
+  bool plan = false;
 };
 
 inline constexpr const char* dataset_file = "dataset.json";
@@ -55,12 +57,19 @@ std::filesystem::path dataset_path(const std::filesystem::path& folder, const st
 // Reads folder/dataset.json. Fails naming file and field on another format or version and on every field that is
 // missing, of the wrong type or out of its words. Fields it does not know are ignored.
 DatasetIndex read_dataset_index(const std::filesystem::path& folder);
+// The same, but what is wrong is added to `faults`, one sentence each, and left out of the result; whether the schema
+// makes sense is not checked.
+DatasetIndex read_dataset_index(const std::filesystem::path& folder, std::vector<std::string>& faults);
+// Reads a file of the same format that need have neither a rest mesh nor clips, such as who plans poses writes by hand.
+DatasetIndex read_dataset_schema(const std::filesystem::path& file);
 void write_dataset_index(const std::filesystem::path& folder, const DatasetIndex& index);
 
 // The files of a clip's array: `names` as they are, or the numbered shards that a single missing name stands for. Fails
 // if both are there, if a shard between others is missing, and as dataset_path does.
 std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder,
                                                const std::vector<std::string>& names);
+// Whether shard_files has any: of several names, all of them; of one, the file or its first shard.
+bool has_shards(const std::filesystem::path& folder, const std::vector<std::string>& names);
 // "x.points.npy", 7 -> "x.007.points.npy".
 std::string shard_name(const std::string& name, std::size_t number);
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/dataset/dataset_character.h"
 #include "bake/dataset/dataset_index.h"
-#include "bake/dataset/npy_skin.h"
 #include "bake/rig/channel_points.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -15,11 +15,11 @@ namespace fb::bake {
 ShardedArray::ShardedArray(const std::vector<std::filesystem::path>& files, const std::vector<std::size_t>& row,
                            const char* need) {
   for (const std::filesystem::path& path : files) {
-    NpyFile file(path);
-    if (!std::equal(file.shape().begin() + 1, file.shape().end(), row.begin(), row.end()))
-      fail(Status::bad_data, "%s: shape %s where %s is needed", shown(path).c_str(), file.shape_text().c_str(), need);
-    if (file.rows() == 0) fail(Status::bad_data, "%s: has no frames", shown(path).c_str());
-    ends_.push_back(checked_add(rows(), file.rows(), shown(path).c_str()));
+    auto file = open_array(path);
+    if (!std::equal(file->shape().begin() + 1, file->shape().end(), row.begin(), row.end()))
+      fail(Status::bad_data, "%s: shape %s where %s is needed", shown(path).c_str(), file->shape_text().c_str(), need);
+    if (file->rows() == 0) fail(Status::bad_data, "%s: has no frames", shown(path).c_str());
+    ends_.push_back(checked_add(rows(), file->rows(), shown(path).c_str()));
     shards_.push_back(std::move(file));
   }
 }
@@ -29,12 +29,12 @@ std::size_t ShardedArray::shard_of(std::size_t row) const {
 }
 
 const std::filesystem::path& ShardedArray::file_of(std::size_t row) const {
-  return shards_.at(shard_of(row)).path();
+  return shards_.at(shard_of(row))->path();
 }
 
 void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> values) const {
   for (std::size_t shard = shard_of(first); count > 0; ++shard) {
-    const NpyFile& file = shards_.at(shard);
+    const ArrayFile& file = *shards_.at(shard);
     const std::size_t local = first - (ends_[shard] - file.rows()), here = std::min(count, file.rows() - local);
     file.read(local, here, values.first(here * file.row_size()));
     values = values.subspan(here * file.row_size());
@@ -46,67 +46,72 @@ void ShardedArray::read(std::size_t first, std::size_t count, std::span<float> v
 DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(folder) {
   const DatasetIndex index = read_dataset_index(folder);
   schema_ = index.schema;
-  rest_ = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays)
-                                  : read_mesh(dataset_path(folder, index.rest_mesh));
-  read_character(index);
-  const std::size_t width = schema_.control_count();
-  const std::string controls_need = format("(frames, %zu)", width);
-  for (const DatasetIndex::Entry& entry : index.clips) {
-    const ShardedArray controls(shard_files(folder, entry.controls), {width}, controls_need.c_str());
-    Clip clip{entry.name, entry.kind, entry.split, entry.fps, controls.rows(), {}};
-    clip.controls.resize(checked_multiply(clip.frames, width, "controls"));
-    controls.read(0, clip.frames, clip.controls);
-    for (std::size_t i = 0; i < clip.controls.size(); ++i)
-      if (!std::isfinite(clip.controls[i]))
-        fail(Status::not_finite, "%s: clip \"%s\", frame %zu: control \"%s\" is not finite",
-             shown(controls.file_of(i / width)).c_str(), clip.name.c_str(), i / width,
-             schema_.controls[i % width].name.c_str());
-    note_range(clip);
-    const bool sampled = index.sampling.has_value(), plan = entry.points.empty(), channels = !schema_.channels.empty();
-    if (channels && !plan && entry.channels.empty())
-      fail(Status::bad_data, "%s: clip \"%s\" has points but no channels", shown(folder / dataset_file).c_str(),
-           clip.name.c_str());
-    ShardedArray points, values;
-    if (!plan) points = open_shards(entry.points, {rest_.vertex_count(), 3}, "points", clip, sampled);
-    if (!plan && channels) values = open_shards(entry.channels, {schema_.channels.size()}, "channels", clip, sampled);
-    clips_.push_back(std::move(clip));
-    points_.push_back(std::move(points));
-    channels_.push_back(std::move(values));
-  }
+  rest_ = read_rest_mesh(folder, index);
+  character_ = read_dataset_character(folder, index, rest_);
+  for (const DatasetIndex::Entry& entry : index.clips) add_clip(entry, index);
   with_context(shown(folder / dataset_file), [&] {
     check_source(schema_, rest_, character_);
     check_clips(clips_);
   });
+  note_plan();
   diagonal_ = rest_.diagonal();
   add_channel_vertices(schema_, rest_);
 }
 
-// `row`: shape of a frame; `what`: "points".
+void DatasetSource::add_clip(const DatasetIndex::Entry& entry, const DatasetIndex& index) {
+  const std::size_t width = schema_.control_count();
+  const ShardedArray controls(shard_files(folder_, entry.controls), {width}, format("(frames, %zu)", width).c_str());
+  Clip clip{entry.name, entry.kind, entry.split, entry.fps, controls.rows(), {}};
+  clip.controls.resize(checked_multiply(clip.frames, width, "controls"));
+  controls.read(0, clip.frames, clip.controls);
+  for (std::size_t i = 0; i < clip.controls.size(); ++i)
+    if (!std::isfinite(clip.controls[i]))
+      fail(Status::not_finite, "%s: clip \"%s\", frame %zu: control \"%s\" is not finite",
+           shown(controls.file_of(i / width)).c_str(), clip.name.c_str(), i / width,
+           schema_.controls[i % width].name.c_str());
+  note_range(clip);
+  const bool plan = entry.points.empty(), channels = !schema_.channels.empty();
+  if (channels && !plan && entry.channels.empty())
+    fail(Status::bad_data, "%s: clip \"%s\" has points but no channels", shown(folder_ / dataset_file).c_str(),
+         clip.name.c_str());
+  ShardedArray points, values;
+  if (!plan) points = open_shards(entry.points, {rest_.vertex_count(), 3}, "points", clip, index);
+  if (points.rows() > 0 && channels)
+    values = open_shards(entry.channels, {schema_.channels.size()}, "channels", clip, index);
+  if (channels && values.rows() == 0) points = {};
+  clips_.push_back(std::move(clip));
+  points_.push_back(std::move(points));
+  channels_.push_back(std::move(values));
+}
+
+// `row`: shape of a frame; `what`: "points". Empty where a plan waits for frames.
 ShardedArray DatasetSource::open_shards(const std::vector<std::string>& names, const std::vector<std::size_t>& row,
-                                        const char* what, const Clip& clip, bool sampled) const {
+                                        const char* what, const Clip& clip, const DatasetIndex& index) const {
   for (const std::string& name : names)
-    if (sampled && !std::filesystem::exists(dataset_path(folder_, name)))
+    if (index.sampling && !std::filesystem::exists(dataset_path(folder_, name)))
       fail(Status::not_found, "%s: no such file: sampling stopped before it; sample again with the same options",
            shown(folder_ / name).c_str());
+  if (index.plan && !has_shards(folder_, names)) return {};
   std::string need = "(frames";
   for (const std::size_t size : row) need += format(", %zu", size);
   ShardedArray array(shard_files(folder_, names), row, (need + ")").c_str());
+  if (index.plan && array.rows() < clip.frames) return {};
   if (array.rows() != clip.frames)
     fail(Status::bad_data, "%s: clip \"%s\" has %zu frames of controls and %zu frames of %s", shown(folder_).c_str(),
          clip.name.c_str(), clip.frames, array.rows(), what);
   return array;
 }
 
-void DatasetSource::read_character(const DatasetIndex& index) {
-  constexpr std::uint64_t most_image_bytes = std::uint64_t{1} << 30;
-  rest_.parts = index.parts;
-  character_ = index.character;
-  for (std::size_t i = 0; i < character_.images.size(); ++i)
-    character_.images[i].bytes = read_file(dataset_path(folder_, index.image_files[i]), most_image_bytes);
-  for (Socket& socket : character_.sockets) set_default_frame(socket, rest_.points);
-  if (!index.skin_joints.empty())
-    character_.skin = read_npy_skin(dataset_path(folder_, index.skin_joints), dataset_path(folder_, index.skin_weights),
-                                    rest_.vertex_count());
+// Clips that wait for points are left out of whatever reads poses.
+void DatasetSource::note_plan() {
+  std::string names;
+  std::size_t clips = 0;
+  for (std::size_t c = 0; c < clips_.size(); ++c)
+    if (!readable(c) && ++clips <= 3) names += (clips > 1 ? ", \"" : "\"") + clips_[c].name + "\"";
+  if (clips > 3) names += format(" and %zu more", clips - 3);
+  if (clips > 0)
+    notes_.push_back(format("%s, those of %s, are left out: they have no points, or not those of all frames",
+                            planned_text(*this).c_str(), names.c_str()));
 }
 
 // Recorded values outside their range are what the rig was posed with: they are kept and noted.

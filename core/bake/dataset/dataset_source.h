@@ -1,11 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bake/dataset/array_file.h"
 #include "bake/dataset/dataset_index.h"
-#include "bake/dataset/npy.h"
 #include "bake/rig/source.h"
 
 namespace fb::bake {
@@ -25,7 +26,7 @@ class ShardedArray {
 
  private:
   std::size_t shard_of(std::size_t row) const;
-  std::vector<NpyFile> shards_;
+  std::vector<std::unique_ptr<const ArrayFile>> shards_;
   std::vector<std::size_t> ends_;  // rows up to and with each shard
 };
 
@@ -34,7 +35,8 @@ class ShardedArray {
 class DatasetSource final : public Source {
  public:
   // Fails by file, field, frame, control on anything missing, truncated, mis-shaped, doubled or not finite, and
-  // as check_source does.
+  // as check_source does. Of a plan, clips may have no points yet, or not those of all frames: these are not readable,
+  // and a note says how many there are.
   explicit DatasetSource(const std::filesystem::path& folder);
 
   const RigSchema& schema() const override { return schema_; }
@@ -48,9 +50,10 @@ class DatasetSource final : public Source {
 
  private:
   ShardedArray open_shards(const std::vector<std::string>& names, const std::vector<std::size_t>& row, const char* what,
-                           const Clip& clip, bool sampled) const;
+                           const Clip& clip, const DatasetIndex& index) const;
+  void add_clip(const DatasetIndex::Entry& entry, const DatasetIndex& index);
   void note_range(const Clip& clip);
-  void read_character(const DatasetIndex& index);
+  void note_plan();
 
   std::filesystem::path folder_;
   RigSchema schema_;

@@ -119,15 +119,10 @@ class HeaderParser {
   const char* file_;
 };
 
-std::string tuple_text(const std::vector<std::size_t>& shape) {
-  std::string text = "(";
-  for (std::size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
-  return text + (shape.size() == 1 ? ",)" : ")");
-}
-
 // A header of version 1, padded so that the data begins at a multiple of 64.
 std::string header_bytes(const char* type, const std::vector<std::size_t>& shape) {
-  std::string text = format("{'descr': '%s', 'fortran_order': False, 'shape': %s, }", type, tuple_text(shape).c_str());
+  std::string text =
+      format("{'descr': '%s', 'fortran_order': False, 'shape': %s, }", type, text_of_shape(shape).c_str());
   const std::size_t before = magic.size() + 4;
   text.append(63 - (before + text.size()) % 64, ' ');
   text += '\n';
@@ -153,9 +148,9 @@ void convert(const std::vector<std::byte>& bytes, To* to) {
 
 }  // namespace
 
-NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
-  const InputFile file(path_);
-  const std::string text_of_path = shown(path_);
+NpyFile::NpyFile(std::filesystem::path from) : ArrayFile(std::move(from)) {
+  const InputFile file(path());
+  const std::string text_of_path = shown(path());
   const char* name = text_of_path.c_str();
   unsigned char start[12] = {};
   const std::size_t got = file.read_at(0, std::as_writable_bytes(std::span(start)));
@@ -171,12 +166,11 @@ NpyFile::NpyFile(std::filesystem::path path) : path_(std::move(path)) {
   std::string text(length, '\0');
   if (file.read_at(header, std::as_writable_bytes(std::span(text))) != length)
     fail(Status::bad_data, "%s: is truncated in its header", name);
-  data_ = header + length;
-  parse_header(text);
+  parse_header(text, header + length);
 }
 
-void NpyFile::parse_header(const std::string& header) {
-  const std::string text_of_path = shown(path_);
+void NpyFile::parse_header(const std::string& header, std::size_t data) {
+  const std::string text_of_path = shown(path());
   const char* name = text_of_path.c_str();
   const HeaderParser::Fields fields = HeaderParser(header, name).parse();
   const std::string& type = fields.type;
@@ -188,54 +182,22 @@ void NpyFile::parse_header(const std::string& header) {
   if (fields.shape.empty()) fail(Status::bad_data, "%s: is a single number, not an array", name);
   kind_ = type[1];
   width_ = static_cast<std::size_t>(type[2] - '0');
-  shape_ = fields.shape;
-  row_size_ = product(shape_, 1, name);
-  const std::size_t row_bytes = checked_multiply(row_size_, width_, name);
-  const std::size_t size = checked_add(data_, checked_multiply(rows(), row_bytes, name), name);
-  std::error_code error;
-  const std::size_t actual = std::filesystem::file_size(path_, error);
-  if (error) fail(Status::io, "%s: %s", name, error.message().c_str());
-  if (actual < size)
-    fail(Status::bad_data, "%s: is truncated: shape %s needs %zu bytes, there are %zu (the last whole row is %zu)",
-         name, shape_text().c_str(), size, actual, actual < data_ || row_bytes == 0 ? 0 : (actual - data_) / row_bytes);
-  if (actual > size)
-    fail(Status::bad_data, "%s: is %zu bytes longer than shape %s needs", name, actual - size, shape_text().c_str());
+  set_shape(fields.shape, data, width_);
 }
 
-std::string NpyFile::shape_text() const {
-  return tuple_text(shape_);
-}
-
-std::vector<std::byte> NpyFile::read_bytes(std::size_t first, std::size_t count) const {
-  const InputFile file(path_);
-  std::vector<std::byte> bytes(count * row_size_ * width_);
-  if (file.read_at(data_ + first * row_size_ * width_, bytes) != bytes.size())
-    fail(Status::io, "%s: became shorter while it was read", shown(path_).c_str());
-  return bytes;
-}
-
-void NpyFile::read(std::size_t first, std::size_t count, std::span<float> values) const {
-  if (first > rows() || count > rows() - first)
-    fail(Status::invalid_argument, "%s: has no rows %zu..%zu, only %zu", shown(path_).c_str(), first, first + count,
-         rows());
-  if (values.size() != count * row_size_)
-    fail(Status::invalid_argument, "%s: room for %zu numbers where %zu are read", shown(path_).c_str(), values.size(),
-         count * row_size_);
-  if (kind_ == 'f' && width_ == 4) {
-    const InputFile file(path_);
-    if (file.read_at(data_ + first * row_size_ * width_, std::as_writable_bytes(values)) != values.size_bytes())
-      fail(Status::io, "%s: became shorter while it was read", shown(path_).c_str());
-    return;
-  }
-  const std::vector<std::byte> bytes = read_bytes(first, count);
+void NpyFile::read_rows(std::size_t first, std::span<float> values) const {
+  if (kind_ == 'f' && width_ == 4) return read_bytes(first, std::as_writable_bytes(values));
+  std::vector<std::byte> bytes(values.size() * width_);
+  read_bytes(first, bytes);
   if (kind_ == 'f') return convert<double>(bytes, values.data());
   if (width_ == 4) return convert<std::int32_t>(bytes, values.data());
   convert<std::int64_t>(bytes, values.data());
 }
 
 std::vector<std::int32_t> NpyFile::read_integers() const {
-  if (!integer()) fail(Status::bad_data, "%s: holds floats where integers are needed", shown(path_).c_str());
-  const std::vector<std::byte> bytes = read_bytes(0, rows());
+  if (!integer()) fail(Status::bad_data, "%s: holds floats where integers are needed", shown(path()).c_str());
+  std::vector<std::byte> bytes(rows() * row_size() * width_);
+  read_bytes(0, bytes);
   std::vector<std::int32_t> values(bytes.size() / width_);
   if (width_ == 4) {
     convert<std::int32_t>(bytes, values.data());
@@ -245,7 +207,7 @@ std::vector<std::int32_t> NpyFile::read_integers() const {
   convert<std::int64_t>(bytes, wide.data());
   for (std::size_t i = 0; i < wide.size(); ++i) {
     if (wide[i] < INT32_MIN || wide[i] > INT32_MAX)
-      fail(Status::bad_data, "%s: value %zu, %lld, does not fit 32 bits", shown(path_).c_str(), i,
+      fail(Status::bad_data, "%s: value %zu, %lld, does not fit 32 bits", shown(path()).c_str(), i,
            static_cast<long long>(wide[i]));
     values[i] = static_cast<std::int32_t>(wide[i]);
   }
@@ -280,7 +242,7 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
                std::span<const std::int32_t> values) {
   if (values.size() != product(shape, 0, shown(path).c_str()))
     fail(Status::internal, "%s: %zu numbers in shape %s", shown(path).c_str(), values.size(),
-         tuple_text(shape).c_str());
+         text_of_shape(shape).c_str());
   const std::string header = header_bytes("<i4", shape);
   AtomicFile file(path);
   file.write(std::as_bytes(std::span(header)));

@@ -9,37 +9,25 @@
 #include <string>
 #include <vector>
 
+#include "bake/dataset/array_file.h"
 #include "base/file.h"
 
 namespace fb::bake {
 
-// An array whose rows are read when they are needed. Opening reads the header only, and checks that the file has the
-// size it declares. Reading is safe from several threads: nothing is kept open between calls.
-class NpyFile {
+class NpyFile final : public ArrayFile {
  public:
   // Fails naming the file: missing, no array, another version, type, byte order or layout, truncated.
   explicit NpyFile(std::filesystem::path path);
 
-  const std::filesystem::path& path() const { return path_; }
-  const std::vector<std::size_t>& shape() const { return shape_; }
-  std::string shape_text() const;  // "(20, 3)"
-  std::size_t rows() const { return shape_.at(0); }
-  std::size_t row_size() const { return row_size_; }  // numbers in one row
   bool integer() const { return kind_ == 'i'; }
-
-  // Rows [first, first + count) as floats; doubles and integers are rounded to the nearest float.
-  void read(std::size_t first, std::size_t count, std::span<float> values) const;
   // All values of an integer array; fails on one that does not fit 32 bits.
   std::vector<std::int32_t> read_integers() const;
 
  private:
-  void parse_header(const std::string& header);
-  std::vector<std::byte> read_bytes(std::size_t first, std::size_t count) const;
+  void parse_header(const std::string& header, std::size_t data);
+  // Doubles and integers are rounded to the nearest float.
+  void read_rows(std::size_t first, std::span<float> values) const override;
 
-  std::filesystem::path path_;
-  std::vector<std::size_t> shape_;
-  std::size_t row_size_ = 0;
-  std::size_t data_ = 0;   // byte offset of the numbers
   char kind_ = 'f';        // 'f' or 'i'
   std::size_t width_ = 4;  // bytes a number
 };

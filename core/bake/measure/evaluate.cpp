@@ -187,6 +187,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
   for (const Clip& clip : source.clips()) {
     if (!wanted(clip)) continue;
     const PoseSet poses(source, [&](const Clip& other) { return &other == &clip; });
+    if (poses.size() == 0) continue;  // a plan
     const Sums sums = measure(face, poses, clip.kind == ClipKind::shot, by, parallel, progress, done);
     report.clips.push_back({clip.name, clip.kind, clip.split, sums.errors.figures(report.diagonal),
                             sums.quality ? sums.quality->frames() : std::vector<FrameErrors>()});

@@ -143,9 +143,7 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   if (baked.held_back.total.frames > 0) progress.note(text_of(baked.held_back));
   const PoseSet poses = independent_poses(source);
   if (poses.size() > 0) {
-    const auto& clips = source.clips();
-    if (std::none_of(clips.begin(), clips.end(), [](const Clip& clip) { return clip.split == Split::test; }))
-      baked.independent_split = Split::validation;
+    baked.independent_split = source.clips()[poses.ranges()[0].clip].split;
     measure_unless_failing("on clips that were not trained on", source, options, progress, [&] {
       const PurposeScope purpose(source, EvaluationPurpose::clips);
       baked.independent =
@@ -294,9 +292,12 @@ BakeOptions with_plan(const BakeOptions& options, const LevelPlan& plan) {
 PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& given, Progress& progress) {
   const Recipe& recipe = checked_recipe(given);
   const PoseSet poses = training_poses(data, given.use);
-  if (poses.size() == 0)
-    fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s",
-         data.schema().name.c_str(), name_of(given.use), given.use == Use::variant ? " that is not a shot" : "");
+  if (poses.size() == 0) {
+    const std::string planned = planned_text(data);
+    fail(Status::bad_data, "\"%s\" has no poses to train a %s on: no clip of the split train%s%s%s",
+         data.schema().name.c_str(), name_of(given.use), given.use == Use::variant ? " that is not a shot" : "",
+         planned.empty() ? "" : " with points; they are missing for ", planned.c_str());
+  }
   make_folder(given.work);
   const LevelPlan plan = plan_levels(poses, rig ? rig->character() : data.character(), given, progress);
   const BakeOptions options = with_plan(given, plan);

@@ -30,8 +30,7 @@ void check_methods(const std::vector<std::string>& methods) {
 
 void check_splits(Source& data) {
   const char* const name = data.schema().name.c_str();
-  const auto is_test = [](const Clip& clip) { return clip.split == Split::test; };
-  if (std::none_of(data.clips().begin(), data.clips().end(), is_test))
+  if (PoseSet(data, [](const Clip& clip) { return clip.split == Split::test; }).size() == 0)
     fail(Status::bad_data,
          "\"%s\" has no test split: mark clips that are left out of training with \"split\": \"test\"", name);
   if (training_poses(data, Use::backlot).size() == 0)

@@ -7,7 +7,7 @@ namespace fb::bake {
 PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted) : source_(&source) {
   for (std::size_t c = 0; c < source.clips().size(); ++c) {
     const Clip& clip = source.clips()[c];
-    if (!wanted(clip) || clip.frames == 0) continue;
+    if (!wanted(clip) || clip.frames == 0 || !source.readable(c)) continue;
     ranges_.push_back({c, 0, clip.frames, size_});
     size_ += clip.frames;
   }

@@ -13,7 +13,7 @@ namespace fb::bake {
 // Frames picked from the clips of a source, numbered as poses 0 to size() - 1: what is trained on, or measured.
 class PoseSet {
  public:
-  // All frames of the clips for which `wanted` is true. The source must outlive the set.
+  // All frames of the clips for which `wanted` is true and which are readable. The source must outlive the set.
   PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted);
 
   // `count` of the poses, evenly spaced; all if there are no more.

@@ -49,6 +49,15 @@ const Character& Source::character() const {
   return none;
 }
 
+std::string planned_text(const Source& source) {
+  std::size_t poses = 0, planned = 0;
+  for (std::size_t c = 0; c < source.clips().size(); ++c) {
+    poses += source.clips()[c].frames;
+    planned += source.readable(c) ? 0 : source.clips()[c].frames;
+  }
+  return planned > 0 ? format("%zu of %zu poses", planned, poses) : "";
+}
+
 std::unique_ptr<EvaluationBackend> Source::make_backend(const Parallel& parallel) {
   return std::make_unique<ThreadBackend>(*this, parallel);
 }

@@ -101,6 +101,9 @@ class Source {
   virtual std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel);
 };
 
+// "1200 of 2000 poses": how many are in clips that are not readable; "" if none are.
+std::string planned_text(const Source& source);
+
 inline constexpr std::size_t most_preferred_poses = 4096;
 
 // What opening a source returns. Clips, schema and mesh are the source's own, so only a source with a name can be asked

@@ -128,6 +128,16 @@ ControlResponses::ControlResponses(RigEvaluator& rig, std::uint64_t budget, Prog
   find_opposed();
 }
 
+ControlResponses::ControlResponses(const RigSchema& schema)
+    : answered_(schema.control_count()),
+      motion_(schema.control_count(), 1),
+      bend_(schema.control_count()),
+      jumps_(schema.control_count()),
+      directions_(2 * schema.control_count()) {
+  find_groups(schema);
+  find_opposed();
+}
+
 std::size_t ControlResponses::poses_within(const RigSchema& schema, std::uint64_t budget) {
   std::size_t poses = 0;
   for (const Control& control : schema.controls)

@@ -31,6 +31,8 @@ class ControlResponses {
   // may ask for; 0: no limit. Without one, also closes in on the jumps of controls that are much steeper between two of
   // their poses than beside them.
   ControlResponses(RigEvaluator& rig, std::uint64_t budget, Progress& progress);
+  // Of a rig that nobody can ask: as if all controls moved alike, in straight lines and apart from each other.
+  explicit ControlResponses(const RigSchema& schema);
 
   // Where the rig has a budget, the answers are data: the values of each control that were evaluated. Else none.
   const std::vector<float>& answered(std::size_t control) const { return answered_[control]; }
@@ -56,7 +58,7 @@ class ControlResponses {
   void find_groups(const RigSchema& schema);
   void find_opposed();
 
-  std::size_t values_;  // evaluated of each control
+  std::size_t values_ = 0;  // evaluated of each control
   std::vector<std::vector<float>> answered_;
   std::vector<ControlGroup> groups_;
   std::vector<double> motion_;
@@ -65,7 +67,7 @@ class ControlResponses {
   std::vector<std::vector<std::array<float, 2>>> jumps_;
   std::vector<std::vector<float>> directions_;  // displacement at both ends (2 c: minimum, 2 c + 1: maximum), length 1
   std::vector<std::uint8_t> opposed_;
-  double diagonal_;
+  double diagonal_ = 1;
 };
 
 }  // namespace fb::bake

@@ -134,6 +134,7 @@ struct RestrictedPoses {
 };
 
 double quantile(std::vector<double> values, double fraction) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });  // ranges beyond what floats can subtract
   if (values.empty()) return 0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
@@ -207,6 +208,21 @@ Coverage measure_coverage(const RigSchema& schema, std::span<const ControlGroup>
   measure_groups(coverage, schema, groups, subsampled(training, width, most_training),
                  subsampled(target, width, most_target), parallel);
   return coverage;
+}
+
+std::vector<float> pair_shares(const RigSchema& schema, std::span<const float> poses, const Parallel& parallel) {
+  const std::size_t width = schema.control_count();
+  const StrongActivations strong(NormalisedPoses(schema, poses, "training"), width);
+  std::vector<float> shares(width * width);
+  parallel_for(parallel, width, [&](std::size_t a, std::size_t) {
+    for (std::size_t b = 0; b < width; ++b) {
+      double share = 0;  // a control is active toward one end at a time
+      for (const std::size_t one : {2 * a, 2 * a + 1})
+        for (const std::size_t other : {2 * b, 2 * b + 1}) share += strong.share(one, other);
+      shares[a * width + b] = static_cast<float>(share);
+    }
+  });
+  return shares;
 }
 
 }  // namespace fb::bake

@@ -56,6 +56,10 @@ struct Coverage {
 Coverage measure_coverage(const RigSchema& schema, std::span<const ControlGroup> groups,
                           std::span<const float> training, std::span<const float> target, const Parallel& parallel);
 
+// In how many of the poses two controls are strongly active at once, whatever the ends: controls x controls shares of
+// the poses, in the diagonal those in which one is. Does not depend on threads.
+std::vector<float> pair_shares(const RigSchema& schema, std::span<const float> poses, const Parallel& parallel);
+
 // In words and small tables, for a terminal or a report.
 std::string coverage_text(const Coverage& coverage, const RigSchema& schema);
 

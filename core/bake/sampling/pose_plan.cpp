@@ -193,7 +193,7 @@ PosePlan make_plan(const Source& rig, const ControlResponses& responses, const S
     if (is_included(clip, options)) add(plan, clamped(clip, schema, progress));
   for (const Clip& clip : options.extra) add(plan, clamped(clip, schema, progress));
   if (needs_test_poses(rig, options))
-    for (Clip& clip : make_test_poses(schema, options.seed)) add(plan, std::move(clip));
+    for (Clip& clip : make_test_poses(schema, options.seed, options.drawn_test_poses)) add(plan, std::move(clip));
   return plan;
 }
 

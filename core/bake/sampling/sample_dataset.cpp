@@ -6,11 +6,10 @@
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
-#include "bake/dataset/npy_skin.h"
-#include "bake/dataset/rest_mesh.h"
 #include "bake/rig/channel_points.h"
 #include "bake/rig/content_hash.h"
 #include "bake/rig/rig_evaluator.h"
+#include "bake/sampling/planned_folder.h"
 #include "bake/sampling/pose_plan.h"
 #include "base/file.h"
 #include "base/output_lock.h"
@@ -52,66 +51,6 @@ std::uint64_t hash_of_request(const Source& rig, const SamplingOptions& options)
   return digest.value;
 }
 
-// A file name made from a clip's name, none of `taken`.
-std::string file_stem(const std::string& name, std::vector<std::string>& taken) {
-  std::string stem;
-  for (const char c : name) {
-    const bool plain =
-        (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
-    stem += plain ? c : '_';
-  }
-  while (std::find(taken.begin(), taken.end(), stem) != taken.end()) stem += '_';
-  taken.push_back(stem);
-  return stem;
-}
-
-const char* extension_of(const std::string& media_type) {
-  return media_type == "image/png"    ? ".png"
-         : media_type == "image/jpeg" ? ".jpg"
-         : media_type == "image/ktx2" ? ".ktx2"
-                                      : "";
-}
-
-DatasetIndex make_index(const Source& rig, const PosePlan& plan, const DatasetIndex::Sampling& sampling) {
-  DatasetIndex index;
-  index.schema = rig.schema();
-  index.rest_arrays = {"rest.npy", "faces.npy", "", ""};
-  if (!rig.rest().uvs.empty()) {
-    index.rest_arrays.uvs = "uvs.npy";
-    index.rest_arrays.uv_faces = "uv_faces.npy";
-  }
-  index.parts = rig.rest().parts;
-  index.character = rig.character();
-  for (std::size_t i = 0; i < index.character.images.size(); ++i)
-    index.image_files.push_back(format("image%zu%s", i, extension_of(index.character.images[i].media_type)));
-  if (index.character.skin.influences > 0) {
-    index.skin_joints = "skin_joints.npy";
-    index.skin_weights = "skin_weights.npy";
-  }
-  index.sampling = sampling;
-  std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces", "skin_joints", "skin_weights"};
-  for (const Clip& clip : plan) {
-    const std::string stem = file_stem(clip.name, taken), points = stem + ".points.npy";
-    DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
-    const std::size_t shards = (clip.frames + sampling.shard_frames - 1) / sampling.shard_frames;
-    for (std::size_t i = 0; i < shards; ++i) entry.points.push_back(shards == 1 ? points : shard_name(points, i));
-    const std::string channels = stem + ".channels.npy";
-    for (std::size_t i = 0; i < shards && !rig.schema().channels.empty(); ++i)
-      entry.channels.push_back(shards == 1 ? channels : shard_name(channels, i));
-    index.clips.push_back(std::move(entry));
-  }
-  return index;
-}
-
-// True if the file is an array of this shape; a damaged one is not and is sampled again.
-bool is_array(const fs::path& path, const std::vector<std::size_t>& shape) {
-  try {
-    return NpyFile(path).shape() == shape;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 // Writes the points of a plan into a dataset folder, or those that are missing there.
 class DatasetWriter {
  public:
@@ -140,19 +79,22 @@ class DatasetWriter {
       if (!existing.sampling || clips > plan_.size() || hash_of_plan(rig_, plan_, clips) != existing.sampling->plan)
         fail(Status::invalid_argument, "%s: holds another dataset; sample into a new folder, or with the same options",
              shown(folder_).c_str());
-      index_ = make_index(rig_, plan_, *existing.sampling);
+      index_ = index_of_plan(rig_, plan_, existing.sampling->shard_frames);
+      index_.sampling = existing.sampling;
       index_.sampling->plan = hash;
       if (clips < plan_.size()) {  // controls first, so that the plan is readable wherever this is interrupted
-        write_plan();
+        write_planned_files(rig_, plan_, index_, folder_);
         write_dataset_index(folder_, index_);
         last_clip = clips - 1;
       }
     } else {
       make_folder(folder_);
-      index_ = make_index(rig_, plan_, {request, hash, frames_per_shard(), 0});
+      const std::size_t frames = frames_per_shard();
+      index_ = index_of_plan(rig_, plan_, frames);
+      index_.sampling = DatasetIndex::Sampling{request, hash, frames, 0};
       write_dataset_index(folder_, index_);
     }
-    write_plan();
+    write_planned_files(rig_, plan_, index_, folder_);
     write_shards(resuming, last_clip);
     report_.left_out = index_.sampling->left_out;
     return report_;
@@ -181,23 +123,6 @@ class DatasetWriter {
     std::size_t frames = 1;
     while (static_cast<double>(2 * frames) <= std::min(by_time, by_size)) frames *= 2;
     return frames;
-  }
-
-  void write_plan() {
-    const MeshArrays& rest = index_.rest_arrays;
-    if (!is_array(folder_ / rest.points, {vertices_, 3}) || !fs::exists(folder_ / rest.faces) ||
-        !fs::exists(folder_ / rest.uv_faces))
-      write_npy_mesh(rig_.rest(), folder_, rest);
-    for (std::size_t i = 0; i < index_.image_files.size(); ++i)
-      if (!fs::exists(folder_ / index_.image_files[i]))
-        write_file(folder_ / index_.image_files[i], std::span(index_.character.images[i].bytes));
-    if (!index_.skin_joints.empty())
-      write_npy_skin(rig_.character().skin, folder_ / index_.skin_joints, folder_ / index_.skin_weights);
-    for (std::size_t i = 0; i < plan_.size(); ++i) {
-      const fs::path path = folder_ / index_.clips[i].controls[0];
-      const std::vector<std::size_t> shape = {plan_[i].frames, width_};
-      if (!is_array(path, shape)) write_npy(path, shape, plan_[i].controls);
-    }
   }
 
   // A shard of the plan's points.
@@ -401,19 +326,6 @@ class DatasetWriter {
   std::vector<float> points_, positions_, values_;
   std::size_t batch_ = 1;  // poses evaluated between two reports of progress
 };
-
-// The plan that lies in a folder.
-PosePlan read_plan(const fs::path& folder, const DatasetIndex& index) {
-  PosePlan plan;
-  for (const DatasetIndex::Entry& entry : index.clips) {
-    Clip clip = read_clip(entry.name, dataset_path(folder, entry.controls.at(0)), index.schema);
-    clip.kind = entry.kind;
-    clip.split = entry.split;
-    clip.fps = entry.fps;
-    plan.push_back(std::move(clip));
-  }
-  return plan;
-}
 
 SampleReport write_samples(RigEvaluator& rig, PosePlan plan, std::uint64_t request, const fs::path& folder,
                            Progress& progress, bool skip_failing = false) {

@@ -27,6 +27,7 @@ struct SamplingOptions {
   std::string mix = "dense";
   bool shots = true;       // include the rig's own clips, with their splits
   bool test_poses = true;  // include poses to test with: the rig's own clips of split test, else make_test_poses
+  std::size_t drawn_test_poses = 2000;  // of make_test_poses
   // Different poses asked for at most in order to learn; `poses` is cut to that. The rig's own clips, those of the user
   // and test poses do not count, nor does a pose that is evaluated again. 0: no limit.
   std::uint64_t rig_budget = 0;
@@ -50,10 +51,10 @@ std::uint64_t poses_to_draw(const Source& rig, const SamplingOptions& options);
 // only, not on threads.
 PosePlan make_plan(RigEvaluator& rig, const SamplingOptions& options, Progress& progress);
 
-// Test poses for a rig without clips of its own, all of split test: "random_15" and "random_35" (600 poses each, every
-// control active with probability .15 or .35, uniform in its range) and "synthetic_shots" (20 smooth shots of 40
-// frames). Their random streams differ from those of make_plan for every seed.
-std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed);
+// Test poses for a rig without clips of its own, all of split test: "random_15" and "random_35" (three tenths of the
+// poses each, every control active with probability .15 or .35, uniform in its range) and "synthetic_shots" (smooth
+// shots of 40 frames). Their random streams differ from those of make_plan for every seed.
+std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed, std::size_t poses = 2000);
 
 struct SampleReport {
   std::size_t left_out = 0;   // poses that failed, by this call and those before it: see SamplingOptions::skip_failing

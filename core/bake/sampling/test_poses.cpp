@@ -44,11 +44,16 @@ std::vector<float> synthetic_shots(const RigSchema& schema, std::uint64_t seed, 
 
 }  // namespace
 
-std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed) {
-  return {
-      {"random_15", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_15, 0.15f, 600)},
-      {"random_35", ClipKind::dense, Split::test, 30, 600, random_poses(schema, seed, Stream::random_35, 0.35f, 600)},
-      {"synthetic_shots", ClipKind::shot, Split::test, 30, 800, synthetic_shots(schema, seed, 20, 40)}};
+std::vector<Clip> make_test_poses(const RigSchema& schema, std::uint64_t seed, std::size_t poses) {
+  constexpr std::size_t shot_frames = 40;
+  const std::size_t random = poses * 3 / 10, shots = poses - 2 * random;
+  std::vector<float> shot_poses = synthetic_shots(schema, seed, (shots + shot_frames - 1) / shot_frames, shot_frames);
+  shot_poses.resize(shots * schema.control_count());
+  return {{"random_15", ClipKind::dense, Split::test, 30, random,
+           random_poses(schema, seed, Stream::random_15, 0.15f, random)},
+          {"random_35", ClipKind::dense, Split::test, 30, random,
+           random_poses(schema, seed, Stream::random_35, 0.35f, random)},
+          {"synthetic_shots", ClipKind::shot, Split::test, 30, shots, std::move(shot_poses)}};
 }
 
 }  // namespace fb::bake

@@ -6,64 +6,21 @@
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
 #include "bake_test_support.h"
+#include "toy_dataset.h"
 
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
-
-namespace {
-
-constexpr std::size_t frames = 6, controls = 2, vertices = 4;
-
-std::vector<float> counting(std::size_t count, float step) {
-  std::vector<float> values(count);
-  for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<float>(i) * step;
-  return values;
-}
-
-// A good dataset by hand, as an exporter would write it: a clip, a test clip, and a plan. Tests spoil it.
-struct ToyDataset {
-  Folder folder;
-  std::string json = R"({ "format": "facebaker-dataset", "version": 1, "name": "hand", "units": "m", "up_axis": "z",
-  "exporter": "unknown fields are ignored",
-  "rest": { "points": "rest.npy", "faces": "faces.npy" },
-  "controls": [ { "name": "open", "min": 0, "max": 1, "default": 0.25, "group": "mouth" },
-                { "name": "turn", "min": -0.5, "max": 0.5, "default": 0 } ],
-  "clips": [ { "name": "talk", "kind": "regional", "split": "validation", "fps": 24,
-               "controls": "talk.controls.npy", "points": "talk.points.npy" },
-             { "name": "walk", "split": "test", "controls": "walk.controls.npy", "points": "walk.points.npy" },
-             { "name": "later", "controls": "later.controls.npy" } ] })";
-
-  ToyDataset() {
-    write_npy(folder / "rest.npy", {vertices, 3}, std::vector<float>{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
-    write_npy(folder / "faces.npy", {2, 4}, std::vector<std::int32_t>{0, 1, 2, 3, 2, 1, 0, -1});
-    for (const auto& [name, step] : {std::pair("talk", 0.04f), std::pair("walk", 0.03f), std::pair("later", 0.02f)})
-      write_npy(folder / (std::string(name) + ".controls.npy"), {frames, controls}, counting(frames * controls, step));
-    for (const char* name : {"talk", "walk"})
-      write_npy(folder / (std::string(name) + ".points.npy"), {frames, vertices, 3},
-                counting(frames * vertices * 3, 0.5f));
-  }
-
-  void replace(const std::string& from, const std::string& to) {
-    const std::size_t at = json.find(from);
-    REQUIRE(at != std::string::npos);
-    json.replace(at, from.size(), to);
-  }
-
-  OpenedSource open() const {
-    std::ofstream(folder / "dataset.json") << json;
-    return open_source(folder.path().string());
-  }
-};
-
-}  // namespace
+using namespace fb::test::toy_dataset;
 
 TEST_CASE("a dataset written by hand is read") {
   const ToyDataset toy;
   const auto source = toy.open();
   CHECK_FALSE(source->live());
   CHECK(source->thread_safe());
-  CHECK(source->notes().empty());
+  REQUIRE(source->notes().size() == 1);
+  CHECK(source->notes()[0] ==
+        "6 of 18 poses, those of \"later\", are left out: they have no points, or not those of all frames");
   CHECK(source->schema().name == "hand");
   CHECK(source->schema().units == "m");
   CHECK(source->schema().up_axis == "z");
@@ -432,7 +389,7 @@ TEST_CASE("recorded values outside their range are kept and noted") {
   write_npy(toy.folder / "walk.controls.npy", {frames, controls}, values);
   const auto source = toy.open();
   CHECK(source->clips()[1].controls == values);
-  REQUIRE(source->notes().size() == 1);
+  REQUIRE(source->notes().size() == 2);
   CHECK(source->notes()[0] ==
         "clip \"walk\": 2 control values are outside their range and kept, at worst \"turn\" = -0.75 (-0.5..0.5) in "
         "frame 2");
@@ -449,7 +406,7 @@ TEST_CASE("datasets of one character are read as one") {
   std::vector<std::string> names;
   for (const Clip& clip : both->clips()) names.push_back(clip.name);
   CHECK(names == std::vector<std::string>{"talk", "walk", "later", "talk (2)"});
-  CHECK(both->notes().size() == 3);
+  CHECK(both->notes().size() == 5);
   std::vector<float> points(12);
   both->read(3, 1, 1, points);
   CHECK(points[0] == 6);
