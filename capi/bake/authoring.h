@@ -108,15 +108,22 @@ bake::BakeOptions training_options(const Desc& desc, const char* mix_field, Prog
   return options;
 }
 
-// The poses near which a live source is sampled, from the files that a description names; none for a recording.
+// The files of poses that a description names.
 template <class Desc>
-std::vector<float> examples_of(const Desc& desc, const bake::Source& source, Progress& progress) {
+std::vector<std::string> example_files(const Desc& desc) {
   std::vector<std::string> files;
   for (std::uint32_t i = 0; i < desc.example_count; ++i) {
     require(desc.examples, "examples");
     require(desc.examples[i], "one of examples");
     files.emplace_back(desc.examples[i]);
   }
+  return files;
+}
+
+// The poses near which a live source is sampled, from these files; none for a recording.
+template <class Desc>
+std::vector<float> examples_of(const Desc& desc, const bake::Source& source, Progress& progress) {
+  const std::vector<std::string> files = example_files(desc);
   return source.live() ? bake::read_examples(files, source, progress) : std::vector<float>();
 }
 
@@ -149,6 +156,7 @@ struct fb_report {
   std::string details;            // empty: not made yet
   std::vector<std::byte> packed;  // of fb_pack
   std::optional<fb_sample_result> sample;
+  std::optional<fb_check_result> check;
   std::optional<fb_verify_result> verify;
   std::optional<fb_pack_result> pack;
 };

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "archive/reader.h"
+#include "bake/check/check_dataset.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/face_difference.h"
 #include "bake/measure/locality.h"
@@ -26,6 +27,10 @@ std::string json_text(const nlohmann::ordered_json& json);
 nlohmann::ordered_json object_in(const std::string& text);
 
 std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
+// `rest`: whether the plan has a rest mesh.
+std::string plan_json(const std::string& dataset, const bake::PosePlan& plan, bool rest);
+std::string check_json(const std::string& dataset, const bake::DatasetCheck& check);
+std::string check_details_json(const bake::DatasetCheck& check);
 std::string bake_json(const std::string& archive, const bake::Baked& baked);
 // "quality" and "locality" are null where they were not measured.
 std::string eval_json(const std::string& archive, const bake::EvalReport& report,

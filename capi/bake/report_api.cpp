@@ -36,7 +36,7 @@ fb_status fb_report_details(fb_report* report, const char** json) {
   return abi_guard([&] {
     require(report, "report");
     require(json, "json");
-    if (report->faces.methods.empty())
+    if (report->faces.methods.empty() && report->details.empty())
       fail(Status::invalid_argument, "the report is of a call that bakes or measures no face: it has no details");
     if (report->details.empty()) report->details = details_json(report->faces, report->measured);
     *json = report->details.c_str();
@@ -117,6 +117,14 @@ void fb_sample_result_fill(fb_sample_result* to, uint32_t struct_size) {
 
 fb_status fb_report_sample(const fb_report* report, fb_sample_result* result) {
   return abi_guard([&] { write_result(report, report ? report->sample : std::nullopt, result, "fb_sample_result"); });
+}
+
+void fb_check_result_fill(fb_check_result* to, uint32_t struct_size) {
+  fill_struct(to, struct_size, {});
+}
+
+fb_status fb_report_check(const fb_report* report, fb_check_result* result) {
+  return abi_guard([&] { write_result(report, report ? report->check : std::nullopt, result, "fb_check_result"); });
 }
 
 void fb_verify_result_fill(fb_verify_result* to, uint32_t struct_size) {

@@ -301,6 +301,17 @@ std::string sample_json(const std::string& dataset, const SampleReport& report) 
                     {"left_out", report.left_out}});
 }
 
+std::string plan_json(const std::string& dataset, const PosePlan& plan, bool rest) {
+  Json clips = Json::array();
+  std::size_t poses = 0;
+  for (const Clip& clip : plan) {
+    clips.push_back(
+        {{"name", clip.name}, {"kind", name_of(clip.kind)}, {"split", name_of(clip.split)}, {"frames", clip.frames}});
+    poses += clip.frames;
+  }
+  return json_text({{"dataset", dataset}, {"poses", poses}, {"rest", rest}, {"clips", clips}});
+}
+
 std::string bake_json(const std::string& archive, const Baked& baked) {
   Json controls = Json::array();
   for (const ControlError& error : baked.controls)

@@ -1,6 +1,8 @@
 #include <cmath>
 
 #include "bake/authoring.h"
+#include "bake/dataset/schema_source.h"
+#include "bake/sampling/planned_folder.h"
 #include "bake/sampling/sampling.h"
 #include "base/checked.h"
 
@@ -42,6 +44,19 @@ fb::bake::SamplingOptions options_of(const fb_sample_desc& desc, std::size_t con
   return options;
 }
 
+// What to plan poses for: the schema, where one is given, else the source.
+fb::bake::Source& planned_source(const fb_sample_desc& desc, std::unique_ptr<fb::bake::SchemaSource>& schema) {
+  if (!desc.schema) return source_of(desc.source, "fb_sample_desc: source");
+  if (desc.source) fail(Status::invalid_argument, "fb_sample_desc: either a source or a schema, not both");
+  schema = std::make_unique<fb::bake::SchemaSource>(desc.schema);
+  return *schema;
+}
+
+// Of poses drawn to test a plan with, in proportion to those to learn from, which a slow program evaluates.
+std::size_t test_poses_of_plan(std::uint64_t poses) {
+  return std::min<std::uint64_t>(fb::bake::SamplingOptions().drawn_test_poses, poses / 5);
+}
+
 }  // namespace
 
 extern "C" {
@@ -76,6 +91,31 @@ fb_status fb_sample(const fb_sample_desc* desc, fb_report** report) {
     made->json = sample_json(known.directory, sampled);
     made->sample =
         fb_sample_result{0, 0, sampled.poses, sampled.evaluated, sampled.rig_calls, sampled.asked, sampled.left_out};
+    hand_over(std::move(made), report);
+  });
+}
+
+fb_status fb_plan(const fb_sample_desc* desc, fb_report** report) {
+  return abi_guard([&] {
+    require(desc, "desc");
+    const fb_sample_desc known = read_struct(*desc, fb_sample_desc_init, "fb_sample_desc");
+    std::unique_ptr<fb::bake::SchemaSource> schema;
+    fb::bake::Source& source = planned_source(known, schema);
+    require(known.directory, "fb_sample_desc: directory");
+    HostProgress progress(known.callbacks);
+    fb::bake::SamplingOptions options = options_of(known, source.schema().control_count());
+    options.rig_budget = 0;
+    options.shots = options.shots && source.live();
+    options.drawn_test_poses = test_poses_of_plan(options.poses);
+    options.examples = fb::bake::read_examples(example_files(known), source, progress);
+    const fb::bake::PosePlan plan =
+        fb::bake::plan_poses(source, options, parallel_of(known.threads, &progress), progress);
+    fb::bake::write_plan_folder(source, plan, known.directory);
+    std::uint64_t poses = 0;
+    for (const fb::bake::Clip& clip : plan) poses += clip.frames;
+    auto made = std::make_unique<fb_report>();
+    made->json = plan_json(known.directory, plan, source.rest().vertex_count() > 0);
+    made->sample = fb_sample_result{0, 0, poses, 0, 0, 0, 0};
     hand_over(std::move(made), report);
   });
 }

@@ -162,6 +162,65 @@ static void sampling_writes_a_dataset(void** state) {
   assert_refused(fb_sample(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "clip_stride");
 }
 
+/* ---- plan and check ---- */
+
+static void plans_wait_for_points(void** state) {
+  (void)state;
+  Seen seen;
+  fb_sample_desc desc;
+  fb_sample_desc_init(&desc);
+  assert_null(desc.schema);
+  desc.source = toy;
+  desc.directory = in_folder("plan");
+  desc.poses = 50;
+  desc.callbacks = watch(&seen);
+  fb_report* report = NULL;
+  assert_ok(fb_plan(&desc, &report));
+  assert_contains(fb_report_json(report), "\"rest\": true");
+  fb_sample_result planned;
+  fb_sample_result_init(&planned);
+  assert_ok(fb_report_sample(report, &planned));
+  assert_true(planned.poses > 50 && planned.evaluated == 0);
+  fb_report_free(report);
+  assert_ok(fb_plan(&desc, NULL)); /* the same plan stays */
+  desc.seed = 2;
+  assert_refused(fb_plan(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "holds another dataset");
+  desc.schema = in_folder("plan/dataset.json");
+  assert_refused(fb_plan(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "either a source or a schema");
+  desc.source = NULL;
+  desc.directory = in_folder("from_schema");
+  assert_ok(fb_plan(&desc, NULL));
+  desc.schema = NULL;
+  assert_refused(fb_plan(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "source");
+
+  fb_check_desc check;
+  fb_check_desc_init(&check);
+  assert_refused(fb_check(&check, NULL), FB_ERROR_INVALID_ARGUMENT, "directory");
+  check.directory = in_folder("plan");
+  check.callbacks = watch(&seen);
+  assert_ok(fb_check(&check, &report));
+  fb_check_result found;
+  fb_check_result_init(&found);
+  assert_ok(fb_report_check(report, &found));
+  assert_true(!found.bakeable && found.faults == 1 && found.poses == planned.poses && found.evaluated == 0);
+  assert_contains(fb_report_json(report), "nothing to train on");
+  fb_verify_result other;
+  fb_verify_result_init(&other);
+  assert_refused(fb_report_verify(report, &other), FB_ERROR_INVALID_ARGUMENT, "another call");
+  fb_report_free(report);
+
+  check.directory = in_folder("dataset"); /* of the test before */
+  assert_ok(fb_check(&check, &report));
+  assert_ok(fb_report_check(report, &found));
+  assert_true(found.bakeable && found.faults == 0 && found.evaluated == found.poses);
+  const char* details = NULL;
+  assert_ok(fb_report_details(report, &details));
+  assert_contains(details, "\"vertex_motion\"");
+  fb_report_free(report);
+  check.directory = in_folder("nowhere");
+  assert_refused(fb_check(&check, NULL), FB_ERROR_NOT_FOUND, "is no folder");
+}
+
 /* ---- bake ---- */
 
 static void recipes_have_names(void** state) {
@@ -382,6 +441,7 @@ int main(void) {
       cmocka_unit_test(frames_of_a_clip_are_its_controls_evaluated),
       cmocka_unit_test(opening_gives_notes),
       cmocka_unit_test(sampling_writes_a_dataset),
+      cmocka_unit_test(plans_wait_for_points),
       cmocka_unit_test(recipes_have_names),
       cmocka_unit_test(a_bake_is_measured_for_its_report),
       cmocka_unit_test(a_bake_may_be_stopped_and_goes_on),

@@ -287,7 +287,7 @@ static void layout_of_sources(void** state) {
 
 static void layout_of_requests(void** state) {
   (void)state;
-  assert_int_equal(sizeof(fb_sample_desc), 120);
+  assert_int_equal(sizeof(fb_sample_desc), 128);
   assert_at(fb_sample_desc, struct_size, 0);
   assert_at(fb_sample_desc, threads, 4);
   assert_at(fb_sample_desc, source, 8);
@@ -304,6 +304,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, skip_failing, 104);
   assert_at(fb_sample_desc, example_count, 108);
   assert_at(fb_sample_desc, examples, 112);
+  assert_at(fb_sample_desc, schema, 120);
 
   assert_int_equal(sizeof(fb_bake_desc), 256);
   assert_at(fb_bake_desc, struct_size, 0);

@@ -47,14 +47,14 @@ FB_API void fb_report_free(fb_report* report);
 /** The call's document: indented JSON that ends in a newline. Keys are only ever added. Null of null. */
 FB_API const char* fb_report_json(const fb_report* report);
 
-/** Unstable. All that a page about faces shows, as JSON, of fb_bake, fb_compare and fb_eval; docs/measuring.md explains
- * the figures. {"name", "units", "diagonal", "rig_calls", "measured_split", "methods", "failed"}; each method has what
- * compare's document has, and besides
- *   "clips"[]: "frame_mse", "frame_max", "frame_expected" (a number a frame),
- *   "quality": "vertex_rms" (a number a vertex), "vertex_region" (an index into "region_names", or their count),
- *   "worst_frames"[]: {"clip" (index), "frame", "mse", "max", "vertex"}, which differ from each other, the worst first,
- *   "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage", "stages"[]}.
- * Figures that were not measured are null. The text is made by the first call; not thread-safe for one report. */
+/** Unstable. All that a page about faces shows, as JSON, of fb_bake, fb_compare and fb_eval (of fb_check see there);
+ * docs/measuring.md explains the figures. {"name", "units", "diagonal", "rig_calls", "measured_split", "methods",
+ * "failed"}; each method has what compare's document has, and besides "clips"[]: "frame_mse", "frame_max",
+ * "frame_expected" (a number a frame), "quality": "vertex_rms" (a number a vertex), "vertex_region" (an index into
+ * "region_names", or their count), "worst_frames"[]: {"clip" (index), "frame", "mse", "max", "vertex"}, which differ
+ * from each other, the worst first, "stats": {"notes", "regions"[] with "epochs"[], "learning"[], "coverage",
+ * "stages"[]}. Figures that were not measured are null. The text is made by the first call; not thread-safe for one
+ * report. */
 FB_API fb_status fb_report_details(fb_report* report, const char** json);
 
 /** Distances of vertices from the true rig, over the diagonal D of the rest mesh. This struct is part of others and
@@ -168,6 +168,8 @@ typedef struct fb_sample_desc {
                                   controls are sampled: .npy of frames x controls, .csv with named columns (such as
                                   takes of Live Link Face), dataset folders, but for their test clips. Frames of the
                                   source's own test clips are left out. Null (default): none */
+  const char* schema; /**< of fb_plan, in place of source: a file like dataset.json, whose "rest" may be missing and
+                         whose "clips" are not read (docs/datasets.md). Null (default): there is a source */
 } fb_sample_desc;
 
 FB_API void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size);
@@ -177,6 +179,16 @@ static inline void fb_sample_desc_init(fb_sample_desc* to) {
 /** Plans and evaluates training poses and writes them as a dataset folder, shard by shard. `report` may be null. Fails
  * with INVALID_ARGUMENT on a recording, BAD_DATA on a folder that holds something else, RIG, NOT_FINITE, IO. */
 FB_API fb_status fb_sample(const fb_sample_desc* desc, fb_report** report);
+
+/** Plans the poses that some program is to evaluate and writes them as a dataset folder without points: controls,
+ * dataset.json with the names of the files of points, and the rest mesh where it is known. The folder is complete when
+ * the program has written these files; a clip can be read as soon as its own are there. Of a live source, the poses are
+ * those of fb_sample, for which its controls are evaluated one by one; of a recording or a schema, those that follow
+ * from its controls alone. Of the description, rig_budget, skip_failing and shots of recordings have no effect. Where
+ * the source has no test clips, a fifth of `poses`, at most 2,000, are drawn besides to test with; and the rest pose is
+ * a clip. A folder that holds the same plan stays as it is. `report` may be null; fb_report_sample gives its poses.
+ * Fails with INVALID_ARGUMENT on a folder that holds something else, and as fb_sample does. */
+FB_API fb_status fb_plan(const fb_sample_desc* desc, fb_report** report);
 
 /** What fb_sample did. */
 typedef struct fb_sample_result {
@@ -195,6 +207,45 @@ static inline void fb_sample_result_init(fb_sample_result* to) {
 }
 /** Refused with INVALID_ARGUMENT for the report of another call. */
 FB_API fb_status fb_report_sample(const fb_report* report, fb_sample_result* result);
+
+/* ---- Checking ---------------------------------------------------------------------------------------------------- */
+
+/** What to check. */
+typedef struct fb_check_desc {
+  uint32_t struct_size;
+  uint32_t threads;      /**< at most 4,096; 0 (default): all */
+  const char* directory; /**< a dataset folder, whatever is wrong with it */
+  fb_callbacks callbacks;
+} fb_check_desc;
+
+FB_API void fb_check_desc_fill(fb_check_desc* to, uint32_t struct_size);
+static inline void fb_check_desc_init(fb_check_desc* to) {
+  fb_check_desc_fill(to, (uint32_t)sizeof *to);
+}
+/** Reads a dataset folder, all of its points included, and finds everything that is wrong with it, and what its poses
+ * cover. The document has "bakeable", "faults" and "warnings" (each "kind", "clip", "text"), "clips", "controls",
+ * "active" and "pairs"; docs/datasets.md explains them. fb_report_details has besides "vertex_motion" (a number a
+ * vertex), "pair_shares" (controls x controls numbers) and "largest_frames", for pictures. Faults are no failure of the
+ * call, see fb_check_result. Fails with NOT_FOUND where there is no folder, INTERRUPTED, and with IO on one that is
+ * being written. */
+FB_API fb_status fb_check(const fb_check_desc* desc, fb_report** report);
+
+/** What fb_check found. */
+typedef struct fb_check_result {
+  uint32_t struct_size;
+  uint32_t bakeable;  /**< 1: there is no fault, and fb_bake takes the folder */
+  uint64_t faults;    /**< that keep it from being baked */
+  uint64_t warnings;  /**< that do not */
+  uint64_t poses;     /**< of all clips */
+  uint64_t evaluated; /**< of those, with points */
+} fb_check_result;
+
+FB_API void fb_check_result_fill(fb_check_result* to, uint32_t struct_size);
+static inline void fb_check_result_init(fb_check_result* to) {
+  fb_check_result_fill(to, (uint32_t)sizeof *to);
+}
+/** Refused with INVALID_ARGUMENT for the report of another call. */
+FB_API fb_status fb_report_check(const fb_report* report, fb_check_result* result);
 
 /* ---- Baking ------------------------------------------------------------------------------------------------------ */
 

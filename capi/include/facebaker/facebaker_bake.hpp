@@ -216,6 +216,18 @@ inline Report sample(const fb_sample_desc& desc) {
   check(fb_sample(&desc, &report));
   return Report(report);
 }
+/** Plans poses for a program to evaluate; see fb_plan. */
+inline Report plan(const fb_sample_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_plan(&desc, &report));
+  return Report(report);
+}
+/** Finds all that is wrong with a dataset folder; see fb_check. */
+inline Report check_dataset(const fb_check_desc& desc) {
+  fb_report* report = nullptr;
+  check(fb_check(&desc, &report));
+  return Report(report);
+}
 /** Bakes a face; see fb_bake. */
 inline Report bake(const fb_bake_desc& desc) {
   fb_report* report = nullptr;
