@@ -65,6 +65,8 @@ int main(int argc, char** argv) {
   tool.set_version_flag("--version", "facebaker " FB_VERSION);
   tool.require_subcommand(1);
   add_sample(tool);
+  add_plan(tool);
+  add_check(tool);
   add_bake(tool);
   add_eval(tool);
   add_diff(tool);

@@ -31,18 +31,27 @@ void add_seed(CLI::App& command, std::uint64_t& seed) {
       ->capture_default_str();
 }
 
+namespace {
+
+const CLI::Range& pose_counts() {
+  static const CLI::Range range(std::uint64_t{1}, std::uint64_t{1} << 32);
+  return range;
+}
+
+}  // namespace
+
+CLI::Option* add_pose_count(CLI::App& command, std::uint64_t& poses, const char* what) {
+  return command.add_option("--poses", poses, what)->check(pose_counts())->type_name("N")->capture_default_str();
+}
+
 void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget) {
-  const CLI::Range count(std::uint64_t{1}, std::uint64_t{1} << 32);
-  const CLI::Option* given = command.add_option("--poses", poses, "Training poses to sample from the rig")
-                                 ->check(count)
-                                 ->type_name("N")
-                                 ->capture_default_str();
+  const CLI::Option* given = add_pose_count(command, poses, "Training poses to sample from the rig");
   command
       .add_option("--rig-budget", rig_budget,
                   "Different poses to ask of the rig at most in order to learn, at least the ends of all ranges; its "
                   "own clips, tests "
                   "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
-      ->check(count)
+      ->check(pose_counts())
       ->type_name("N");
   command.parse_complete_callback([given, &poses, &rig_budget] {
     if (rig_budget > 0 && given->empty()) poses = rig_budget;

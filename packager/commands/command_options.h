@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace fb::tool {
 
@@ -21,6 +22,8 @@ std::string whole_number(const std::string& word);
 
 void add_threads(CLI::App& command, Parallel& parallel);
 void add_seed(CLI::App& command, std::uint64_t& seed);
+// --poses, a number of poses that is described by `what`.
+CLI::Option* add_pose_count(CLI::App& command, std::uint64_t& poses, const char* what);
 // --poses and --rig-budget; without --poses, a budget sets poses too.
 void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget);
 // --poses-like: files of control curves.

@@ -10,6 +10,8 @@ class App;
 namespace fb::tool {
 
 void add_sample(CLI::App& tool);
+void add_plan(CLI::App& tool);
+void add_check(CLI::App& tool);
 void add_bake(CLI::App& tool);
 void add_eval(CLI::App& tool);
 void add_diff(CLI::App& tool);

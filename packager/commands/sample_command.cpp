@@ -4,6 +4,7 @@
 
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "commands/clip_files.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
@@ -27,18 +28,6 @@ struct SampleCommand {
   void run();
 };
 
-struct ClipFile {
-  std::string name;
-  std::vector<float> controls;
-};
-
-ClipFile read_clip(const std::string& option, std::uint32_t control_count) {
-  const std::size_t equals = option.find('=');
-  if (equals == 0 || equals == std::string::npos)
-    fail(Status::invalid_argument, "--clip %s: give NAME=controls.npy", shown(option).c_str());
-  return {option.substr(0, equals), facebaker::read_clip_file(option.substr(equals + 1), control_count)};
-}
-
 void SampleCommand::run() {
   std::vector<std::string> notes;
   const facebaker::Source opened = rigs.open({source}, notes, desc.rig_budget);
@@ -46,13 +35,8 @@ void SampleCommand::run() {
   if (!rig.live())
     fail(Status::invalid_argument, "%s: a recording has no new poses; give a rig plugin, a glTF file or \"sample\"",
          shown(source).c_str());
-  const std::uint32_t control_count = rig.info().control_count;
-  std::vector<ClipFile> files;
-  for (const std::string& clip : clips) files.push_back(read_clip(clip, control_count));
-  std::vector<fb_rig_clip> rig_clips;
-  for (const ClipFile& file : files)
-    rig_clips.push_back({file.name.c_str(), FB_CLIP_SHOT, FB_SPLIT_TRAIN, 30,
-                         static_cast<std::uint32_t>(file.controls.size() / control_count), 0, file.controls.data()});
+  ClipFiles files;
+  files.read(clips, rig.info().control_count);
   const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = opened.get();
   desc.examples = examples.data();
@@ -62,8 +46,8 @@ void SampleCommand::run() {
   desc.shots = no_shots ? 0 : 1;
   desc.skip_failing = skip_failing ? 1 : 0;
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
-  desc.clips = rig_clips.data();
-  desc.clip_count = static_cast<std::uint32_t>(rig_clips.size());
+  desc.clips = files.clips().data();
+  desc.clip_count = static_cast<std::uint32_t>(files.clips().size());
   const facebaker::Report report = [&] {
     ProgressBar progress;
     for (const std::string& note : notes) progress.note(note);
@@ -100,10 +84,7 @@ void add_sample(CLI::App& tool) {
   add_poses(*app, command->desc.poses, command->desc.rig_budget);
   add_mix(*app, command->mix);
   add_poses_like(*app, command->poses_like);
-  app->add_option("--clip", command->clips,
-                  "A clip of your own to evaluate as well: a NumPy file of controls, frames x controls (repeatable)")
-      ->type_name("NAME=FILE.npy")
-      ->allow_extra_args(false);
+  add_clip_files(*app, command->clips);
   app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
   add_seed(*app, command->desc.seed);
   app->add_flag(

@@ -10,8 +10,8 @@
 
 namespace {
 
-const std::vector<std::string> commands = {"sample", "bake", "eval",  "compare", "inspect",
-                                           "verify", "pose", "bench", "rig-host"};
+const std::vector<std::string> commands = {"sample",  "plan",   "check", "bake",  "eval",    "compare",
+                                           "inspect", "verify", "pose",  "bench", "rig-host"};
 
 }  // namespace
 

@@ -1,0 +1,63 @@
+#include <CLI/CLI.hpp>
+#include <facebaker/facebaker_bake.hpp>
+#include <memory>
+#include <optional>
+
+#include "base/shown_path.h"
+#include "base/status.h"
+#include "commands/command_options.h"
+#include "commands/commands.h"
+#include "commands/progress_bar.h"
+#include "commands/results.h"
+#include "report/dataset_report.h"
+
+namespace fb::tool {
+namespace {
+
+struct CheckCommand {
+  std::string folder;
+  FigureOutputs outputs;
+  Parallel parallel;
+
+  void run();
+};
+
+void CheckCommand::run() {
+  outputs.claim();
+  fb_check_desc desc;
+  fb_check_desc_init(&desc);
+  desc.directory = folder.c_str();
+  desc.threads = static_cast<std::uint32_t>(parallel.threads);
+  const facebaker::Report report = [&] {
+    ProgressBar progress;
+    desc.callbacks = progress.callbacks();
+    return facebaker::check_dataset(desc);
+  }();
+  const DatasetFigures figures = read_dataset_figures(report);
+  if (!outputs.report.empty()) {
+    std::optional<facebaker::Source> source;
+    if (figures.bakeable) source.emplace(std::vector<std::string>{folder});
+    ProgressBar progress;
+    write_dataset_report(outputs.report, figures, source ? std::optional(facebaker::SourceView(*source)) : std::nullopt,
+                         parallel, progress);
+  }
+  outputs.write("check", report.json(), dataset_text(figures));
+  finish_results();
+  if (!figures.bakeable)
+    fail(Status::bad_data, "%s: cannot be baked: %zu faults", shown(folder).c_str(), figures.faults.size());
+}
+
+}  // namespace
+
+void add_check(CLI::App& tool) {
+  auto command = std::make_shared<CheckCommand>();
+  CLI::App* app = tool.add_subcommand(
+      "check",
+      "Find everything that is wrong with a dataset folder, and what its poses cover; fails if it cannot be baked");
+  app->add_option("DIR", command->folder, "The dataset folder")->required();
+  command->outputs.add_to(*app);
+  add_threads(*app, command->parallel);
+  app->callback([command] { command->run(); });
+}
+
+}  // namespace fb::tool
