@@ -44,7 +44,8 @@ void CheckCommand::run() {
   outputs.write("check", report.json(), dataset_text(figures));
   finish_results();
   if (!figures.bakeable)
-    fail(Status::bad_data, "%s: cannot be baked: %zu faults", shown(folder).c_str(), figures.faults.size());
+    fail(Status::bad_data, "%s: cannot be baked: %zu fault%s", shown(folder).c_str(), figures.faults.size(),
+         figures.faults.size() == 1 ? "" : "s");
 }
 
 }  // namespace

@@ -12,13 +12,13 @@
 namespace fb::tool {
 namespace {
 
-constexpr int square_pixels = 640;
+constexpr int square_pixels = 640, largest_cell = 24;
 constexpr Rgb never = {120, 160, 205}, diagonal_colour = {247, 247, 248};
 
 // A part of a row, from one percentage to another.
 std::string part_of_row(double from, double to, const char* colour) {
   return format(
-      "<span style=\"position:absolute;height:.7rem;left:%.2f%%;width:max(2px,%.2f%%);background:%s\"></span>", from,
+      "<span style=\"position:absolute;height:.7rem;left:%.2f%%;width:max(3px,%.2f%%);background:%s\"></span>", from,
       to - from, colour);
 }
 
@@ -50,7 +50,7 @@ Image draw_pairs(const std::vector<float>& pair_shares, std::size_t controls) {
     for (std::size_t b = 0; b < controls; ++b)
       if (a != b) most = std::max(most, pair_shares[a * controls + b]);
   const ColourScale scale{round_scale(100 * most), true};  // percent of the poses
-  const int cell = std::max(1, square_pixels / static_cast<int>(controls));
+  const int cell = std::clamp(square_pixels / static_cast<int>(controls), 1, largest_cell);
   Image square(cell * static_cast<int>(controls), cell * static_cast<int>(controls), never);
   for (int y = 0; y < square.height; ++y)
     for (int x = 0; x < square.width; ++x) {

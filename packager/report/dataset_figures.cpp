@@ -38,11 +38,11 @@ void read_coverage(const CheckJson& json, DatasetFigures& figures) {
 }
 
 bool reaches_ends(const ControlRange& control) {
-  const double slack = 1e-3 * (control.maximum - control.minimum);
+  const double slack = 0.05 * (control.maximum - control.minimum);
   return control.lowest <= control.minimum + slack && control.highest >= control.maximum - slack;
 }
 
-// The controls that no training pose takes to both ends of their ranges.
+// The controls that training poses do not take near both ends of their ranges.
 std::string ranges_text(const DatasetFigures& figures) {
   constexpr std::size_t most_listed = 12;
   Table table({"control", "min", "max", "default", "lowest", "highest"});
@@ -54,11 +54,11 @@ std::string ranges_text(const DatasetFigures& figures) {
       row.push_back(format("%.3g", value));
     table.add(std::move(row));
   }
-  if (short_of_ends == 0) return "Every control goes to both ends of its range.\n";
-  return format("%zu of %zu controls do not go to both ends of their ranges in poses to train on:\n\n", short_of_ends,
-                figures.controls.size()) +
+  if (short_of_ends == 0) return "Every control comes within 5 % of both ends of its range in poses to train on.\n";
+  return format("%zu of %zu controls do not come within 5 %% of both ends of their ranges in poses to train on:\n\n",
+                short_of_ends, figures.controls.size()) +
          table.text() +
-         (short_of_ends > most_listed ? format("and %zu more\n", short_of_ends - most_listed) : std::string());
+         (short_of_ends > most_listed ? format("and %zu more\n", short_of_ends - most_listed) : std::string()) + "\n";
 }
 
 std::string clips_text(const DatasetFigures& figures) {

@@ -62,7 +62,9 @@ void add_poses(Html& page, const DatasetFigures& figures, const facebaker::Sourc
   const ColourScale scale{round_scale(most), true};
   std::vector<Panel> panels = {{renderer.draw(rest.points), "rest mesh", {}}};
   for (std::size_t f = 0; f < frames.size(); ++f) panels.push_back({renderer.draw(frames[f]), captions[f], {}});
-  const Image motion = renderer.draw_scalars(rest.points, figures.vertex_motion, scale);
+  // A camera of its own: frames may be far from the rest mesh where something is wrong.
+  const PoseRenderer at_rest(rest, {}, source.info().up_axis, {}, picture_size, parallel);
+  const Image motion = at_rest.draw_scalars(rest.points, figures.vertex_motion, scale);
   write_png(folder / "poses.png", make_montage(panels));
   write_png(
       folder / "motion.png",

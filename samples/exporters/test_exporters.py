@@ -143,7 +143,7 @@ class Plans(InFolder):
     def test_a_file_that_is_not_whole_is_written_again(self):
         plan = self.make_plan()
         evaluate_plan(plan, FakeHost(), poses_per_file=8, report=lambda text: None)
-        part = os.path.join(plan, "dense.001.points.npy")
+        part = os.path.join(plan, "regional.001.points.npy")
         with open(part, "rb") as file:
             whole = file.read()
         with open(part, "wb") as file:

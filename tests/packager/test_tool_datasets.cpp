@@ -54,7 +54,7 @@ TEST_CASE("a plan is evaluated, checked and baked") {
 
   const ToolRun waiting = run_tool({"check", plan, "--report", report});
   CHECK(waiting.exit_code == 1);
-  CHECK_MESSAGE(has(waiting.err, "cannot be baked: 1 faults"), waiting.err);
+  CHECK_MESSAGE(has(waiting.err, "cannot be baked: 1 fault"), waiting.err);
   CHECK_MESSAGE(has(waiting.out, "fault: there is nothing to train on"), waiting.out);
   CHECK(has(text_of(report + "/index.html"), "Ranges used"));
   const ToolRun early = run_tool({"bake", plan, "--out", folder / "face.fbk"});

@@ -184,10 +184,11 @@ FB_API fb_status fb_sample(const fb_sample_desc* desc, fb_report** report);
  * dataset.json with the names of the files of points, and the rest mesh where it is known. The folder is complete when
  * the program has written these files; a clip can be read as soon as its own are there. Of a live source, the poses are
  * those of fb_sample, for which its controls are evaluated one by one; of a recording or a schema, those that follow
- * from its controls alone. Of the description, rig_budget, skip_failing and shots of recordings have no effect. Where
- * the source has no test clips, a fifth of `poses`, at most 2,000, are drawn besides to test with; and the rest pose is
- * a clip. A folder that holds the same plan stays as it is. `report` may be null; fb_report_sample gives its poses.
- * Fails with INVALID_ARGUMENT on a folder that holds something else, and as fb_sample does. */
+ * from its controls alone, with every control at the ends of its range where `poses` allows for that. Of the
+ * description, rig_budget, skip_failing and shots of recordings have no effect. Where the source has no test clips, a
+ * fifth of `poses`, at most 2,000, are drawn besides to test with; and the rest pose is a clip. A folder that holds the
+ * same plan stays as it is. `report` may be null; fb_report_sample gives its poses. Fails with INVALID_ARGUMENT on a
+ * folder that holds something else, and as fb_sample does. */
 FB_API fb_status fb_plan(const fb_sample_desc* desc, fb_report** report);
 
 /** What fb_sample did. */

@@ -128,12 +128,14 @@ ControlResponses::ControlResponses(RigEvaluator& rig, std::uint64_t budget, Prog
   find_opposed();
 }
 
-ControlResponses::ControlResponses(const RigSchema& schema)
+ControlResponses::ControlResponses(const RigSchema& schema, std::uint64_t budget)
     : answered_(schema.control_count()),
       motion_(schema.control_count(), 1),
       bend_(schema.control_count()),
       jumps_(schema.control_count()),
       directions_(2 * schema.control_count()) {
+  for (std::size_t c = 0; budget > 0 && c < answered_.size(); ++c)
+    answered_[c] = values_but_rest(schema.controls[c], values_within(schema, budget));
   find_groups(schema);
   find_opposed();
 }

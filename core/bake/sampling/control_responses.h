@@ -31,8 +31,9 @@ class ControlResponses {
   // may ask for; 0: no limit. Without one, also closes in on the jumps of controls that are much steeper between two of
   // their poses than beside them.
   ControlResponses(RigEvaluator& rig, std::uint64_t budget, Progress& progress);
-  // Of a rig that nobody can ask: as if all controls moved alike, in straight lines and apart from each other.
-  explicit ControlResponses(const RigSchema& schema);
+  // Of a rig that nobody can ask: as if all controls moved alike, in straight lines and apart from each other. Within a
+  // budget, the values that would be evaluated count as answered, so that plans hold them.
+  ControlResponses(const RigSchema& schema, std::uint64_t budget);
 
   // Where the rig has a budget, the answers are data: the values of each control that were evaluated. Else none.
   const std::vector<float>& answered(std::size_t control) const { return answered_[control]; }

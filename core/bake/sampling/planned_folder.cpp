@@ -114,7 +114,10 @@ PosePlan plan_poses(Source& source, const SamplingOptions& options, const Parall
     RigEvaluator rig(source, parallel);
     plan = make_plan(rig, options, progress);
   } else {
-    plan = make_plan(source, ControlResponses(source.schema()), options, progress);
+    SamplingOptions within = options;
+    within.rig_budget =
+        options.poses > ControlResponses::poses_within(source.schema(), options.poses) ? options.poses : 0;
+    plan = make_plan(source, ControlResponses(source.schema(), within.rig_budget), within, progress);
   }
   if (std::ranges::count(plan, rest_clip, &Clip::name) == 0)
     plan.insert(plan.begin(), {rest_clip, ClipKind::excitation, Split::train, 30, 1, source.schema().rest_pose()});

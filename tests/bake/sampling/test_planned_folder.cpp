@@ -115,6 +115,19 @@ TEST_CASE("poses are planned from a schema alone") {
     }
   }
   CHECK(poses == 80 + 20 + 1);
+  // Every control alone at both ends of its range.
+  const auto excitations = std::ranges::find(planned, "excitations", &Clip::name);
+  REQUIRE(excitations != planned.end());
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const float end : {source.schema().controls[c].minimum, source.schema().controls[c].maximum}) {
+      std::vector<float> pose = source.schema().rest_pose();
+      if (pose[c] == end) continue;
+      pose[c] = end;
+      bool there = false;
+      for (std::size_t f = 0; f < excitations->frames; ++f)
+        there = there || std::ranges::equal(frames_of(*excitations, f, 1, 3), pose);
+      CHECK(there);
+    }
   CHECK(test == 20);
   CHECK(plan(source, few_poses())[3].controls == planned[3].controls);
   SamplingOptions other = few_poses();
