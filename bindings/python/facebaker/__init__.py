@@ -6,7 +6,7 @@ facebaker.serve serves a rig to another process."""
 
 from typing import TYPE_CHECKING
 
-from ._bake import bake, compare, diff, evaluate, inspect, pack, recipes, sample, verify
+from ._bake import bake, check, compare, diff, evaluate, inspect, pack, plan, recipes, sample, verify
 from ._character import (
     Channel,
     Control,
@@ -30,20 +30,20 @@ from ._errors import (
 from ._face import ExpectedError, Face, load
 
 from ._results import (
-    BakeResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, Result, SampleResult,
-    VerifyResult,
+    BakeResult, CheckResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, PlanResult,
+    Result, SampleResult, VerifyResult,
 )  # fmt: skip
 from ._rig import Clip, Rig
 from ._source import Source
 
 __all__ = [
-    "BadDataError", "BakeResult", "Channel", "Clip", "ClipErrors", "CompareResult", "Control", "CorruptError", "Error",
-    "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure", "FileError", "Image", "InternalError",
-    "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun", "Mesh", "Method",
-    "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult", "Result", "Rig", "RigError",
-    "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture", "UnsupportedError", "VerifyResult",
-    "__version__", "bake", "compare", "diff", "evaluate", "inspect", "load", "pack", "recipes", "sample", "save_dataset",
-    "verify",
+    "BadDataError", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "CompareResult", "Control",
+    "CorruptError", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure", "FileError",
+    "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun",
+    "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult",
+    "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture",
+    "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate", "inspect",
+    "load", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

@@ -24,7 +24,9 @@ from ._calls import Call, Note, c_strings, path_bytes, text_bytes
 from ._character import About, Socket
 from ._fields import socket_fields
 from ._progress import Progress
-from ._results import USES, BakeResult, CompareResult, EvalResult, PackResult, Result, SampleResult, VerifyResult
+from ._results import (
+    USES, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result, SampleResult, VerifyResult,
+)  # fmt: skip
 from ._rig import SPLITS, Clip
 from ._rig_struct import clip_struct
 from ._source import AnySource, Place, Source
@@ -62,18 +64,63 @@ def sample(
     without positions. skip_failing: puts the rest pose in the place of drawn poses that fail. examples: files of control
     curves near which poses are sampled."""
     desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
-    desc.directory, desc.mix = path_bytes(folder), text_bytes(mix)
     assign(desc, threads=threads, poses=poses, seed=seed, rig_budget=rig_budget)
     assign(desc, shots=shots, skip_failing=skip_failing)
-    desc.examples, desc.example_count = _paths(examples)
+    _set_plan(desc, folder, mix, examples)
     with _opened(source, progress, note) as (opened, call):
-        kept: List[Any] = []
-        structs = [clip_struct(_plan(clip, opened), kept) for clip in clips]
-        desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
-        desc.clip_stride = sizeof(b.RigClipStruct)
+        kept = _set_clips(desc, clips, opened)
         desc.source, desc.callbacks = opened.handle, call.callbacks
         report = _reported(call, library.fb_sample, desc, rig=opened.host_rig)
+        del kept
     return SampleResult(report, call.notes, pathlib.Path(folder))
+
+
+def plan(
+    source: AnySource,
+    folder: Place,
+    *,
+    poses: int = 20_000,
+    seed: int = 1,
+    mix: str = "dense",
+    shots: bool = True,
+    clips: Sequence[Clip] = (),
+    examples: Sequence[Place] = (),
+    threads: int = 0,
+    progress: Progress = None,
+    note: Note = None,
+) -> PlanResult:
+    """Writes the poses that some program is to evaluate as a dataset folder without points, which is complete when the
+    program has written the files of points that its dataset.json names (docs/datasets.md).
+
+    source: as for bake, or the path of a schema: a .json file like dataset.json that needs neither rest mesh nor clips,
+    and takes no `clips` here. Other options are those of sample; of a source without test clips, a fifth of `poses`, at
+    most 2,000, come on top to measure on."""
+    desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
+    assign(desc, threads=threads, poses=poses, seed=seed, shots=shots)
+    _set_plan(desc, folder, mix, examples)
+    if isinstance(source, (str, os.PathLike)) and pathlib.Path(source).suffix == ".json":
+        if clips:
+            raise ValueError("clips of a schema are planned by hand: name their controls in dataset.json")
+        with Call(progress, note) as call:
+            desc.schema, desc.callbacks = path_bytes(source), call.callbacks
+            return PlanResult(_reported(call, library.fb_plan, desc), call.notes, pathlib.Path(folder))
+    with _opened(source, progress, note) as (opened, call):
+        kept = _set_clips(desc, clips, opened)
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        report = _reported(call, library.fb_plan, desc, rig=opened.host_rig)
+        del kept
+    return PlanResult(report, call.notes, pathlib.Path(folder))
+
+
+def check(folder: Place, *, threads: int = 0, progress: Progress = None, note: Note = None) -> CheckResult:
+    """Reads a dataset folder, all of its points included, and finds everything that is wrong with it, and what its poses
+    cover. Faults are no exception: see the result."""
+    desc = filled(b.CheckDesc, library.fb_check_desc_fill)
+    desc.directory = path_bytes(folder)
+    assign(desc, threads=threads)
+    with Call(progress, note) as call:
+        desc.callbacks = call.callbacks
+        return CheckResult(_reported(call, library.fb_check, desc), call.notes)
 
 
 def bake(
@@ -274,7 +321,21 @@ def _reported(call: Call, function: Any, *arguments: Any, rig: Any = None) -> c_
     return report
 
 
-def _plan(clip: Clip, source: Source) -> Clip:
+def _set_plan(desc: b.SampleDesc, folder: Place, mix: str, examples: Sequence[Place]) -> None:
+    desc.directory, desc.mix = path_bytes(folder), text_bytes(mix)
+    desc.examples, desc.example_count = _paths(examples)
+
+
+def _set_clips(desc: b.SampleDesc, clips: Sequence[Clip], source: Source) -> List[Any]:
+    """Gives what has to live as long as the description."""
+    kept: List[Any] = []
+    structs = [clip_struct(_planned(clip, source), kept) for clip in clips]
+    desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
+    desc.clip_stride = sizeof(b.RigClipStruct)
+    return kept
+
+
+def _planned(clip: Clip, source: Source) -> Clip:
     controls = floats(clip.controls, (None, len(source.controls)), f'clip "{clip.name}": controls')
     _number(SPLITS, clip.split, "split")
     return Clip(clip.name, controls, clip.kind, clip.split, clip.fps)

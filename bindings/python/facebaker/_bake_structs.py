@@ -184,6 +184,17 @@ class SampleDesc(Structure):
         ("skip_failing", c_uint32),
         ("example_count", c_uint32),
         ("examples", POINTER(c_char_p)),
+        ("schema", c_char_p),
+    ]
+
+
+class CheckDesc(Structure):
+    c_name = "fb_check_desc"
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("directory", c_char_p),
+        ("callbacks", CallbacksStruct),
     ]
 
 
@@ -349,6 +360,18 @@ class SampleResultStruct(Structure):
     ]
 
 
+class CheckResultStruct(Structure):
+    c_name = "fb_check_result"
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("bakeable", c_uint32),
+        ("faults", c_uint64),
+        ("warnings", c_uint64),
+        ("poses", c_uint64),
+        ("evaluated", c_uint64),
+    ]
+
+
 class VerifyResultStruct(Structure):
     c_name = "fb_verify_result"
     _fields_ = [
@@ -409,6 +432,6 @@ class ArchiveInfoStruct(Structure):
 
 BAKE_STRUCTS = (
     RigControlStruct, RigLabelsStruct, RigClipStruct, RigStruct, CallbacksStruct, SourceDesc, SourceInfoStruct,
-    ClipStruct, SampleDesc, BakeDesc, CompareDesc, EvalDesc, PackDesc, ErrorsStruct, MethodStruct, ClipErrorsStruct,
-    FailureStruct, SampleResultStruct, VerifyResultStruct, PackResultStruct, ArchiveInfoStruct,
+    ClipStruct, SampleDesc, CheckDesc, BakeDesc, CompareDesc, EvalDesc, PackDesc, ErrorsStruct, MethodStruct, ClipErrorsStruct,
+    FailureStruct, SampleResultStruct, CheckResultStruct, VerifyResultStruct, PackResultStruct, ArchiveInfoStruct,
 )  # fmt: skip

@@ -194,6 +194,40 @@ class SampleResult(Result):
         return f"<facebaker.SampleResult {str(self.folder)!r}: {self.poses} poses, {self.rig_calls} rig calls>"
 
 
+class PlanResult(Result):
+    """folder: of the dataset, whose points some program is to write. poses: to evaluate."""
+
+    def __init__(self, report: c_void_p, notes: Sequence[str], folder: pathlib.Path) -> None:
+        super().__init__(report, notes)
+        struct = filled(b.SampleResultStruct, library.fb_sample_result_fill)
+        check(library.fb_report_sample(report, struct))
+        self.folder = folder
+        self.poses: int = struct.poses
+
+    def __repr__(self) -> str:
+        return f"<facebaker.PlanResult {str(self.folder)!r}: {self.poses} poses to evaluate>"
+
+
+class CheckResult(Result):
+    """bakeable: there is no fault, and bake takes the folder. faults: sentences on what keeps it from that; warnings: on
+    what does not. poses: of all clips; evaluated: of those, with points. The document has figures of clips, controls and
+    pairs, see docs/datasets.md."""
+
+    def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
+        super().__init__(report, notes)
+        struct = filled(b.CheckResultStruct, library.fb_check_result_fill)
+        check(library.fb_report_check(report, struct))
+        self.bakeable = bool(struct.bakeable)
+        self.faults: Tuple[str, ...] = tuple(fault["text"] for fault in self.document["faults"])
+        self.warnings: Tuple[str, ...] = tuple(warning["text"] for warning in self.document["warnings"])
+        self.poses: int = struct.poses
+        self.evaluated: int = struct.evaluated
+
+    def __repr__(self) -> str:
+        state = "can be baked" if self.bakeable else "cannot be baked"
+        return f"<facebaker.CheckResult: {state}, {len(self.faults)} faults, {len(self.warnings)} warnings>"
+
+
 class VerifyResult(Result):
     """bytes: of the archive. poses: evaluated and compared bit for bit; 0: it has no proof. vertices: of each."""
 

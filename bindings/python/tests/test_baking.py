@@ -2,6 +2,7 @@
 
 import ctypes
 import inspect
+import json
 import os
 import pathlib
 import pickle
@@ -215,6 +216,34 @@ class SourcesTest(BakingTest):
         result = self.bake(self.folder / "poses", recipe="linear")
         measured = facebaker.evaluate(result.path, self.folder / "poses")
         self.assertEqual([clip.name for clip in measured.method.clips], ["extra"])
+
+    def test_a_plan_is_evaluated_by_hand_checked_and_baked(self):
+        shot = facebaker.Clip("extra", toy_rig.poses(7), split="test")
+        plan = facebaker.plan(toy_rig.make(), self.folder / "plan", poses=300, clips=[shot], seed=3)
+        self.assertGreaterEqual(plan.poses, 307)
+        unfinished = facebaker.check(plan.folder)
+        self.assertFalse(unfinished.bakeable)
+        self.assertEqual((unfinished.poses, unfinished.evaluated), (plan.poses, 0))
+        self.assertTrue(any("train" in fault for fault in unfinished.faults), unfinished.faults)
+        for clip in json.loads((plan.folder / "dataset.json").read_text())["clips"]:
+            controls = np.load(plan.folder / clip["controls"])
+            np.save(plan.folder / clip["points"], toy_rig.positions(controls).astype("f4"))
+        done = facebaker.check(plan.folder)
+        self.assertTrue(done.bakeable, done.faults)
+        self.assertEqual(done.evaluated, plan.poses)
+        face = self.bake(plan.folder).load()
+        self.assertLess(error_of(face), 3e-2)  # without a rig to ask
+
+    def test_a_schema_is_planned(self):
+        controls = [{"name": "a", "min": 0, "max": 1, "default": 0, "group": "g"}]
+        schema = {"format": "facebaker-dataset", "version": 1, "name": "s", "units": "cm", "up_axis": "y"}
+        (self.folder / "s.json").write_text(json.dumps({**schema, "controls": controls}))
+        self.assertGreater(facebaker.plan(self.folder / "s.json", self.folder / "plan", poses=20).poses, 20)
+        with self.assertRaisesRegex(ValueError, "clips of a schema"):
+            clip = facebaker.Clip("c", [[0.5]])
+            facebaker.plan(self.folder / "s.json", self.folder / "plan", poses=20, clips=[clip])
+        with self.assertRaises(facebaker.NotFoundError):
+            facebaker.check(self.folder / "none")
 
 
 class ToolsTest(BakingTest):
