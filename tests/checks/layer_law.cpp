@@ -69,12 +69,14 @@ const std::map<std::string, Layers>& law() {
     may["bake/face"] = with(with(written, data), {"bake/linalg", "bake/analysis", "bake/sampling", "bake/regions",
                                                   "bake/train", "bake/compress", "bake/measure", "bake/recipe"});
     may["bake/baselines"] = with(may["bake/face"], {"bake/face"});
+    may["bake/export"] = nouns;
     may["bake/pipeline"] = with(may["bake/baselines"], {"bake/baselines", "bake/levels"});
 
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] =
-        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check"});
+        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check",
+                                                 "bake/export"});
     may["packager"] = {"base", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -28,6 +28,7 @@
 
 #include <facebaker/facebaker.h>
 #include <facebaker/facebaker_archive.h>
+#include <facebaker/facebaker_export.h>
 #include <facebaker/facebaker_rig.h>
 #include <facebaker/facebaker_source.h>
 

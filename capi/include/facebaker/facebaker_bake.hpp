@@ -280,6 +280,42 @@ inline std::vector<float> read_clip_file(const std::string& path, std::uint32_t 
   return controls;
 }
 
+/** Joints with skin weights that move a face nearly as it moves; freed by the destructor. */
+class Decomposition {
+ public:
+  /** See fb_decompose. */
+  explicit Decomposition(const fb_decompose_desc& desc) { check(fb_decompose(&desc, &handle_)); }
+  /** Takes the decomposition over. */
+  Decomposition(Decomposition&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  /** Swaps the decompositions. */
+  Decomposition& operator=(Decomposition&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Decomposition() { fb_decomposition_free(handle_); }
+
+  /** Joints and weights; see fb_decomposition_describe. */
+  fb_decomposition_info info() const& {
+    fb_decomposition_info info;
+    fb_decomposition_info_init(&info);
+    check(fb_decomposition_describe(handle_, &info));
+    return info;
+  }
+  fb_decomposition_info info() const&& = delete;  ///< a temporary has nothing to lend
+  /** Frames of all joints, poses x joints x 12 floats, for poses x 3 x vertices positions; see fb_decomposition_fit. */
+  std::vector<float> fit(const float* positions, std::uint64_t poses, std::uint32_t threads = 0) const {
+    std::vector<float> frames(poses * info().joint_count * 12);
+    check(fb_decomposition_fit(handle_, positions, poses, threads, frames.data()));
+    return frames;
+  }
+
+  /** For what has no member here. */
+  const fb_decomposition* get() const noexcept { return handle_; }
+
+ private:
+  fb_decomposition* handle_ = nullptr;
+};
+
 }  // namespace facebaker
 
 #endif

@@ -22,6 +22,15 @@ PoseSample::PoseSample(const PoseSet& poses, std::size_t max_count, Progress& pr
   }
 }
 
+PoseSample::PoseSample(const Mesh& rest, std::span<const float> points)
+    : count(points.size() / rest.points.size()), displacements(points.begin(), points.end()) {
+  const std::size_t rows = rest.points.size();
+  for (std::size_t i = 0; i < displacements.size(); ++i) displacements[i] -= rest.points[i % rows];
+  trajectories.resize(3 * count, rows / 3);
+  for (std::size_t p = 0; p < count; ++p)
+    trajectories.middleRows(3 * p, 3) = Eigen::Map<const Eigen::Matrix3Xf>(&displacements[p * rows], 3, rows / 3);
+}
+
 void fit_poses(const Skeleton& skeleton, const Mesh& rest, const PoseSample& poses, std::uint32_t sweeps,
                std::vector<float>& transforms, const Parallel& parallel) {
   const BoneFitter fitter(skeleton, rest);

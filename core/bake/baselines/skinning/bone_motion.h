@@ -14,6 +14,8 @@ struct PoseSample {
   Eigen::MatrixXf trajectories;      // 3 count x vertices: the same, one column a vertex
 
   PoseSample(const PoseSet& poses, std::size_t max_count, Progress& progress);
+  // These points, count x 3 x vertices.
+  PoseSample(const Mesh& rest, std::span<const float> points);
 };
 
 // Rigid transforms of the bones in every pose (count x parameter_count()), starting from `transforms` if not empty.

@@ -36,13 +36,8 @@ void clean_up_bones(Skeleton& skeleton, const Mesh& rest) {
     }
 }
 
-}  // namespace
-
-Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, const Parallel& parallel,
-                          Progress& progress) {
-  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to extract bones from");
-  const Mesh& rest = poses.source().rest();
-  const PoseSample sample(poses, options.poses, progress);
+Skeleton skeleton_of_sample(const Mesh& rest, const PoseSample& sample, const SkeletonOptions& options,
+                            const Parallel& parallel, Progress& progress) {
   Skeleton skeleton = cluster_bones(rest, sample, std::max(1u, options.bones), parallel, progress);
   const SurfaceGraph graph(rest, {});
   const double smoothing = std::pow(options.smoothing * rest.diagonal(), 2) * static_cast<double>(sample.count);
@@ -56,6 +51,27 @@ Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, 
   }
   clean_up_bones(skeleton, rest);
   return skeleton;
+}
+
+}  // namespace
+
+Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, const Parallel& parallel,
+                          Progress& progress) {
+  if (poses.size() == 0) fail(Status::bad_data, "there are no poses to extract bones from");
+  return skeleton_of_sample(poses.source().rest(), PoseSample(poses, options.poses, progress), options, parallel,
+                            progress);
+}
+
+Skeleton extract_skeleton(const Mesh& rest, std::span<const float> points, const SkeletonOptions& options,
+                          const Parallel& parallel, Progress& progress) {
+  return skeleton_of_sample(rest, PoseSample(rest, points), options, parallel, progress);
+}
+
+std::vector<float> fit_transforms(const Skeleton& skeleton, const Mesh& rest, std::span<const float> points,
+                                  std::uint32_t sweeps, const Parallel& parallel) {
+  std::vector<float> transforms;
+  fit_poses(skeleton, rest, PoseSample(rest, points), sweeps, transforms, parallel);
+  return transforms;
 }
 
 }  // namespace fb::bake

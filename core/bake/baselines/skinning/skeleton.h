@@ -42,6 +42,14 @@ struct SkeletonOptions {
 // threads. Memory: the sampled poses. Fails with bad_data without poses.
 Skeleton extract_skeleton(const PoseSet& poses, const SkeletonOptions& options, const Parallel& parallel,
                           Progress& progress);
+// The same of points in memory, poses x 3 x vertices, all of them.
+Skeleton extract_skeleton(const Mesh& rest, std::span<const float> points, const SkeletonOptions& options,
+                          const Parallel& parallel, Progress& progress);
+
+// Rigid transforms of all bones that come closest to points, pose by pose: poses x parameter_count() floats. As
+// BoneFitter::fit.
+std::vector<float> fit_transforms(const Skeleton& skeleton, const Mesh& rest, std::span<const float> points,
+                                  std::uint32_t sweeps, const Parallel& parallel);
 
 // Sum over mesh edges of the squared difference of all weights.
 double weight_roughness(const Skeleton& skeleton, const Mesh& rest);
