@@ -75,6 +75,7 @@ int main(int argc, char** argv) {
   add_verify(tool);
   add_pack(tool);
   add_pose(tool);
+  add_export(tool);
   add_bench(tool);
   add_rig_host(tool);
   // After the commands, which would inherit it.

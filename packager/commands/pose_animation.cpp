@@ -9,18 +9,12 @@
 namespace fb::tool {
 namespace {
 
-// Columns of the basis that a clip uses.
-struct UsedColumns {
-  std::vector<std::uint32_t> columns;  // coefficients that are not 0 in every frame
-  std::vector<float> coefficients;     // frames x columns
-  std::vector<float> displacements;    // columns x 3 x vertices, for one unit of each coefficient
-};
-
-void read_columns(const facebaker::Model& model, UsedColumns& used) {
+// Displacements of all vertices for one unit of each of these coefficients: columns x 3 x vertices.
+std::vector<float> read_columns(const facebaker::Model& model, const std::vector<std::uint32_t>& wanted) {
   std::map<std::uint32_t, std::size_t> index_of;
-  for (std::size_t i = 0; i < used.columns.size(); ++i) index_of[used.columns[i]] = i;
+  for (std::size_t i = 0; i < wanted.size(); ++i) index_of[wanted[i]] = i;
   const std::size_t size = 3 * std::size_t(model.vertex_count());
-  used.displacements.assign(used.columns.size() * size, 0);
+  std::vector<float> displacements(wanted.size() * size, 0);
   const std::uint32_t* order = fb_vertex_order(model.get());
   for (std::uint32_t b = 0; b < fb_row_block_count(model.get()); ++b) {
     fb_row_block block;
@@ -35,64 +29,23 @@ void read_columns(const facebaker::Model& model, UsedColumns& used) {
       if (found == index_of.end()) continue;
       for (std::size_t r = 0; r < block.row_count; ++r) {
         const std::size_t row = block.first_row + r;
-        used.displacements[found->second * size + (order ? 3 * std::size_t(order[row / 3]) + row % 3 : row)] =
+        displacements[found->second * size + (order ? 3 * std::size_t(order[row / 3]) + row % 3 : row)] =
             values[c * block.row_count + r];
       }
     }
   }
-}
-
-UsedColumns used_columns(PoseEvaluator& evaluator, std::span<const float> controls) {
-  const std::size_t frames = evaluator.frames(controls);
-  const std::uint32_t count = fb_coefficient_count(evaluator.model().get());
-  const std::vector<float> coefficients = evaluator.coefficients(controls);
-  UsedColumns used;
-  for (std::uint32_t c = 0; c < count; ++c)
-    for (std::size_t f = 0; f < frames; ++f)
-      if (coefficients[f * count + c] != 0) {
-        used.columns.push_back(c);
-        break;
-      }
-  for (std::size_t f = 0; f < frames; ++f)
-    for (const std::uint32_t c : used.columns) used.coefficients.push_back(coefficients[f * count + c]);
-  if (frames > used.columns.size()) read_columns(evaluator.model(), used);
-  return used;
-}
-
-MorphTargets from_frames(const FrameReader& read, std::size_t frames) {
-  std::vector<std::size_t> moved;
-  MorphTargets morph = moving_targets(read, frames, moved);
-  morph.weights.assign(frames * moved.size(), 0);
-  for (std::size_t t = 0; t < moved.size(); ++t) morph.weights[moved[t] * moved.size() + t] = 1;
-  return morph;
-}
-
-// Those of the columns that move the mesh, as targets.
-MorphTargets from_basis(const UsedColumns& used, const CharacterView& character, std::size_t mesh) {
-  const std::size_t count = used.columns.size(), size = character.mesh.points.size();
-  std::vector<std::size_t> moved;
-  const auto columns = [&](std::size_t first, std::size_t some) {
-    std::vector<float> parts;
-    for (std::size_t c = first; c < first + some; ++c) {
-      const auto part = character.part(mesh, std::span(used.displacements).subspan(c * size, size));
-      parts.insert(parts.end(), part.begin(), part.end());
-    }
-    return parts;
-  };
-  MorphTargets morph = moving_targets(columns, count, moved);
-  morph.weights = chosen_weights(used.coefficients, count, moved);
-  return morph;
+  return displacements;
 }
 
 // The targets of one mesh; adds their error.
-MorphTargets morph_mesh(PoseEvaluator& evaluator, std::span<const float> controls, const UsedColumns& used,
+MorphTargets morph_mesh(PoseEvaluator& evaluator, std::span<const float> controls, const ClipSpan& span,
                         std::size_t mesh, double tolerance, MorphError& error) {
   const std::size_t frames = evaluator.frames(controls);
   const FrameReader read = frames_of(evaluator, controls, mesh);
   const SingleMesh single(evaluator.character(), mesh);
   if (tolerance > 0) {
     MorphTargets choices[2];
-    choices[0] = used.displacements.empty() ? from_frames(read, frames) : from_basis(used, evaluator.character(), mesh);
+    choices[0] = span.targets(mesh);
     // Less than the tolerance, because numbers are rounded.
     choices[1] = principal_targets(choices[0], read, frames, 0.95 * tolerance, evaluator.parallel());
     if (choices[1].stored_bytes() < choices[0].stored_bytes()) std::swap(choices[0], choices[1]);
@@ -104,13 +57,56 @@ MorphTargets morph_mesh(PoseEvaluator& evaluator, std::span<const float> control
       return std::move(choice);
     }
   }
-  MorphTargets exact = from_frames(read, frames);
+  MorphTargets exact = targets_from_frames(read, frames);
   error.add(error_of(exact, read, frames, evaluator.parallel()));
   set_normals(exact, single.view());
   return exact;
 }
 
 }  // namespace
+
+ClipSpan::ClipSpan(PoseEvaluator& evaluator, std::span<const float> controls)
+    : evaluator_(evaluator), controls_(controls) {
+  const std::size_t frames = evaluator.frames(controls);
+  const std::uint32_t count = fb_coefficient_count(evaluator.model().get());
+  const std::vector<float> coefficients = evaluator.coefficients(controls);
+  for (std::uint32_t c = 0; c < count; ++c)
+    for (std::size_t f = 0; f < frames; ++f)
+      if (coefficients[f * count + c] != 0) {
+        columns_.push_back(c);
+        break;
+      }
+  for (std::size_t f = 0; f < frames; ++f)
+    for (const std::uint32_t c : columns_) coefficients_.push_back(coefficients[f * count + c]);
+  if (frames > columns_.size()) displacements_ = read_columns(evaluator.model(), columns_);
+}
+
+MorphTargets ClipSpan::targets(std::size_t mesh) const {
+  const CharacterView& character = evaluator_.character();
+  if (displacements_.empty())
+    return targets_from_frames(frames_of(evaluator_, controls_, mesh), evaluator_.frames(controls_));
+  const std::size_t count = columns_.size(), size = character.mesh.points.size();
+  const auto columns = [&](std::size_t first, std::size_t some) {
+    std::vector<float> parts;
+    for (std::size_t c = first; c < first + some; ++c) {
+      const auto part = character.part(mesh, std::span(displacements_).subspan(c * size, size));
+      parts.insert(parts.end(), part.begin(), part.end());
+    }
+    return parts;
+  };
+  std::vector<std::size_t> moved;
+  MorphTargets morph = moving_targets(columns, count, moved);
+  morph.weights = chosen_weights(coefficients_, count, moved);
+  return morph;
+}
+
+MorphTargets targets_from_frames(const FrameReader& read, std::size_t frames) {
+  std::vector<std::size_t> moved;
+  MorphTargets morph = moving_targets(read, frames, moved);
+  morph.weights.assign(frames * moved.size(), 0);
+  for (std::size_t t = 0; t < moved.size(); ++t) morph.weights[moved[t] * moved.size() + t] = 1;
+  return morph;
+}
 
 FrameReader frames_of(PoseEvaluator& evaluator, std::span<const float> controls, std::size_t mesh) {
   return [&evaluator, controls, mesh](std::size_t first, std::size_t count) {
@@ -156,10 +152,10 @@ MorphError error_of(const MorphTargets& morph, const FrameReader& read, std::siz
 }
 
 MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, double tolerance) {
-  const UsedColumns used = used_columns(evaluator, controls);
+  const ClipSpan span(evaluator, controls);
   MorphedClip clip;
   for (std::size_t m = 0; m < evaluator.character().meshes.size(); ++m)
-    clip.meshes.push_back(morph_mesh(evaluator, controls, used, m, tolerance, clip.error));
+    clip.meshes.push_back(morph_mesh(evaluator, controls, span, m, tolerance, clip.error));
   return clip;
 }
 

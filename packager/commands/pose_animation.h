@@ -20,6 +20,27 @@ struct MorphedClip {
 // else is, as with tolerance 0. Positions between frames are interpolated linearly.
 MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, double tolerance);
 
+// Targets whose sums the frames of a clip are, within rounding and but for exact poses: the frames themselves, or the
+// columns of the basis that the clip uses where these are fewer.
+class ClipSpan {
+ public:
+  // The evaluator and the controls must outlive this.
+  ClipSpan(PoseEvaluator& evaluator, std::span<const float> controls);
+
+  // Of one mesh, with the weights of the frames, without normals.
+  MorphTargets targets(std::size_t mesh) const;
+
+ private:
+  PoseEvaluator& evaluator_;
+  std::span<const float> controls_;
+  std::vector<std::uint32_t> columns_;  // coefficients that are not 0 in every frame
+  std::vector<float> coefficients_;     // frames x columns
+  std::vector<float> displacements_;    // columns x 3 x vertices, for one unit of each; empty: frames are fewer
+};
+
+// The frames as targets of a mesh, those that move it, without normals.
+MorphTargets targets_from_frames(const FrameReader& read, std::size_t frames);
+
 // Frames of a clip for one mesh.
 FrameReader frames_of(PoseEvaluator& evaluator, std::span<const float> controls, std::size_t mesh);
 

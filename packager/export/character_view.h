@@ -34,6 +34,9 @@ struct CharacterView {
   std::span<const float> part(std::size_t index, std::span<const float> vectors) const;
 };
 
+// Metres of a unit of length; 1 of one that is not among those above.
+double metres_per_unit(const std::string& units);
+
 // The pool of a model.
 MeshView mesh_of(const facebaker::Model& model);
 

@@ -12,10 +12,10 @@ void GlbAnimation::add_weights(int node, std::span<const float> weights) {
   add_channel(node, "weights", buffer_.vectors(weights, 1, 0));
 }
 
-void GlbAnimation::add_socket(int node, std::span<const float> frames, std::size_t socket, std::size_t sockets) {
+void GlbAnimation::add_frames(int node, std::span<const float> frames, std::size_t index, std::size_t count) {
   std::vector<float> translations, rotations;
   for (std::size_t f = 0; f < frames_; ++f) {
-    const SocketTransform transform(frames.subspan(12 * (f * sockets + socket), 12));
+    const SocketTransform transform(frames.subspan(12 * (f * count + index), 12));
     for (const double number : transform.translation) translations.push_back(static_cast<float>(number));
     // q and -q turn the same way: the one closer to the frame before is taken.
     double towards = 0;

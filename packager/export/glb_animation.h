@@ -8,7 +8,7 @@
 
 namespace fb::tool {
 
-// Collects the channels of the one animation of a .glb.
+// Collects the channels of an animation of a .glb.
 class GlbAnimation {
  public:
   // frames: how many, a frame every 1 / fps seconds.
@@ -16,8 +16,8 @@ class GlbAnimation {
 
   // The weights of a mesh's targets, frames x targets.
   void add_weights(int node, std::span<const float> weights);
-  // The node of socket `socket` of `sockets`. frames: frames x sockets x 12 floats.
-  void add_socket(int node, std::span<const float> frames, std::size_t socket, std::size_t sockets);
+  // The node of a socket or joint, the one at `index` of `count`. frames: frames x count x 12 floats, without scale.
+  void add_frames(int node, std::span<const float> frames, std::size_t index, std::size_t count);
   // Adds it to the model, unless it has no channels.
   void finish(const std::string& name);
 

@@ -1,7 +1,7 @@
 #include "export/glb_file.h"
 
+#include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "base/file.h"
@@ -17,13 +17,6 @@
 namespace fb::tool {
 namespace {
 
-double metres(const std::string& units) {
-  static const std::map<std::string, double> table = {
-      {"mm", 0.001}, {"cm", 0.01}, {"dm", 0.1}, {"in", 0.0254}, {"ft", 0.3048}};
-  const auto found = table.find(units);
-  return found == table.end() ? 1.0 : found->second;
-}
-
 int add_node(tinygltf::Model& model, const tinygltf::Node& node) {
   model.nodes.push_back(node);
   return static_cast<int>(model.nodes.size()) - 1;
@@ -33,7 +26,7 @@ int add_node(tinygltf::Model& model, const tinygltf::Node& node) {
 void add_root(tinygltf::Model& model, const CharacterView& character) {
   tinygltf::Node node;
   node.name = valid_utf8(character.name);
-  node.scale.assign(3, metres(character.units));
+  node.scale.assign(3, metres_per_unit(character.units));
   if (character.up_axis == "z") node.rotation = {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
   model.scenes.emplace_back();
   model.scenes[0].nodes.push_back(add_node(model, node));
@@ -78,21 +71,52 @@ int add_socket_node(tinygltf::Model& model, const GlbScene& scene, std::size_t s
   return index;
 }
 
+// frames: of all joints, in their parents. Joints that stay at rest have no channels.
+void animate_joints(GlbAnimation& animation, const CharacterView& character, const std::vector<int>& joints,
+                    std::span<const float> frames) {
+  const std::size_t count = joints.size();
+  for (std::size_t j = 0; j < count && !frames.empty(); ++j) {
+    const std::span rest(character.joints[j].rest);
+    bool moves = false;
+    for (std::size_t first = 12 * j; first < frames.size() && !moves; first += 12 * count)
+      moves = !std::ranges::equal(frames.subspan(first, 12), rest);
+    if (moves) animation.add_frames(joints[j], frames, j, count);
+  }
+}
+
+void add_extras(tinygltf::Model& model, const GlbScene& scene) {
+  tinygltf::Value::Object extras;
+  for (const auto& [name, text] : scene.texts) extras[name] = tinygltf::Value(valid_utf8(text));
+  for (const auto& [name, figure] : scene.figures) extras[name] = tinygltf::Value(figure);
+  if (!extras.empty()) model.asset.extras = tinygltf::Value(extras);
+}
+
 void add_scene(tinygltf::Model& model, GlbBuffer& buffer, const GlbScene& scene, std::vector<std::string>& notes) {
   const CharacterView& character = scene.character;
   GlbAnimation animation(model, buffer, scene.frames, scene.fps);
   add_root(model, character);
-  add_joints(model, buffer, character);
+  const std::vector<int> joints = add_joints(model, buffer, character);
+  std::vector<int> mesh_nodes;
   for (std::size_t m = 0; m < character.meshes.size(); ++m) {
     add_mesh(model, buffer, character, m, character.part(m, scene.points), scene.morphs[m]);
     const int node = add_mesh_node(model, character, m);
+    mesh_nodes.push_back(node);
     if (scene.frames > 1 && scene.morphs[m].count > 0) animation.add_weights(node, scene.morphs[m].weights);
   }
   for (std::size_t s = 0; s < character.sockets.size(); ++s) {
     const int node = add_socket_node(model, scene, s, notes);
-    if (scene.frames > 1) animation.add_socket(node, scene.socket_frames, s, character.sockets.size());
+    if (scene.frames > 1) animation.add_frames(node, scene.socket_frames, s, character.sockets.size());
   }
+  if (scene.frames > 1) animate_joints(animation, character, joints, scene.joint_frames);
   animation.finish(character.name);
+  for (const JointAnimation& more : scene.more) {
+    GlbAnimation one(model, buffer, 2, 1);
+    animate_joints(one, character, joints, more.joint_frames);
+    for (std::size_t m = 0; m < mesh_nodes.size(); ++m)
+      if (scene.morphs[m].count > 0 && std::ranges::any_of(more.weights[m], [](float w) { return w != 0; }))
+        one.add_weights(mesh_nodes[m], more.weights[m]);
+    one.finish(more.name);
+  }
 }
 
 }  // namespace
@@ -102,6 +126,7 @@ std::vector<std::string> write_glb(const std::filesystem::path& path, const GlbS
   tinygltf::Model model;
   model.asset.version = "2.0";
   model.asset.generator = "FaceBaker " FB_VERSION;
+  add_extras(model, scene);
   GlbBuffer buffer(model);
   add_scene(model, buffer, scene, notes);
   add_materials(model, buffer, scene.character, notes);

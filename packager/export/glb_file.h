@@ -10,6 +10,13 @@
 
 namespace fb::tool {
 
+// An animation from rest, at second 0, to a pose, at second 1.
+struct JointAnimation {
+  std::string name;
+  std::vector<float> joint_frames;          // 2 x joints x 12
+  std::vector<std::vector<float>> weights;  // of each mesh: 2 x its targets
+};
+
 struct GlbScene {
   const CharacterView& character;
   std::span<const float> points;     // of all meshes, 3 x vertices
@@ -17,12 +24,16 @@ struct GlbScene {
   std::vector<float> socket_frames;  // frames x sockets x 12
   std::size_t frames = 1;            // 1: a still pose
   double fps = 30;
+  std::vector<std::pair<std::string, std::string>> texts = {};  // of asset.extras, such as a licence
+  std::vector<std::pair<std::string, double>> figures = {};     // the same
+  std::vector<float> joint_frames = {};                         // frames x joints x 12; empty: joints stay
+  std::vector<JointAnimation> more = {};                        // beside that of the frames
 };
 
 // Writes a binary glTF 2.0: a node for each mesh and each socket under one that scales to metres and turns y up, with
 // materials and images; joints and a skin, with the nodes of meshes that it moves beside that node; one animation if
-// there are several frames. A face whose one mesh has no name has it in the upper node. Units other than "m", "dm",
-// "cm", "mm", "in" and "ft" are not scaled. Gives what is left out, in sentences.
+// there are several frames, and those of `more`. A face whose one mesh has no name has it in the upper node. Units
+// other than "m", "dm", "cm", "mm", "in" and "ft" are not scaled. Gives what is left out, in sentences.
 std::vector<std::string> write_glb(const std::filesystem::path& path, const GlbScene& scene);
 
 }  // namespace fb::tool

@@ -88,7 +88,7 @@ bool is_skinned(const CharacterView& character, std::size_t mesh) {
   return character.influences > 0 && character.skin_weights[std::size_t(character.influences) * of.first_vertex] > 0;
 }
 
-void add_joints(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& character) {
+std::vector<int> add_joints(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& character) {
   const auto is_root = [](const fb_joint& joint) { return joint.parent == FB_NO_JOINT; };
   const bool one_root = std::ranges::count_if(character.joints, is_root) == 1;
   const int first = static_cast<int>(model.nodes.size());
@@ -110,9 +110,10 @@ void add_joints(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& 
     model.nodes.push_back(node);
     skin.joints.push_back(index);
   }
-  if (character.influences == 0) return;
+  if (character.influences == 0) return skin.joints;
   skin.inverseBindMatrices = inverse_bind_matrices(model, buffer, character);
   model.skins.push_back(skin);
+  return skin.joints;
 }
 
 void add_influences(tinygltf::Model& model, std::map<std::string, int>& attributes, GlbBuffer& buffer,

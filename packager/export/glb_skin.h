@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "export/character_view.h"
 #include "export/glb_buffer.h"
@@ -13,8 +14,9 @@ namespace fb::tool {
 bool is_skinned(const CharacterView& character, std::size_t mesh);
 
 // Adds the joints of a character as nodes, and one skin of all of them. A skeleton of one root stands beside the upper
-// node, which the model has, with the upper node's transform in that of the root; a skeleton of several below it.
-void add_joints(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& character);
+// node, which the model has, with the upper node's transform in that of the root; a skeleton of several below it. Gives
+// their nodes, in order.
+std::vector<int> add_joints(tinygltf::Model& model, GlbBuffer& buffer, const CharacterView& character);
 
 // Adds joints and weights, four in each attribute, to those of a mesh that is skinned.
 void add_influences(tinygltf::Model& model, std::map<std::string, int>& attributes, GlbBuffer& buffer,

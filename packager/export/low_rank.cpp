@@ -132,4 +132,11 @@ MorphTargets principal_targets(const MorphTargets& spanning, const FrameReader& 
   return targets_from(components, enough_components(components, tolerance, parallel));
 }
 
+MorphTargets leading_targets(const MorphTargets& spanning, const FrameReader& read, std::size_t frames,
+                             std::size_t count, const Parallel& parallel) {
+  if (spanning.count == 0 || count == 0) return {};
+  const Components components = components_of(spanning, read, frames, parallel);
+  return targets_from(components, std::min(index(count), components.weights.cols()));
+}
+
 }  // namespace fb::tool

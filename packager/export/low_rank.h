@@ -25,4 +25,8 @@ void for_frame_blocks(const FrameReader& read, std::size_t frames,
 MorphTargets principal_targets(const MorphTargets& spanning, const FrameReader& read, std::size_t frames,
                                double tolerance, const Parallel& parallel);
 
+// The first `count` principal components of the frames, or fewer where there are no more, likewise.
+MorphTargets leading_targets(const MorphTargets& spanning, const FrameReader& read, std::size_t frames,
+                             std::size_t count, const Parallel& parallel);
+
 }  // namespace fb::tool

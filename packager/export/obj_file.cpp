@@ -1,18 +1,10 @@
 #include "export/obj_file.h"
 
-#include <charconv>
-
 #include "base/file.h"
+#include "export/number_text.h"
 
 namespace fb::tool {
 namespace {
-
-template <class Number>
-void append(std::string& text, Number number) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
-  text.append(digits, end);
-}
 
 // A line with a name, in which blanks become underscores.
 void append_name(std::string& text, const char* keyword, const std::string& name) {
@@ -36,10 +28,10 @@ class PolygonText {
       text += "\nf";
       for (std::uint32_t k = 0; k < mesh_.polygon_sizes[polygon_]; ++k, ++corner_) {
         text += ' ';
-        append(text, std::uint64_t{mesh_.polygon_corners[corner_]} + 1);
+        append_number(text, std::uint64_t{mesh_.polygon_corners[corner_]} + 1);
         if (mesh_.uvs.empty()) continue;
         text += '/';
-        append(text, std::uint64_t{mesh_.uv_corners[corner_]} + 1);
+        append_number(text, std::uint64_t{mesh_.uv_corners[corner_]} + 1);
       }
     }
   }
@@ -57,11 +49,11 @@ void write_obj(const std::filesystem::path& path, const CharacterView& character
   append_name(text, "o ", character.mesh_name(0));
   for (std::size_t i = 0; i < points.size(); ++i) {
     text += i % 3 == 0 ? "\nv " : " ";
-    append(text, points[i]);
+    append_number(text, points[i]);
   }
   for (std::size_t i = 0; i < mesh.uvs.size(); ++i) {
     text += i % 2 == 0 ? "\nvt " : " ";
-    append(text, mesh.uvs[i]);
+    append_number(text, mesh.uvs[i]);
   }
   PolygonText polygons(mesh);
   for (std::size_t m = 0; m < character.meshes.size(); ++m) {

@@ -10,8 +10,8 @@
 
 namespace {
 
-const std::vector<std::string> commands = {"sample",  "plan",   "check", "bake",  "eval",    "compare",
-                                           "inspect", "verify", "pose",  "bench", "rig-host"};
+const std::vector<std::string> commands = {"sample",  "plan",   "check", "bake",   "eval",  "compare",
+                                           "inspect", "verify", "pose",  "export", "bench", "rig-host"};
 
 }  // namespace
 
@@ -113,7 +113,8 @@ TEST_CASE("files that are no archives are refused by name, whatever the command"
                                                {"inspect", archive, "--json"},
                                                {"verify", archive},
                                                {"eval", archive, FB_TOY_RIG, "--json", folder / "x.json"},
-                                               {"pose", archive, "--out", folder / "x.png"}}) {
+                                               {"pose", archive, "--out", folder / "x.png"},
+                                               {"export", archive, folder / "x.onnx"}}) {
       const ToolRun run = run_tool(arguments);
       CAPTURE(run.err);
       CHECK(run.exit_code == 1);
@@ -136,6 +137,11 @@ TEST_CASE("an output folder that does not exist is refused and leaves nothing") 
     const ToolRun run = run_tool({"pose", archive, "--out", nowhere});
     CHECK(run.exit_code == 1);
     CHECK(is_error_line(run.err, "pose", {nowhere, "cannot be written"}));
+    CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
+  }
+  for (const char* ending : {".glb", ".onnx", ".usda"}) {
+    const std::string nowhere = folder / (std::string("no/such/folder/x") + ending);
+    CHECK(is_error_line(run_tool({"export", archive, nowhere}).err, "export", {nowhere, "cannot be written"}));
     CHECK(folder.names() == std::vector<std::string>{"face.fbk"});
   }
 }
