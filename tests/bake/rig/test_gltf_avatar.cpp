@@ -482,8 +482,8 @@ TEST_CASE("files that contradict themselves are refused by name") {
       "has 6 key weights where 18 are needed");
   bad([](Avatar& a) { a.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 999; },
       "no accessor 999 for its positions");
-  check_refused([](Avatar& a) { a.json["extensionsRequired"] = {"EXT_meshopt_compression"}; }, Status::unsupported,
-                "requires the glTF extension EXT_meshopt_compression");
+  check_refused([](Avatar& a) { a.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"}; }, Status::unsupported,
+                "requires the glTF extension EXT_mesh_gpu_instancing");
 }
 
 TEST_CASE("a bake of an avatar has its meshes, materials and images") {

@@ -3,12 +3,17 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string_view>
 
+#include "bake/rig/gltf/draco_primitives.h"
 #include "bake/rig/gltf/files_beside.h"
+#include "bake/rig/gltf/glb_chunks.h"
+#include "bake/rig/gltf/loadable_file.h"
+#include "bake/rig/gltf/meshopt_views.h"
 #include "base/checked.h"
 #include "base/json_depth.h"
 
@@ -34,23 +39,19 @@ bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
-// Refuses required extensions except those of materials and textures, which do not change geometry, and quantisation,
-// which is integers where there are floats otherwise.
-void check_extensions(const tinygltf::Model& model) {
-  for (const std::string& name : model.extensionsRequired)
-    if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") && !name.starts_with("EXT_texture_") &&
-        name != "KHR_mesh_quantization")
-      fail(Status::unsupported, "requires the glTF extension %s, which is not read; export without it", name.c_str());
-}
+// Extensions that a file may require: those that change no geometry, of materials, textures, lights and avatars, and
+// those that store geometry in ways that are read.
+constexpr std::array<std::string_view, 6> harmless_extensions = {
+    "KHR_materials_", "KHR_texture_", "EXT_texture_", "VRMC_", "KHR_lights_punctual", "KHR_xmp"};
+constexpr std::array<std::string_view, 3> read_extensions = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
+                                                             "VRM"};
 
-// The JSON of a file: all of it, or the first chunk of a binary one, after a header of 20 bytes that ends in the
-// chunk's length and type.
-std::string_view json_of(std::span<const std::byte> bytes, bool binary) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (!binary) return text;
-  std::uint32_t length = 0;
-  if (bytes.size() >= 20) std::memcpy(&length, bytes.data() + 12, sizeof length);
-  return text.substr(std::min<std::size_t>(20, text.size()), length);
+void check_extensions(const tinygltf::Model& model) {
+  for (const std::string& name : model.extensionsRequired) {
+    const bool harmless = std::ranges::any_of(harmless_extensions, [&](auto begin) { return name.starts_with(begin); });
+    if (!harmless && !is_meshopt_extension(name) && std::ranges::find(read_extensions, name) == read_extensions.end())
+      fail(Status::unsupported, "requires the glTF extension %s, which is not read; export without it", name.c_str());
+  }
 }
 
 template <class T>
@@ -84,6 +85,9 @@ NumberFormat number_format(int component_type) {
   }
 }
 
+// Elements of an accessor without bytes of its own, which a file of a few bytes could have any number of.
+constexpr std::size_t most_unstored = std::size_t{1} << 24;
+
 // What an element of so many numbers is called in messages, and its type in files.
 struct ElementType {
   std::size_t width;
@@ -115,9 +119,11 @@ GltfFile::GltfFile(std::span<const std::byte> bytes, std::optional<std::filesyst
   loader.SetFsCallbacks(callbacks_for(*beside_));
   loader.SetImageLoader(keep_image, nullptr);
   std::string error, warning;
+  const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  check_json_depth(json_of_gltf(bytes, binary));
+  const auto changed = loadable_file(bytes, binary);
+  if (changed) bytes = *changed;
   const auto size = checked_u32(bytes.size(), "bytes");
-  const bool binary = size >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
-  check_json_depth(json_of(bytes, binary));
   const char* text = reinterpret_cast<const char*>(bytes.data());
   bool loaded = false;
   try {
@@ -130,6 +136,8 @@ GltfFile::GltfFile(std::span<const std::byte> bytes, std::optional<std::filesyst
   check_extensions(*model_);  // first: a required extension may be why it was not loaded
   while (!error.empty() && error.back() == '\n') error.pop_back();
   if (!loaded) fail(Status::bad_data, "is no whole glTF file%s%s", error.empty() ? "" : ": ", error.c_str());
+  decode_meshopt_views(*model_);
+  decode_draco_primitives(*model_);
 }
 
 GltfFile::~GltfFile() = default;
@@ -173,10 +181,11 @@ std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<
   if (!number.read) fail(Status::unsupported, "its %s are not %s", what, element_type(width).name);
   if (count && from.count != *count)
     fail(Status::bad_data, "has %zu %s where %zu are needed", from.count, what, *count);
-  const bool stored = from.bufferView >= 0 || !count;
+  const bool stored = from.bufferView >= 0 || !(count || from.sparse.isSparse);
   std::size_t stride = 0;
   const auto data = stored ? bytes(from.bufferView, from.byteOffset, from.count, width * number.bytes, stride, what)
                            : std::span<const unsigned char>();
+  if (!stored && from.count > most_unstored) fail(Status::limit, "has %zu %s without a buffer", from.count, what);
   std::vector<float> values(checked_multiply(from.count, width, what));
   for (std::size_t i = 0; stored && i < values.size(); ++i)
     values[i] = number.read(data.data() + i / width * stride + i % width * number.bytes, from.normalized);
@@ -184,16 +193,20 @@ std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<
   return values;
 }
 
-void GltfFile::overwrite_sparse(const tinygltf::Accessor& from, std::size_t width, std::span<float> values,
-                                const char* what) const {
+std::vector<std::uint32_t> GltfFile::sparse_elements(const tinygltf::Accessor& from, const char* what) const {
   const auto& sparse = from.sparse;
   if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
     fail(Status::bad_data, "its sparse %s have a count or an offset below zero", what);
-  const auto count = static_cast<std::size_t>(sparse.count);
-  const std::vector<std::uint32_t> elements =
-      indices({sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), count, 1,
-               sparse.indices.componentType},
-              from.count, what);
+  return indices({sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
+                  static_cast<std::size_t>(sparse.count), 1, sparse.indices.componentType},
+                 from.count, what);
+}
+
+void GltfFile::overwrite_sparse(const tinygltf::Accessor& from, std::size_t width, std::span<float> values,
+                                const char* what) const {
+  const auto& sparse = from.sparse;
+  const std::vector<std::uint32_t> elements = sparse_elements(from, what);
+  const std::size_t count = elements.size();
   const NumberFormat number = number_format(from.componentType);
   std::size_t stride = 0;
   const auto data = bytes(sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset), count,
@@ -208,8 +221,19 @@ std::vector<std::uint32_t> GltfFile::indices(int index, std::size_t width, std::
   const tinygltf::Accessor& from = accessor(index, width, what);
   if (count && from.count != *count)
     fail(Status::bad_data, "has %zu %s where %zu are needed", from.count, what, *count);
-  if (from.sparse.isSparse) fail(Status::unsupported, "its %s are sparse", what);
-  return indices({from.bufferView, from.byteOffset, from.count, width, from.componentType}, limit, what);
+  std::vector<std::uint32_t> values;
+  if (from.bufferView < 0 && from.sparse.isSparse && from.count <= most_unstored)
+    values.resize(from.count * width);
+  else
+    values = indices({from.bufferView, from.byteOffset, from.count, width, from.componentType}, limit, what);
+  if (!from.sparse.isSparse) return values;
+  const std::vector<std::uint32_t> elements = sparse_elements(from, what);
+  const std::vector<std::uint32_t> stored =
+      indices({from.sparse.values.bufferView, static_cast<std::size_t>(from.sparse.values.byteOffset), elements.size(),
+               width, from.componentType},
+              limit, what);
+  for (std::size_t i = 0; i < stored.size(); ++i) values[elements[i / width] * width + i % width] = stored[i];
+  return values;
 }
 
 std::vector<std::uint32_t> GltfFile::indices(const Scalars& from, std::size_t limit, const char* what) const {
