@@ -278,6 +278,38 @@ TEST_CASE("what is dropped from materials and meshes is named in notes") {
   CHECK_FALSE(contains(notes_of(*open(avatar)), "KHR_texture_transform"));
 }
 
+TEST_CASE("a placement that all textures of a material have goes into the texture coordinates") {
+  // Here those of the head, and not of its brows.
+  GltfAvatar avatar;
+  json& skin = avatar.json["materials"][1];
+  const json transform = {{"offset", {0.25, 0.5}}, {"scale", {2, 4}}};
+  skin["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = transform;
+  skin["normalTexture"]["extensions"]["KHR_texture_transform"] = transform;
+  skin["occlusionTexture"]["extensions"]["KHR_texture_transform"] = transform;
+  const auto placed = open(avatar);
+  CHECK_FALSE(contains(notes_of(*placed), "KHR_texture_transform"));
+  const GltfAvatar::Part& head = avatar.parts[0];
+  for (std::size_t i = 0; i < head.triangles.size(); ++i) {
+    const std::size_t v = head.triangles[i], pair = 2 * std::size_t(placed->rest().uv_corners[i]);
+    const bool brow = v >= 30;
+    CHECK(placed->rest().uvs[pair] == (brow ? head.uvs[2 * v] : 0.25f + 2 * head.uvs[2 * v]));
+    CHECK(placed->rest().uvs[pair + 1] == 1 - (brow ? head.uvs[2 * v + 1] : 0.5f + 4 * head.uvs[2 * v + 1]));
+  }
+  // Primitives that share vertices, and place textures otherwise, have coordinates of their own.
+  json& primitives = avatar.json["meshes"][0]["primitives"];
+  json again = primitives[0];
+  again["material"] = 2;
+  primitives.push_back(again);
+  const auto twice = open(avatar);
+  CHECK(twice->rest().points.size() == placed->rest().points.size());
+  const std::size_t first = head.triangles.size(), shared = twice->rest().parts[0].materials[0].polygons;
+  for (std::size_t i = 0; i < 3 * shared; ++i) {
+    const std::size_t v = head.triangles[i], pair = 2 * std::size_t(twice->rest().uv_corners[first + i]);
+    CHECK(twice->rest().polygon_corners[first + i] == v);
+    CHECK(twice->rest().uvs[pair] == head.uvs[2 * v]);
+  }
+}
+
 TEST_CASE("buffers and images may lie beside a file, and nowhere else") {
   const Folder folder;
   std::filesystem::create_directories(folder / "textures");

@@ -8,6 +8,7 @@
 
 #include "bake/rig/gltf/gltf_image.h"
 #include "bake/rig/gltf/gltf_mesh.h"
+#include "bake/rig/gltf/texture_placement.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -47,6 +48,7 @@ class MaterialReader {
   Material read(const tinygltf::Material& from) {
     Material to;
     name_ = shown_name(from.name);
+    placed_ = common_placement(from).has_value();
     to.name = from.name;
     const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
     std::ranges::transform(pbr.baseColorFactor, to.base_colour.begin(), [](double x) { return static_cast<float>(x); });
@@ -86,7 +88,7 @@ class MaterialReader {
         left_out_.add("the extension " + extension + " of textures is left out", name_);
         continue;
       }
-      if (transforms(value)) left_out_.add("KHR_texture_transform is left out, of materials", name_);
+      if (transforms(value) && !placed_) left_out_.add("KHR_texture_transform is left out, of materials", name_);
       if (value.IsObject() && value.Get("texCoord").IsInt()) coordinates = value.Get("texCoord").GetNumberAsInt();
     }
     return coordinates;
@@ -126,7 +128,8 @@ class MaterialReader {
 
   const tinygltf::Model& model_;
   LeftOut& left_out_;
-  std::string name_;  // of the material that is read, for notes
+  std::string name_;     // of the material that is read, for notes
+  bool placed_ = false;  // texture coordinates are changed as its textures want them
 };
 
 // Sets the materials of parts, which are those of the file, to their places among those that are used. Returns the

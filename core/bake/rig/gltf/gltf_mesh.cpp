@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "bake/rig/gltf/texture_placement.h"
 #include "base/checked.h"
 
 namespace fb::bake {
@@ -76,16 +77,43 @@ std::vector<std::uint32_t> triangles_of(const GltfFile& file, const TrianglePrim
   return triangles_of(corners, from.primitive.mode);
 }
 
-void read_uvs(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives, Mesh& mesh) {
-  for (const TrianglePrimitive& from : primitives) {
+// How a primitive's textures are placed; as they are where its material does not say one way.
+TexturePlacement placement_for(const GltfFile& file, const TrianglePrimitive& from) {
+  const std::vector<tinygltf::Material>& materials = file.model().materials;
+  const int material = from.primitive.material;
+  if (material < 0 || static_cast<std::size_t>(material) >= materials.size()) return {};
+  return common_placement(materials[static_cast<std::size_t>(material)]).value_or(TexturePlacement{});
+}
+
+// Primitives that share vertices whose materials place textures otherwise have texture coordinates of their own, behind
+// those of all vertices.
+void read_uvs(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives,
+              const std::vector<MaterialRun>& runs, Mesh& mesh) {
+  std::map<std::pair<std::size_t, TexturePlacement>, std::size_t> starts;  // of texture coordinates
+  std::vector<std::uint32_t> uv_corners = mesh.polygon_corners;
+  std::size_t corner = 0;
+  for (std::size_t p = 0; p < primitives.size(); ++p) {
+    const TrianglePrimitive& from = primitives[p];
+    const std::size_t first_corner = corner;
+    corner += std::size_t{3} * runs[p].polygons;
     const int accessor = accessor_of(from.primitive.attributes, "TEXCOORD_0");
-    if (accessor < 0 || from.shared) continue;
-    mesh.uvs.resize(2 * mesh.vertex_count());
+    if (accessor < 0) continue;
+    if (mesh.uvs.empty()) mesh.uvs.resize(2 * mesh.vertex_count());
+    const TexturePlacement placement = placement_for(file, from);
+    const std::size_t start = from.shared ? mesh.uvs.size() / 2 : from.first;
+    const auto [at, fresh] = starts.try_emplace({from.first, placement}, start);
+    for (std::size_t c = first_corner; at->second != from.first && c < corner; ++c)
+      uv_corners[c] = checked_u32(at->second + uv_corners[c] - from.first, "texture coordinates");
+    if (!fresh) continue;
     const std::vector<float> uvs = file.floats(accessor, 2, from.vertices, "texture coordinates");
-    for (std::size_t i = 0; i < uvs.size(); ++i)
-      mesh.uvs[2 * from.first + i] = i % 2 == 0 ? uvs[i] : 1 - uvs[i];  // glTF counts v downwards
+    mesh.uvs.resize(std::max(mesh.uvs.size(), 2 * at->second + uvs.size()));
+    for (std::size_t i = 0; i < uvs.size(); ++i) {
+      const std::size_t axis = i % 2;
+      const float placed = static_cast<float>(placement.offset[axis] + placement.scale[axis] * double(uvs[i]));
+      mesh.uvs[2 * at->second + i] = axis == 0 ? placed : 1 - placed;  // glTF counts v downwards
+    }
   }
-  if (!mesh.uvs.empty()) mesh.uv_corners = mesh.polygon_corners;
+  if (!mesh.uvs.empty()) mesh.uv_corners = std::move(uv_corners);
 }
 
 // Fills `materials` as in GltfMesh.
@@ -106,7 +134,7 @@ Mesh read_surface(const GltfFile& file, const std::vector<TrianglePrimitive>& pr
     materials.push_back(
         {checked_u32(corners.size() / 3, "triangles"), material < 0 ? no_material : std::uint32_t(material)});
   }
-  read_uvs(file, primitives, mesh);
+  read_uvs(file, primitives, materials, mesh);
   return mesh;
 }
 

@@ -31,8 +31,8 @@ struct VertexJoints {
 // A mesh of a glTF file, in its own coordinates: its primitives one after the other. Primitives that have all their
 // vertices in common, as where a mesh is divided by material, share them.
 struct GltfMesh {
-  // Triangles. Texture coordinates are the first of the file; where only some primitives have them, they are 0 in the
-  // others.
+  // Triangles. Texture coordinates are the first of the file, placed as common_placement of the material says; where
+  // only some primitives have them, they are 0 in the others.
   Mesh surface;
   std::vector<MaterialRun> materials;  // one a primitive; `material`: index in the file
   std::vector<MorphTarget> targets;
