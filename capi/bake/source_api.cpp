@@ -24,16 +24,30 @@ std::unique_ptr<fb::bake::Source> open_rig(const fb_rig& given) {
   return std::make_unique<fb::bake::RigSource>(rig);
 }
 
+fb::bake::GltfOptions gltf_options_of(const fb_source_desc& desc) {
+  if (desc.joints > FB_JOINTS_CONTROLS)
+    fail(Status::invalid_argument, "fb_source_desc: joints is %u, none of FB_JOINTS_...", desc.joints);
+  fb::bake::GltfOptions options{static_cast<fb::bake::JointUse>(desc.joints), {}};
+  if (desc.control_joint_count > 0) require(desc.control_joints, "fb_source_desc: control_joints");
+  for (std::uint32_t j = 0; j < desc.control_joint_count; ++j) {
+    require(desc.control_joints[j], "fb_source_desc: one of control_joints");
+    options.control_joints.emplace_back(desc.control_joints[j]);
+  }
+  return options;
+}
+
 fb::bake::RigRunning running_of(const fb_source_desc& desc, fb::Progress& progress) {
   if (desc.workers > 256) fail(Status::invalid_argument, "fb_source_desc: %u workers, more than 256", desc.workers);
   if (!(desc.pose_seconds > 0 && desc.pose_seconds <= 1e6))
     fail(Status::invalid_argument, "fb_source_desc: pose_seconds is %g", desc.pose_seconds);
-  return {desc.workers, desc.host ? desc.host : "facebaker", desc.pose_seconds, &progress};
+  return {desc.workers, desc.host ? desc.host : "facebaker", desc.pose_seconds, &progress, gltf_options_of(desc)};
 }
 
 std::unique_ptr<fb::bake::Source> open_whole(const fb_source_desc& desc, fb::Progress& progress) {
   if (desc.rig && desc.path_count > 0)
     fail(Status::invalid_argument, "fb_source_desc: either a rig or paths, not both");
+  if (desc.rig && gltf_options_of(desc) != fb::bake::GltfOptions{})
+    fail(Status::invalid_argument, "fb_source_desc: joints are of glTF files, not of a rig");
   if (desc.rig) return open_rig(*desc.rig);
   if (desc.path_count == 0) fail(Status::invalid_argument, "fb_source_desc: either a rig or paths are needed");
   require(desc.paths, "fb_source_desc: paths");

@@ -87,10 +87,9 @@ void add_epochs(CLI::App& command, std::uint32_t& epochs) {
 
 void add_sources(CLI::App& command, std::vector<std::string>& sources) {
   command
-      .add_option(
-          "SOURCE", sources,
-          "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, "
-          "exec:COMMAND for a program that speaks the rig protocol, or \"sample\" for the built-in face")
+      .add_option("SOURCE", sources,
+                  "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb, .gltf or .vrm, "
+                  "exec:COMMAND for a program that speaks the rig protocol, or \"sample\" for the built-in face")
       ->required();
 }
 

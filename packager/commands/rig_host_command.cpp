@@ -8,12 +8,14 @@
 #include <thread>
 
 #include "commands/commands.h"
+#include "commands/joint_options.h"
 
 namespace fb::tool {
 namespace {
 
 struct RigHostCommand {
   std::string source;
+  JointOptions joints;
 
   void run() const;
 };
@@ -40,6 +42,7 @@ void RigHostCommand::run() const {
   fb_source_desc_init(&desc);
   desc.paths = &path;
   desc.path_count = 1;
+  joints.fill(desc);
   facebaker::check(fb_source_serve(&desc, requests, answers));
 }
 
@@ -48,8 +51,9 @@ void RigHostCommand::run() const {
 void add_rig_host(CLI::App& tool) {
   auto command = std::make_shared<RigHostCommand>();
   CLI::App* app = tool.add_subcommand("rig-host", "Serve a rig to the process that started this one (--isolate does)");
-  app->add_option("SOURCE", command->source, "A rig plugin (librig_NAME.so), a .glb or .gltf, or \"sample\"")
+  app->add_option("SOURCE", command->source, "A rig plugin (librig_NAME.so), a .glb, .gltf or .vrm, or \"sample\"")
       ->required();
+  command->joints.add_to(*app);
   app->footer(
       "Requests come on descriptor 3, or the one that FACEBAKER_RIG_REQUESTS names, answers go to descriptor 4, or\n"
       "FACEBAKER_RIG_ANSWERS, in the rig protocol: docs/rig-protocol.md. `exec:facebaker rig-host SOURCE` is a "

@@ -11,6 +11,7 @@
 namespace fb::tool {
 
 void RigOptions::add_to(CLI::App& command) {
+  joints_.add_to(command);
   command.add_flag("--isolate", isolate_,
                    "Run the rig in a child process: where it crashes or hangs, it is started again, and the pose that "
                    "did it is named");
@@ -55,6 +56,7 @@ facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std:
   if (!unknown) desc.host = host.c_str();
   desc.pose_seconds = pose_seconds_;
   desc.clip_budget = clip_budget_ > 0 ? clip_budget_ : rig_budget;
+  joints_.fill(desc);
   return facebaker::Source(desc);
 }
 

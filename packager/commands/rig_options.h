@@ -5,14 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "commands/joint_options.h"
+
 namespace CLI {
 class App;
 }
 
 namespace fb::tool {
 
-// How commands open sources whose rigs may be slow, crash or hang: --isolate, --workers, --rig-timeout, and, for those
-// that read clips of rigs, --clip-budget.
+// How commands open sources: --joints and --control-joint of glTF files; for rigs that may be slow, crash or hang
+// --isolate, --workers, --rig-timeout; and, for commands that read clips of rigs, --clip-budget.
 struct RigOptions {
   void add_to(CLI::App& command);
   void add_clip_budget_to(CLI::App& command);
@@ -26,6 +28,7 @@ struct RigOptions {
   std::uint32_t workers_ = 0;
   double pose_seconds_ = 60;
   std::uint64_t clip_budget_ = 0;
+  JointOptions joints_;
 };
 
 }  // namespace fb::tool

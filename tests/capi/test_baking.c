@@ -186,6 +186,28 @@ static void assert_open_refused(const fb_source_desc* desc, fb_status expected, 
   assert_null(source);
 }
 
+static void joints_are_of_gltf_files(void** state) {
+  (void)state;
+  int broken = 0;
+  const fb_rig rig = describe(&broken);
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  assert_int_equal(desc.joints, FB_JOINTS_AUTO);
+  desc.rig = &rig;
+  desc.joints = FB_JOINTS_CONTROLS;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "joints are of glTF files, not of a rig");
+  desc.joints = 7;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "joints is 7, none of FB_JOINTS_...");
+  const char *const path = "sample", *const joint = "jaw";
+  fb_source_desc_init(&desc);
+  desc.paths = &path;
+  desc.path_count = 1;
+  desc.control_joint_count = 1;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "fb_source_desc: control_joints");
+  desc.control_joints = &joint;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "no source is a glTF file");
+}
+
 /* This program with an argument is a child that serves the host's rig. */
 static int serve(void) {
   int broken = 0;
@@ -320,9 +342,13 @@ int main(int count, char** arguments) {
   (void)arguments;
   if (count > 1) return serve();
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_rig_becomes_a_face),       cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
-      cmocka_unit_test(a_host_may_interrupt),       cmocka_unit_test(wrong_sources_are_refused),
-      cmocka_unit_test(wrong_requests_are_refused), cmocka_unit_test(a_program_is_a_source),
+      cmocka_unit_test(a_rig_becomes_a_face),
+      cmocka_unit_test(a_rig_is_sampled_to_a_dataset_that_can_be_baked),
+      cmocka_unit_test(a_host_may_interrupt),
+      cmocka_unit_test(wrong_sources_are_refused),
+      cmocka_unit_test(wrong_requests_are_refused),
+      cmocka_unit_test(joints_are_of_gltf_files),
+      cmocka_unit_test(a_program_is_a_source),
       cmocka_unit_test(wrong_children_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -1,6 +1,6 @@
 // Feeds arbitrary bytes to the glTF rig, in memory: as they are, and with the sizes of a .glb corrected so that the
-// JSON and the buffer behind them are reached. Accepted rigs are posed. Files beside are refused: there are none in
-// memory.
+// JSON and the buffer behind them are reached. Joints are ignored, and controls. Accepted rigs are posed. Files beside
+// are refused: there are none in memory.
 #include <algorithm>
 #include <span>
 #include <vector>
@@ -40,12 +40,13 @@ Bytes with_valid_sizes(Bytes bytes) {
 }
 
 void open_and_pose(const Bytes& bytes) {
-  fuzz::expect_message([&] {
-    const auto rig = fb::bake::open_gltf_rig(std::as_bytes(std::span(bytes)), "fuzzed");
-    std::vector<float> pose, points(rig->rest().points.size());
-    for (const fb::Control& control : rig->schema().controls) pose.push_back(control.maximum);
-    rig->evaluate(pose, 1, points);
-  });
+  for (const auto joints : {fb::bake::JointUse::ignored, fb::bake::JointUse::controls})
+    fuzz::expect_message([&] {
+      const auto rig = fb::bake::open_gltf_rig(std::as_bytes(std::span(bytes)), "fuzzed", {joints, {}});
+      std::vector<float> pose, points(rig->rest().points.size());
+      for (const fb::Control& control : rig->schema().controls) pose.push_back(control.maximum);
+      rig->evaluate(pose, 1, points);
+    });
 }
 
 }  // namespace

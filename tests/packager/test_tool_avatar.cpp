@@ -25,6 +25,10 @@ void write_avatar(const ScratchFolder& folder, GltfAvatar& avatar) {
   std::ofstream(folder / "skin.png", std::ios::binary) << std::string(skin_png.begin(), skin_png.end());
 }
 
+bool has(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
 // The same joints, but for rounding, and the same skin.
 void check_joints(const Character& first, const Character& second) {
   REQUIRE(second.joints.size() == first.joints.size());
@@ -76,6 +80,31 @@ TEST_CASE("an avatar that is baked and written again is the same avatar") {
       CHECK(worst < 1e-5 * first->rest().diagonal());
     }
   }
+}
+
+TEST_CASE("an avatar's joints are controls where that is asked for, in this process and in children") {
+  const ScratchFolder folder;
+  GltfAvatar avatar;
+  write_avatar(folder, avatar);
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, std::vector<std::string>{"--isolate"}}) {
+    std::vector<std::string> arguments = {
+        "bake",  folder / "avatar.gltf", "--joints", "controls", "--recipe", "linear", "--poses", "60",
+        "--out", folder / "joints.fbk"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun baked = run_tool(arguments);
+    REQUIRE_MESSAGE(baked.exit_code == 0, baked.err);
+    CHECK_MESSAGE(has(baked.err, "2 joints are controls (2), and positions are after skinning"), baked.err);
+    const ToolRun posed =
+        run_tool({"pose", folder / "joints.fbk", "--set", "Neck.rz=30", "--out", folder / "turned.obj"});
+    CHECK_MESSAGE(posed.exit_code == 0, posed.err);
+  }
+  const ToolRun other = run_tool({"eval", folder / "joints.fbk", folder / "avatar.gltf"});
+  CHECK(other.exit_code != 0);
+  const ToolRun named =
+      run_tool({"bake", folder / "avatar.gltf", "--control-joint", "Haed", "--out", folder / "no.fbk"});
+  CHECK_MESSAGE(is_error_line(named.err, "bake", {"avatar.gltf", "no joint or node \"Haed\""}), named.err);
+  const ToolRun sample = run_tool({"bake", "sample", "--joints", "ignore", "--out", folder / "no.fbk"});
+  CHECK_MESSAGE(is_error_line(sample.err, "bake", {"no source is a glTF file"}), sample.err);
 }
 
 TEST_CASE("an avatar without a file that it names is refused by that name") {

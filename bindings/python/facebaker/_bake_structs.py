@@ -124,6 +124,9 @@ class SourceDesc(Structure):
         ("host", c_char_p),
         ("pose_seconds", c_double),
         ("clip_budget", c_uint64),
+        ("joints", c_uint32),
+        ("control_joint_count", c_uint32),
+        ("control_joints", POINTER(c_char_p)),
     ]
 
 

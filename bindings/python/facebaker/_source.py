@@ -26,16 +26,20 @@ Place = Union[str, "os.PathLike[str]"]
 AnySource = Union["Source", Rig, Place, Sequence[Place]]
 
 _LIVE = 2
+JOINTS = ("auto", "ignore", "controls")
 
 
 class Source:
     """An opened rig or recording. A context manager: close() ends its processes.
 
-    source: a Rig; or what the tool takes as SOURCE: a dataset folder, a rig plugin (.so), a .glb or .gltf file,
-    "exec:COMMAND", "sample"; or several of these that are one character. workers: child processes, at most 256, that run
+    source: a Rig; or what the tool takes as SOURCE: a dataset folder, a rig plugin (.so), a .glb, .gltf or .vrm
+    file, "exec:COMMAND", "sample"; or several of these that are one character. workers: child processes, at most 256, that run
     rigs other than a Rig at once, by the program `host` (default: facebaker, found in PATH); 0: in this process, a command
     in one child. pose_seconds: a pose that takes a child longer hangs. clip_budget: frames of a live rig's own clips that
-    are used at most, of each split; 0: all. progress, note: as for bake.
+    are used at most, of each split; 0: all. joints: of a glTF file: "ignore", the skeleton that carries the face;
+    "controls", controls of it, by names such as "Jaw.rx", and positions are after skinning; "auto", the latter where the
+    file has no morph targets. control_joints: names of the joints that are controls, instead of all that the file's
+    animations move. progress, note: as for bake.
 
     Attributes: name, units, up_axis; diagonal, of the rest mesh's bounding box, in units, by which errors are divided;
     live, whether new poses can be evaluated; controls, of class Control; rest_positions, (vertices, 3); polygon_sizes
@@ -51,11 +55,16 @@ class Source:
         host: Optional[Place] = None,
         pose_seconds: float = 60.0,
         clip_budget: int = 0,
+        joints: str = "auto",
+        control_joints: Sequence[str] = (),
         progress: Progress = None,
         note: Note = None,
     ) -> None:
+        if joints not in JOINTS:
+            raise ValueError(f'joints is "{joints}", none of {", ".join(JOINTS)}')
         desc = filled(SourceDesc, library.fb_source_desc_fill)
-        assign(desc, workers=workers, pose_seconds=pose_seconds, clip_budget=clip_budget)
+        assign(desc, workers=workers, pose_seconds=pose_seconds, clip_budget=clip_budget, joints=JOINTS.index(joints))
+        desc.control_joints, desc.control_joint_count = c_strings([name.encode() for name in control_joints])
         desc.host = None if host is None else path_bytes(host)
         self._rig: Optional[HostRig] = None
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None

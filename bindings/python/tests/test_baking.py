@@ -76,6 +76,15 @@ class SourcesTest(BakingTest):
             again.details()
         self.assertEqual(facebaker.verify(face).vertices, 81)
 
+    def test_sources_say_what_joints_are_and_draw_test_poses(self):
+        with self.assertRaisesRegex(ValueError, 'joints is "some", none of auto, ignore, controls'):
+            facebaker.Source(toy_rig.make(), joints="some")
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, "joints are of glTF files"):
+            facebaker.Source(toy_rig.make(), control_joints=["jaw"])
+        with facebaker.Source(toy_rig.make(), test_poses=20) as source:
+            self.assertEqual([clip.split for clip in source.clips], ["test"] * 3)
+            self.assertEqual(sum(len(np.asarray(clip.controls)) for clip in source.clips), 20)
+
     def test_arrays(self):
         result = self.bake(toy_rig.make_recording(), recipe="linear")
         self.assertEqual(result.method.poses, 300)
@@ -288,7 +297,7 @@ class ToolsTest(BakingTest):
         self.assertLessEqual({"hero", "compact", "linear"}, set(facebaker.recipes()))
 
     def test_defaults_are_those_of_the_library(self):
-        words = {"use": facebaker._results.USES, "split": facebaker._rig.SPLITS}
+        words = {"use": facebaker._results.USES, "split": facebaker._rig.SPLITS, "joints": facebaker._source.JOINTS}
         for function, kind in (
             (facebaker.bake, "bake"), (facebaker.sample, "sample"), (facebaker.compare, "compare"),
             (facebaker.evaluate, "eval"), (facebaker.pack, "pack"), (facebaker.Source, "source"),

@@ -33,13 +33,25 @@ typedef struct fb_callbacks {
 /** An opened rig or recording. Immutable but for what its rig keeps. */
 typedef struct fb_source fb_source;
 
+/* What the joints of a glTF file are; fb_source_desc::joints. */
+/** Controls where the file has no morph targets and its animations move joints; otherwise ignored. */
+#define FB_JOINTS_AUTO 0u
+/** The skeleton that carries the face: positions are before skinning, and the archive has joints and skin. */
+#define FB_JOINTS_IGNORE 1u
+/** Controls, behind the morph targets: "NAME.tx", ".ty", ".tz", added to the translation of the joint at rest, in
+ * metres; "NAME.rx", ".ry", ".rz", a rotation vector in degrees, in the joint at rest; "NAME.sx", ".sy", ".sz", added
+ * to its scale. All rest at 0. Their ranges are those of the file's animations. Positions are after skinning, and the
+ * archive has neither joints nor skin. */
+#define FB_JOINTS_CONTROLS 2u
+
 /** What to open. */
 typedef struct fb_source_desc {
   uint32_t struct_size;
   uint32_t path_count;      /**< of paths; 0 with a rig */
-  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb or .gltf file, "exec:COMMAND" for a
-                               program that speaks the rig protocol (docs/rig-protocol.md), run by /bin/sh, or "sample"
-                               for the built-in face; several are one character: same controls, same rest mesh */
+  const char* const* paths; /**< each a dataset folder, a rig plugin (.so), a .glb, .gltf or .vrm file, "exec:COMMAND"
+                               for a program that speaks the rig protocol (docs/rig-protocol.md), run by /bin/sh, or
+                               "sample" for the built-in face; several are one character: same controls, same rest
+                               mesh */
   const fb_rig* rig;        /**< in place of paths: a rig that the host filled. Borrowed until fb_source_close, which
                                does not call destroy. */
   fb_callbacks callbacks;   /**< note: what was found while opening; progress: while child processes start */
@@ -54,6 +66,12 @@ typedef struct fb_source_desc {
   uint64_t clip_budget; /**< frames of a live rig's own clips that are used at most, of each split: where it has more,
                            stretches of about 32 frames, evenly spaced over every clip, are clips in their place, called
                            "CLIP [FIRST-LAST]". 0 (default): all */
+  /** FB_JOINTS_..., of glTF files, of which paths must have one unless it is FB_JOINTS_AUTO (default). */
+  uint32_t joints;
+  uint32_t control_joint_count; /**< of control_joints; above 0: joints are controls. Fails with FB_JOINTS_IGNORE */
+  /** Names of the joints, or other nodes, of a glTF file that are controls, in place of all that its animations move;
+   * one that no animation turns turns by 30 degrees either way around each axis. */
+  const char* const* control_joints;
 } fb_source_desc;
 
 FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);

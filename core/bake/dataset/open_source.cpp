@@ -72,6 +72,21 @@ OpenedSource open_in_children(const std::string& source, std::vector<std::string
   return std::make_unique<ProcessSource>(std::move(command), running.progress);
 }
 
+bool is_gltf(const std::string& source) {
+  const std::string extension = fs::path(source).extension().string();
+  return !source.starts_with(command_prefix) && (extension == ".glb" || extension == ".gltf" || extension == ".vrm");
+}
+
+// What serves a rig in a child. The words of its options are those of the command rig-host.
+std::vector<std::string> host_arguments(const std::string& source, const RigRunning& running) {
+  std::vector<std::string> arguments = {running.host, "rig-host", source};
+  if (!is_gltf(source)) return arguments;
+  if (running.gltf.joints != JointUse::automatic)
+    arguments.emplace_back(running.gltf.joints == JointUse::controls ? "--joints=controls" : "--joints=ignore");
+  for (const std::string& name : running.gltf.control_joints) arguments.push_back("--control-joint=" + name);
+  return arguments;
+}
+
 }  // namespace
 
 OpenedSource open_source(const std::string& source, const RigRunning& running) {
@@ -81,7 +96,7 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
   if (running.workers > 0 && !fs::is_directory(source)) {
     const std::string file = source == "sample" ? sample_file() : source;
     const std::uint64_t hash = fs::is_regular_file(file) ? hash64(read_file(file)) : 0;
-    return open_in_children(source, {running.host, "rig-host", source}, running, hash);
+    return open_in_children(source, host_arguments(source, running), running, hash);
   }
   if (source == "sample") return open_sample();
   const fs::path path(source);
@@ -93,15 +108,17 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
     return std::make_unique<DatasetSource>(path);
   }
   const std::string extension = path.extension().string();
-  if (extension == ".glb" || extension == ".gltf") return open_gltf_rig(source);
+  if (is_gltf(source)) return open_gltf_rig(source, running.gltf);
   if (extension == ".so") return open_rig_plugin(source);
   fail(Status::invalid_argument,
-       "%s: neither a dataset folder, a rig plugin (.so), a glTF file (.glb, .gltf) nor a command (exec:COMMAND)",
+       "%s: neither a dataset folder, a rig plugin (.so), a glTF file (.glb, .gltf, .vrm) nor a command (exec:COMMAND)",
        shown(source).c_str());
 }
 
 OpenedSource open_sources(const std::vector<std::string>& sources, const RigRunning& running) {
   if (sources.empty()) fail(Status::invalid_argument, "no source is given");
+  if (running.gltf != GltfOptions{} && std::ranges::none_of(sources, is_gltf))
+    fail(Status::invalid_argument, "joints are chosen as controls or ignored, but no source is a glTF file");
   if (sources.size() == 1) return open_source(sources[0], running);
   std::vector<std::unique_ptr<Source>> opened;
   for (const std::string& source : sources) opened.push_back(open_source(source, running));

@@ -48,7 +48,8 @@ double size_of(const std::vector<float>& points, Eigen::Vector3d& middle) {
   return box.diagonal().norm();
 }
 
-// The nodes whose places an animation moves.
+}  // namespace
+
 std::vector<bool> animated_nodes(const tinygltf::Model& model) {
   std::vector<bool> animated(model.nodes.size());
   for (const tinygltf::Animation& animation : model.animations)
@@ -58,8 +59,6 @@ std::vector<bool> animated_nodes(const tinygltf::Model& model) {
         animated[static_cast<std::size_t>(channel.target_node)] = true;
   return animated;
 }
-
-}  // namespace
 
 std::size_t joint_count(const GltfFile& file, const ShownMesh& shown) {
   if (shown.skin < 0) return 0;
@@ -71,7 +70,8 @@ std::size_t joint_count(const GltfFile& file, const ShownMesh& shown) {
   return skin.joints.size();
 }
 
-GltfJoints::GltfJoints(const GltfFile& file, const GltfScene& scene, const std::vector<GltfMesh>& meshes)
+GltfJoints::GltfJoints(const GltfFile& file, const GltfScene& scene, const std::vector<GltfMesh>& meshes,
+                       const std::vector<bool>& moving, bool without_skins)
     : file_(file),
       scene_(scene),
       meshes_(meshes),
@@ -79,7 +79,7 @@ GltfJoints::GltfJoints(const GltfFile& file, const GltfScene& scene, const std::
       skins_(file.model().skins.size()),
       maps_(meshes.size(), Map::Identity()),
       rigid_(meshes.size(), -1) {
-  find_nodes();
+  find_nodes(moving, without_skins);
   place_skins();
   complete_inverses();
   place_unskinned();
@@ -120,6 +120,17 @@ void GltfJoints::fill_skin(const std::vector<std::vector<std::pair<std::uint32_t
       skin_.weights[v * most + k] = influences[v][k].second;
     }
   tidy(skin_);
+  followed_.resize(joints_.size());
+  for (std::size_t i = 0; i < skin_.joints.size(); ++i)
+    if (skin_.weights[i] > 0) followed_[skin_.joints[i]] = true;
+  for (std::size_t j = joints_.size(); j-- > 0;)
+    if (followed_[j] && joints_[j].parent != no_joint) followed_[joints_[j].parent] = true;
+}
+
+std::optional<std::size_t> GltfJoints::moving_joint(std::size_t node) const {
+  const int joint = joint_of_node_[node];
+  if (joint < 0 || !followed_[static_cast<std::size_t>(joint)]) return std::nullopt;
+  return static_cast<std::size_t>(joint);
 }
 
 // A node becomes a joint, and so do all above it, before it.
@@ -138,23 +149,24 @@ void GltfJoints::add_node(std::size_t node) {
          frame_of(scene_.local(*n)),
          {}});
     nodes_.push_back(*n);
+    repeats_.push_back(false);
+    locals_.push_back(scene_.local(*n));
     inverse_bind_.emplace_back();
   }
 }
 
-void GltfJoints::find_nodes() {
+void GltfJoints::find_nodes(const std::vector<bool>& moving, bool without_skins) {
   for (const ShownMesh& shown : scene_.meshes())
     if (shown.skin >= 0)
       for (const int node : file_.model().skins[static_cast<std::size_t>(shown.skin)].joints)
         add_node(static_cast<std::size_t>(node));
-  if (joints_.empty()) return;
-  const std::vector<bool> animated = animated_nodes(file_.model());
-  std::vector<bool> seen(animated.size());
+  if (joints_.empty() && !without_skins) return;
+  std::vector<bool> seen(moving.size());
   for (const ShownMesh& shown : scene_.meshes())
     for (int n = shown.skin < 0 ? shown.node : -1; n >= 0; n = scene_.parent(static_cast<std::size_t>(n))) {
       if (seen[static_cast<std::size_t>(n)]) break;
       seen[static_cast<std::size_t>(n)] = true;
-      if (animated[static_cast<std::size_t>(n)]) add_node(static_cast<std::size_t>(n));
+      if (moving[static_cast<std::size_t>(n)]) add_node(static_cast<std::size_t>(n));
     }
 }
 
@@ -250,6 +262,8 @@ void GltfJoints::add_inverses(FileSkin& skin, double size) {
       joints_.push_back(
           {names_.add(joints_[joint].name), static_cast<std::uint32_t>(joint), frame_of(Map::Identity()), {}});
       nodes_.push_back(skin.nodes[j]);
+      repeats_.push_back(true);
+      locals_.push_back(Map::Identity());
       inverse_bind_.emplace_back(inverse);
       joint = joints_.size() - 1;
     }

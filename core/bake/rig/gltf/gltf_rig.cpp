@@ -8,9 +8,12 @@
 
 #include "bake/rig/gltf/gltf_clips.h"
 #include "bake/rig/gltf/gltf_controls.h"
+#include "bake/rig/gltf/gltf_expressions.h"
 #include "bake/rig/gltf/gltf_joints.h"
 #include "bake/rig/gltf/gltf_materials.h"
 #include "bake/rig/gltf/gltf_mesh.h"
+#include "bake/rig/gltf/joint_choice.h"
+#include "bake/rig/gltf/skinned_morph.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -24,19 +27,22 @@ namespace {
 // What a glTF file holds.
 struct GltfRig {
   RigDescription description;
-  std::vector<float> base;           // points with all weights zero
-  std::vector<MorphTarget> targets;  // of each control
+  std::vector<float> base;             // points with all weights zero, before skinning
+  std::vector<MorphTarget> targets;    // of each control that is no joint
+  std::optional<SkinnedMorph> joints;  // where joints are controls, which follow the others
 
   // Of what decides the points of a pose, so that another image or clip makes no other rig of it.
   std::uint64_t hash() const {
     std::uint64_t hash = hash64_of<float>(base);
     for (const MorphTarget& target : targets)
       hash = hash64_of<float>(target.offsets, hash64_of<std::uint32_t>(target.vertices, hash));
-    return hash;
+    return joints ? joints->hash(hash) : hash;
   }
 
-  void evaluate(const float* weights, float* points) const {
-    std::copy(base.begin(), base.end(), points);
+  // `pose`: weights of targets, then joints.
+  void evaluate(std::span<const float> pose, std::span<float> points) const {
+    const std::span<const float> weights = pose.first(targets.size());
+    std::copy(base.begin(), base.end(), points.begin());
     for (std::size_t t = 0; t < targets.size(); ++t) {
       if (weights[t] == 0) continue;
       const MorphTarget& target = targets[t];
@@ -44,6 +50,7 @@ struct GltfRig {
         for (std::size_t axis = 0; axis < 3; ++axis)
           points[std::size_t{3} * target.vertices[i] + axis] += weights[t] * target.offsets[3 * i + axis];
     }
+    if (joints) joints->apply(pose.subspan(targets.size()), points);
   }
 };
 
@@ -66,7 +73,8 @@ class GltfSource final : public Source {
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override {
     check_call(*this, controls, count, points);
     for (std::size_t p = 0; p < count; ++p)
-      rig_.evaluate(controls.data() + p * schema().control_count(), points.data() + p * rest().points.size());
+      rig_.evaluate(controls.subspan(p * schema().control_count(), schema().control_count()),
+                    points.subspan(p * rest().points.size(), rest().points.size()));
     if (const auto fault = find_point_fault(points, rest(), diagonal_))
       throw PoseError(fault->status, fault->pose, format("rig \"%s\": %s", schema().name.c_str(), fault->what.c_str()));
   }
@@ -78,36 +86,49 @@ class GltfSource final : public Source {
 
 class GltfRigReader {
  public:
-  GltfRigReader(const GltfFile& file, const std::string& name)
-      : file_(file), scene_(file), controls_(read_controls(file, scene_.meshes(), left_out_)) {
+  GltfRigReader(const GltfFile& file, const std::string& name, const GltfOptions& options)
+      : file_(file),
+        scene_(file),
+        controls_(read_controls(file, scene_.meshes(), left_out_)),
+        choice_(options, file, !controls_.names.empty()) {
     rig_.description.schema = {name, "m", "y", {}};
   }
 
   GltfRig read() {
     const std::vector<ShownMesh>& shown = scene_.meshes();
-    if (controls_.names.empty())
-      fail(Status::bad_data, "shows no mesh with morph targets, which are the controls of such a rig");
+    if (shown.empty() || (controls_.names.empty() && !choice_.controls()))
+      fail(Status::bad_data,
+           "shows no mesh with morph targets, which are the controls of such a rig, beside joints that move");
+    const std::vector<GltfExpression> expressions = read_expressions(file_, shown, controls_, left_out_);
     rig_.targets.resize(controls_.names.size());
     std::vector<GltfMesh> meshes;
     for (const ShownMesh& mesh : shown)
       with_context("mesh \"" + mesh.name + "\"", [&] {
         meshes.push_back(read_gltf_mesh(file_, file_.model().meshes[mesh.mesh], joint_count(file_, mesh), left_out_));
       });
-    const GltfJoints joints(file_, scene_, meshes);
+    const GltfJoints joints(file_, scene_, meshes, choice_.moving(), choice_.controls());
     for (std::size_t s = 0; s < shown.size(); ++s) add(shown[s].name, meshes[s], joints.map(s), controls_.of_shown[s]);
+    add_expressions(expressions, meshes, joints);
     fill_uvs();
     RigDescription& to = rig_.description;
     const bool one_mesh = std::ranges::all_of(shown, [&](const ShownMesh& s) { return s.mesh == shown[0].mesh; });
     const std::string& mesh_name = file_.model().meshes[shown[0].mesh].name;
     if (one_mesh && !mesh_name.empty()) to.schema.name = mesh_name;
-    to.clips = read_gltf_clips(file_, shown, controls_, left_out_);
+    std::vector<MovedNode> moved = choice_.moved(scene_, joints);
+    to.clips = read_gltf_clips(file_, shown, controls_, moved, left_out_);
     to.character = read_gltf_materials(file_, to.rest.parts, left_out_);
-    to.character.joints = joints.joints();
-    to.character.skin = joints.skin();
+    if (choice_.controls()) {
+      rig_.joints.emplace(joints,
+                          JointControls(std::move(moved), to.clips, controls_.names.size(), to.rest.diagonal()));
+    } else {
+      to.character.joints = joints.joints();
+      to.character.skin = joints.skin();
+    }
     rig_.description.notes = left_out_.notes();
     set_controls();
+    add_joint_controls();
     rig_.base = to.rest.points;
-    if (!rig_.base.empty()) rig_.evaluate(controls_.rest.data(), to.rest.points.data());
+    if (!rig_.base.empty()) rig_.evaluate(to.schema.rest_pose(), to.rest.points);
     to.version = format("%016llx", static_cast<unsigned long long>(rig_.hash()));
     check_source(to.schema, to.rest, to.character);
     check_clips(to.clips);
@@ -116,6 +137,7 @@ class GltfRigReader {
 
  private:
   static constexpr std::uint32_t no_uv = UINT32_MAX;
+  static constexpr std::size_t most_moved = std::size_t{1} << 25;  // by all expressions
 
   // map: from the mesh to the space of the character.
   void add(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map,
@@ -175,15 +197,15 @@ class GltfRigReader {
 
   void set_controls() {
     const std::vector<Clip>& clips = rig_.description.clips;
-    const std::size_t count = controls_.names.size();
+    const std::size_t count = controls_.names.size(), width = count + joint_control_count();
     std::size_t resting_elsewhere = 0, widened = 0;
     for (std::size_t c = 0; c < count; ++c) {
       const float rest = controls_.rest[c];
       Control control{controls_.names[c], std::min(0.0f, rest), std::max(1.0f, rest), rest, ""};
       for (const Clip& clip : clips)
         for (std::size_t f = 0; f < clip.frames; ++f) {
-          control.minimum = std::min(control.minimum, clip.controls[f * count + c]);
-          control.maximum = std::max(control.maximum, clip.controls[f * count + c]);
+          control.minimum = std::min(control.minimum, clip.controls[f * width + c]);
+          control.maximum = std::max(control.maximum, clip.controls[f * width + c]);
         }
       resting_elsewhere += rest != 0;
       if (control.minimum < 0 || control.maximum > 1)
@@ -199,29 +221,66 @@ class GltfRigReader {
           format("%zu default weights are not 0: their controls rest there", resting_elsewhere));
   }
 
+  std::size_t joint_control_count() const { return rig_.joints ? rig_.joints->controls().controls().size() : 0; }
+
+  void add_joint_controls() {
+    if (!choice_.controls()) return;
+    std::vector<Control>& controls = rig_.description.schema.controls;
+    UniqueNames names;
+    for (const Control& control : controls) names.add(control.name);
+    for (Control control : rig_.joints->controls().controls()) {
+      control.name = names.add(control.name);
+      controls.push_back(std::move(control));
+    }
+    if (joint_control_count() == 0)
+      fail(Status::bad_data, "no animation moves a joint that moves vertices: name the joints that are to be controls");
+    rig_.description.notes.push_back(format("%zu joints are controls (%zu), and positions are after skinning",
+                                            rig_.joints->controls().nodes().size(), joint_control_count()));
+  }
+
+  // Each becomes a target of its own: the sum of those that it moves.
+  void add_expressions(const std::vector<GltfExpression>& expressions, const std::vector<GltfMesh>& meshes,
+                       const GltfJoints& joints) {
+    std::vector<std::size_t> first;  // vertex of each mesh
+    std::size_t vertices = 0, moved = 0;
+    for (const GltfMesh& mesh : meshes) {
+      first.push_back(vertices);
+      vertices += mesh.surface.vertex_count();
+    }
+    for (const GltfExpression& expression : expressions)
+      for (const GltfExpression::Bind& bind : expression.binds) {
+        MorphTarget part = meshes[bind.shown].targets[bind.target];
+        moved += part.vertices.size();
+        if (moved > most_moved) fail(Status::limit, "its expressions move more than %zu vertices", most_moved);
+        for (float& offset : part.offsets) offset *= bind.weight;
+        add_offsets(part, joints.map(bind.shown), first[bind.shown], rig_.targets[expression.control]);
+      }
+  }
+
   LeftOut left_out_;
   const GltfFile& file_;
   const GltfScene scene_;
-  const GltfControls controls_;
+  GltfControls controls_;
+  const JointChoice choice_;
   GltfRig rig_;
 };
 
 OpenedSource open_rig(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder,
-                      const std::string& name) {
+                      const std::string& name, const GltfOptions& options) {
   const GltfFile file(bytes, std::move(folder));
-  return std::make_unique<GltfSource>(GltfRigReader(file, name).read());
+  return std::make_unique<GltfSource>(GltfRigReader(file, name, options).read());
 }
 
 }  // namespace
 
-OpenedSource open_gltf_rig(const std::string& path) {
+OpenedSource open_gltf_rig(const std::string& path, const GltfOptions& options) {
   const std::filesystem::path file(path);
   const std::vector<std::byte> bytes = read_file(file, std::uint64_t{1} << 31);
-  return with_context(shown(path), [&] { return open_rig(bytes, file.parent_path(), file.stem().string()); });
+  return with_context(shown(path), [&] { return open_rig(bytes, file.parent_path(), file.stem().string(), options); });
 }
 
-OpenedSource open_gltf_rig(std::span<const std::byte> bytes, const std::string& name) {
-  return open_rig(bytes, std::nullopt, name);
+OpenedSource open_gltf_rig(std::span<const std::byte> bytes, const std::string& name, const GltfOptions& options) {
+  return open_rig(bytes, std::nullopt, name, options);
 }
 
 }  // namespace fb::bake

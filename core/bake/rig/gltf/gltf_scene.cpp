@@ -7,13 +7,19 @@
 namespace fb::bake {
 namespace {
 
+// Without its matrix.
+NodeParts stored_parts(const tinygltf::Node& node) {
+  NodeParts parts;
+  if (node.translation.size() == 3) parts.translation = Eigen::Vector3d(node.translation.data());
+  if (node.rotation.size() == 4) parts.rotation = Eigen::Quaterniond(node.rotation.data()).normalized();
+  if (node.scale.size() == 3) parts.scale = Eigen::Vector3d(node.scale.data());
+  return parts;
+}
+
 Eigen::Affine3d local_map(const tinygltf::Node& node) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
   if (node.matrix.size() == 16) map.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-  if (node.translation.size() == 3) map.translate(Eigen::Vector3d(node.translation.data()));
-  if (node.rotation.size() == 4) map.rotate(Eigen::Quaterniond(node.rotation.data()).normalized());
-  if (node.scale.size() == 3) map.scale(Eigen::Vector3d(node.scale.data()));
-  return map;
+  return map * place_of(stored_parts(node));
 }
 
 // Fails unless `index` is -1 or below `count`.
@@ -76,6 +82,30 @@ std::string name_of_shown(const tinygltf::Mesh& mesh, std::size_t index, const s
 }
 
 }  // namespace
+
+Eigen::Affine3d place_of(const NodeParts& parts) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.translate(parts.translation);
+  map.rotate(parts.rotation);
+  map.scale(parts.scale);
+  return map;
+}
+
+std::optional<NodeParts> parts_of(const tinygltf::Node& node) {
+  constexpr double right_angle = 1e-5;
+  if (node.matrix.size() != 16) return stored_parts(node);
+  const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+  NodeParts parts;
+  parts.translation = matrix.topRightCorner<3, 1>();
+  parts.scale = matrix.topLeftCorner<3, 3>().colwise().norm();
+  if (matrix.topLeftCorner<3, 3>().determinant() < 0) parts.scale.x() *= -1;
+  if (!(parts.scale.cwiseAbs().minCoeff() > 0) || !parts.scale.allFinite()) return std::nullopt;
+  const Eigen::Matrix3d axes = matrix.topLeftCorner<3, 3>() * parts.scale.cwiseInverse().asDiagonal();
+  if (!((axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < right_angle))
+    return std::nullopt;
+  parts.rotation = Eigen::Quaterniond(axes).normalized();
+  return parts;
+}
 
 std::string UniqueNames::add(const std::string& name) {
   const auto [at, fresh] = next_.try_emplace(name, 2);

@@ -3,12 +3,28 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/rig/gltf/gltf_file.h"
 
+namespace tinygltf {
+struct Node;
+}  // namespace tinygltf
+
 namespace fb::bake {
+
+// The transform of a node, which applies scale, rotation and translation in this order.
+struct NodeParts {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+};
+
+Eigen::Affine3d place_of(const NodeParts& parts);
+// Those of a node; nothing for a matrix that shears, or flattens.
+std::optional<NodeParts> parts_of(const tinygltf::Node& node);
 
 // A mesh where a node shows it. A mesh that two nodes show is two.
 struct ShownMesh {

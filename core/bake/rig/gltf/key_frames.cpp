@@ -1,5 +1,6 @@
 #include "bake/rig/gltf/key_frames.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,6 +30,7 @@ class TrackSampler {
   float value(std::size_t i) const {
     const double from = stored(key_, 1, i), to = stored(next_, 1, i), t = share_;
     if (t == 0) return static_cast<float>(from);
+    if (track_.interpolation == Interpolation::linear && track_.rotation) return static_cast<float>(between(i));
     if (track_.interpolation == Interpolation::linear) return static_cast<float>((1 - t) * from + t * to);
     // glTF 2.0, appendix C.5: a Hermite spline.
     const double t2 = t * t, t3 = t2 * t;
@@ -37,6 +39,15 @@ class TrackSampler {
   }
 
  private:
+  // A number of the quaternion between two keys: spherical linear interpolation, glTF 2.0, appendix C.4.
+  double between(std::size_t i) const {
+    const auto at = [&](std::size_t key) {
+      return Eigen::Quaterniond(stored(key, 1, 3), stored(key, 1, 0), stored(key, 1, 1), stored(key, 1, 2))
+          .normalized();
+    };
+    return at(key_).slerp(share_, at(next_)).coeffs()[static_cast<Eigen::Index>(i)];
+  }
+
   // `which`: 0 in-tangent, 1 value, 2 out-tangent, of which all but the value is stored for splines only.
   double stored(std::size_t key, std::size_t which, std::size_t i) const {
     const std::size_t width = track_.controls.size();

@@ -17,6 +17,7 @@ struct KeyTrack {
                                       // in-tangents, its values, its out-tangents, in units a second
   std::vector<std::size_t> controls;  // indices
   Interpolation interpolation = Interpolation::linear;
+  bool rotation = false;  // the four controls are a quaternion (x, y, z, w), which turns the short way between keys
 };
 
 // Frames from the first key of all tracks to the last, `fps` a second; a last key between two frames becomes a frame of

@@ -1,0 +1,32 @@
+#include "commands/joint_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "commands/command_options.h"
+
+namespace fb::tool {
+
+void JointOptions::add_to(CLI::App& command) {
+  command
+      .add_option(
+          "--joints", joints_,
+          "Of a glTF file: ignore, joints are the skeleton that carries the face, which is baked before "
+          "skinning; controls, joints that the file's animations move are controls, and the face is baked after "
+          "skinning; auto, controls if the file has no morph targets")
+      ->check(CLI::IsMember({"auto", "ignore", "controls"}))
+      ->capture_default_str();
+  command
+      .add_option("--control-joint", names_,
+                  "Of a glTF file: a joint that is a control, in place of all that its animations move (repeatable)")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+}
+
+void JointOptions::fill(fb_source_desc& desc) const {
+  pointers_ = c_strings(names_);
+  desc.joints = joints_ == "controls" ? FB_JOINTS_CONTROLS : joints_ == "ignore" ? FB_JOINTS_IGNORE : FB_JOINTS_AUTO;
+  desc.control_joints = pointers_.data();
+  desc.control_joint_count = static_cast<std::uint32_t>(pointers_.size());
+}
+
+}  // namespace fb::tool

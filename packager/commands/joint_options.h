@@ -1,0 +1,26 @@
+#pragma once
+
+#include <facebaker/facebaker_bake.h>
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace fb::tool {
+
+// --joints and --control-joint: what the joints of a glTF file are. Wherever a source is opened by its path.
+struct JointOptions {
+  void add_to(CLI::App& command);
+  // Sets the members of a source's description, which borrow this.
+  void fill(fb_source_desc& desc) const;
+
+ private:
+  std::string joints_ = "auto";
+  std::vector<std::string> names_;
+  mutable std::vector<const char*> pointers_;  // to names_
+};
+
+}  // namespace fb::tool
