@@ -7,6 +7,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig_process/rig_host.h"
+#include "bake/sampling/drawn_clips.h"
 #include "base/checked.h"
 #include "base/shown_path.h"
 #include "control_struct.h"
@@ -16,6 +17,8 @@ using fb::Status;
 using namespace fb::capi;
 
 namespace {
+
+constexpr std::uint64_t most_test_poses = 1u << 20;
 
 // A host's rig, which may be shorter or longer than this header's.
 std::unique_ptr<fb::bake::Source> open_rig(const fb_rig& given) {
@@ -61,7 +64,14 @@ std::unique_ptr<fb::bake::Source> open_whole(const fb_source_desc& desc, fb::Pro
 
 std::unique_ptr<fb::bake::Source> open(const fb_source_desc& desc, fb::Progress& progress) {
   std::unique_ptr<fb::bake::Source> source = open_whole(desc, progress);
-  if (desc.clip_budget == 0 || !source->live()) return source;
+  if (!source->live()) return source;
+  if (desc.test_poses > 0 && source->clips().empty()) {
+    if (desc.test_poses > most_test_poses)
+      fail(Status::invalid_argument, "fb_source_desc: %llu test poses, more than %llu",
+           static_cast<unsigned long long>(desc.test_poses), static_cast<unsigned long long>(most_test_poses));
+    return std::make_unique<fb::bake::DrawnClips>(std::move(source), 1, desc.test_poses);
+  }
+  if (desc.clip_budget == 0) return source;
   return std::make_unique<fb::bake::LimitedClips>(std::move(source), desc.clip_budget);
 }
 

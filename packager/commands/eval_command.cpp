@@ -15,7 +15,7 @@ namespace fb::tool {
 namespace {
 
 struct EvalCommand {
-  std::string archive, split = "test";
+  std::string archive, split;
   std::vector<std::string> sources;
   FigureOutputs outputs;
   Parallel parallel;
@@ -43,6 +43,22 @@ std::string eval_text(const FaceFigures& figures) {
          contact + (face.expectation ? expectation_text(*face.expectation) + "\n" : "");
 }
 
+constexpr std::uint64_t drawn_poses = 500;  // where the rig has no clips
+
+// Whether a live source has clips, and none of split test.
+bool has_other_clips_alone(const facebaker::Source& source) {
+  fb_source_info info;
+  fb_source_info_init(&info);
+  facebaker::check(fb_source_describe(source.get(), &info));
+  for (std::uint32_t c = 0; c < info.clip_count; ++c) {
+    fb_clip clip;
+    fb_clip_init(&clip);
+    facebaker::check(fb_source_clip_at(source.get(), c, &clip));
+    if (clip.split == FB_SPLIT_TEST) return false;
+  }
+  return (info.flags & FB_SOURCE_LIVE) != 0 && info.clip_count > 0;
+}
+
 std::int32_t split_from(const std::string& name) {
   return name == "all"          ? FB_SPLIT_ALL
          : name == "train"      ? FB_SPLIT_TRAIN
@@ -53,7 +69,14 @@ std::int32_t split_from(const std::string& name) {
 void EvalCommand::run() {
   const facebaker::Archive face(archive);
   std::vector<std::string> notes;
-  const facebaker::Source source = rigs.open(sources, notes);
+  const bool chosen = !split.empty();
+  const facebaker::Source source = rigs.open(sources, notes, 0, chosen ? 0 : drawn_poses);
+  if (!chosen) split = "test";
+  if (!chosen && has_other_clips_alone(source)) {
+    split = "all";
+    notes.emplace_back(
+        "the rig has no clips of split test: measured on all its clips, from which the face may have been learnt");
+  }
   outputs.claim();
   fb_eval_desc desc;
   fb_eval_desc_init(&desc);
@@ -84,9 +107,11 @@ void add_eval(CLI::App& tool) {
   CLI::App* app = tool.add_subcommand("eval", "Measure an archive against the true rig");
   add_archive(*app, command->archive);
   add_sources(*app, command->sources);
-  app->add_option("--split", command->split, "Which clips to measure on")
-      ->check(CLI::IsMember({"train", "validation", "test", "all"}))
-      ->capture_default_str();
+  app->add_option(
+         "--split", command->split,
+         "Which clips to measure on; by default those of split test, of a rig that has none all its clips, and of "
+         "one without clips poses that are drawn for it")
+      ->check(CLI::IsMember({"train", "validation", "test", "all"}));
   command->outputs.add_to(*app);
   command->rigs.add_clip_budget_to(*app);
   command->rigs.add_to(*app);

@@ -40,7 +40,7 @@ void RigOptions::add_clip_budget_to(CLI::App& command) {
 }
 
 facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std::vector<std::string>& notes,
-                                   std::uint64_t rig_budget) const {
+                                   std::uint64_t rig_budget, std::uint64_t test_poses) const {
   const std::vector<const char*> paths = c_strings(sources);
   std::error_code unknown;
   const std::string host = std::filesystem::read_symlink("/proc/self/exe", unknown).string();
@@ -56,6 +56,7 @@ facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std:
   if (!unknown) desc.host = host.c_str();
   desc.pose_seconds = pose_seconds_;
   desc.clip_budget = clip_budget_ > 0 ? clip_budget_ : rig_budget;
+  desc.test_poses = test_poses;
   joints_.fill(desc);
   return facebaker::Source(desc);
 }

@@ -19,9 +19,9 @@ struct RigOptions {
   void add_to(CLI::App& command);
   void add_clip_budget_to(CLI::App& command);
   // Opens sources; what was found while opening is added to `notes`. Interrupted by the signals of interrupt.h.
-  // `rig_budget`: the clip budget where none was given; 0: none.
+  // `rig_budget`: the clip budget where none was given; 0: none. `test_poses`: see fb_source_desc.
   facebaker::Source open(const std::vector<std::string>& sources, std::vector<std::string>& notes,
-                         std::uint64_t rig_budget = 0) const;
+                         std::uint64_t rig_budget = 0, std::uint64_t test_poses = 0) const;
 
  private:
   bool isolate_ = false;

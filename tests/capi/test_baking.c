@@ -208,6 +208,35 @@ static void joints_are_of_gltf_files(void** state) {
   assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "no source is a glTF file");
 }
 
+static void a_rig_without_clips_has_poses_to_measure_on(void** state) {
+  (void)state;
+  int broken = 0;
+  fb_rig rig = describe(&broken);
+  rig.clip_count = 0;
+  fb_source_desc desc;
+  fb_source_desc_init(&desc);
+  desc.rig = &rig;
+  desc.test_poses = 10;
+  fb_source* source = NULL;
+  assert_ok(fb_source_open(&desc, &source));
+  fb_source_info info;
+  fb_source_info_init(&info);
+  assert_ok(fb_source_describe(source, &info));
+  assert_int_equal(info.clip_count, 3);
+  uint64_t frames = 0;
+  for (uint32_t c = 0; c < info.clip_count; ++c) {
+    fb_clip clip;
+    fb_clip_init(&clip);
+    assert_ok(fb_source_clip_at(source, c, &clip));
+    assert_int_equal(clip.split, FB_SPLIT_TEST);
+    frames += clip.frames;
+  }
+  assert_int_equal(frames, 10);
+  fb_source_close(source);
+  desc.test_poses = UINT64_C(1) << 40;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "test poses, more than 1048576");
+}
+
 /* This program with an argument is a child that serves the host's rig. */
 static int serve(void) {
   int broken = 0;
@@ -348,6 +377,7 @@ int main(int count, char** arguments) {
       cmocka_unit_test(wrong_sources_are_refused),
       cmocka_unit_test(wrong_requests_are_refused),
       cmocka_unit_test(joints_are_of_gltf_files),
+      cmocka_unit_test(a_rig_without_clips_has_poses_to_measure_on),
       cmocka_unit_test(a_program_is_a_source),
       cmocka_unit_test(wrong_children_are_refused),
   };

@@ -244,7 +244,7 @@ static void layout_of_sources(void** state) {
   assert_at(fb_callbacks, progress, 8);
   assert_at(fb_callbacks, note, 16);
 
-  assert_int_equal(sizeof(fb_source_desc), 96);
+  assert_int_equal(sizeof(fb_source_desc), 104);
   assert_at(fb_source_desc, struct_size, 0);
   assert_at(fb_source_desc, path_count, 4);
   assert_at(fb_source_desc, paths, 8);
@@ -257,6 +257,7 @@ static void layout_of_sources(void** state) {
   assert_at(fb_source_desc, joints, 80);
   assert_at(fb_source_desc, control_joint_count, 84);
   assert_at(fb_source_desc, control_joints, 88);
+  assert_at(fb_source_desc, test_poses, 96);
 
   assert_int_equal(sizeof(fb_source_info), 104);
   assert_at(fb_source_info, struct_size, 0);

@@ -97,6 +97,13 @@ TEST_CASE("an avatar's joints are controls where that is asked for, in this proc
     const ToolRun posed =
         run_tool({"pose", folder / "joints.fbk", "--set", "Neck.rz=30", "--out", folder / "turned.obj"});
     CHECK_MESSAGE(posed.exit_code == 0, posed.err);
+    // It has no clips of split test: all are measured on, and that is said.
+    arguments = {"eval", folder / "joints.fbk", folder / "avatar.gltf", "--joints", "controls", "--json", "-"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ToolRun measured = run_tool(arguments);
+    REQUIRE_MESSAGE(measured.exit_code == 0, measured.err);
+    CHECK_MESSAGE(has(measured.err, "the rig has no clips of split test: measured on all its clips"), measured.err);
+    CHECK(has(measured.out, "\"nod\""));
   }
   const ToolRun other = run_tool({"eval", folder / "joints.fbk", folder / "avatar.gltf"});
   CHECK(other.exit_code != 0);
@@ -105,6 +112,23 @@ TEST_CASE("an avatar's joints are controls where that is asked for, in this proc
   CHECK_MESSAGE(is_error_line(named.err, "bake", {"avatar.gltf", "no joint or node \"Haed\""}), named.err);
   const ToolRun sample = run_tool({"bake", "sample", "--joints", "ignore", "--out", folder / "no.fbk"});
   CHECK_MESSAGE(is_error_line(sample.err, "bake", {"no source is a glTF file"}), sample.err);
+}
+
+TEST_CASE("a file without animations is measured on poses that are drawn for it") {
+  const ScratchFolder folder;
+  GltfAvatar avatar;
+  avatar.json.erase("animations");
+  write_avatar(folder, avatar);
+  const ToolRun baked =
+      run_tool({"bake", folder / "avatar.gltf", "--recipe", "linear", "--poses", "60", "--out", folder / "avatar.fbk"});
+  REQUIRE_MESSAGE(baked.exit_code == 0, baked.err);
+  const ToolRun measured = run_tool({"eval", folder / "avatar.fbk", folder / "avatar.gltf"});
+  REQUIRE_MESSAGE(measured.exit_code == 0, measured.err);
+  CHECK_MESSAGE(has(measured.err, "\"avatar\" has no clips: 500 poses are drawn to measure on, of seed 1"),
+                measured.err);
+  CHECK(has(measured.out, "synthetic_shots"));
+  const ToolRun chosen = run_tool({"eval", folder / "avatar.fbk", folder / "avatar.gltf", "--split", "test"});
+  CHECK(chosen.exit_code != 0);
 }
 
 TEST_CASE("an avatar without a file that it names is refused by that name") {

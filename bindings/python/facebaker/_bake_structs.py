@@ -127,6 +127,7 @@ class SourceDesc(Structure):
         ("joints", c_uint32),
         ("control_joint_count", c_uint32),
         ("control_joints", POINTER(c_char_p)),
+        ("test_poses", c_uint64),
     ]
 
 

@@ -72,6 +72,10 @@ typedef struct fb_source_desc {
   /** Names of the joints, or other nodes, of a glTF file that are controls, in place of all that its animations move;
    * one that no animation turns turns by 30 degrees either way around each axis. */
   const char* const* control_joints;
+  /** Where a live source has no clips, so many poses, at most 2^20, are drawn as clips of split test, always the same:
+   * "random_15" and "random_35", every control active with a probability of 0.15 or 0.35, and "synthetic_shots". 0
+   * (default): none. */
+  uint64_t test_poses;
 } fb_source_desc;
 
 FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
