@@ -35,7 +35,7 @@ import time
 from doc_pages import PageError, anchors_of, links_of, paths_of, read_blocks
 
 ORDER = ("README.md", "docs/README.md", "docs/how-it-works.md", "docs/how-a-bake-works.md", "docs/measuring.md",
-         "docs/characters.md", "docs/datasets.md", "docs/extending.md", "docs/rig-protocol.md")
+         "docs/characters.md", "docs/gltf.md", "docs/datasets.md", "docs/extending.md", "docs/rig-protocol.md")
 NUMBER = r"[-+]?(?:\d[\d,]*\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 RULE = "|-: "  # what empty lines and the rules below the heads of tables are made of
 C_FLAGS = {"c": ["-std=c99", "-pedantic"], "cpp": ["-std=c++17"], "core": ["-std=c++20", "-Icore", "-Ipackager"]}
