@@ -1,0 +1,244 @@
+"""Finds the controls of a face: unlocked channels of pose bones, shape keys and custom properties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Dict, List, Sequence, Tuple
+
+import numpy as np
+
+from .action_shots import used_ranges
+from .bone_limits import bone_path, driven_paths, escaped, is_locked, limits_of, property_range, rotation_attribute
+from .channels import Channel, SceneControl, named_apart
+from .control_names import face_part, matches, mirror_channel_name
+from .ranges import assumed_range, control_range
+from .scene_evaluator import SceneEvaluator
+
+MOVES = 1e-6  # of the diagonal: what moves less moves nothing
+# Custom properties that Blender and its add-ons keep for themselves.
+_PRIVATE = ("_RNA_UI", "rigify", "rig_ui", "cycles", "facebaker", "cycles_visibility", "rig_id")
+
+
+@dataclass(frozen=True)
+class FindOptions:
+    """What is looked at. bones: patterns of names ("lip.*"); none: all. collections: names of bone collections, or before
+    Blender 4 numbers of bone layers, counted from 0; none: those that are visible. selected: only bones that are
+    selected. kinds: of channels of bones; scale is looked at only where it is limited or animated, unless it is named
+    here. shape_keys, properties: whether they are looked at."""
+
+    bones: Tuple[str, ...] = ()
+    collections: Tuple[str, ...] = ()
+    selected: bool = False
+    kinds: Tuple[str, ...] = ("location", "rotation")
+    shape_keys: bool = True
+    properties: bool = True
+
+
+def find_controls(
+    armatures: Sequence[Any], meshes: Sequence[Any], options: FindOptions
+) -> Tuple[List[SceneControl], List[str]]:
+    """The controls of these objects, and notes about what was left out. Their ranges contain what the file's actions
+    animate. Changes nothing in the scene."""
+    found: List[SceneControl] = []
+    notes: List[str] = []
+    for armature in armatures:
+        bones = chosen_bones(armature, options)
+        found += [control for bone in bones for control in _bone_channels(armature, bone, options)]
+        if options.properties:
+            found += [c for bone in bones for c in _properties(armature, bone, bone.name, False, notes)]
+            found += _properties(armature, armature, "", False, notes)
+            found += _properties(armature, armature.data, "", True, notes)
+    for mesh in meshes:
+        if options.shape_keys:
+            found += _shape_keys(mesh, notes)
+        if options.properties:
+            found += _properties(mesh, mesh, "", False, notes) + _properties(mesh, mesh.data, "", True, notes)
+    return named_apart(_ranged(found, armatures)), notes
+
+
+def chosen_bones(armature: Any, options: FindOptions) -> List[Any]:
+    """The pose bones that the options choose, in the armature's order."""
+    return [
+        bone
+        for bone in armature.pose.bones
+        if not bone.bone.hide
+        and (not options.selected or _is_selected(bone))
+        and matches(bone.name, list(options.bones))
+        and _in_collections(armature.data, bone.bone, options)
+    ]
+
+
+def _is_selected(bone: Any) -> bool:
+    return bool(getattr(bone, "select", False) or getattr(bone.bone, "select", False))  # moved in Blender 5
+
+
+def _in_collections(data: Any, bone: Any, options: FindOptions) -> bool:
+    collections = getattr(bone, "collections", None)
+    if collections is None:  # before Blender 4
+        places = [index for index, inside in enumerate(bone.layers) if inside]
+        if options.collections:
+            return any(str(index) in options.collections for index in places)
+        return any(data.layers[index] for index in places) or bool(options.bones)
+    if options.collections:
+        return any(collection.name in options.collections for collection in collections)
+    visible = any(getattr(collection, "is_visible_effectively", collection.is_visible) for collection in collections)
+    return visible or not len(collections) or bool(options.bones)
+
+
+def _group(armature: Any, bone: Any) -> str:
+    """The part of the face that its name tells, or its bone collection, bone group, or the bone all its kind hang on."""
+    part = face_part(bone.name)
+    if part:
+        return part
+    collections = getattr(bone.bone, "collections", None)
+    if collections:
+        return str(collections[0].name)
+    group = getattr(bone, "bone_group", None)
+    if group:
+        return str(group.name)
+    above = bone
+    while above.parent:
+        above = above.parent
+    return str(above.name)
+
+
+def _bone_channels(armature: Any, bone: Any, options: FindOptions) -> List[SceneControl]:
+    driven = driven_paths(armature)
+    controls = []
+    for kind in ("location", "rotation", "scale"):
+        attribute = rotation_attribute(bone) if kind == "rotation" else kind
+        first = 1 if attribute in ("rotation_quaternion", "rotation_axis_angle") else 0
+        for axis in range(3):
+            wanted = kind in options.kinds or kind == "scale" and limits_of(bone, kind, axis) != (None, None)
+            path = bone_path(bone.name, attribute)
+            is_driven = (path, axis + first) in driven or first and (path, 0) in driven
+            if not wanted or is_locked(bone, kind, axis) or is_driven:
+                continue
+            channel = Channel(kind, armature.name, bone.name, axis)
+            controls.append(_unranged(channel, _group(armature, bone)))
+    return controls
+
+
+def _unranged(channel: Channel, group: str) -> SceneControl:
+    """Its range is found later."""
+    rest = channel.neutral
+    name, mirror = channel.short_name, mirror_channel_name(channel)
+    return SceneControl(name, channel, rest - 1, rest + 1, rest, group, mirror)
+
+
+def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any]) -> List[SceneControl]:
+    """With the ranges of channels of bones; those that limits hold in place are left out."""
+    by_name = {armature.name: armature for armature in armatures}
+    used = {}
+    for control, value in zip(controls, _used_by_index(controls)):
+        used[control.channel] = value
+    result = []
+    for control in controls:
+        channel = control.channel
+        if not channel.of_bone:
+            span = used[channel]
+            low = min(control.minimum, span[0]) if span and channel.kind == "property" else control.minimum
+            high = max(control.maximum, span[1]) if span and channel.kind == "property" else control.maximum
+            result.append(replace(control, minimum=low, maximum=high))
+            continue
+        bone = by_name[channel.object].pose.bones[channel.bone]
+        limits = limits_of(bone, channel.kind, channel.axis)
+        assumed = assumed_range(channel.kind, bone.bone.length)
+        low, high, rest = control_range(limits, used[channel], assumed, channel.neutral)
+        if low < high:
+            result.append(replace(control, minimum=low, maximum=high, rest=rest))
+    return result
+
+
+def _used_by_index(controls: Sequence[SceneControl]) -> List[Any]:
+    numbered = [replace(control, name=str(index)) for index, control in enumerate(controls)]
+    used = used_ranges(numbered)
+    return [used.get(control.name) for control in numbered]
+
+
+def _shape_keys(mesh: Any, notes: List[str]) -> List[SceneControl]:
+    keys = getattr(mesh.data, "shape_keys", None)
+    if keys is None:
+        return []
+    if not keys.use_relative:
+        notes.append(f'"{mesh.name}": its shape keys are absolute; they are left out')
+        return []
+    driven = driven_paths(keys)
+    controls = []
+    for block in keys.key_blocks:
+        if block == keys.reference_key or block.mute:
+            continue
+        if (f'key_blocks["{escaped(block.name)}"].value', 0) in driven:
+            continue
+        low, high = float(block.slider_min), float(block.slider_max)
+        if low >= high:
+            notes.append(f'"{mesh.name}": shape key "{block.name}" has the range {low:g} to {high:g}; it is left out')
+            continue
+        channel = Channel("shape_key", mesh.name, key=block.name)
+        group = face_part(block.name)
+        rest = min(max(0.0, low), high)
+        controls.append(SceneControl(block.name, channel, low, high, rest, group, mirror_channel_name(channel)))
+    return controls
+
+
+def _properties(owner_object: Any, owner: Any, bone: str, on_data: bool, notes: List[str]) -> List[SceneControl]:
+    driven = {path for path, _ in driven_paths(owner.id_data)}
+    controls = []
+    for key in owner.keys():
+        if key.startswith(_PRIVATE) or not isinstance(owner[key], (float, int)):
+            continue
+        prefix = f'pose.bones["{escaped(bone)}"]' if bone else ""
+        if f'{prefix}["{escaped(key)}"]' in driven:
+            continue
+        whole = isinstance(owner[key], int)
+        span = (0.0, 1.0, float(owner[key])) if isinstance(owner[key], bool) else property_range(owner, key)
+        place = f'"{bone or owner.name}"'
+        if span is None:
+            notes.append(f'{place}: property "{key}" has no range; give it one to have it as a control')
+            continue
+        channel = Channel("property", owner_object.name, bone, key=key, on_data=on_data, whole=whole)
+        group = face_part(bone) or face_part(key)
+        controls.append(SceneControl(channel.short_name, channel, *span, group, mirror_channel_name(channel)))
+    return controls
+
+
+def still_controls(evaluator: SceneEvaluator, seed: int = 0, step: Any = None) -> List[str]:
+    """Names of controls that move no vertex: neither alone, at the end of their range that is further from rest, nor in
+    a random pose of all others within half of their ranges, where a switch may count that does nothing at rest. Costs
+    three evaluations a control. step: called with the number of controls done."""
+    controls = evaluator.settings.controls
+    rest = evaluator.rest_controls
+    ends = np.array([_far_end(control) for control in controls], np.float32)
+    low, high = (np.array([getattr(c, end) for c in controls], np.float32) for end in ("minimum", "maximum"))
+    drawn = np.random.default_rng(seed).uniform(0, 0.5, len(controls))
+    sides = np.where(np.random.default_rng(seed + 1).uniform(size=len(controls)) < 0.5, low, high)
+    crowd = (rest + drawn * (sides - rest)).astype(np.float32)
+    among = evaluator.evaluate(crowd[None])[0]
+    tolerance = MOVES * evaluator.diagonal
+    still = []
+    for index, control in enumerate(controls):
+        alone, others = rest.copy(), crowd.copy()
+        alone[index] = others[index] = ends[index]
+        moved = max(
+            float(np.abs(evaluator.evaluate(pose[None])[0] - base).max())
+            for pose, base in ((alone, evaluator.rest_positions), (others, among))
+        )
+        if moved <= tolerance and crowd[index] != ends[index]:
+            still.append(control.name)
+        if step:
+            step(index + 1)
+    return still
+
+
+def _far_end(control: SceneControl) -> float:
+    return (
+        control.maximum if control.maximum - control.rest >= control.rest - control.minimum else control.minimum
+    )
+
+
+def groups_of(controls: Sequence[SceneControl]) -> Dict[str, int]:
+    """How many controls each group has."""
+    counts: Dict[str, int] = {}
+    for control in controls:
+        counts[control.group] = counts.get(control.group, 0) + 1
+    return counts

@@ -1,0 +1,209 @@
+"""Reading and writing the channels of controls in a scene."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Sequence, Tuple
+
+import bpy
+import numpy as np
+
+from .channels import Channel, SceneControl, SettingsError
+from .rotations import quaternion_of_vector, vector_of_quaternion
+
+
+def find_object(name: str) -> Any:
+    """The object of the file that has this name. Raises SettingsError."""
+    found = bpy.data.objects.get(name)
+    if found is None:
+        raise SettingsError(f'there is no object "{name}"')
+    return found
+
+
+def find_bone(object_name: str, bone: str) -> Any:
+    """The pose bone. Raises SettingsError."""
+    owner = find_object(object_name)
+    found = owner.pose.bones.get(bone) if owner.pose else None
+    if found is None:
+        raise SettingsError(f'"{object_name}" has no bone "{bone}"')
+    return found
+
+
+def property_owner(channel: Channel) -> Any:
+    """What has the custom property of a channel: a pose bone, an object or its data. Raises SettingsError."""
+    if channel.bone:
+        owner = find_bone(channel.object, channel.bone)
+    else:
+        owner = find_object(channel.object)
+        owner = owner.data if channel.on_data else owner
+    if channel.key not in owner.keys():
+        raise SettingsError(f'"{channel.bone or channel.object}" has no custom property "{channel.key}"')
+    return owner
+
+
+def find_shape_key(channel: Channel) -> Any:
+    """The key block. Raises SettingsError."""
+    data = find_object(channel.object).data
+    keys = getattr(data, "shape_keys", None)
+    found = keys.key_blocks.get(channel.key) if keys else None
+    if found is None:
+        raise SettingsError(f'"{channel.object}" has no shape key "{channel.key}"')
+    return found
+
+
+class _BoneVector:
+    """The location or scale of a pose bone."""
+
+    def __init__(self, bone: Any, attribute: str, axes: Sequence[int], columns: Sequence[int]) -> None:
+        self.bone, self.attribute, self.axes, self.columns = bone, attribute, list(axes), list(columns)
+        self.ids = (bone.id_data,)
+
+    def read(self) -> List[float]:
+        vector = getattr(self.bone, self.attribute)
+        return [vector[axis] for axis in self.axes]
+
+    def write(self, values: Sequence[float]) -> None:
+        vector = list(getattr(self.bone, self.attribute))
+        for axis, value in zip(self.axes, values):
+            vector[axis] = value
+        setattr(self.bone, self.attribute, vector)
+
+    def state(self) -> Any:
+        return tuple(getattr(self.bone, self.attribute))
+
+    def restore(self, state: Any) -> None:
+        setattr(self.bone, self.attribute, state)
+
+
+class _BoneRotation:
+    """The rotation of a pose bone; see channels.Channel."""
+
+    def __init__(self, bone: Any, axes: Sequence[int], columns: Sequence[int]) -> None:
+        self.bone, self.axes, self.columns = bone, list(axes), list(columns)
+        self.ids = (bone.id_data,)
+
+    def read(self) -> List[float]:
+        vector = self._vector()
+        return [vector[axis] for axis in self.axes]
+
+    def _vector(self) -> Sequence[float]:
+        if self.bone.rotation_mode == "QUATERNION":
+            return vector_of_quaternion(self.bone.rotation_quaternion)
+        if self.bone.rotation_mode == "AXIS_ANGLE":
+            angle, *axis = self.bone.rotation_axis_angle
+            length = sum(a * a for a in axis) ** 0.5 or 1.0
+            return [angle * a / length for a in axis]
+        return list(self.bone.rotation_euler)
+
+    def write(self, values: Sequence[float]) -> None:
+        mode = self.bone.rotation_mode
+        vector = list(self.bone.rotation_euler) if mode not in ("QUATERNION", "AXIS_ANGLE") else [0.0, 0.0, 0.0]
+        for axis, value in zip(self.axes, values):
+            vector[axis] = value
+        if mode == "QUATERNION":
+            self.bone.rotation_quaternion = quaternion_of_vector(vector)
+        elif mode == "AXIS_ANGLE":
+            angle = sum(v * v for v in vector) ** 0.5
+            self.bone.rotation_axis_angle = [angle, *([v / angle for v in vector] if angle else [0.0, 1.0, 0.0])]
+        else:
+            self.bone.rotation_euler = vector
+
+    def state(self) -> Any:
+        bone = self.bone
+        return tuple(bone.rotation_quaternion), tuple(bone.rotation_axis_angle), tuple(bone.rotation_euler)
+
+    def restore(self, state: Any) -> None:
+        bone = self.bone
+        bone.rotation_quaternion, bone.rotation_axis_angle, bone.rotation_euler = state
+
+
+class _ShapeKey:
+    def __init__(self, block: Any, column: int) -> None:
+        self.block, self.columns = block, [column]
+        self.ids = (block.id_data,)
+
+    def read(self) -> List[float]:
+        return [self.block.value]
+
+    def write(self, values: Sequence[float]) -> None:
+        self.block.value = values[0]
+
+    def state(self) -> Any:
+        return self.block.value
+
+    def restore(self, state: Any) -> None:
+        self.block.value = state
+
+
+class _Property:
+    def __init__(self, owner: Any, key: str, whole: bool, column: int) -> None:
+        self.owner, self.key, self.whole, self.columns = owner, key, whole, [column]
+        self.ids = (owner.id_data,)
+
+    def read(self) -> List[float]:
+        return [float(self.owner[self.key])]
+
+    def write(self, values: Sequence[float]) -> None:
+        # Keeps the property's type, which Blender would change with the value's.
+        kind = type(self.owner[self.key])
+        self.owner[self.key] = kind(round(values[0])) if self.whole else float(values[0])
+
+    def state(self) -> Any:
+        return self.owner[self.key]
+
+    def restore(self, state: Any) -> None:
+        self.owner[self.key] = state
+
+
+class SceneChannels:
+    """The channels of a list of controls, resolved in the open file. Valid until objects are removed, an undo, or
+    another file. Raises SettingsError, by name, on what is not there."""
+
+    def __init__(self, controls: Sequence[SceneControl]) -> None:
+        self.count = len(controls)
+        self._targets: List[Any] = []
+        vectors: Dict[Tuple[str, str, str], List[Tuple[int, int]]] = {}
+        for column, control in enumerate(controls):
+            channel = control.channel
+            if channel.of_bone:
+                vectors.setdefault((channel.object, channel.bone, channel.kind), []).append((channel.axis, column))
+            elif channel.kind == "shape_key":
+                self._targets.append(_ShapeKey(find_shape_key(channel), column))
+            else:
+                self._targets.append(_Property(property_owner(channel), channel.key, channel.whole, column))
+        for (owner, name, kind), pairs in vectors.items():
+            bone, axes, columns = find_bone(owner, name), [axis for axis, _ in pairs], [column for _, column in pairs]
+            rotates = kind == "rotation"
+            self._targets.append(
+                _BoneRotation(bone, axes, columns) if rotates else _BoneVector(bone, kind, axes, columns)
+            )
+        self._written: Any = None
+
+    def read(self) -> "np.ndarray[Any, np.dtype[np.float32]]":
+        """(controls,), float32: what the scene has them at."""
+        values = np.empty(self.count, np.float32)
+        for target in self._targets:
+            values[target.columns] = target.read()
+        return values
+
+    def write(self, values: "np.ndarray[Any, np.dtype[np.float32]]") -> None:
+        """Sets all controls, those that changed since the last call, and marks what depends on them for evaluation."""
+        changed = np.full(self.count, True) if self._written is None else values != self._written
+        ids = {}
+        for target in self._targets:
+            if changed[target.columns].any():
+                target.write(values[target.columns].tolist())
+                ids.update((block.as_pointer(), block) for block in target.ids)
+        for block in ids.values():
+            block.update_tag()  # custom properties do not mark what their drivers move
+        self._written = values.copy()
+
+    def state(self) -> List[Any]:
+        """What restore() brings back, exactly."""
+        return [target.state() for target in self._targets]
+
+    def restore(self, state: Sequence[Any]) -> None:
+        for target, was in zip(self._targets, state):
+            target.restore(was)
+        for block in {block.as_pointer(): block for target in self._targets for block in target.ids}.values():
+            block.update_tag()
+        self._written = None

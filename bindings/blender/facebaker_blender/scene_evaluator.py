@@ -1,0 +1,161 @@
+"""Evaluates the scene as a rig: controls in, positions of the meshes' vertices out."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any, Callable, List, Optional, Tuple
+
+import bpy
+import numpy as np
+
+from .bake_settings import BakeSettings
+from .channels import SettingsError, bones_of
+from .mesh_modifiers import count_changers, refuse_count_changers, refuse_simulations
+from .scene_channels import SceneChannels, find_object
+
+# Names of units that Blender's unit scale stands for.
+_UNITS = {1.0: "m", 0.1: "dm", 0.01: "cm", 0.001: "mm"}
+
+
+def scene_units(scene: Any) -> Tuple[str, float]:
+    """The name of the unit of positions, and what Blender's coordinates are multiplied by to be in it."""
+    scale = scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0
+    for known, name in _UNITS.items():
+        if abs(scale - known) <= 1e-6 * known:
+            return name, 1.0
+    return "m", float(scale)
+
+
+class SceneEvaluator:
+    """The rig that settings describe, in the open file. Use it inside `with`: that prepares the scene (meshes shown,
+    armatures posed, animation of controls still), and leaving it, also by an exception, restores all of it exactly.
+
+    Attributes, valid inside: vertex_counts, of each mesh; diagonal, of the rest positions' bounding box."""
+
+    def __init__(self, settings: BakeSettings, context: Any = None) -> None:
+        self.settings = settings
+        self.context = context or bpy.context
+        self.vertex_counts: List[int] = []
+        self._stack: Optional[contextlib.ExitStack] = None
+
+    def __enter__(self) -> "SceneEvaluator":
+        self._stack = contextlib.ExitStack()
+        try:
+            self._prepare(self._stack)
+        except BaseException:
+            self._stack.close()
+            raise
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        if self._stack:
+            self._stack.close()
+        self._stack = None
+
+    def _prepare(self, stack: contextlib.ExitStack) -> None:
+        if self.context.mode not in ("OBJECT", "POSE"):
+            raise SettingsError(f"the scene is in {self.context.mode.lower()} mode; leave it for object or pose mode")
+        settings = self.settings
+        self.objects = [find_object(name) for name in settings.meshes]
+        self.reference = find_object(settings.reference or settings.meshes[0])
+        for mesh_object in self.objects:
+            if mesh_object.type != "MESH":
+                raise SettingsError(f'"{mesh_object.name}" is of type {mesh_object.type}, no mesh')
+        self.channels = SceneChannels(settings.controls)
+        self.units, self.scale = scene_units(self.context.scene)
+        stack.callback(self._restore, self.channels.state())
+        self._show(stack)
+        self._settle_modifiers(stack)
+        self.rest_controls = np.array([control.rest for control in settings.controls], np.float32)
+        self._evaluate_scene(self.rest_controls)
+        # Positions are in the space that the reference has at rest: a face that it carries along moves.
+        self._to_reference = np.linalg.inv(_matrix(self._evaluated(self.reference)))
+        self.vertex_counts = [len(self._evaluated(mesh_object).data.vertices) for mesh_object in self.objects]
+        if 0 in self.vertex_counts:
+            raise SettingsError(f'"{settings.meshes[self.vertex_counts.index(0)]}" has no vertices')
+        self.rest_positions = self.positions()
+        self.diagonal = float(np.linalg.norm(np.ptp(self.rest_positions, 0)))
+
+    def _show(self, stack: contextlib.ExitStack) -> None:
+        """What is hidden is not evaluated."""
+        armatures = [find_object(name) for name in dict.fromkeys(o for o, _ in bones_of(self.settings.controls))]
+        for shown in [*self.objects, *armatures]:
+            if shown.name not in self.context.view_layer.objects:
+                raise SettingsError(f'"{shown.name}" is not in the view layer "{self.context.view_layer.name}"')
+            if shown.hide_viewport:
+                _keep(stack, shown, "hide_viewport", False)
+            if shown.hide_get():
+                shown.hide_set(False)
+                stack.callback(shown.hide_set, True)
+            if shown.type == "ARMATURE" and shown.data.pose_position != "POSE":
+                _keep(stack, shown.data, "pose_position", "POSE")
+
+    def _restore(self, state: List[Any]) -> None:
+        """Brings the controls back. An update that shows or hides objects runs their animation, which would undo edits
+        that have no key: then they are set again."""
+        for _ in range(2):
+            self.channels.restore(state)
+            self.context.view_layer.update()
+            if self.channels.state() == state:
+                break
+
+    def _settle_modifiers(self, stack: contextlib.ExitStack) -> None:
+        for mesh_object in self.objects:
+            refuse_simulations(mesh_object)
+            if self.settings.modifiers == "refuse":
+                refuse_count_changers(self.context, mesh_object)
+            elif self.settings.modifiers == "off":
+                for modifier in count_changers(self.context, mesh_object):
+                    _keep(stack, modifier, "show_viewport", False)
+
+    def _evaluate_scene(self, controls: "np.ndarray[Any, Any]") -> None:
+        self.channels.write(controls)
+        self.context.view_layer.update()
+        self._graph = self.context.evaluated_depsgraph_get()
+
+    def _evaluated(self, scene_object: Any) -> Any:
+        return scene_object.evaluated_get(self._graph)
+
+    def positions(self) -> "np.ndarray[Any, np.dtype[np.float32]]":
+        """(vertices, 3), float32, of the scene as it is evaluated now. Raises SettingsError if a mesh has another number
+        of vertices than at rest."""
+        parts: List[Any] = []
+        for index, mesh_object in enumerate(self.objects):
+            evaluated = self._evaluated(mesh_object)
+            vertices = evaluated.data.vertices
+            if self.vertex_counts and len(vertices) != self.vertex_counts[index]:
+                raise SettingsError(
+                    f'"{mesh_object.name}" has {len(vertices)} vertices in this pose, {self.vertex_counts[index]} at rest'
+                )
+            local = np.empty(3 * len(vertices), np.float32)
+            vertices.foreach_get("co", local)
+            matrix = self._to_reference @ _matrix(evaluated)
+            linear, offset = (self.scale * matrix[:3, :3].T).astype("f4"), (self.scale * matrix[:3, 3]).astype("f4")
+            points = local.reshape(-1, 3)
+            # A mesh in the reference's own space keeps its bits.
+            same = self.scale == 1 and np.allclose(matrix, np.eye(4), rtol=0, atol=1e-7)
+            parts.append(points if same else points @ linear + offset)
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def evaluate(
+        self, controls: "np.ndarray[Any, Any]", step: Optional[Callable[[int], Any]] = None
+    ) -> "np.ndarray[Any, np.dtype[np.float32]]":
+        """(poses, controls) -> (poses, vertices, 3), float32, in `units`, in the reference's space. step: called with the
+        number of poses done."""
+        result = np.empty((len(controls), *self.rest_positions.shape), np.float32)
+        for pose, values in enumerate(np.asarray(controls, np.float32)):
+            self._evaluate_scene(values)
+            result[pose] = self.positions()
+            if step:
+                step(pose + 1)
+        return result
+
+
+def _matrix(scene_object: Any) -> "np.ndarray[Any, np.dtype[np.float64]]":
+    return np.array(scene_object.matrix_world, np.float64)
+
+
+def _keep(stack: contextlib.ExitStack, owner: Any, attribute: str, value: Any) -> None:
+    """Sets an attribute until the stack is closed."""
+    stack.callback(setattr, owner, attribute, getattr(owner, attribute))
+    setattr(owner, attribute, value)

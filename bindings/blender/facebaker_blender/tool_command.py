@@ -1,0 +1,107 @@
+"""Where FaceBaker's tool, package and library are, and the command line that bakes a scene. Without Blender."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import pathlib
+import shlex
+import shutil
+import sys
+from dataclasses import dataclass
+from typing import List, Optional, Sequence
+
+from .bake_settings import BakeOptions, Path
+from .channels import SettingsError
+
+HERE = pathlib.Path(__file__).resolve().parent
+_TREE = HERE.parents[2]  # of FaceBaker's own source, if the add-on lies in it
+
+
+def add_package_path(chosen: str = "") -> None:
+    """Makes `import facebaker` work in this interpreter. It is looked for in `chosen`, a folder that holds the package; in
+    FACEBAKER_PYTHON of the environment; beside this add-on, where its zip has it; among installed packages; and in
+    FaceBaker's source. Raises SettingsError if there is none."""
+    places = [chosen, os.environ.get("FACEBAKER_PYTHON", ""), str(HERE / "carried")]
+    if "facebaker" not in sys.modules and not any(_offer(place) for place in places if place):
+        if importlib.util.find_spec("facebaker") is None and not _offer(str(_TREE / "bindings" / "python")):
+            raise SettingsError(
+                "the Python package facebaker was not found; name the folder that holds it in the add-on's preferences "
+                "or in FACEBAKER_PYTHON"
+            )
+    _offer_libraries()
+
+
+def _offer(folder: str) -> bool:
+    if not (pathlib.Path(folder) / "facebaker" / "__init__.py").is_file():
+        return False
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    return True
+
+
+def _offer_libraries() -> None:
+    """The libraries of a build of the tree, where the environment names none and the package carries none."""
+    built = _built("lib/libfacebaker.so")
+    if not os.environ.get("FACEBAKER_LIBRARY") and built and not (HERE / "carried").is_dir():
+        os.environ["FACEBAKER_LIBRARY"] = str(built)
+
+
+def _built(path: str) -> Optional[pathlib.Path]:
+    built = _TREE / "build" / "release" / path
+    return built if built.is_file() else None
+
+
+def find_tool(chosen: str = "") -> str:
+    """The program facebaker: `chosen`, FACEBAKER_TOOL of the environment, the one beside this add-on, in PATH, or in the
+    build of FaceBaker's source. Raises SettingsError if there is none, or a named one is not there."""
+    for named in chosen, os.environ.get("FACEBAKER_TOOL", ""):
+        if named:
+            if not os.access(named, os.X_OK):
+                raise SettingsError(f"{named}: is no program")
+            return os.path.abspath(named)
+    carried = HERE / "carried" / "bin" / "facebaker"
+    found = str(carried) if carried.is_file() else shutil.which("facebaker") or _built("bin/facebaker")
+    if not found:
+        raise SettingsError(
+            "the program facebaker was not found; name it in the add-on's preferences or in FACEBAKER_TOOL"
+        )
+    return str(found)
+
+
+@dataclass(frozen=True)
+class BlenderCommand:
+    """How to start this Blender again without its window. options: of Blender, before the file."""
+
+    program: str
+    options: Sequence[str] = ()
+
+    def words(self, blend: Path, script: Path, arguments: Sequence[str]) -> List[str]:
+        scene = os.path.abspath(os.fspath(blend))
+        # One thread: several such processes share the machine, and a face's dependency graph is no faster with more.
+        start = [self.program, "--background", "--threads", "1", *self.options, scene]
+        return [*start, "--python-exit-code", "1", "--python", os.fspath(script), "--", *arguments]
+
+
+def source_text(blender: BlenderCommand, blend: Path, settings: Path) -> str:
+    """The SOURCE of the tool that is a scene and a settings file."""
+    words = blender.words(blend, HERE / "rig_child.py", [os.path.abspath(os.fspath(settings))])
+    return "exec:" + shlex.join(words)
+
+
+def bake_words(tool: str, source: str, out: Path, work: Path, options: BakeOptions) -> List[str]:
+    """The command line of a bake."""
+    words = [tool, "bake", source, "--out", os.path.abspath(os.fspath(out)), "--work", os.path.abspath(os.fspath(work))]
+    words += ["--recipe", options.recipe, "--use", options.use, "--seed", str(options.seed)]
+    for option, number in (
+        ("--rig-budget", options.rig_budget),
+        ("--poses", options.poses),
+        ("--workers", options.workers),
+        ("--epochs", options.epochs),
+        ("--threads", options.threads),
+    ):
+        if number:
+            words += [option, str(number)]
+    if options.reuse:
+        words += ["--reuse", os.path.abspath(options.reuse)]
+    return [*words, *options.extra]
