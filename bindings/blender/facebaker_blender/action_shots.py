@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
 import bpy
 import numpy as np
@@ -102,18 +102,22 @@ def find_shots(controls: Sequence[SceneControl], actions: Optional[Iterable[Any]
 
 def used_ranges(
     controls: Sequence[SceneControl], actions: Optional[Iterable[Any]] = None
-) -> Dict[str, Tuple[float, float]]:
-    """The least and the largest value of each control that actions animate, by its name."""
-    used: Dict[str, Tuple[float, float]] = {}
+) -> List[Optional[Tuple[float, float]]]:
+    """The least and the largest value of each control in actions that animate it; None where none does."""
+    used: List[Optional[Tuple[float, float]]] = [None] * len(controls)
     for action in bpy.data.actions if actions is None else actions:
         first, last = (int(round(frame)) for frame in action.frame_range)
         values, animated = animated_values(action, controls, first, max(first, last))
         for column in animated:
             low, high = float(values[:, column].min()), float(values[:, column].max())
-            name = controls[column].name
-            before = used.get(name, (low, high))
-            used[name] = min(low, before[0]), max(high, before[1])
+            before = used[column] or (low, high)
+            used[column] = min(low, before[0]), max(high, before[1])
     return used
+
+
+def animated_paths() -> Set[Tuple[str, int]]:
+    """(data path, index) of all curves of all actions of the file."""
+    return {key for action in bpy.data.actions for key in curves_of(action)}
 
 
 def shot_values(settings: BakeSettings, shot: Shot) -> "np.ndarray[Any, np.dtype[np.float32]]":

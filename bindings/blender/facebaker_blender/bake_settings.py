@@ -69,7 +69,6 @@ class BakeSettings:
     reference: str = ""
     shots: Tuple[Shot, ...] = ()
     modifiers: str = "refuse"
-    view_layer: str = ""
     bake: BakeOptions = field(default_factory=BakeOptions)
 
     def __post_init__(self) -> None:
@@ -107,7 +106,6 @@ def settings_document(settings: BakeSettings) -> Dict[str, Any]:
         "meshes": list(settings.meshes),
         "reference": settings.reference,
         "modifiers": settings.modifiers,
-        "view_layer": settings.view_layer,
         "bake": {**asdict(settings.bake), "extra": list(settings.bake.extra)},
         "shots": [asdict(shot) for shot in settings.shots],
         "controls": [_control_fields(control) for control in settings.controls],
@@ -164,7 +162,6 @@ def settings_of(document: Any) -> BakeSettings:
         reference=_typed(document, "reference", str, ""),
         shots=tuple(_record(Shot, item, "shot") for item in _typed_items(document, "shots", dict, [])),
         modifiers=_typed(document, "modifiers", str, "refuse"),
-        view_layer=_typed(document, "view_layer", str, ""),
         bake=_bake_options(_typed(document, "bake", dict, {})),
     )
 

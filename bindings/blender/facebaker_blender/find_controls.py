@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
-from .action_shots import used_ranges
+from .action_shots import animated_paths, used_ranges
 from .bone_limits import bone_path, driven_paths, escaped, is_locked, limits_of, property_range, rotation_attribute
 from .channels import Channel, SceneControl, named_apart
 from .control_names import face_part, matches, mirror_channel_name
@@ -103,14 +103,16 @@ def _group(armature: Any, bone: Any) -> str:
 
 
 def _bone_channels(armature: Any, bone: Any, options: FindOptions) -> List[SceneControl]:
-    driven = driven_paths(armature)
+    driven, animated = driven_paths(armature), animated_paths()
     controls = []
     for kind in ("location", "rotation", "scale"):
         attribute = rotation_attribute(bone) if kind == "rotation" else kind
         first = 1 if attribute in ("rotation_quaternion", "rotation_axis_angle") else 0
         for axis in range(3):
-            wanted = kind in options.kinds or kind == "scale" and limits_of(bone, kind, axis) != (None, None)
             path = bone_path(bone.name, attribute)
+            wanted = kind in options.kinds
+            if kind == "scale" and not wanted:
+                wanted = limits_of(bone, kind, axis) != (None, None) or (path, axis) in animated
             is_driven = (path, axis + first) in driven or first and (path, 0) in driven
             if not wanted or is_locked(bone, kind, axis) or is_driven:
                 continue
@@ -127,33 +129,22 @@ def _unranged(channel: Channel, group: str) -> SceneControl:
 
 
 def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any]) -> List[SceneControl]:
-    """With the ranges of channels of bones; those that limits hold in place are left out."""
+    """With the ranges of channels of bones, and those of properties that animation takes further; channels that limits
+    hold in place are left out."""
     by_name = {armature.name: armature for armature in armatures}
-    used = {}
-    for control, value in zip(controls, _used_by_index(controls)):
-        used[control.channel] = value
     result = []
-    for control in controls:
-        channel = control.channel
-        if not channel.of_bone:
-            span = used[channel]
-            low = min(control.minimum, span[0]) if span and channel.kind == "property" else control.minimum
-            high = max(control.maximum, span[1]) if span and channel.kind == "property" else control.maximum
-            result.append(replace(control, minimum=low, maximum=high))
-            continue
-        bone = by_name[channel.object].pose.bones[channel.bone]
-        limits = limits_of(bone, channel.kind, channel.axis)
-        assumed = assumed_range(channel.kind, bone.bone.length)
-        low, high, rest = control_range(limits, used[channel], assumed, channel.neutral)
+    for control, used in zip(controls, used_ranges(controls)):
+        channel, low, high, rest = control.channel, control.minimum, control.maximum, control.rest
+        if channel.of_bone:
+            bone = by_name[channel.object].pose.bones[channel.bone]
+            limits = limits_of(bone, channel.kind, channel.axis)
+            assumed = assumed_range(channel.kind, bone.bone.length)
+            low, high, rest = control_range(limits, used, assumed, channel.neutral)
+        elif used and channel.kind == "property":
+            low, high = min(low, used[0]), max(high, used[1])
         if low < high:
             result.append(replace(control, minimum=low, maximum=high, rest=rest))
     return result
-
-
-def _used_by_index(controls: Sequence[SceneControl]) -> List[Any]:
-    numbered = [replace(control, name=str(index)) for index, control in enumerate(controls)]
-    used = used_ranges(numbered)
-    return [used.get(control.name) for control in numbered]
 
 
 def _shape_keys(mesh: Any, notes: List[str]) -> List[SceneControl]:

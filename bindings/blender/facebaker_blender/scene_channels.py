@@ -188,7 +188,7 @@ class SceneChannels:
     def write(self, values: "np.ndarray[Any, np.dtype[np.float32]]") -> None:
         """Sets all controls, those that changed since the last call, and marks what depends on them for evaluation."""
         changed = np.full(self.count, True) if self._written is None else values != self._written
-        ids = {}
+        ids: Dict[int, Any] = {}
         for target in self._targets:
             if changed[target.columns].any():
                 target.write(values[target.columns].tolist())

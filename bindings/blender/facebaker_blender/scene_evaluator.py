@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import bpy
 import numpy as np
@@ -69,8 +69,8 @@ class SceneEvaluator:
         self.rest_controls = np.array([control.rest for control in settings.controls], np.float32)
         self._evaluate_scene(self.rest_controls)
         # Positions are in the space that the reference has at rest: a face that it carries along moves.
-        self._to_reference = np.linalg.inv(_matrix(self._evaluated(self.reference)))
-        self.vertex_counts = [len(self._evaluated(mesh_object).data.vertices) for mesh_object in self.objects]
+        self._to_reference = np.linalg.inv(world_matrix(self.evaluated(self.reference)))
+        self.vertex_counts = [len(self.evaluated(mesh_object).data.vertices) for mesh_object in self.objects]
         if 0 in self.vertex_counts:
             raise SettingsError(f'"{settings.meshes[self.vertex_counts.index(0)]}" has no vertices')
         self.rest_positions = self.positions()
@@ -113,29 +113,14 @@ class SceneEvaluator:
         self.context.view_layer.update()
         self._graph = self.context.evaluated_depsgraph_get()
 
-    def _evaluated(self, scene_object: Any) -> Any:
+    def evaluated(self, scene_object: Any) -> Any:
+        """The object as the dependency graph has it now."""
         return scene_object.evaluated_get(self._graph)
 
     def positions(self) -> "np.ndarray[Any, np.dtype[np.float32]]":
         """(vertices, 3), float32, of the scene as it is evaluated now. Raises SettingsError if a mesh has another number
         of vertices than at rest."""
-        parts: List[Any] = []
-        for index, mesh_object in enumerate(self.objects):
-            evaluated = self._evaluated(mesh_object)
-            vertices = evaluated.data.vertices
-            if self.vertex_counts and len(vertices) != self.vertex_counts[index]:
-                raise SettingsError(
-                    f'"{mesh_object.name}" has {len(vertices)} vertices in this pose, {self.vertex_counts[index]} at rest'
-                )
-            local = np.empty(3 * len(vertices), np.float32)
-            vertices.foreach_get("co", local)
-            matrix = self._to_reference @ _matrix(evaluated)
-            linear, offset = (self.scale * matrix[:3, :3].T).astype("f4"), (self.scale * matrix[:3, 3]).astype("f4")
-            points = local.reshape(-1, 3)
-            # A mesh in the reference's own space keeps its bits.
-            same = self.scale == 1 and np.allclose(matrix, np.eye(4), rtol=0, atol=1e-7)
-            parts.append(points if same else points @ linear + offset)
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return evaluated_positions(self.objects, self._graph, self._to_reference, self.scale, self.vertex_counts)
 
     def evaluate(
         self, controls: "np.ndarray[Any, Any]", step: Optional[Callable[[int], Any]] = None
@@ -151,7 +136,35 @@ class SceneEvaluator:
         return result
 
 
-def _matrix(scene_object: Any) -> "np.ndarray[Any, np.dtype[np.float64]]":
+def evaluated_positions(
+    objects: Sequence[Any], graph: Any, to_reference: Any, scale: float, counts: Sequence[int] = ()
+) -> "np.ndarray[Any, np.dtype[np.float32]]":
+    """(vertices, 3), float32, of mesh objects as a dependency graph has them, one after the other. to_reference: (4, 4),
+    from the world to the space of positions, which are multiplied by scale. counts: how many vertices each object has to
+    have, if anybody knows; another number raises SettingsError."""
+    parts: List[Any] = []
+    for index, mesh_object in enumerate(objects):
+        evaluated = mesh_object.evaluated_get(graph)
+        vertices = evaluated.data.vertices
+        if counts and len(vertices) != counts[index]:
+            raise SettingsError(
+                f'"{mesh_object.name}" has {len(vertices)} vertices in this pose, {counts[index]} at rest'
+            )
+        local = np.empty(3 * len(vertices), np.float32)
+        vertices.foreach_get("co", local)
+        matrix = to_reference @ world_matrix(evaluated)
+        points = local.reshape(-1, 3)
+        # A mesh in the reference's own space keeps its bits.
+        if scale != 1 or not np.allclose(matrix, np.eye(4), rtol=0, atol=1e-7):
+            linear, offset = (scale * matrix[:3, :3].T).astype("f4"), (scale * matrix[:3, 3]).astype("f4")
+            points = points @ linear + offset
+        parts.append(points)
+    joined: "np.ndarray[Any, np.dtype[np.float32]]" = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return joined
+
+
+def world_matrix(scene_object: Any) -> "np.ndarray[Any, np.dtype[np.float64]]":
+    """(4, 4), from the object's space to the world."""
     return np.array(scene_object.matrix_world, np.float64)
 
 

@@ -46,6 +46,14 @@ def serve(rig: Rig, requests: Optional[BinaryIO] = None, answers: Optional[Binar
         _flush_prints()
 
 
+def serve_failure(error: Exception) -> None:
+    """Tells FaceBaker, through the pipes that it gives to the processes it starts, why there is no rig. The traceback is
+    printed. Raises RuntimeError if nobody is at the other end."""
+    _, answers = _pipes()
+    traceback.print_exception(type(error), error, error.__traceback__)
+    _write(answers, _error(describe(error)))
+
+
 class _Server:
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -203,8 +211,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         rig = load_rig(arguments[0], arguments[1:])
     except Exception as error:
-        traceback.print_exc()
-        _write(answers, _error(describe(error)))
+        serve_failure(error)
         return 1
     serve(rig, requests, answers)
     return 0

@@ -1,0 +1,241 @@
+"""FaceBaker without Blender's window:
+
+    blender -b scene.blend -P headless.py -- controls --out face.json
+    blender -b scene.blend -P headless.py -- bake --out face.fbk
+    blender -b scene.blend -P headless.py -- show face.fbk --picture face.png
+
+`-- COMMAND --help` lists the options. docs/blender.md explains them."""
+
+from __future__ import annotations
+
+import argparse
+import pathlib
+import sys
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, List, Sequence
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from facebaker_blender.bake_settings import MODIFIER_POLICIES, BakeOptions, BakeSettings, load_settings, save_settings
+from facebaker_blender.channels import SettingsError
+from facebaker_blender.tool_command import add_package_path, find_tool
+
+if TYPE_CHECKING:
+    from facebaker_blender.bake_job import BakeJob
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as the tool does."""
+
+    def error(self, message: str) -> Any:
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The command line behind Blender's --."""
+    parser = _Parser(prog="facebaker_blender", description="Bakes the face of a Blender scene.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
+    controls = commands.add_parser("controls", help="find the controls of the scene and write a settings file")
+    controls.add_argument("--out", required=True, metavar="FILE.json")
+    _add_find_options(controls)
+    bake = commands.add_parser("bake", help="bake the scene, measure the face and show it")
+    bake.add_argument("--out", required=True, metavar="FACE.fbk")
+    bake.add_argument("--settings", metavar="FILE.json", help="what to bake; without it controls are found")
+    _add_find_options(bake)
+    _add_bake_options(bake)
+    _add_show_options(bake)
+    show = commands.add_parser("show", help="measure a baked face against the scene and show it beside it")
+    show.add_argument("face", metavar="FACE.fbk")
+    show.add_argument("--settings", metavar="FILE.json", help="of the bake; by default those beside the archive")
+    _add_show_options(show)
+    return parser
+
+
+def _add_find_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument_group("what is baked").add_argument
+    add("--name", default="", help="of the character; by default that of the first mesh")
+    add("--mesh", action="append", default=[], metavar="NAME", help="a mesh (repeatable); by default all that are shown")
+    add("--armature", action="append", default=[], metavar="NAME",
+        help="an armature (repeatable); by default those that deform or carry the meshes")  # fmt: skip
+    add("--bones", action="append", default=[], metavar="PATTERN", help="bones by name, with * and ? (repeatable)")
+    add("--collections", action="append", default=[], metavar="NAME",
+        help="bone collections, before Blender 4 numbers of bone layers from 0 on (repeatable, commas); by default what "
+        "is visible")  # fmt: skip
+    add("--channels", default="location,rotation", metavar="KINDS",
+        help="of location, rotation, scale; scales that are limited or animated are found anyway")  # fmt: skip
+    add("--modifiers", choices=MODIFIER_POLICIES, default="refuse",
+        help="what happens to modifiers that change the number of vertices (default: %(default)s)")  # fmt: skip
+    add("--train-shot", action="append", default=[], metavar="ACTION", help="a shot that may be learnt from (repeatable)")
+    add("--keep-still", action="store_true", help="keep controls that move no vertex")
+
+
+def _add_bake_options(parser: argparse.ArgumentParser) -> None:
+    usual = BakeOptions()
+    add = parser.add_argument_group("how it is baked (see facebaker bake --help)").add_argument
+    add("--recipe", default=None)
+    add("--use", choices=("variant", "backlot"), default=None)
+    add("--rig-budget", type=int, default=None, help=f"poses asked in order to learn (default: {usual.rig_budget})")
+    for option in "--poses", "--epochs", "--seed", "--threads":
+        add(option, type=int, default=None)
+    add("--workers", type=int, default=None, help=f"Blender processes that evaluate (default: {usual.workers})")
+    add("--reuse", default=None, metavar="DIR", help="work folder of an earlier bake, NAME.blender/work")
+    add("--tool", default="", metavar="FACEBAKER", help="the program; by default the one found")
+    add("--only-prepare", action="store_true", help="write the copy of the scene and print the command line")
+
+
+def _add_show_options(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument_group("how it is shown").add_argument
+    add("--drawn", type=int, default=200, metavar="N", help="drawn poses to measure on (default: %(default)s)")
+    add("--json", metavar="FILE", help="write what was measured")
+    add("--preview", metavar="FILE.blend", help="save the scene with the baked face beside the rig")
+    add("--picture", metavar="FILE.png", help="render rig, face and errors in the frame of the largest error")
+
+
+def found_settings(options: argparse.Namespace) -> BakeSettings:
+    """The settings of the open file with controls that are found. Raises SettingsError."""
+    import bpy
+
+    from facebaker_blender.action_shots import find_shots
+    from facebaker_blender.find_controls import FindOptions, find_controls, groups_of, still_controls
+    from facebaker_blender.scene_choice import chosen_armatures, chosen_meshes
+    from facebaker_blender.scene_evaluator import SceneEvaluator
+
+    meshes = chosen_meshes(bpy.context, options.mesh)
+    armatures = chosen_armatures(meshes, options.armature)
+    collections = tuple(name for words in options.collections for name in words.split(","))
+    find = FindOptions(tuple(options.bones), collections, kinds=tuple(options.channels.split(",")))
+    controls, notes = find_controls(armatures, meshes, find)
+    if not controls:
+        raise SettingsError("no controls were found: no unlocked channels of visible bones, shape keys or properties")
+    reference = armatures[0].name if armatures else meshes[0].name
+    settings = BakeSettings(
+        options.name or meshes[0].name, tuple(mesh.name for mesh in meshes), tuple(controls), reference,
+        modifiers=options.modifiers,
+    )  # fmt: skip
+    if not options.keep_still:
+        with SceneEvaluator(settings) as evaluator:
+            still = still_controls(evaluator)
+        settings = settings.without(still)
+        if still:
+            notes.append(f"{len(still)} of {len(controls)} channels move no vertex and are left out")
+        if not settings.controls:
+            raise SettingsError("none of the channels that were found moves a vertex")
+    shots = [
+        replace(shot, split="train") if shot.action in options.train_shot else shot
+        for shot in find_shots(settings.controls)
+    ]
+    for note in notes:
+        say(f"note: {note}")
+    groups = ", ".join(f"{name or 'no group'} {count}" for name, count in sorted(groups_of(settings.controls).items()))
+    say(f"{len(settings.controls)} controls: {groups}; {len(shots)} shots")
+    return replace(settings, shots=tuple(shots))
+
+
+def with_bake_options(settings: BakeSettings, options: argparse.Namespace) -> BakeSettings:
+    """The settings with the options of the command line, where these were given."""
+    names = ("recipe", "use", "rig_budget", "poses", "epochs", "seed", "threads", "workers", "reuse")
+    given = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    return replace(settings, bake=replace(settings.bake, **given))
+
+
+def say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def run_controls(options: argparse.Namespace) -> None:
+    settings = found_settings(options)
+    save_settings(settings, options.out)
+    print(options.out)
+
+
+def run_bake(options: argparse.Namespace) -> None:
+    import shlex
+
+    from facebaker_blender.bake_job import BakeJob
+
+    begin = time.monotonic()
+    job = BakeJob(options.out)
+    tool = find_tool(options.tool)
+    settings = load_settings(options.settings) if options.settings else found_settings(options)
+    settings = with_bake_options(settings, options)
+    if options.only_prepare:
+        job.prepare(settings)
+        print(shlex.join(job.words(settings, tool)))
+        return
+    job.start(settings, tool)
+    _follow(job)
+    say(f"baked in {time.monotonic() - begin:.0f} s")
+    _show(job.archive, settings, options)
+    say(f"all done in {time.monotonic() - begin:.0f} s")
+
+
+def _follow(job: "BakeJob") -> None:
+    """Tells how the bake goes until it ends. Ctrl-C ends the bake, which the same command goes on with."""
+    told, notes = "", 0
+    try:
+        while not job.process.wait(0.5) or job.process.poll():
+            job.process.poll()
+            progress = job.process.progress
+            for note in progress.notes[notes:]:
+                say(f"note: {note}")
+            notes = len(progress.notes)
+            if progress.text != told:
+                told = progress.text
+                say(told)
+    except KeyboardInterrupt:
+        job.process.stop()
+        job.process.wait(30)
+        raise SettingsError("interrupted; what is done is kept, run the same command to go on") from None
+    job.process.poll()
+    for note in job.process.progress.notes[notes:]:
+        say(f"note: {note}")
+    if job.process.document is None:
+        raise SettingsError(f"{job.process.progress.error or 'the bake failed'}; its log is {job.process.log}")
+
+
+def run_show(options: argparse.Namespace) -> None:
+    archive = pathlib.Path(options.face).resolve()
+    beside = archive.with_suffix(".blender") / "settings.json"
+    _show(archive, load_settings(options.settings or beside), options)
+
+
+def _show(archive: pathlib.Path, settings: BakeSettings, options: argparse.Namespace) -> None:
+    import facebaker
+
+    from facebaker_blender.bake_job import save_json
+    from facebaker_blender.face_measure import measure_face
+    from facebaker_blender.scene_evaluator import SceneEvaluator
+
+    face = facebaker.load(archive)
+    with SceneEvaluator(settings) as evaluator:
+        measure = measure_face(face, evaluator, options.drawn)
+    print("\n".join([str(archive), *measure.lines()]), flush=True)
+    if options.json:
+        save_json(measure.document(), options.json)
+    if options.preview or options.picture:
+        from facebaker_blender.show_face import save_preview
+
+        save_preview(archive, settings, options.preview, options.picture)
+
+
+def main(words: Sequence[str]) -> int:
+    """Runs a command; its exit code."""
+    options = make_parser().parse_args(words)
+    try:
+        add_package_path()
+        {"controls": run_controls, "bake": run_bake, "show": run_show}[options.command](options)
+    except (SettingsError, OSError) as error:
+        say(f"facebaker_blender {options.command}: {error}")
+        return 1
+    return 0
+
+
+def own_words(arguments: List[str]) -> List[str]:
+    """What stands behind Blender's --."""
+    return arguments[arguments.index("--") + 1 :] if "--" in arguments else []
+
+
+if __name__ == "__main__":
+    sys.exit(main(own_words(sys.argv)))
