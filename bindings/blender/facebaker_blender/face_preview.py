@@ -167,6 +167,11 @@ def preview_of(scene_object: Any) -> Optional[FacePreview]:
     return known
 
 
+def shown_preview(scene_object: Any) -> Optional[FacePreview]:
+    """What preview_of() has loaded already, for drawing."""
+    return _loaded.get(scene_object.name)
+
+
 def update_previews(scene: Any, graph: Any, again: bool = False) -> None:
     """Poses all preview objects of a scene. Called by Blender after updates and changes of the frame."""
     global _busy
@@ -187,25 +192,26 @@ def update_previews(scene: Any, graph: Any, again: bool = False) -> None:
         _busy = False
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator, unused-ignore]
 def _after_update(scene: Any, graph: Any = None) -> None:
     update_previews(scene, graph or bpy.context.evaluated_depsgraph_get())
 
 
-@bpy.app.handlers.persistent  # type: ignore[untyped-decorator, unused-ignore]
 def _after_load(_: Any, __: Any = None) -> None:
     _loaded.clear()
 
 
 def add_handlers() -> None:
-    """Has Blender call this module."""
+    """Has Blender call this module, also in files that are opened later."""
     handlers = bpy.app.handlers
+    for handler in _after_update, _after_load:
+        handlers.persistent(handler)
     for place, handler in _places():
         if handler not in getattr(handlers, place):
             getattr(handlers, place).append(handler)
 
 
 def remove_handlers() -> None:
+    """The reverse of add_handlers()."""
     for place, handler in _places():
         if handler in getattr(bpy.app.handlers, place):
             getattr(bpy.app.handlers, place).remove(handler)

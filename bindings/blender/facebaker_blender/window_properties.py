@@ -1,0 +1,164 @@
+# mypy: disable-error-code="valid-type"
+"""What the window keeps of its choices, in the scene; and the add-on's preferences."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import bpy
+
+from .bake_settings import BakeOptions, BakeSettings, Shot
+from .channels import Channel, SceneControl, SettingsError, channel_fields
+
+MODIFIERS = (
+    ("refuse", "Refuse", "Name the modifiers and stop"),
+    ("apply", "Apply", "Bake the mesh as they make it"),
+    ("off", "Switch off", "Switch them off during the bake"),
+)
+SPLITS = (("test", "Measure", "Errors are measured on it"), ("train", "Learn", "A bake for a backlot learns from it"))
+RECIPES = (
+    ("hero", "Hero", "Most exact"),
+    ("compact", "Compact", "Smaller and quicker to pose"),
+    ("linear", "Linear", "Blendshapes alone"),
+)
+USES = (("variant", "New shots", "Shots are not learnt from"), ("backlot", "These shots", "Shots are learnt from"))
+
+
+def _is_mesh(_: Any, scene_object: Any) -> bool:
+    return bool(scene_object.type == "MESH")
+
+
+class FACEBAKER_PG_mesh(bpy.types.PropertyGroup):
+    object: bpy.props.PointerProperty(type=bpy.types.Object, poll=_is_mesh)
+
+
+class FACEBAKER_PG_armature(bpy.types.PropertyGroup):
+    object: bpy.props.PointerProperty(type=bpy.types.Object, poll=lambda _, found: found.type == "ARMATURE")
+
+
+class FACEBAKER_PG_control(bpy.types.PropertyGroup):
+    """A control; its name is the group's."""
+
+    use: bpy.props.BoolProperty(name="Bake", default=True)
+    group: bpy.props.StringProperty(name="Group", description="The part of the face that it moves")
+    minimum: bpy.props.FloatProperty(name="Min", precision=4)
+    maximum: bpy.props.FloatProperty(name="Max", precision=4)
+    rest: bpy.props.FloatProperty(name="Rest", precision=4)
+    mirror: bpy.props.StringProperty()
+    channel: bpy.props.StringProperty()
+
+    def take(self, control: SceneControl) -> None:
+        self.name, self.group, self.mirror, self.use = control.name, control.group, control.mirror, True
+        self.minimum, self.maximum, self.rest = control.minimum, control.maximum, control.rest
+        self.channel = json.dumps(channel_fields(control.channel))
+
+    def control(self) -> SceneControl:
+        rest = min(max(self.rest, self.minimum), self.maximum)
+        channel = Channel(**json.loads(self.channel))
+        return SceneControl(self.name, channel, self.minimum, self.maximum, rest, self.group, self.mirror)
+
+
+class FACEBAKER_PG_shot(bpy.types.PropertyGroup):
+    """A shot; its name is the action's."""
+
+    use: bpy.props.BoolProperty(name="Use", default=True)
+    first: bpy.props.IntProperty(name="First")
+    last: bpy.props.IntProperty(name="Last")
+    split: bpy.props.EnumProperty(name="For", items=SPLITS)
+
+
+class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
+    """All choices of a scene."""
+
+    character: bpy.props.StringProperty(name="Name", description="Of the character", default="face")
+    meshes: bpy.props.CollectionProperty(type=FACEBAKER_PG_mesh)
+    armatures: bpy.props.CollectionProperty(type=FACEBAKER_PG_armature)
+    bones: bpy.props.StringProperty(name="Bones", description='Names with * and ?, separated by spaces; empty: all visible')
+    collections: bpy.props.StringProperty(
+        name="Collections",
+        description="Bone collections, or before Blender 4 numbers of bone layers from 0 on, separated by commas",
+    )
+    selected: bpy.props.BoolProperty(name="Selected bones only")
+    scales: bpy.props.BoolProperty(name="Scales", description="Of all bones, not only those that are limited or animated")
+    modifiers: bpy.props.EnumProperty(name="Vertex count", items=MODIFIERS)
+    controls: bpy.props.CollectionProperty(type=FACEBAKER_PG_control)
+    control: bpy.props.IntProperty()
+    shots: bpy.props.CollectionProperty(type=FACEBAKER_PG_shot)
+    shot: bpy.props.IntProperty()
+    out: bpy.props.StringProperty(name="Archive", subtype="FILE_PATH", default="//face.fbk")
+    recipe: bpy.props.EnumProperty(name="Recipe", items=RECIPES)
+    use: bpy.props.EnumProperty(name="For", items=USES)
+    rig_budget: bpy.props.IntProperty(
+        name="Rig budget", default=BakeOptions().rig_budget, min=0, description="Poses that the rig is asked in order to learn"
+    )
+    workers: bpy.props.IntProperty(name="Workers", default=2, min=1, max=256, description="Blender processes that evaluate")
+    colours: bpy.props.BoolProperty(name="Errors as colours", description="On the baked face")
+    scale: bpy.props.FloatProperty(
+        name="Red from", default=1e-3, min=1e-6, max=1, precision=5, description="Share of the face's diagonal"
+    )
+    measured: bpy.props.StringProperty()  # lines of the last measurement
+
+    def settings(self) -> BakeSettings:
+        """As the work needs them. Raises SettingsError."""
+        meshes = [item.object.name for item in self.meshes if item.object]
+        armatures = [item.object.name for item in self.armatures if item.object]
+        if not self.controls:
+            raise SettingsError("no controls yet; find them first")
+        return BakeSettings(
+            self.character,
+            tuple(meshes),
+            tuple(item.control() for item in self.controls if item.use),
+            armatures[0] if armatures else "",
+            tuple(Shot(item.name, item.first, item.last, item.split) for item in self.shots if item.use),
+            self.modifiers,
+            BakeOptions(self.recipe, self.use, self.rig_budget, workers=self.workers),
+        )
+
+    def take(self, settings: BakeSettings) -> None:
+        """Shows settings, of a file for instance."""
+        self.character, self.modifiers = settings.name, settings.modifiers
+        self.meshes.clear()
+        for name in settings.meshes:
+            self.meshes.add().object = bpy.data.objects.get(name)
+        self.controls.clear()
+        for control in settings.controls:
+            self.controls.add().take(control)
+        self.take_shots(settings.shots)
+        self.recipe, self.use = settings.bake.recipe, settings.bake.use
+        self.rig_budget, self.workers = settings.bake.rig_budget, settings.bake.workers
+
+    def take_shots(self, shots: Any) -> None:
+        self.shots.clear()
+        for shot in shots:
+            item = self.shots.add()
+            item.name, item.first, item.last, item.split = shot.action, shot.first, shot.last, shot.split
+
+
+
+class FACEBAKER_preferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+    tool: bpy.props.StringProperty(name="Program facebaker", subtype="FILE_PATH", description="Empty: the one found in PATH")
+    package: bpy.props.StringProperty(
+        name="Python package", subtype="DIR_PATH", description="The folder that holds the package facebaker; empty: search"
+    )
+
+    def draw(self, _: Any) -> None:
+        self.layout.prop(self, "tool")
+        self.layout.prop(self, "package")
+
+
+CLASSES = (
+    FACEBAKER_PG_mesh,
+    FACEBAKER_PG_armature,
+    FACEBAKER_PG_control,
+    FACEBAKER_PG_shot,
+    FACEBAKER_PG_scene,
+    FACEBAKER_preferences,
+)
+
+
+def preferences(context: Any) -> Any:
+    """The add-on's preferences, None where it runs without being enabled."""
+    addon = context.preferences.addons.get(__package__)
+    return addon.preferences if addon else None
