@@ -63,8 +63,10 @@ class SceneEvaluator:
                 raise SettingsError(f'"{mesh_object.name}" is of type {mesh_object.type}, no mesh')
         self.channels = SceneChannels(settings.controls)
         self.units, self.scale = scene_units(self.context.scene)
-        stack.callback(self._restore, self.channels.state())
+        state = self.channels.state()
+        stack.callback(self._restore, state)
         self._show(stack)
+        stack.callback(self._restore, state)  # first while all is shown: what is hidden would keep the last pose
         self._settle_modifiers(stack)
         self.rest_controls = np.array([control.rest for control in settings.controls], np.float32)
         self._evaluate_scene(self.rest_controls)
