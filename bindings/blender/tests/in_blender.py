@@ -6,9 +6,11 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -25,8 +27,8 @@ add_package_path()
 import facebaker  # noqa: E402
 
 from facebaker_blender import action_shots, face_preview, find_controls, scene_rig  # noqa: E402
-from facebaker_blender.bake_job import this_blender  # noqa: E402
-from facebaker_blender.bake_settings import BakeSettings, Shot, load_settings, save_settings  # noqa: E402
+from facebaker_blender.bake_job import BakeJob, this_blender  # noqa: E402
+from facebaker_blender.bake_settings import BakeOptions, BakeSettings, Shot, load_settings, save_settings  # noqa: E402
 from facebaker_blender.channels import Channel, SceneControl, SettingsError  # noqa: E402
 from facebaker_blender.find_controls import FindOptions  # noqa: E402
 from facebaker_blender.scene_channels import SceneChannels  # noqa: E402
@@ -436,24 +438,16 @@ class BakeTest(unittest.TestCase):
 
     def test_a_killed_bake_goes_on(self):
         out = self.folder / "killed.fbk"
-        from facebaker_blender.bake_job import BakeJob
-
         bpy.ops.wm.open_mainfile(filepath=str(self.scene))
         settings, _ = found()
-        settings = BakeSettings(
-            "face", settings.meshes, settings.controls, "rig",
-            bake=type(settings.bake)("linear", rig_budget=3000, workers=1),
-        )  # fmt: skip
+        options = BakeOptions("compact", rig_budget=1000, workers=1, epochs=20)
+        settings = BakeSettings("face", settings.meshes, settings.controls, "rig", bake=options)
         job = BakeJob(out)
         job.start(settings, find_tool())
-        import time
-
-        for _ in range(600):
-            time.sleep(0.1)
-            job.process.poll()
-            if "sampling" in job.process.progress.stage:
-                break
-        os.kill(job.process._process.pid, 9)
+        while job.process.poll() and not job.process.progress.finished:
+            time.sleep(0.02)
+        self.assertTrue(job.process.running, job.process.log.read_text())
+        os.killpg(json.loads((job.folder / "process.json").read_text())["process"], signal.SIGKILL)
         job.process.wait(20)
         later = BakeJob(out)  # another session of Blender
         self.assertTrue(later.process.unfinished)
