@@ -13,7 +13,7 @@ import bpy
 from .bake_process import BakeProcess
 from .bake_settings import BakeSettings, Path, save_settings
 from .channels import SettingsError
-from .tool_command import BlenderCommand, bake_words, source_text
+from .tool_command import BlenderCommand, bake_words, source_text, tool_environment
 
 
 class BakeJob:
@@ -50,13 +50,14 @@ class BakeJob:
     def start(self, settings: BakeSettings, tool: str) -> None:
         """Prepares and starts the bake in the background."""
         self.prepare(settings)
-        self.process.start(self.words(settings, tool))
+        self.process.start(self.words(settings, tool), tool_environment(tool))
 
     def go_on(self) -> None:
         """Goes on with a bake that was interrupted, from the copy of the scene that it had. Raises SettingsError."""
         if not self.process.unfinished:
             raise SettingsError(f"there is no bake of {self.archive.name} to go on with")
-        self.process.start(self.process.command)
+        words = self.process.command
+        self.process.start(words, tool_environment(words[0]))
 
 
 def _text(path: pathlib.Path) -> str:

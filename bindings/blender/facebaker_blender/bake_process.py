@@ -26,15 +26,15 @@ class BakeProcess:
         self._read = 0
         self._process: Optional[subprocess.Popen[bytes]] = None
 
-    def start(self, words: Sequence[str]) -> None:
+    def start(self, words: Sequence[str], environment: Optional[Dict[str, str]] = None) -> None:
         """Starts the command line in a session of its own, where neither Ctrl-C nor the end of this process reaches it.
-        Raises OSError; RuntimeError if the folder's bake is running."""
+        environment: None: that of this process. Raises OSError; RuntimeError if the folder's bake is running."""
         if self.running:
             raise RuntimeError(f"a bake is running in {self.folder}")
         self.progress, self._read = BakeProgress(), 0
         with open(self.log, "wb") as log, open(self.result, "wb") as result:
             self._process = subprocess.Popen(
-                list(words), stdin=subprocess.DEVNULL, stdout=result, stderr=log, start_new_session=True
+                list(words), stdin=subprocess.DEVNULL, stdout=result, stderr=log, env=environment, start_new_session=True
             )
         state = {"process": self._process.pid, "began": _began(self._process.pid), "command": list(words)}
         self._state.write_text(json.dumps(state))

@@ -9,7 +9,7 @@ import shlex
 import shutil
 import sys
 from dataclasses import dataclass
-from typing import List, Optional, Sequence
+from typing import Dict, List, Optional, Sequence
 
 from .bake_settings import BakeOptions, Path
 from .channels import SettingsError
@@ -60,13 +60,32 @@ def find_tool(chosen: str = "") -> str:
             if not os.access(named, os.X_OK):
                 raise SettingsError(f"{named}: is no program")
             return os.path.abspath(named)
-    carried = HERE / "carried" / "bin" / "facebaker"
-    found = str(carried) if carried.is_file() else shutil.which("facebaker") or _built("bin/facebaker")
+    found = _carried_tool() or shutil.which("facebaker") or _built("bin/facebaker")
     if not found:
         raise SettingsError(
             "the program facebaker was not found; name it in the add-on's preferences or in FACEBAKER_TOOL"
         )
     return str(found)
+
+
+def _carried_tool() -> Optional[str]:
+    """The program in the add-on's zip. Blender unpacks that without the permission to run it."""
+    carried = HERE / "carried" / "bin" / "facebaker"
+    if not carried.is_file():
+        return None
+    if not os.access(carried, os.X_OK):
+        carried.chmod(carried.stat().st_mode | 0o111)
+    return str(carried)
+
+
+def tool_environment(tool: str) -> Dict[str, str]:
+    """The environment in which the program runs: one that lies in the add-on's zip finds its libraries beside it."""
+    environment = dict(os.environ)
+    libraries = pathlib.Path(tool).parents[1] / "lib"
+    if pathlib.Path(tool).parent.parent == HERE / "carried":
+        paths = [str(libraries), *filter(None, [environment.get("LD_LIBRARY_PATH")])]
+        environment["LD_LIBRARY_PATH"] = os.pathsep.join(paths)
+    return environment
 
 
 @dataclass(frozen=True)

@@ -470,6 +470,35 @@ class BakeTest(unittest.TestCase):
         self.assertFalse((self.folder / "x.fbk").exists())
 
 
+class AddonTest(unittest.TestCase):
+    def test_the_zip_installs_and_finds_what_it_carries(self):
+        build = pathlib.Path(find_tool()).parents[1]
+        with tempfile.TemporaryDirectory() as folder:
+            packed = os.path.join(folder, "facebaker_blender.zip")
+            subprocess.run(["/usr/bin/python3", HERE.parent / "make_addon.py", build, packed], check=True, stdout=subprocess.DEVNULL)
+            kept = {key: value for key, value in os.environ.items() if not key.startswith(("FACEBAKER", "PYTHON"))}
+            environment = {**kept, "BLENDER_USER_SCRIPTS": folder, "PATH": "/nowhere"}
+            script = pathlib.Path(folder, "install.py")
+            script.write_text(
+                "import bpy, subprocess\n"
+                f"bpy.ops.preferences.addon_install(filepath={packed!r})\n"
+                "bpy.ops.preferences.addon_enable(module='facebaker_blender')\n"
+                "import facebaker, facebaker_blender.tool_command as found\n"
+                "tool = found.find_tool()\n"
+                "print(facebaker.__file__, facebaker.__version__)\n"
+                "print(tool, subprocess.check_output([tool, '--version'], env=found.tool_environment(tool)).decode())\n"
+                "print(bpy.context.scene.facebaker.bl_rna.identifier)\n"
+            )
+            command = [this_blender().program, "-b", "--factory-startup", "--python-exit-code", "1", "-P", script]
+            done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=100)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            carried = os.path.join(folder, "addons", "facebaker_blender", "carried")
+            version = (HERE.parents[2] / "VERSION").read_text().strip()
+            self.assertIn(f"{carried}/facebaker/__init__.py {version}", done.stdout)
+            self.assertIn(f"{carried}/bin/facebaker facebaker {version}", done.stdout)
+            self.assertIn("FACEBAKER_PG_scene", done.stdout)
+
+
 class RigifyTest(unittest.TestCase):
     """Rigify's human with the sample face; FACEBAKER_SAMPLE names a dataset folder of it."""
 
