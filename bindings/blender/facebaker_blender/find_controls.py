@@ -23,8 +23,7 @@ _PRIVATE = ("_RNA_UI", "rigify", "rig_ui", "cycles", "facebaker", "cycles_visibi
 class FindOptions:
     """What is looked at. bones: patterns of names ("lip.*"); none: all. collections: names of bone collections, or before
     Blender 4 numbers of bone layers, counted from 0; none: those that are visible. selected: only bones that are
-    selected. kinds: of channels of bones; scale is looked at only where it is limited or animated, unless it is named
-    here. shape_keys, properties: whether they are looked at."""
+    selected. kinds: of channels of bones; others are looked at only where they are limited or animated. shape_keys, properties: whether they are looked at."""
 
     bones: Tuple[str, ...] = ()
     collections: Tuple[str, ...] = ()
@@ -53,7 +52,13 @@ def find_controls(
             found += _shape_keys(mesh, notes)
         if options.properties:
             found += _properties(mesh, mesh, "", False, notes) + _properties(mesh, mesh.data, "", True, notes)
-    return named_apart(_ranged(found, armatures)), notes
+    return named_apart(_ranged(found, armatures, _diagonal(meshes))), notes
+
+
+def _diagonal(meshes: Sequence[Any]) -> float:
+    """Of the box round all meshes, as they are now."""
+    corners = [np.array(mesh.matrix_world) @ (*corner, 1) for mesh in meshes for corner in mesh.bound_box]
+    return float(np.linalg.norm(np.ptp(np.array(corners)[:, :3], 0))) if corners else 0.0
 
 
 def chosen_bones(armature: Any, options: FindOptions) -> List[Any]:
@@ -110,10 +115,9 @@ def _bone_channels(armature: Any, bone: Any, options: FindOptions) -> List[Scene
         first = 1 if attribute in ("rotation_quaternion", "rotation_axis_angle") else 0
         for axis in range(3):
             path = bone_path(bone.name, attribute)
-            wanted = kind in options.kinds
-            if kind == "scale" and not wanted:
-                wanted = limits_of(bone, kind, axis) != (None, None) or (path, axis) in animated
-            is_driven = (path, axis + first) in driven or first and (path, 0) in driven
+            place = axis + first  # of the curve
+            wanted = kind in options.kinds or (path, place) in animated or limits_of(bone, kind, axis) != (None, None)
+            is_driven = (path, place) in driven or first and (path, 0) in driven
             if not wanted or is_locked(bone, kind, axis) or is_driven:
                 continue
             channel = Channel(kind, armature.name, bone.name, axis)
@@ -128,7 +132,7 @@ def _unranged(channel: Channel, group: str) -> SceneControl:
     return SceneControl(name, channel, rest - 1, rest + 1, rest, group, mirror)
 
 
-def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any]) -> List[SceneControl]:
+def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any], diagonal: float) -> List[SceneControl]:
     """With the ranges of channels of bones, and those of properties that animation takes further; channels that limits
     hold in place are left out."""
     by_name = {armature.name: armature for armature in armatures}
@@ -138,7 +142,7 @@ def _ranged(controls: Sequence[SceneControl], armatures: Sequence[Any]) -> List[
         if channel.of_bone:
             bone = by_name[channel.object].pose.bones[channel.bone]
             limits = limits_of(bone, channel.kind, channel.axis)
-            assumed = assumed_range(channel.kind, bone.bone.length)
+            assumed = assumed_range(channel.kind, bone.bone.length, diagonal)
             low, high, rest = control_range(limits, used, assumed, channel.neutral)
         elif used and channel.kind == "property":
             low, high = min(low, used[0]), max(high, used[1])

@@ -64,7 +64,7 @@ def _add_find_options(parser: argparse.ArgumentParser) -> None:
         help="bone collections, before Blender 4 numbers of bone layers from 0 on (repeatable, commas); by default what "
         "is visible")  # fmt: skip
     add("--channels", default="location,rotation", metavar="KINDS",
-        help="of location, rotation, scale; scales that are limited or animated are found anyway")  # fmt: skip
+        help="of location, rotation, scale (default: %(default)s); others that are limited or animated are found anyway")  # fmt: skip
     add("--modifiers", choices=MODIFIER_POLICIES, default="refuse",
         help="what happens to modifiers that change the number of vertices (default: %(default)s)")  # fmt: skip
     add("--train-shot", action="append", default=[], metavar="ACTION", help="a shot that may be learnt from (repeatable)")

@@ -6,8 +6,10 @@ import math
 from typing import Optional, Tuple
 
 # Assumed where neither a limit nor animation says: for locations this share of the bone's length to either side, for
-# rotations radians, for scales from 1 / 1.25 to 1.25. Rigs of faces give their bones lengths of the size they work at.
+# rotations radians, for scales from 1 / 1.25 to 1.25. Rigs of faces give their small bones lengths of the size they work
+# at; the jaw's and the head's are longer than they travel, so a share of the meshes' diagonal is the most there is.
 LOCATION_SHARE = 0.5
+LOCATION_MOST = 0.03
 ROTATION = math.radians(20)
 SCALE = 1.25
 MARGIN = 0.1  # what animation uses is widened by this share of it, for shots that are still to come
@@ -15,10 +17,12 @@ MARGIN = 0.1  # what animation uses is widened by this share of it, for shots th
 Range = Tuple[Optional[float], Optional[float]]  # None: not limited on that side
 
 
-def assumed_range(kind: str, bone_length: float) -> Tuple[float, float]:
-    """For "location" (in the scene's units), "rotation" (radians) or "scale"."""
+def assumed_range(kind: str, bone_length: float, diagonal: float) -> Tuple[float, float]:
+    """For "location" (in the scene's units, like the bone's length and the meshes' diagonal), "rotation" (radians) or
+    "scale"."""
     if kind == "location":
-        return -LOCATION_SHARE * bone_length, LOCATION_SHARE * bone_length
+        reach = min(LOCATION_SHARE * bone_length, LOCATION_MOST * diagonal)
+        return -reach, reach
     return (-ROTATION, ROTATION) if kind == "rotation" else (1 / SCALE, SCALE)
 
 

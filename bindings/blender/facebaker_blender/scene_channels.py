@@ -146,6 +146,7 @@ class _Property:
         # Keeps the property's type, which Blender would change with the value's.
         kind = type(self.owner[self.key])
         self.owner[self.key] = kind(round(values[0])) if self.whole else float(values[0])
+        self.owner.id_data.update_tag()  # custom properties do not mark what their drivers move
 
     def state(self) -> Any:
         return self.owner[self.key]
@@ -188,13 +189,9 @@ class SceneChannels:
     def write(self, values: "np.ndarray[Any, np.dtype[np.float32]]") -> None:
         """Sets all controls, those that changed since the last call, and marks what depends on them for evaluation."""
         changed = np.full(self.count, True) if self._written is None else values != self._written
-        ids: Dict[int, Any] = {}
         for target in self._targets:
             if changed[target.columns].any():
                 target.write(values[target.columns].tolist())
-                ids.update((block.as_pointer(), block) for block in target.ids)
-        for block in ids.values():
-            block.update_tag()  # custom properties do not mark what their drivers move
         self._written = values.copy()
 
     def state(self) -> List[Any]:

@@ -103,9 +103,9 @@ class FindTest(unittest.TestCase):
         ranges = {c.name: (round(c.minimum, 4), round(c.maximum, 4), c.rest) for c in settings.controls}
         self.assertEqual(ranges["jaw.rot_x"], (-0.1, 0.5, 0))
         self.assertEqual(ranges["jaw.loc_z"], (-0.2, 0.3, 0))
-        self.assertEqual(ranges["jaw.loc_x"], (-0.5, 0.5, 0))  # half of the bone's length
+        self.assertEqual(ranges["jaw.loc_x"], (-0.1237, 0.1237, 0))  # 3 % of the meshes' diagonal
         self.assertEqual(ranges["free.scale_x"], (0.5, 2, 1))
-        self.assertEqual(ranges["free.loc_x"], (-0.5, 0.5, 0))
+        self.assertEqual(ranges["free.loc_x"], (-0.1237, 0.1237, 0))
         for name, why in {
             "jaw.loc_y": "locked", "lead.loc_x": "locked", "free.loc_z": "driven", "free.loc_y": "held by its limits",
             "jaw.scale_x": "scale without limits", "jaw.rot_w": "no such channel",
@@ -149,7 +149,7 @@ class FindTest(unittest.TestCase):
         settings, _ = found()
         ranges = {c.name: (c.minimum, c.maximum) for c in settings.controls}
         self.assertAlmostEqual(ranges["jaw.loc_x"][1], 2.2)
-        self.assertAlmostEqual(ranges["jaw.loc_x"][0], -0.5)
+        self.assertAlmostEqual(ranges["jaw.loc_x"][0], -0.1237, 3)
         self.assertAlmostEqual(ranges["jaw.loc_z"][1], 0.3)  # a limit stays one
 
 
@@ -186,7 +186,7 @@ class EvaluateTest(unittest.TestCase):
         face, brow, rig = constraint_scene()
         settings, _ = found(reference="rig")
         names = [c.name for c in settings.controls]
-        pose = {"jaw.rot_x": 0.4, "lead.rot_x": 0.3, "free.loc_x": 0.2, "free.rot_y": 0.1, "free.scale_x": 1.5}
+        pose = {"jaw.rot_x": 0.4, "lead.rot_x": 0.3, "free.loc_x": 0.1, "free.rot_y": 0.1, "free.scale_x": 1.5}
         values = np.array([[pose.get(c.name, c.rest) for c in settings.controls]], np.float32)
         self.assertLessEqual(set(pose), set(names))
         with SceneEvaluator(settings) as evaluator:
@@ -196,7 +196,7 @@ class EvaluateTest(unittest.TestCase):
         import mathutils
 
         rig.pose.bones["lead"].rotation_quaternion = mathutils.Quaternion((1, 0, 0), 0.3)
-        rig.pose.bones["free"].location.x = 0.2
+        rig.pose.bones["free"].location.x = 0.1
         rig.pose.bones["free"].rotation_axis_angle = (0.1, 0, 1, 0)
         rig.pose.bones["free"].scale.x = 1.5
         bpy.context.view_layer.update()

@@ -108,13 +108,12 @@ def add_action(rig, name, frames, seed, strength):
     face = [b.name for b in rig.data.bones if b.layers[1]]
     for frame in range(1, frames + 1, 6):
         opened = strength * random.beta(1, 1.5)
-        keyed = {("jaw_master", "rotation_quaternion"): mathutils.Euler((0.4 * opened, 0, 0.08 * random.normal())).to_quaternion()}
+        keyed = {("jaw_master", "rotation_quaternion"): mathutils.Euler((0.35 * opened, 0, 0.05 * random.normal())).to_quaternion()}
         keyed["eyes", "location"] = 0.06 * random.uniform(-1, 1, 3) * (1, 1, 0)
         keyed["nose_master", "location"] = 0.002 * random.normal(size=3)
         keyed["tongue_master", "rotation_quaternion"] = mathutils.Euler((0.2 * random.normal(), 0, 0)).to_quaternion()
         for bone in face:
-            size = 0.006 if "lid" in bone or "lip" in bone else 0.004
-            keyed[bone, "location"] = strength * size * np.clip(random.normal(size=3), -2, 2) * (random.uniform() < 0.7)
+            keyed[bone, "location"] = strength * 0.003 * np.clip(random.normal(size=3), -2, 2) * (random.uniform() < 0.7)
         for (bone, attribute), value in keyed.items():
             setattr(rig.pose.bones[bone], attribute, value)
             rig.pose.bones[bone].keyframe_insert(attribute, frame=frame)

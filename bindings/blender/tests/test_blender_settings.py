@@ -132,7 +132,8 @@ class RangesTest(unittest.TestCase):
         self.assertAlmostEqual(low, -3.6)
         self.assertEqual(control_range((0, 0), None, (-1, 1), 0), (0, 0, 0))
         self.assertEqual(control_range((None, None), (0, 0.5), (-1, 1), 0), (-1, 1, 0))
-        self.assertEqual(assumed_range("location", 0.02), (-0.01, 0.01))
+        self.assertEqual(assumed_range("location", 0.02, 1), (-0.01, 0.01))
+        self.assertEqual(assumed_range("location", 2, 1), (-0.03, 0.03))
         self.assertEqual(tighter((None, 2), (-1, 3)), (-1, 2))
 
     def test_rotations(self):
