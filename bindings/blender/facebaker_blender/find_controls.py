@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from .control_names import face_part, matches, mirror_channel_name
 from .ranges import assumed_range, control_range
 from .scene_evaluator import SceneEvaluator
 
+Paths = Set[Tuple[str, int]]
 MOVES = 1e-6  # of the diagonal: what moves less moves nothing
 # Custom properties that Blender and its add-ons keep for themselves.
 _PRIVATE = ("_RNA_UI", "rigify", "rig_ui", "cycles", "facebaker", "cycles_visibility", "rig_id")
@@ -40,9 +41,10 @@ def find_controls(
     animate. Changes nothing in the scene."""
     found: List[SceneControl] = []
     notes: List[str] = []
+    animated = animated_paths()
     for armature in armatures:
-        bones = chosen_bones(armature, options)
-        found += [control for bone in bones for control in _bone_channels(armature, bone, options)]
+        bones, driven = chosen_bones(armature, options), driven_paths(armature)
+        found += [c for bone in bones for c in _bone_channels(armature, bone, options, driven, animated)]
         if options.properties:
             found += [c for bone in bones for c in _properties(armature, bone, bone.name, False, notes)]
             found += _properties(armature, armature, "", False, notes)
@@ -107,8 +109,9 @@ def _group(armature: Any, bone: Any) -> str:
     return str(above.name)
 
 
-def _bone_channels(armature: Any, bone: Any, options: FindOptions) -> List[SceneControl]:
-    driven, animated = driven_paths(armature), animated_paths()
+def _bone_channels(
+    armature: Any, bone: Any, options: FindOptions, driven: Paths, animated: Paths
+) -> List[SceneControl]:
     controls = []
     for kind in ("location", "rotation", "scale"):
         attribute = rotation_attribute(bone) if kind == "rotation" else kind

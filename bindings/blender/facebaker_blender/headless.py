@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import pathlib
+import signal
 import sys
 import time
 from dataclasses import replace
@@ -164,6 +165,9 @@ def run_bake(options: argparse.Namespace) -> None:
         job.prepare(settings)
         print(shlex.join(job.words(settings, tool)))
         return
+    # Blender would take Ctrl-C for itself, and the bake in its own session would go on.
+    for number in signal.SIGINT, signal.SIGTERM:
+        signal.signal(number, signal.default_int_handler)
     job.start(settings, tool)
     _follow(job)
     say(f"baked in {time.monotonic() - begin:.0f} s")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import pathlib
 from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 import bpy
@@ -58,11 +56,6 @@ def scene_clips(settings: BakeSettings) -> "List[facebaker.Clip]":
     ]
 
 
-def file_version(path: str) -> str:
-    """A digest of a file's bytes."""
-    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()[:16]
-
-
 def _notes(settings: BakeSettings) -> List[str]:
     sided = [c for c in settings.controls if c.channel.bone and other_side(c.channel.bone) and not c.mirror]
     notes = []
@@ -83,6 +76,7 @@ def _surfaces(evaluator: SceneEvaluator) -> "Tuple[Any, Any, Any, Any, Any]":
     uvs: List[Any] = []
     materials: Dict[str, Tuple[int, Any]] = {}
     first_vertex = first_uv = 0
+    mapped = any(evaluator.evaluated(mesh_object).data.uv_layers.active for mesh_object in evaluator.objects)
     for mesh_object in evaluator.objects:
         evaluated = evaluator.evaluated(mesh_object)
         data = evaluated.data
@@ -96,12 +90,11 @@ def _surfaces(evaluator: SceneEvaluator) -> "Tuple[Any, Any, Any, Any, Any]":
         first_vertex += len(data.vertices)
         first_uv += len(coordinates)
     width = max((row.shape[1] for row in rows), default=0)
-    all_uvs = np.concatenate(uvs)
     return (
         meshes,
         np.concatenate([_widened(row, width) for row in rows]),
-        all_uvs if len(all_uvs) else None,
-        np.concatenate([_widened(row, width) for row in uv_rows]) if len(all_uvs) else None,
+        np.concatenate(uvs) if mapped else None,
+        np.concatenate([_widened(row, width) for row in uv_rows]) if mapped else None,
         [material for _, material in materials.values()],
     )
 
@@ -115,8 +108,8 @@ def _polygons(data: Any) -> Tuple[Any, Any]:
 
 
 def _uvs(data: Any, corners: Any) -> Tuple[Any, Any]:
-    """Texture coordinates, each pair of a vertex once, and those of the corners. One pair a vertex at 0 where a mesh has
-    no texture coordinates, because the meshes of a character all have some or none."""
+    """Texture coordinates, each pair of a vertex once, and those of the corners. One pair, for all
+    corners, where a mesh has none: the meshes of a character all have some, or none has."""
     layer = data.uv_layers.active
     if layer is None:
         return np.zeros((1, 2), np.float32), np.zeros(len(corners), np.int32)

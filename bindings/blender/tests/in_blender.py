@@ -403,6 +403,12 @@ class BakeTest(unittest.TestCase):
         colours = np.empty(4 * face.vertex_count, np.float32)
         previews[1].data.color_attributes[face_preview.ATTRIBUTE].data.foreach_get("color", colours)
         self.assertGreater(len(np.unique(colours.reshape(-1, 4), axis=0)), 5)
+        bpy.data.objects["rig"].animation_data.action = bpy.data.actions["nod"]
+        for frame in 11, 17:
+            bpy.context.scene.frame_set(frame)
+            shown = np.array([vertex.co for vertex in previews[0].data.vertices])
+            played = face.evaluate(SceneChannels(settings.controls).read())
+            np.testing.assert_allclose(shown, played, atol=1e-6)
         face_preview.remove_handlers()
 
     def check_window(self, settings):
@@ -456,6 +462,20 @@ class BakeTest(unittest.TestCase):
         self.assertIsNotNone(later.process.document, later.process.log.read_text())
         self.assertFalse(later.process.unfinished)
         self.assertTrue(out.is_file())
+
+    def test_ctrl_c_ends_the_bake_too(self):
+        out = self.folder / "stopped.fbk"
+        command = [this_blender().program, "-b", self.scene, "--factory-startup", "-P", HEADLESS, "--", "bake", "--out", out]
+        started = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        state = self.folder / "stopped.blender" / "process.json"
+        while started.poll() is None and not state.is_file():
+            time.sleep(0.1)
+        time.sleep(0.5)
+        started.send_signal(signal.SIGINT)
+        printed = started.communicate(timeout=60)[1]
+        self.assertEqual(started.returncode, 1, printed)
+        self.assertIn("run the same command to go on", printed)
+        self.assertTrue(BakeJob(out).process.unfinished)
 
     def test_failures_are_told(self):
         printed = self.headless("bake", "--out", self.folder / "x.fbk", "--mesh", "nobody", ends=1)
