@@ -13,7 +13,7 @@ from .bake_settings import BakeSettings, settings_document, settings_of
 from .channels import SettingsError
 from .error_colours import error_colours
 from .scene_channels import SceneChannels, find_object
-from .scene_evaluator import evaluated_positions, scene_units, world_matrix
+from .scene_evaluator import SceneEvaluator, evaluated_positions, scene_units, world_matrix
 
 if TYPE_CHECKING:
     import facebaker
@@ -175,7 +175,7 @@ def shown_preview(scene_object: Any) -> Optional[FacePreview]:
 def update_previews(scene: Any, graph: Any, again: bool = False) -> None:
     """Poses all preview objects of a scene. Called by Blender after updates and changes of the frame."""
     global _busy
-    if _busy:
+    if _busy or SceneEvaluator.active:
         return
     _busy = True
     try:

@@ -68,11 +68,15 @@ def chosen_bones(armature: Any, options: FindOptions) -> List[Any]:
     return [
         bone
         for bone in armature.pose.bones
-        if not bone.bone.hide
+        if not _is_hidden(bone)
         and (not options.selected or _is_selected(bone))
         and matches(bone.name, list(options.bones))
         and _in_collections(armature.data, bone.bone, options)
     ]
+
+
+def _is_hidden(bone: Any) -> bool:
+    return bool(getattr(bone.bone, "hide", False) or getattr(bone, "hide", False))  # moved in Blender 5
 
 
 def _is_selected(bone: Any) -> bool:

@@ -9,8 +9,8 @@ from .scene_channels import find_object
 
 
 def chosen_meshes(context: Any, names: Sequence[str]) -> List[Any]:
-    """The mesh objects of these names; without names all that are visible and have polygons, but for the shapes that
-    bones are drawn with and the objects that a lattice, cage or other modifier of them uses. Raises SettingsError."""
+    """The mesh objects of these names; without names all that are visible and have polygons, but for baked faces,
+    the shapes that bones are drawn with and the objects that modifiers of the others use. Raises SettingsError."""
     if names:
         found = [find_object(name) for name in names]
         for scene_object in found:
@@ -21,7 +21,8 @@ def chosen_meshes(context: Any, names: Sequence[str]) -> List[Any]:
         scene_object
         for scene_object in context.view_layer.objects
         if scene_object.type == "MESH" and scene_object.visible_get() and len(scene_object.data.polygons)
-    ]
+        and "facebaker_archive" not in scene_object.keys()
+    ]  # fmt: skip
     helpers = _bone_shapes(context) | _modifier_objects(shown)
     found = [scene_object for scene_object in shown if scene_object.name not in helpers]
     if not found:

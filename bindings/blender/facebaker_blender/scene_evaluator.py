@@ -30,7 +30,10 @@ class SceneEvaluator:
     """The rig that settings describe, in the open file. Use it inside `with`: that prepares the scene (meshes shown,
     armatures posed, animation of controls still), and leaving it, also by an exception, restores all of it exactly.
 
-    Attributes, valid inside: vertex_counts, of each mesh; diagonal, of the rest positions' bounding box."""
+    Attributes, valid inside: vertex_counts, of each mesh; diagonal, of the rest positions' bounding box. SceneEvaluator.active:
+    how many are entered; previews wait until there is none."""
+
+    active = 0
 
     def __init__(self, settings: BakeSettings, context: Any = None) -> None:
         self.settings = settings
@@ -40,6 +43,8 @@ class SceneEvaluator:
 
     def __enter__(self) -> "SceneEvaluator":
         self._stack = contextlib.ExitStack()
+        SceneEvaluator.active += 1
+        self._stack.callback(self._count_down)
         try:
             self._prepare(self._stack)
         except BaseException:
@@ -51,6 +56,10 @@ class SceneEvaluator:
         if self._stack:
             self._stack.close()
         self._stack = None
+
+    @staticmethod
+    def _count_down() -> None:
+        SceneEvaluator.active -= 1
 
     def _prepare(self, stack: contextlib.ExitStack) -> None:
         if self.context.mode not in ("OBJECT", "POSE"):

@@ -387,6 +387,7 @@ class BakeTest(unittest.TestCase):
         face_preview.add_handlers()
         previews = [o for o in bpy.context.scene.objects if face_preview.ARCHIVE in o.keys()]
         self.assertEqual(len(previews), 2)
+        self.assertEqual([mesh.name for mesh in chosen_meshes(bpy.context, [])], ["face"])
         keys = bpy.data.objects["face"].data.shape_keys.key_blocks
         keys["smile.L"].value, keys["smile.R"].value = 1.0, 0.5
         bpy.context.view_layer.update()
@@ -465,7 +466,8 @@ class BakeTest(unittest.TestCase):
 
     def test_ctrl_c_ends_the_bake_too(self):
         out = self.folder / "stopped.fbk"
-        command = [this_blender().program, "-b", self.scene, "--factory-startup", "-P", HEADLESS, "--", "bake", "--out", out]
+        words = ["bake", "--out", str(out), "--recipe", "linear", "--rig-budget", "2000"]
+        command = [this_blender().program, "-b", self.scene, "--factory-startup", "-P", HEADLESS, "--", *words]
         started = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         state = self.folder / "stopped.blender" / "process.json"
         while started.poll() is None and not state.is_file():
@@ -476,6 +478,10 @@ class BakeTest(unittest.TestCase):
         self.assertEqual(started.returncode, 1, printed)
         self.assertIn("run the same command to go on", printed)
         self.assertTrue(BakeJob(out).process.unfinished)
+        copied = BakeJob(out).scene.stat().st_mtime_ns
+        self.headless(*words)
+        self.assertTrue(out.is_file())
+        self.assertEqual(BakeJob(out).scene.stat().st_mtime_ns, copied)  # went on with the same copy
 
     def test_failures_are_told(self):
         printed = self.headless("bake", "--out", self.folder / "x.fbk", "--mesh", "nobody", ends=1)
