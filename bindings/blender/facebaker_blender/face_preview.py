@@ -159,7 +159,8 @@ def preview_of(scene_object: Any) -> Optional[FacePreview]:
     if known is None:
         try:
             settings = settings_of(json.loads(scene_object[SETTINGS]))
-            known = FacePreview(scene_object, facebaker.load(scene_object[ARCHIVE]), settings)
+            face = facebaker.load(bpy.path.abspath(scene_object[ARCHIVE]))
+            known = FacePreview(scene_object, face, settings)
         except (facebaker.Error, SettingsError, OSError, ValueError) as error:
             print(f"FaceBaker: {scene_object[ARCHIVE]}: {error}")
             return None

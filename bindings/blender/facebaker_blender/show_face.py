@@ -10,7 +10,7 @@ import numpy as np
 
 from .action_shots import shot_values
 from .bake_settings import BakeSettings, Path
-from .face_preview import add_preview, update_previews
+from .face_preview import BESIDE, add_preview, update_previews
 from .scene_channels import SceneChannels
 
 ERROR_SCALE = 1e-3  # of the diagonal: red in pictures; a third of a millimetre on a head
@@ -52,10 +52,7 @@ def render_beside(settings: BakeSettings, coloured: Any, path: Path) -> None:
     width, height = high[0] - low[0], high[2] - low[2]
     camera = bpy.data.objects.new("FaceBaker camera", bpy.data.cameras.new("FaceBaker camera"))
     scene.collection.objects.link(camera)
-    # The middle one of three faces is one step to the left of the coloured one.
-    from .face_preview import BESIDE
-
-    step = BESIDE * width
+    step = BESIDE * width  # the middle one of three faces is one step to the left of the coloured one
     camera.location = ((low[0] + high[0]) / 2 - step, low[1] - 10 * height, (low[2] + high[2]) / 2)
     camera.rotation_euler = (np.pi / 2, 0, 0)
     camera.data.type, camera.data.ortho_scale = "ORTHO", 2 * step + 1.1 * width

@@ -124,8 +124,7 @@ class FACEBAKER_OT_bake(_Failing, bpy.types.Operator):
             tool = find_tool(bpy.path.abspath(chosen.tool) if chosen else "")
             offer_package(context)
             job.start(context.scene.facebaker.settings(), tool)
-        if not bpy.app.timers.is_registered(watch):
-            bpy.app.timers.register(watch, first_interval=0.5)
+        start_watching()
 
 
 class FACEBAKER_OT_stop(_Failing, bpy.types.Operator):
@@ -181,6 +180,12 @@ class FACEBAKER_OT_colours(_Failing, bpy.types.Operator):
         for area in context.screen.areas if context.screen else ():
             if area.type == "VIEW_3D" and chosen.colours:
                 area.spaces.active.shading.color_type = "VERTEX"
+
+
+def start_watching() -> None:
+    """Has Blender call watch() until no bake runs; also for one that an earlier session started."""
+    if not bpy.app.timers.is_registered(watch):
+        bpy.app.timers.register(watch, first_interval=0.5)
 
 
 def watch() -> Optional[float]:

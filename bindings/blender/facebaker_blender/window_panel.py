@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from .window_operators import job_of, result_lines
+from .window_operators import job_of, result_lines, start_watching
 
 
 class FACEBAKER_UL_controls(bpy.types.UIList):
@@ -71,6 +71,7 @@ class FACEBAKER_PT_bake(_SidebarPanel, bpy.types.Panel):
             layout.label(text="Name a .fbk file, in a saved file", icon="INFO")
             return
         if job.process.running:
+            start_watching()
             layout.label(text=job.process.progress.text, icon="RENDER_ANIMATION")
             layout.operator("facebaker.stop", icon="CANCEL")
             return

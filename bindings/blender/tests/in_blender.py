@@ -18,7 +18,7 @@ sys.path[:0] = [str(HERE.parent), str(HERE)]
 
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from blender_scenes import constraint_scene, empty_scene, grid, shape_key_positions, shape_key_scene  # noqa: E402
+from blender_scenes import constraint_scene, shape_key_positions, shape_key_scene  # noqa: E402
 
 from facebaker_blender.tool_command import add_package_path, find_tool  # noqa: E402
 
