@@ -58,11 +58,18 @@ class FaceMeasure:
             if errors.linear_mse is not None and errors.mse > 0:
                 line += f"; linear blendshapes {errors.linear_mse:.2e}, {errors.linear_mse / errors.mse:.1f} times as much"
             lines.append(line)
-        lines.append(
-            f"a pose: the rig {self.rig_ms:.2f} ms, the face {self.face_ms:.3f} ms ({self.times_faster:.0f} times faster), "
-            f"in batches {self.batch_ms:.3f} ms"
-        )
-        return lines
+        return [*lines, *self.time_lines()]
+
+    def time_lines(self) -> List[str]:
+        return [
+            f"a pose of the rig: {self.rig_ms:.2f} ms",
+            f"of the face: {self.face_ms:.3f} ms, {self.times_faster:.0f} times faster",
+            f"in batches: {self.batch_ms:.3f} ms",
+        ]
+
+    def short_lines(self) -> List[str]:
+        """For the panel."""
+        return [*(f"{errors.name}: mse {errors.mse:.1e}" for errors in self.errors), *self.time_lines()]
 
 
 class LinearShapes:

@@ -160,7 +160,7 @@ class FACEBAKER_OT_show(_Failing, bpy.types.Operator):
         if state is not None:
             with SceneEvaluator(settings, context) as evaluator:
                 measure = measure_face(state.face, evaluator, drawn=20, linear=False)
-            chosen.measured = "\n".join(measure.lines())
+            chosen.measured = "\n".join(measure.short_lines())
 
 
 class FACEBAKER_OT_colours(_Failing, bpy.types.Operator):

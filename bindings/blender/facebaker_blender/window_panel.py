@@ -10,7 +10,7 @@ from .window_operators import job_of, result_lines, start_watching
 
 
 class FACEBAKER_UL_controls(bpy.types.UIList):
-    """Controls with their range; searched by name."""
+    """Controls; searched by name."""
 
     def draw_item(
         self, _context: Any, layout: Any, _data: Any, item: Any, _icon: Any, _active_data: Any, _active: Any, _index: Any
@@ -18,9 +18,6 @@ class FACEBAKER_UL_controls(bpy.types.UIList):
         row = layout.row(align=True)
         row.prop(item, "use", text="")
         row.label(text=item.name)
-        row.prop(item, "group", text="", emboss=False)
-        row.prop(item, "minimum", text="", emboss=False)
-        row.prop(item, "maximum", text="", emboss=False)
 
 
 class FACEBAKER_UL_shots(bpy.types.UIList):
@@ -55,8 +52,20 @@ class FACEBAKER_PT_rig(_SidebarPanel, bpy.types.Panel):
             used = sum(item.use for item in chosen.controls)
             layout.label(text=f"{used} of {len(chosen.controls)} controls")
             layout.template_list("FACEBAKER_UL_controls", "", chosen, "controls", chosen, "control", rows=6)
+            self._draw_control(chosen)
         if chosen.shots:
             layout.template_list("FACEBAKER_UL_shots", "", chosen, "shots", chosen, "shot", rows=2)
+
+
+    def _draw_control(self, chosen: Any) -> None:
+        """The group and the range of the control that is chosen in the list."""
+        if 0 <= chosen.control < len(chosen.controls):
+            item = chosen.controls[chosen.control]
+            column = self.layout.column(align=True)
+            column.prop(item, "group")
+            row = column.row(align=True)
+            for name in "minimum", "rest", "maximum":
+                row.prop(item, name)
 
 
 class FACEBAKER_PT_bake(_SidebarPanel, bpy.types.Panel):
@@ -98,13 +107,14 @@ class FACEBAKER_PT_preview(_SidebarPanel, bpy.types.Panel):
             state = shown_preview(scene_object) if ARCHIVE in scene_object.keys() else None
             if state is None:
                 continue
-            layout.label(text=f"{scene_object.name}: {1000 * state.face_ms:.0f} microseconds a pose")
+            layout.label(text=f"{scene_object.name}: {1000 * state.face_ms:.0f} us a pose")
             if state.problem:
                 layout.label(text=state.problem, icon="ERROR")
             elif scene_object.get(COLOURS):
                 layout.label(text=f"largest error {state.max_error:.1e} of the diagonal")
+        column = layout.column(align=True)
         for line in chosen.measured.splitlines():
-            layout.label(text=line)
+            column.label(text=line)
 
 
 CLASSES = (FACEBAKER_UL_controls, FACEBAKER_UL_shots, FACEBAKER_PT_rig, FACEBAKER_PT_bake, FACEBAKER_PT_preview)
