@@ -76,8 +76,13 @@ class FaceMeasure:
         ]
 
     def short_lines(self) -> List[str]:
-        """For the panel."""
-        return [*(f"{errors.name}: mse {errors.mse:.1e}" for errors in self.errors), *self.time_lines()]
+        """For the panel, which is narrow."""
+        return [
+            *(f"{errors.name}: mse {errors.mse:.1e}" for errors in self.errors),
+            f"rig: {self.rig_ms:.2f} ms a pose",
+            f"face: {self.face_ms:.3f} ms a pose",
+            f"{self.times_faster:.0f} times faster",
+        ]
 
 
 class LinearShapes:

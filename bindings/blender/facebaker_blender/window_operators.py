@@ -205,8 +205,9 @@ def result_lines(job: BakeJob) -> "list[str]":
         return [job.process.progress.error] if job.process.progress.error else []
     figures = bake_figures(document)
     return [
-        f"{figures['bytes'] / 1e6:.2f} MB, {figures['poses']} poses, {figures['rig_calls']} rig calls",
-        f"mse of poses held back {figures['mse']:.1e}",
+        f"{figures['bytes'] / 1e6:.2f} MB, {figures['poses']} poses",
+        f"{figures['rig_calls']} rig calls",
+        f"unseen poses: mse {figures['mse']:.1e}",
     ]
 
 

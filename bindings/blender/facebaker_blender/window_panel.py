@@ -111,7 +111,7 @@ class FACEBAKER_PT_preview(_SidebarPanel, bpy.types.Panel):
             if state.problem:
                 layout.label(text=state.problem, icon="ERROR")
             elif scene_object.get(COLOURS):
-                layout.label(text=f"largest error {state.max_error:.1e} of the diagonal")
+                layout.label(text=f"largest error: {state.max_error:.1e}")
         column = layout.column(align=True)
         for line in chosen.measured.splitlines():
             column.label(text=line)
