@@ -26,6 +26,7 @@
 struct fb_source {
   std::unique_ptr<fb::bake::Source> source;
   std::vector<std::filesystem::path> files;  // that it was opened from: of a folder, dataset.json
+  std::string identity;                      // of fb_source_info
 };
 
 struct fb_archive {

@@ -5,6 +5,7 @@
 #include "bake/rig/channel_points.h"
 #include "bake/rig/limited_clips.h"
 #include "bake/rig/rig_evaluator.h"
+#include "bake/rig/rig_identity.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig_process/rig_host.h"
 #include "bake/sampling/drawn_clips.h"
@@ -87,7 +88,7 @@ std::vector<std::filesystem::path> files_of(const fb_source_desc& desc) {
   return files;
 }
 
-fb_source_info info_of(const fb::bake::Source& source) {
+fb_source_info info_of(const fb::bake::Source& source, const std::string& identity) {
   const fb::RigSchema& schema = source.schema();
   const fb::Mesh& rest = source.rest();
   fb_source_info info = {};
@@ -107,6 +108,9 @@ fb_source_info info_of(const fb::bake::Source& source) {
   info.polygon_corners = rest.polygon_corners.data();
   info.uvs = info.uv_count > 0 ? rest.uvs.data() : nullptr;
   info.uv_corners = info.uv_count > 0 ? rest.uv_corners.data() : nullptr;
+  info.identity = identity.c_str();
+  info.channel_count = static_cast<std::uint32_t>(schema.channels.size());
+  info.preferred_block = static_cast<std::uint32_t>(source.preferred_block());
   return info;
 }
 
@@ -169,7 +173,8 @@ fb_status fb_source_open(const fb_source_desc* desc, fb_source** source) {
     require(source, "source");
     const fb_source_desc known = read_struct(*desc, fb_source_desc_init, "fb_source_desc");
     HostProgress progress(known.callbacks);
-    auto opened = std::make_unique<fb_source>(fb_source{open(known, progress), files_of(known)});
+    auto opened = std::make_unique<fb_source>(fb_source{open(known, progress), files_of(known), ""});
+    if (opened->source->live()) opened->identity = fb::bake::text_of(fb::bake::identity_of(*opened->source));
     for (const std::string& note : opened->source->notes()) progress.note(note);
     *source = opened.release();
   });
@@ -199,7 +204,8 @@ void fb_source_info_fill(fb_source_info* to, uint32_t struct_size) {
 }
 
 fb_status fb_source_describe(const fb_source* source, fb_source_info* info) {
-  return abi_guard([&] { write_struct(info, info_of(source_of(source, "source")), "fb_source_info"); });
+  return abi_guard(
+      [&] { write_struct(info, info_of(source_of(source, "source"), source->identity), "fb_source_info"); });
 }
 
 fb_status fb_source_control_at(const fb_source* source, uint32_t index, fb_control* control) {

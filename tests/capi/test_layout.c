@@ -259,7 +259,7 @@ static void layout_of_sources(void** state) {
   assert_at(fb_source_desc, control_joints, 88);
   assert_at(fb_source_desc, test_poses, 96);
 
-  assert_int_equal(sizeof(fb_source_info), 104);
+  assert_int_equal(sizeof(fb_source_info), 120);
   assert_at(fb_source_info, struct_size, 0);
   assert_at(fb_source_info, flags, 4);
   assert_at(fb_source_info, name, 8);
@@ -277,6 +277,9 @@ static void layout_of_sources(void** state) {
   assert_at(fb_source_info, polygon_corners, 80);
   assert_at(fb_source_info, uvs, 88);
   assert_at(fb_source_info, uv_corners, 96);
+  assert_at(fb_source_info, identity, 104);
+  assert_at(fb_source_info, channel_count, 112);
+  assert_at(fb_source_info, preferred_block, 116);
 
   assert_int_equal(sizeof(fb_clip), 48);
   assert_at(fb_clip, struct_size, 0);

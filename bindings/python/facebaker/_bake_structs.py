@@ -151,6 +151,9 @@ class SourceInfoStruct(Structure):
         ("polygon_corners", POINTER(c_uint32)),
         ("uvs", POINTER(c_float)),
         ("uv_corners", POINTER(c_uint32)),
+        ("identity", c_char_p),
+        ("channel_count", c_uint32),
+        ("preferred_block", c_uint32),
     ]
 
 

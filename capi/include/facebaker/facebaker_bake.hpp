@@ -49,10 +49,20 @@ class Source {
   }
   ~Source() { fb_source_close(handle_); }
 
+  /** Has the poses of a live source evaluated by a host; see fb_source_spread. */
+  static Source spread(Source source, const fb_spreader& spreader) {
+    Source spread;
+    check(fb_source_spread(source.handle_, &spreader, &spread.handle_));
+    source.handle_ = nullptr;
+    return spread;
+  }
+
   /** For what has no member here. */
   fb_source* get() const noexcept { return handle_; }
 
  private:
+  Source() = default;
+
   fb_source* handle_ = nullptr;
 };
 

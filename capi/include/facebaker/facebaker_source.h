@@ -120,6 +120,11 @@ typedef struct fb_source_info {
   const uint32_t* polygon_corners; /**< vertex indices, polygon after polygon */
   const float* uvs;                /**< 2 x uv_count, v growing upwards */
   const uint32_t* uv_corners;      /**< polygon_corner_count indices of pairs; null without texture coordinates */
+  const char* identity;     /**< a text that two live sources have in common if their poses may be mixed: of the same
+                               controls, rest mesh, declared version and program; "" of a recording */
+  uint32_t channel_count;   /**< numbers that come with each pose; may be 0 */
+  uint32_t preferred_block; /**< poses that keep all that evaluates a live source at work, such as its child processes;
+                               0: any number will do */
 } fb_source_info;
 
 FB_API void fb_source_info_fill(fb_source_info* to, uint32_t struct_size);
@@ -163,6 +168,60 @@ FB_API fb_status fb_source_read(fb_source* source, uint32_t clip, uint64_t first
  * be evaluated. */
 FB_API fb_status fb_source_evaluate(fb_source* source, const float* controls, uint64_t poses, uint32_t threads,
                                     float* positions, uint64_t position_floats);
+
+/* ---- Evaluating elsewhere ---------------------------------------------------------------------------------------- */
+
+/** Poses of a live source to evaluate at once. */
+typedef struct fb_pose_block {
+  uint32_t struct_size;
+  uint32_t threads; /**< of fb_source_evaluate_block, if the source is thread-safe: at most 4,096; 0 (default): all */
+  uint64_t poses;   /**< how many */
+  const float* controls; /**< poses x control_count, within their ranges */
+  float* positions;      /**< receives poses x 3 x vertex_count floats: of a rig with joints, those before skinning */
+  float* channels;       /**< receives poses x channel_count floats; null where there are none */
+  uint8_t* answered;  /**< receives 1 for every pose that has its positions when the call ends, and 0 for the others */
+  uint64_t evaluated; /**< receives how often a pose was evaluated, failed ones and those tried again included */
+  uint64_t failed;    /**< receives the first pose that cannot be evaluated, where the status says that there is one,
+                         and else `poses` */
+  fb_callbacks callbacks; /**< progress: called several times a second by whoever evaluates, with any stage; non-zero:
+                             the block ends with FB_ERROR_INTERRUPTED */
+} fb_pose_block;
+
+FB_API void fb_pose_block_fill(fb_pose_block* to, uint32_t struct_size);
+static inline void fb_pose_block_init(fb_pose_block* to) {
+  fb_pose_block_fill(to, (uint32_t)sizeof *to);
+}
+
+/** Evaluates a block. A pose that fails is tried once more; then the call fails with RIG or NOT_FINITE, block->failed
+ * is the pose, and fb_last_error the reason. What was answered until then is flagged. Fails with INVALID_ARGUMENT on a
+ * recording, and with INTERRUPTED. */
+FB_API fb_status fb_source_evaluate_block(fb_source* source, fb_pose_block* block);
+
+/** How a host evaluates the poses of a source: on other machines, say, each of which has opened the same source and
+ * calls fb_source_evaluate_block. */
+typedef struct fb_spreader {
+  uint32_t struct_size;
+  uint32_t preferred_block; /**< poses that keep all that evaluates at work, which blocks have where there are as many;
+                               0: 1 */
+  void* user;               /**< passed to both functions */
+  /** Fills a block as fb_source_evaluate_block does, the same controls always with the same positions, whoever
+   * evaluates them. Called by one thread at a time, which need not be the same. On failure writes the reason into
+   * message (message_size bytes, zero-terminated). What it throws, in C++, is an error too: FB_ERROR_RIG. */
+  fb_status (*evaluate)(void* user, fb_pose_block* block, char* message, uint32_t message_size);
+  /** Called by fb_source_close before the source below is closed; may be null. */
+  void (*close)(void* user);
+} fb_spreader;
+
+FB_API void fb_spreader_fill(fb_spreader* to, uint32_t struct_size);
+static inline void fb_spreader_init(fb_spreader* to) {
+  fb_spreader_fill(to, (uint32_t)sizeof *to);
+}
+
+/** A live source like `source`, whose poses are evaluated by a host. It counts, caches and orders them like any other,
+ * and archives are the same. Takes `source` over, which is closed with *spread; until then the host may evaluate it,
+ * also while it evaluates a block. On failure `source` stays the caller's. Fails with INVALID_ARGUMENT on a recording.
+ */
+FB_API fb_status fb_source_spread(fb_source* source, const fb_spreader* spreader, fb_source** spread);
 
 /** Fails with BAD_DATA, saying where they differ, unless the model has the source's controls (names, order, ranges) and
  * number of vertices. */
