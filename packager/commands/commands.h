@@ -23,5 +23,6 @@ void add_pose(CLI::App& tool);
 void add_export(CLI::App& tool);
 void add_bench(CLI::App& tool);
 void add_rig_host(CLI::App& tool);
+void add_farm(CLI::App& tool);
 
 }  // namespace fb::tool

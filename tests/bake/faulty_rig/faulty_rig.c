@@ -75,6 +75,14 @@ static fb_status evaluate_slowly(void* user, uint64_t poses, const float* values
   return toy_evaluate(user, poses, values, positions, message, message_size);
 }
 
+/* 20 ms a pose, without load: what takes long on another machine. */
+static fb_status evaluate_asleep(void* user, uint64_t poses, const float* values, float* positions, char* message,
+                                 uint32_t message_size) {
+  const struct timespec time = {0, 20000000};
+  for (uint64_t p = 0; p < poses; ++p) nanosleep(&time, NULL);
+  return toy_evaluate(user, poses, values, positions, message, message_size);
+}
+
 static fb_status bulge_slowly(void* user, uint64_t poses, const float* values, float* positions, char* message,
                               uint32_t message_size) {
   evaluate_slowly(user, poses, values, positions, message, message_size);
@@ -204,6 +212,7 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("nan on a pose") rig->evaluate = nan_on_marked;
   FAULT("first pose only") rig->evaluate = first_pose_only;
   FAULT("slow") rig->evaluate = evaluate_slowly;
+  FAULT("sleeps") rig->flags = 0, rig->evaluate = evaluate_asleep;
   FAULT("other shape") rig->evaluate = bulge_more;
   FAULT("slow with a version") rig->flags = 0, rig->version = "1", rig->evaluate = evaluate_slowly;
   FAULT("slow with another version") rig->flags = 0, rig->version = "2", rig->evaluate = bulge_slowly;

@@ -1,0 +1,109 @@
+#include "commands/tool.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <facebaker/facebaker.hpp>
+#include <filesystem>
+#include <new>
+#include <sstream>
+#include <system_error>
+
+#include "base/status.h"
+#include "commands/commands.h"
+#include "commands/exit_guard.h"
+#include "commands/interrupt.h"
+#include "commands/results.h"
+
+namespace fb::tool {
+namespace {
+
+int report_failure(const CLI::App& tool, const std::string& message, int exit_code) {
+  const auto commands = tool.get_subcommands();
+  std::fprintf(stderr, "facebaker%s%s: %s\n", commands.empty() ? "" : " ",
+               commands.empty() ? "" : commands[0]->get_name().c_str(), message.c_str());
+  return exit_code;
+}
+
+// The message after Ctrl-C: whether the same command continues the work.
+std::string interrupted_text(const CLI::App& tool) {
+  const CLI::App* command = tool.get_subcommands().at(0);
+  const bool compares = command->get_name() == "compare";
+  if (compares && command->count("--work") == 0) return "interrupted; with --work DIR the same command could go on";
+  return compares || command->get_name() == "sample" || command->get_name() == "bake" || command->get_name() == "farm"
+             ? "interrupted; what is done is kept, run the same command to go on"
+             : "interrupted";
+}
+
+// Prints what --help or --version asks for.
+int print_help(const CLI::App& tool, const CLI::Success& help) {
+  std::ostringstream text;
+  const int exit_code = tool.exit(help, text, text);
+  print_result(text.str());
+  finish_results();
+  return exit_code;
+}
+
+}  // namespace
+
+void use_passive_waiting(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY") || ::setenv("OMP_WAIT_POLICY", "PASSIVE", 0) != 0) return;
+  std::error_code unknown;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  ::execv(program.c_str(), argv);  // if this fails, the program works, only slower
+}
+
+int run_tool(int argc, char** argv) {
+  reserve_standard_output();
+  CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
+  tool.set_version_flag("--version", "facebaker " FB_VERSION);
+  tool.require_subcommand(1);
+  add_sample(tool);
+  add_plan(tool);
+  add_check(tool);
+  add_bake(tool);
+  add_eval(tool);
+  add_diff(tool);
+  add_compare(tool);
+  add_inspect(tool);
+  add_verify(tool);
+  add_pack(tool);
+  add_pose(tool);
+  add_export(tool);
+  add_bench(tool);
+  add_rig_host(tool);
+  add_farm(tool);
+  // After the commands, which would inherit it.
+  tool.footer(
+      "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
+      "exec:COMMAND, a program that speaks the rig protocol, or \"sample\", the built-in face.\n"
+      "Exit code: 0 success, 1 failure, 2 wrong use.");
+
+  watch_interrupts();
+  const ExitGuard guard(argc > 1 ? fb::format("facebaker %s", argv[1]) : "facebaker");
+  try {
+    tool.parse(argc, argv);
+    finish_results();
+  } catch (const CLI::Success& help) {
+    return print_help(tool, help);
+  } catch (const CLI::ParseError& wrong) {
+    if (!tool.get_subcommands().empty()) return report_failure(tool, wrong.what() + std::string(" (see --help)"), 2);
+    return report_failure(
+        tool, argc > 1 ? fb::format("no command \"%s\" (see --help)", argv[1]) : "give a command (see --help)", 2);
+  } catch (const fb::Error& error) {
+    return report_failure(tool, error.status() == fb::Status::interrupted ? interrupted_text(tool) : error.what(), 1);
+  } catch (const facebaker::Error& error) {
+    return report_failure(tool, error.status() == FB_ERROR_INTERRUPTED ? interrupted_text(tool) : error.what(), 1);
+  } catch (const std::bad_alloc&) {
+    return report_failure(tool, "out of memory", 1);
+  } catch (const std::exception& error) {
+    return report_failure(tool, error.what(), 1);
+  } catch (...) {
+    return report_failure(tool, "an unknown exception", 1);
+  }
+  return 0;
+}
+
+}  // namespace fb::tool
