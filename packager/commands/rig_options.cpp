@@ -3,12 +3,25 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "commands/command_options.h"
 #include "commands/interrupt.h"
 #include "commands/progress_bar.h"
 
 namespace fb::tool {
+namespace {
+
+SourceOpener& source_opener() {
+  static SourceOpener opener = [](const fb_source_desc& desc) { return facebaker::Source(desc); };
+  return opener;
+}
+
+}  // namespace
+
+void set_source_opener(SourceOpener opener) {
+  source_opener() = std::move(opener);
+}
 
 void RigOptions::add_to(CLI::App& command) {
   joints_.add_to(command);
@@ -58,7 +71,7 @@ facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std:
   desc.clip_budget = clip_budget_ > 0 ? clip_budget_ : rig_budget;
   desc.test_poses = test_poses;
   joints_.fill(desc);
-  return facebaker::Source(desc);
+  return source_opener()(desc);
 }
 
 }  // namespace fb::tool

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <facebaker/facebaker_bake.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,10 @@ struct RigOptions {
   std::uint64_t clip_budget_ = 0;
   JointOptions joints_;
 };
+
+// How RigOptions opens what a description says: by default in this process and its children. A program that evaluates
+// rigs on other machines too sets its own before commands run.
+using SourceOpener = std::function<facebaker::Source(const fb_source_desc&)>;
+void set_source_opener(SourceOpener opener);
 
 }  // namespace fb::tool
