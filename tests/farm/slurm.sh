@@ -1,6 +1,6 @@
 #!/bin/sh
 # `facebaker farm --slurm` on a cluster of this one machine: an array job bakes what is not done, a failure is shown, and
-# the same command submits it again.
+# the same command submits it again. Then facebaker-mpi, if it was built, on two ranks that Slurm starts.
 #   tests/farm/slurm.sh [BUILD]
 # BUILD (build/release) has facebaker, rig_toy and rig_faulty. Installs Slurm and munge, from Debian, if they are missing;
 # starts their daemons where none answer, for which it has to be root, and ends those that it has started. Takes a minute.
@@ -116,4 +116,19 @@ cat table
 "$tool" bake "$folder/librig_late.so" $options --out late.fbk > out 2>&1
 cmp late.fbk faces/late.fbk
 "$tool" farm characters.txt --out faces --slurm > out 2> log || fail "nothing to do is a failure: $(cat log)"
+
+if [ -x "$build/bin/facebaker-mpi" ]; then
+  echo "one character on two ranks, started by srun, and by mpirun in a job script"
+  export OMP_WAIT_POLICY=PASSIVE OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  srun --ntasks=2 --mpi=pmix --kill-on-bad-exit=1 "$build/bin/facebaker-mpi" bake "$toy" $options --out srun.fbk \
+    > out 2> log || fail "srun: $(cat log)"
+  cmp alone.fbk srun.fbk
+  cat > ranks.sh << END
+#!/bin/sh
+#SBATCH --ntasks=2
+exec mpirun "$build/bin/facebaker-mpi" bake "$toy" $options --out mpirun.fbk
+END
+  sbatch --wait --output=ranks.log ranks.sh > out || fail "mpirun in a job script: $(cat ranks.log)"
+  cmp alone.fbk mpirun.fbk
+fi
 echo "facebaker farm works with Slurm on this machine"
