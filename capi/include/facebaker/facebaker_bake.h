@@ -12,9 +12,9 @@
  * its struct_size). Flags are uint32_t, 0 or 1. Strings are UTF-8 and zero-terminated.
  *
  * Threads: objects (fb_source, fb_archive, fb_report) may be read from any number of threads at once unless a function
- * says otherwise. Calls that evaluate a source (fb_source_read, fb_source_evaluate, fb_source_evaluate_block, fb_sample,
- * fb_bake, fb_compare, fb_eval) run on one source one at a time, unless its info has FB_RIG_THREAD_SAFE. A call never
- * depends in its results on the number of threads.
+ * says otherwise. Calls that evaluate a source (fb_source_read, fb_source_evaluate, fb_source_evaluate_block,
+ * fb_sample, fb_bake, fb_compare, fb_eval) run on one source one at a time, unless its info has FB_RIG_THREAD_SAFE. A
+ * call never depends in its results on the number of threads.
  *
  * Files: fb_sample, fb_bake, fb_compare and fb_pack lock what they write, archive and work folder or dataset folder
  * (FILE.facebaker-lock, FOLDER/.facebaker-lock), and fail with IO if another call or process has it; the message names

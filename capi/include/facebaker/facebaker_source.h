@@ -205,8 +205,9 @@ typedef struct fb_spreader {
                                0: 1 */
   void* user;               /**< passed to both functions */
   /** Fills a block as fb_source_evaluate_block does, the same controls always with the same positions, whoever
-   * evaluates them. Called by one thread at a time, which need not be the same. On failure writes the reason into
-   * message (message_size bytes, zero-terminated). What it throws, in C++, is an error too: FB_ERROR_RIG. */
+   * evaluates them. Called by one thread at a time, which need not be the same; it may call the block's progress from
+   * any of its own. On failure writes the reason into message (message_size bytes, zero-terminated). What it throws, in
+   * C++, is an error too: FB_ERROR_RIG. */
   fb_status (*evaluate)(void* user, fb_pose_block* block, char* message, uint32_t message_size);
   /** Called by fb_source_close before the source below is closed; may be null. */
   void (*close)(void* user);
