@@ -19,7 +19,7 @@ struct EvaluationBlock {
 };
 
 // Evaluates blocks of poses for a RigEvaluator, which does everything else: counting, budgets, cache. Threads of this
-// process are one backend, child processes another; ranks of other machines would be a third.
+// process are one backend, child processes another, and a function of the host, for other machines, a third.
 class EvaluationBackend {
  public:
   virtual ~EvaluationBackend() = default;
