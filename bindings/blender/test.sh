@@ -1,7 +1,7 @@
 #!/bin/sh
 # Tests the Blender add-on in Blender, which it installs (Debian, 3.4) where there is none. Takes about three minutes; with
-# --rigify it also bakes Rigify's human with the sample face, as docs/blender.md tells, and prints the figures: a quarter of
-# an hour on two cores. --keep DIR keeps what that makes.
+# --rigify it also bakes Rigify's human with the sample face, as docs/blender.md tells, and prints the figures: 22
+# minutes of processor time. --keep DIR keeps what that makes.
 #   bindings/blender/test.sh [--rigify] [--keep DIR] [BUILD]
 set -eu
 cd "$(dirname "$0")/../.."
