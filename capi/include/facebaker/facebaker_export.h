@@ -55,7 +55,7 @@ FB_API void fb_decomposition_free(fb_decomposition* decomposition);
 /** Joints and weights; arrays are the decomposition's. */
 typedef struct fb_decomposition_info {
   uint32_t struct_size;
-  uint32_t joint_count;
+  uint32_t joint_count;   /**< at most fb_decompose_desc::joints */
   uint32_t influences;    /**< of a vertex: 4 */
   uint32_t vertex_count;  /**< of the face */
   const float* centres;   /**< 3 a joint: where it is at rest, unrotated */
