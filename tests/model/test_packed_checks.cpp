@@ -39,10 +39,10 @@ TEST_CASE("a wide value is its high digit, shifted by the bits of low digits, pl
 }
 
 TEST_CASE("low digits of a wide column have as few bits as its values allow") {
-  const std::pair<int, int> bits_of_largest[] = {{0, 1},    {127, 1},  {254, 1},   {255, 2},
-                                                 {508, 2},  {509, 3},  {16256, 7}, {16257, 8},
-                                                 {-254, 1}, {-255, 2}, {32512, 8}, {-32512, 8}};
-  for (const auto& [largest, bits] : bits_of_largest) {
+  const std::pair<int, int> bits_of_largest[] = {{0, 1},     {127, 1},   {254, 1},  {255, 2},  {508, 2},   {509, 3},
+                                                 {16256, 7}, {16257, 8}, {-254, 1}, {-255, 2}, {32512, 8}, {-32512, 8}};
+  for (const std::pair<int, int>& expected : bits_of_largest) {
+    const int largest = expected.first, bits = expected.second;
     const std::int16_t values[] = {0, 100, static_cast<std::int16_t>(largest)};
     CHECK_MESSAGE(low_digit_bits(values, 3) == (largest == 0 ? 1 : bits), largest);
   }
