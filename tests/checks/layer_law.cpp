@@ -74,9 +74,8 @@ const std::map<std::string, Layers>& law() {
 
     may["public headers"] = {};
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
-    may["authoring C ABI"] =
-        with(with(may["C ABI"], may["bake/pipeline"]), {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check",
-                                                 "bake/export"});
+    may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]),
+                                  {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export"});
     may["packager"] = {"base", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};

@@ -1,5 +1,5 @@
-// A reference implementation of EVALUATION.md, "What a reader computes": 64-bit integers, dense, no panels. It shares no
-// code with the evaluator but the declarations of models.
+// A reference implementation of EVALUATION.md, "What a reader computes": 64-bit integers, dense, no panels. It shares
+// no code with the evaluator but the declarations of models.
 #pragma once
 
 #include <cmath>

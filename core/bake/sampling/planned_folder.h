@@ -28,9 +28,9 @@ bool is_array(const std::filesystem::path& path, const std::vector<std::size_t>&
 
 // The poses that some program should evaluate: of a live rig, those that `sample` evaluates; of anything else, those
 // that follow from its controls alone, as if all of them moved alike, within a rig budget of all poses, so that every
-// control is seen alone at the ends of its range (unless there are too few poses for that). The rest pose comes first, as the clip
-// "rest_pose", so that whoever checks the points sees whether they fit the rest mesh. Options that are about the
-// evaluation have no effect. Fails as sample does.
+// control is seen alone at the ends of its range (unless there are too few poses for that). The rest pose comes first,
+// as the clip "rest_pose", so that whoever checks the points sees whether they fit the rest mesh. Options that are
+// about the evaluation have no effect. Fails as sample does.
 PosePlan plan_poses(Source& source, const SamplingOptions& options, const Parallel& parallel, Progress& progress);
 
 // Writes a plan as a dataset folder without points, whose index says that it is a plan: a program that writes the files
