@@ -42,5 +42,5 @@ fi
 [ -e "$keep/face.blend" ] || blender -b --factory-startup --python-exit-code 1 -P bindings/blender/tests/rigify_face.py \
   -- "$keep/sample" "$keep/face.blend" > "$keep/scene.log" 2>&1
 blender -b "$keep/face.blend" --factory-startup -P bindings/blender/facebaker_blender/headless.py -- \
-  bake --out "$keep/face.fbk" --collections 0,1,2 --recipe compact --rig-budget 84000 \
+  bake --out "$keep/face.fbk" --collections 0,1,2 --recipe compact --rig-budget 48000 \
   --json "$keep/measure.json" --preview "$keep/preview.blend" --picture "$keep/preview.png"
