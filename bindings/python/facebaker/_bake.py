@@ -67,12 +67,8 @@ def sample(
     assign(desc, threads=threads, poses=poses, seed=seed, rig_budget=rig_budget)
     assign(desc, shots=shots, skip_failing=skip_failing)
     _set_plan(desc, folder, mix, examples)
-    with _opened(source, progress, note) as (opened, call):
-        kept = _set_clips(desc, clips, opened)
-        desc.source, desc.callbacks = opened.handle, call.callbacks
-        report = _reported(call, library.fb_sample, desc, rig=opened.host_rig)
-        del kept
-    return SampleResult(report, call.notes, pathlib.Path(folder))
+    report, notes = _run_planned(library.fb_sample, desc, source, clips, progress, note)
+    return SampleResult(report, notes, pathlib.Path(folder))
 
 
 def plan(
@@ -104,12 +100,8 @@ def plan(
         with Call(progress, note) as call:
             desc.schema, desc.callbacks = path_bytes(source), call.callbacks
             return PlanResult(_reported(call, library.fb_plan, desc), call.notes, pathlib.Path(folder))
-    with _opened(source, progress, note) as (opened, call):
-        kept = _set_clips(desc, clips, opened)
-        desc.source, desc.callbacks = opened.handle, call.callbacks
-        report = _reported(call, library.fb_plan, desc, rig=opened.host_rig)
-        del kept
-    return PlanResult(report, call.notes, pathlib.Path(folder))
+    report, notes = _run_planned(library.fb_plan, desc, source, clips, progress, note)
+    return PlanResult(report, notes, pathlib.Path(folder))
 
 
 def check(folder: Place, *, threads: int = 0, progress: Progress = None, note: Note = None) -> CheckResult:
@@ -326,13 +318,17 @@ def _set_plan(desc: b.SampleDesc, folder: Place, mix: str, examples: Sequence[Pl
     desc.examples, desc.example_count = _paths(examples)
 
 
-def _set_clips(desc: b.SampleDesc, clips: Sequence[Clip], source: Source) -> List[Any]:
-    """Gives what has to live as long as the description."""
-    kept: List[Any] = []
-    structs = [clip_struct(_planned(clip, source), kept) for clip in clips]
-    desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
-    desc.clip_stride = sizeof(b.RigClipStruct)
-    return kept
+def _run_planned(
+    function: Any, desc: b.SampleDesc, source: AnySource, clips: Sequence[Clip], progress: Progress, note: Note
+) -> Tuple[c_void_p, List[str]]:
+    """As _run, for calls that plan poses and take clips besides."""
+    kept: List[Any] = []  # until the call is over
+    with _opened(source, progress, note) as (opened, call):
+        structs = [clip_struct(_planned(clip, opened), kept) for clip in clips]
+        desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
+        desc.clip_stride = sizeof(b.RigClipStruct)
+        desc.source, desc.callbacks = opened.handle, call.callbacks
+        return _reported(call, function, desc, rig=opened.host_rig), call.notes
 
 
 def _planned(clip: Clip, source: Source) -> Clip:
