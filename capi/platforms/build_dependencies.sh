@@ -1,0 +1,77 @@
+#!/bin/sh
+# Builds what the runtime links (zlib, Draco, headers of xxHash) for another machine, as static libraries, from Debian's
+# source packages, which apt verifies.
+#   capi/platforms/build_dependencies.sh TARGET
+# TARGET is the name of a toolchain file beside this script, such as wasm. The libraries are installed into
+# build/cross/TARGET, where that toolchain file looks for them; once complete, nothing is built again. Sources are kept
+# in build/cross/sources.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+target=${1:-}
+toolchain=$here/$target.cmake
+if [ -z "$target" ] || [ ! -e "$toolchain" ]; then
+  echo "build_dependencies.sh: \"$target\" is none of$(cd "$here" && for file in *.cmake; do printf ' %s' "${file%.cmake}"; done)" >&2
+  exit 2
+fi
+cross=$(dirname "$(dirname "$here")")/build/cross
+prefix=$cross/$target
+sources=$cross/sources
+work=$cross/$target-work
+if [ -e "$prefix/complete" ]; then exit 0; fi
+
+# What a target needs beside its toolchain file: packages of its compiler, and options of Draco's build.
+case $target in
+  wasm)
+    packages=emscripten compiler=emcc draco_options=-DDRACO_JS_GLUE=OFF
+    export EMSCRIPTEN="${EMSCRIPTEN:-/usr/share/emscripten}" NODE_PATH=/usr/share/nodejs
+    ;;
+esac
+missing=""
+command -v "$compiler" >/dev/null || missing=$packages
+command -v cmake >/dev/null || missing="$missing cmake"
+command -v ninja >/dev/null || missing="$missing ninja-build"
+command -v dpkg-source >/dev/null || missing="$missing dpkg-dev"
+# shellcheck disable=SC2086
+[ -z "$missing" ] || apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=600 $missing
+
+# fetch PACKAGE: unpacks its source, with Debian's patches, into $sources/PACKAGE. Lists and cache of apt are our own,
+# because most machines do not list source packages.
+fetch() {
+  if [ -d "$sources/$1" ]; then return; fi
+  mkdir -p "$sources/apt/lists/partial" "$sources/apt/cache" "$sources/download"
+  for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.*; do
+    case $file in
+      *.sources) [ ! -e "$file" ] || sed 's/^Types:.*/Types: deb-src/' "$file" >"$sources/apt/debian.sources" ;;
+      *.list) [ ! -s "$file" ] || sed -n 's/^deb /deb-src /p' "$file" >"$sources/apt/debian.list" ;;
+    esac
+  done
+  set -- "$1" -q -o Dir::Etc::sourcelist=/dev/null -o Dir::Etc::sourceparts="$sources/apt" \
+    -o Dir::State::lists="$sources/apt/lists" -o Dir::Cache="$sources/apt/cache" -o APT::Sandbox::User="$(id -un)"
+  package=$1
+  shift
+  [ -e "$sources/apt/updated" ] || { apt-get update "$@" && touch "$sources/apt/updated"; }
+  (cd "$sources/download" && apt-get source --download-only "$@" "$package")
+  rm -rf "$sources/$package.part"
+  dpkg-source --no-check -x "$sources/download/${package}"_*.dsc "$sources/$package.part"
+  mv "$sources/$package.part" "$sources/$package"
+}
+
+# install_with_cmake FOLDER CMAKE_OPTION...
+install_with_cmake() {
+  folder=$1 build=$work/$(basename "$1")
+  shift
+  cmake -S "$folder" -B "$build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$toolchain" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_POSITION_INDEPENDENT_CODE=ON "$@"
+  cmake --build "$build" --target install
+}
+
+for package in zlib draco xxhash; do fetch $package; done
+rm -rf "$prefix" "$work"
+mkdir -p "$prefix/include"
+install_with_cmake "$here/zlib" -DFB_ZLIB="$sources/zlib"
+# shellcheck disable=SC2086
+install_with_cmake "$sources/draco" -DBUILD_SHARED_LIBS=OFF -DDRACO_TESTS=OFF ${draco_options:-}
+cp "$sources/xxhash/xxhash.h" "$sources/xxhash/xxh3.h" "$prefix/include"
+for package in zlib draco xxhash; do cp "$sources/$package/debian/copyright" "$prefix/$package.copyright"; done
+rm -rf "$work"
+touch "$prefix/complete"
