@@ -458,7 +458,8 @@ fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_block* b
     fb::capi::require_size(block->struct_size, "fb_row_block");
     const fb::runtime::RowBlockMatrix& found = row_block_at(model, index);
     const fb_row_block full = {block->struct_size, found.first_row(), found.row_count(),
-                               static_cast<std::uint32_t>(found.column_count())};
+                               static_cast<std::uint32_t>(found.column_count()),
+                               static_cast<std::uint32_t>(found.input_count())};
     std::memcpy(block, &full, std::min<std::size_t>(block->struct_size, sizeof full));
   });
 }
@@ -474,6 +475,20 @@ fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* c
         found.displacements(c, values + c * found.row_count());
       }
     });
+  });
+}
+
+fb_status fb_row_block_digits(const fb_model* model, uint32_t index, uint32_t* columns, float* scales, int8_t* digits) {
+  return abi_guard([&] {
+    require(columns, "columns");
+    require(scales, "scales");
+    require(digits, "digits");
+    const fb::runtime::RowBlockMatrix& found = row_block_at(model, index);
+    for (std::size_t c = 0; c < found.input_count(); ++c) {
+      columns[c] = found.column(c);
+      scales[c] = found.scale(c);
+      for (std::uint32_t r = 0; r < found.row_count(); ++r) *digits++ = static_cast<int8_t>(found.digit(r, c));
+    }
   });
 }
 

@@ -25,6 +25,7 @@ class RowBlockMatrix {
   std::size_t input_count() const { return columns_.size(); }  // matrix columns
   std::uint32_t column(std::size_t input) const { return columns_[input]; }
   float scale(std::size_t input) const { return scales_[input]; }
+  int digit(std::uint32_t row, std::size_t input) const { return digits_.digit(row, input); }
 
   // Inputs begin..end - 1.
   struct InputRange {

@@ -41,11 +41,12 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_control, facs, 48);
   assert_at(fb_control, unit, 56);
 
-  assert_int_equal(sizeof(fb_row_block), 16);
+  assert_int_equal(sizeof(fb_row_block), 20);
   assert_at(fb_row_block, struct_size, 0);
   assert_at(fb_row_block, first_row, 4);
   assert_at(fb_row_block, row_count, 8);
   assert_at(fb_row_block, column_count, 12);
+  assert_at(fb_row_block, digit_column_count, 16);
 
   assert_int_equal(sizeof(fb_batch_desc), 312);
   assert_at(fb_batch_desc, struct_size, 0);

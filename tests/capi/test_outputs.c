@@ -179,6 +179,46 @@ static void coefficients_times_basis_are_the_displacements(void** state) {
   free(coefficients);
 }
 
+static void digits_times_scales_are_the_basis(void** state) {
+  (void)state;
+  uint32_t wide = 0;
+  for (uint32_t g = 0; g < fb_row_block_count(model); ++g) {
+    fb_row_block group;
+    fb_row_block_init(&group);
+    assert_ok(fb_row_block_at(model, g, &group));
+    assert_true(group.digit_column_count >= group.column_count);
+    wide += group.digit_column_count - group.column_count;
+    uint32_t* columns = malloc(group.column_count * sizeof(uint32_t));
+    float* values = malloc(group.column_count * group.row_count * sizeof(float));
+    uint32_t* digit_columns = malloc(group.digit_column_count * sizeof(uint32_t));
+    float* scales = malloc(group.digit_column_count * sizeof(float));
+    int8_t* digits = malloc(group.digit_column_count * group.row_count);
+    assert_ok(fb_row_block_values(model, g, columns, values));
+    assert_ok(fb_row_block_digits(model, g, digit_columns, scales, digits));
+    for (uint32_t c = 0; c < group.column_count; ++c)
+      for (uint32_t r = 0; r < group.row_count; ++r) {
+        double sum = 0, largest = 0;
+        for (uint32_t d = 0; d < group.digit_column_count; ++d) {
+          if (digit_columns[d] != columns[c]) continue;
+          sum += (double)scales[d] * digits[d * group.row_count + r];
+          largest = fmax(largest, scales[d]);
+        }
+        assert_true(fabs(sum - values[c * group.row_count + r]) <= 1e-5 * largest);
+      }
+    assert_int_equal(fb_row_block_digits(model, g, NULL, scales, digits), FB_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(fb_row_block_digits(model, g, digit_columns, NULL, digits), FB_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(fb_row_block_digits(model, g, digit_columns, scales, NULL), FB_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(fb_row_block_digits(model, fb_row_block_count(model), digit_columns, scales, digits),
+                     FB_ERROR_INVALID_ARGUMENT);
+    free(columns);
+    free(values);
+    free(digit_columns);
+    free(scales);
+    free(digits);
+  }
+  assert_true(wide > 0);  // the fixture has columns of two digits
+}
+
 static void what_does_not_exist_is_refused(void** state) {
   (void)state;
   float positions[POSES * FLOATS];
@@ -224,6 +264,7 @@ int main(void) {
       cmocka_unit_test(everything_at_once_and_pose_by_pose_are_the_same),
       cmocka_unit_test(regions_left_out_give_what_they_give_at_rest),
       cmocka_unit_test(coefficients_times_basis_are_the_displacements),
+      cmocka_unit_test(digits_times_scales_are_the_basis),
       cmocka_unit_test(what_does_not_exist_is_refused),
       cmocka_unit_test(every_instruction_set_gives_the_same_bits),
   };

@@ -123,7 +123,13 @@ class BatchDesc(Structure):
 
 class RowBlockStruct(Structure):
     c_name = "fb_row_block"
-    _fields_ = [("struct_size", c_uint32), ("first_row", c_uint32), ("row_count", c_uint32), ("column_count", c_uint32)]
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("first_row", c_uint32),
+        ("row_count", c_uint32),
+        ("column_count", c_uint32),
+        ("digit_column_count", c_uint32),
+    ]
 
 
 class MaterialRunStruct(Structure):

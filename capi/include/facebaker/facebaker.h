@@ -258,9 +258,10 @@ FB_API const uint32_t* fb_vertex_order(const fb_model* model);
 /** Consecutive rows of the basis that use the same coefficients. */
 typedef struct fb_row_block {
   uint32_t struct_size;
-  uint32_t first_row;    /**< row blocks follow each other without gaps, and cover 3 x fb_vertex_count rows */
-  uint32_t row_count;    /**< rows in it */
-  uint32_t column_count; /**< coefficients it uses */
+  uint32_t first_row;          /**< row blocks follow each other without gaps, and cover 3 x fb_vertex_count rows */
+  uint32_t row_count;          /**< rows in it */
+  uint32_t column_count;       /**< coefficients it uses */
+  uint32_t digit_column_count; /**< columns of fb_row_block_digits; column_count or more */
 } fb_row_block;
 
 FB_API void fb_row_block_fill(fb_row_block* to, uint32_t struct_size);
@@ -274,6 +275,14 @@ FB_API fb_status fb_row_block_at(const fb_model* model, uint32_t index, fb_row_b
 /** Writes the contents of the row block at `index`: columns, column_count indices below fb_coefficient_count,
  * ascending; and values, column-major, row_count floats a column: the displacements for one unit of the coefficient. */
 FB_API fb_status fb_row_block_values(const fb_model* model, uint32_t index, uint32_t* columns, float* values);
+/** Writes the row block at `index` as it is kept, a byte a number, for GPUs that multiply it themselves:
+ * fb_row_block::digit_column_count columns, each of one coefficient, `columns`, below fb_coefficient_count; `scales`,
+ * one a column; and `digits`, column-major, row_count a column, -128 to 127. The displacement of row r is the sum over
+ * the columns of coefficient columns[c] * scales[c] * digits[c * row_count + r]. Most coefficients have one column;
+ * those that are kept more finely have a second one, of high digits, behind all the first ones. Fails with
+ * FB_ERROR_INVALID_ARGUMENT for an index of none. Thread-safe. */
+FB_API fb_status fb_row_block_digits(const fb_model* model, uint32_t index, uint32_t* columns, float* scales,
+                                     int8_t* digits);
 
 /* ---- Posing ------------------------------------------------------------------------------------------------------ */
 
