@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "abi_guard.h"
 #include "archive/reader.h"
@@ -143,6 +144,14 @@ fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch
   return masks;
 }
 
+// A size or stride, which may be more than 32-bit addresses reach.
+std::size_t size_of(std::uint64_t given) {
+  if (!std::in_range<std::size_t>(given))
+    fail(Status::invalid_argument, "fb_batch_desc: %llu numbers are more than memory can have",
+         static_cast<unsigned long long>(given));
+  return static_cast<std::size_t>(given);
+}
+
 fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
@@ -154,28 +163,32 @@ fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
     fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
   if (desc.format > FB_FLOAT16) fail(Status::invalid_argument, "fb_batch_desc: format %u", desc.format);
   fb::runtime::Batch batch;
-  batch.poses = desc.poses;
-  batch.controls = {desc.controls, desc.control_floats};
-  batch.control_stride = desc.control_stride;
-  if (desc.positions) batch.positions = {desc.positions, desc.position_floats, desc.pose_stride, desc.vertex_stride};
+  batch.poses = size_of(desc.poses);
+  batch.controls = {desc.controls, size_of(desc.control_floats)};
+  batch.control_stride = size_of(desc.control_stride);
+  if (desc.positions)
+    batch.positions = {desc.positions, size_of(desc.position_floats), size_of(desc.pose_stride),
+                       size_of(desc.vertex_stride)};
   if (desc.normals)
-    batch.normals = {desc.normals, desc.normal_numbers, desc.normal_pose_stride, desc.normal_vertex_stride};
+    batch.normals = {desc.normals, size_of(desc.normal_numbers), size_of(desc.normal_pose_stride),
+                     size_of(desc.normal_vertex_stride)};
   if (desc.tangents)
-    batch.tangents = {desc.tangents, desc.tangent_numbers, desc.tangent_pose_stride, desc.tangent_vertex_stride};
+    batch.tangents = {desc.tangents, size_of(desc.tangent_numbers), size_of(desc.tangent_pose_stride),
+                      size_of(desc.tangent_vertex_stride)};
   batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
   batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
   batch.masks = read_masks(desc, scratch);
   batch.masks.lod = desc.lod;
   if (desc.level_only > 1) fail(Status::invalid_argument, "fb_batch_desc: level_only %u", desc.level_only);
   batch.masks.level_only = desc.level_only != 0;
-  if (desc.sockets) batch.sockets = {desc.sockets, desc.socket_floats, desc.socket_pose_stride};
-  if (desc.channels) batch.channels = {desc.channels, desc.channel_floats, desc.channel_pose_stride};
-  batch.errors = {desc.expected_errors, desc.expected_errors ? desc.expected_error_floats : 0,
-                  desc.expected_error_pose_stride, desc.outside};
+  if (desc.sockets) batch.sockets = {desc.sockets, size_of(desc.socket_floats), size_of(desc.socket_pose_stride)};
+  if (desc.channels) batch.channels = {desc.channels, size_of(desc.channel_floats), size_of(desc.channel_pose_stride)};
+  batch.errors = {desc.expected_errors, desc.expected_errors ? size_of(desc.expected_error_floats) : 0,
+                  size_of(desc.expected_error_pose_stride), desc.outside};
   if (desc.displacements > 1)
     fail(Status::invalid_argument, "fb_batch_desc: displacements %u, neither 0 nor 1", desc.displacements);
   batch.displacements = desc.displacements == 1;
-  if (desc.bounds) batch.bounds = {desc.bounds, desc.bounds_floats, desc.bounds_pose_stride};
+  if (desc.bounds) batch.bounds = {desc.bounds, size_of(desc.bounds_floats), size_of(desc.bounds_pose_stride)};
   return batch;
 }
 

@@ -1,6 +1,7 @@
 #include "loaded_character.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace fb::capi {
@@ -47,15 +48,15 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
                                                        from.vertices.data(),
                                                        from.weights.data(),
                                                        {}});
-    std::ranges::copy(from.frame, socket.frame);
+    std::copy(std::begin(from.frame), std::end(from.frame), socket.frame);
   }
   for (const Channel& from : channels_)
     channels.push_back(
         {sizeof(fb_channel), 0, from.name.c_str(), from.unit.c_str(), from.minimum, from.maximum, from.rest});
   for (const Joint& from : character_.joints) {
     fb_joint& joint = joints.emplace_back(fb_joint{sizeof(fb_joint), from.parent, from.name.c_str(), {}, {}});
-    std::ranges::copy(from.rest, joint.rest);
-    std::ranges::copy(from.inverse_bind, joint.inverse_bind);
+    std::copy(std::begin(from.rest), std::end(from.rest), joint.rest);
+    std::copy(std::begin(from.inverse_bind), std::end(from.inverse_bind), joint.inverse_bind);
   }
   describe_exact_poses();
 }
@@ -134,10 +135,10 @@ void LoadedCharacter::describe_materials() {
     material.struct_size = sizeof material;
     material.alpha_mode = static_cast<std::uint32_t>(from.alpha_mode);
     material.name = from.name.c_str();
-    std::ranges::copy(from.base_colour, material.base_colour);
+    std::copy(std::begin(from.base_colour), std::end(from.base_colour), material.base_colour);
     material.metallic = from.metallic;
     material.roughness = from.roughness;
-    std::ranges::copy(from.emissive, material.emissive);
+    std::copy(std::begin(from.emissive), std::end(from.emissive), material.emissive);
     material.alpha_cutoff = from.alpha_cutoff;
     material.double_sided = from.double_sided;
     material.texture_count = static_cast<std::uint32_t>(from.textures.size());

@@ -158,7 +158,8 @@ void PoseExecution::visit_written(const Visit& visit) const {
   };
   if (meshes_.empty()) visit_below(layout_.meshes.surface());
   for (std::size_t m = 0; m < meshes_.size(); ++m)
-    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), visit_below);
+    if (meshes_[m])
+      for (const VertexRange range : layout_.meshes.baked.row(m)) visit_below(range);
 }
 
 void PoseExecution::write(const float* rows, const VertexOutput& output) {
@@ -213,7 +214,8 @@ void PoseExecution::slide(std::size_t pose, float* rows, bool in_workspace) {
   };
   if (meshes_.empty()) slide_range(layout_.meshes.surface());
   for (std::size_t m = 0; m < meshes_.size(); ++m)
-    if (meshes_[m]) std::ranges::for_each(layout_.meshes.baked.row(m), slide_range);
+    if (meshes_[m])
+      for (const VertexRange range : layout_.meshes.baked.row(m)) slide_range(range);
   const std::size_t first = (detail_.next ? detail_.next : detail_.level)->blocks, blocks = layout_.row_blocks.size();
   if (in_workspace)
     std::fill_n(workspace_.moved_.begin() + std::ptrdiff_t(pose * blocks + first), layout_.surface_blocks() - first,

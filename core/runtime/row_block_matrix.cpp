@@ -9,7 +9,8 @@ namespace {
 // See low_digit_bits, of the wide columns.
 std::pmr::vector<std::uint8_t> bits_of(const PackedRowBlock& block, std::pmr::memory_resource& memory) {
   std::pmr::vector<std::uint8_t> bits(&memory);
-  bits.reserve(static_cast<std::size_t>(std::ranges::count(block.columns, true, &PackedColumn::wide)));
+  bits.reserve(static_cast<std::size_t>(std::count_if(block.columns.begin(), block.columns.end(),
+                                                      [](const PackedColumn& column) { return column.wide; })));
   for (std::size_t c = 0; c < block.columns.size(); ++c)
     if (block.columns[c].wide)
       bits.push_back(
