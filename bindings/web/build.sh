@@ -1,0 +1,32 @@
+#!/bin/sh
+# Builds the npm package into build/web: both WebAssembly modules, the scripts and their types. Installs Emscripten where
+# there is none (Debian), and TypeScript and what else package.json names by npm. A page that is developed in this tree
+# depends on "file:.../build/web"; `npm pack build/web` makes the tarball.
+#   bindings/web/build.sh
+set -eu
+cd "$(dirname "$0")/../.."
+out=build/web
+capi/platforms/build_dependencies.sh wasm
+for preset in wasm wasm-scalar; do
+  cmake --preset $preset >/dev/null
+  cmake --build --preset $preset --parallel "$(nproc)" --target facebaker_wasm
+done
+mkdir -p "$out/dist"
+sed "s/\"version\": \"[^\"]*\"/\"version\": \"$(head -n 1 VERSION)\"/" bindings/web/package.json >"$out/package.json.new"
+if ! cmp -s "$out/package.json.new" "$out/package.json"; then
+  mv "$out/package.json.new" "$out/package.json"
+  (cd "$out" && npm install --no-package-lock --no-audit --no-fund)
+fi
+rm -rf "$out/package.json.new" "$out/src"
+cp -r bindings/web/src bindings/web/tsconfig.json "$out"
+cp LICENSE "$out"
+{
+  echo "facebaker.wasm has these libraries in it:"
+  for package in zlib draco xxhash; do
+    printf '\n---- %s ----\n\n' "$package"
+    cat "build/cross/wasm/$package.copyright"
+  done
+} >"$out/THIRD-PARTY.txt"
+(cd "$out" && rm -rf dist/*.js dist/*.d.ts && npx tsc -p .)
+cp build/wasm/bin/facebaker.wasm "$out/dist/facebaker.wasm"
+cp build/wasm-scalar/bin/facebaker.wasm "$out/dist/facebaker-scalar.wasm"

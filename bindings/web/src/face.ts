@@ -1,0 +1,196 @@
+import { ContentsReader } from "./read_contents.js";
+import type { FaceContents } from "./contents.js";
+import { loadModel, type Model, type Outputs } from "./model.js";
+import { fetchBytes, type FetchOptions, type Source } from "./fetch_bytes.js";
+import { hasSimd, instanceOf, type Exports, type WasmSource } from "./instance.js";
+import { Heap } from "./heap.js";
+import { readRowBlocks, type RowBlock } from "./row_blocks.js";
+import { invalidArgument } from "./errors.js";
+
+/** Limits for archives from strangers; beyond any of them loading fails with FB_ERROR_LIMIT. */
+export interface LoadLimits {
+  /** Memory that loading takes at any time. */
+  modelBytes?: number;
+  /** All names and texts. */
+  nameBytes?: number;
+  vertices?: number;
+  polygons?: number;
+  /** Functions of the controls that networks and sparse blendshapes are made of. */
+  features?: number;
+}
+
+export interface LoadOptions extends FetchOptions {
+  /** Where the WebAssembly module is, or its bytes; beside this script by default. */
+  wasm?: WasmSource | undefined;
+  /** Called as the archive arrives. `total` is 0 < loaded <= total; it equals `loaded` where the length is unknown. */
+  progress?: ((loaded: number, total: number) => void) | undefined;
+  signal?: AbortSignal | undefined;
+  /** Whether to use WebAssembly SIMD; by default where there is one. Results are the same. */
+  simd?: boolean | undefined;
+  limits?: LoadLimits | undefined;
+}
+
+/** What to expect of a pose, see Face.expectedError. */
+export interface ExpectedError {
+  /** Root mean square distance from the rig over the whole face, in `units`. */
+  face: number;
+  /** The same of each region, in the order of `regions.names`. */
+  regions: Float32Array;
+  /** How many controls are outside of what was trained. */
+  outside: number;
+}
+
+const heaps = new WeakMap<Exports, Heap>();
+const forgotten = new FinalizationRegistry<Model>((model) => model.dispose());
+
+/** A loaded face. Contents are read from the module's memory when they are first asked for, and kept. Not to be used
+ * after `dispose`. */
+export class Face implements FaceContents {
+  private readonly kept = new Map<string, unknown>();
+
+  /** For `load`. */
+  constructor(private readonly model: Model) {
+    forgotten.register(this, model, this);
+  }
+
+  // Reads a part once.
+  private part<Part>(name: string, read: (reader: ContentsReader) => Part): Part {
+    if (!this.kept.has(name)) this.kept.set(name, read(new ContentsReader(this.model.heap, this.model.pointer)));
+    return this.kept.get(name) as Part;
+  }
+
+  get name() { return this.part("name", (r) => r.text("fb_name")); }
+  get units() { return this.part("units", (r) => r.text("fb_units")); }
+  get upAxis() { return this.part("upAxis", (r) => r.text("fb_up_axis") as "y" | "z"); }
+  get diagonal() { return this.part("diagonal", (r) => r.number("fb_diagonal")); }
+  get vertexCount() { return this.model.vertexCount; }
+  get controlCount() { return this.model.controlCount; }
+  get coefficientCount() { return this.model.coefficientCount; }
+  get controls() { return this.part("controls", (r) => r.controls()); }
+  get meshes() { return this.part("meshes", (r) => r.meshes()); }
+  get uvs() { return this.part("uvs", (r) => r.uvs()); }
+  get tangentSigns() { return this.part("tangentSigns", (r) => r.tangentSigns()); }
+  get materials() { return this.part("materials", (r) => r.materials()); }
+  get images() { return this.part("images", (r) => r.images()); }
+  get sockets() { return this.part("sockets", (r) => r.sockets()); }
+  get channels() { return this.part("channels", (r) => r.channels()); }
+  get exactPoses() { return this.part("exactPoses", (r) => r.exactPoses()); }
+  get joints() { return this.part("joints", (r) => r.joints()); }
+  get skin() { return this.part("skin", (r) => r.skin()); }
+  get levels() { return this.part("levels", (r) => r.levels()); }
+  get regions() { return this.part("regions", (r) => r.regions()); }
+  get networkRegions() { return this.part("networkRegions", (r) => r.networkRegions()); }
+  get vertexOrder() { return this.part("vertexOrder", (r) => r.vertexOrder()); }
+  get provenance() { return this.part("provenance", (r) => r.text("fb_provenance")); }
+  get about() { return this.part("about", (r) => r.text("fb_about")); }
+  get thumbnail() { return this.part("thumbnail", (r) => r.thumbnail()); }
+  get instructionSet() { return this.part("instructionSet", (r) => r.text("fb_instruction_set")); }
+  get runtimeBytes() { return this.part("runtimeBytes", (r) => r.number("fb_runtime_bytes")); }
+  get restControls() { return this.part("restControls", (r) => r.floats("fb_rest_controls", this.controlCount)); }
+  get restPositions() {
+    return this.part("restPositions", (r) => r.floats("fb_rest_positions", 3 * this.vertexCount));
+  }
+  /** The basis, for a GPU: as it is stored, about a byte a number. */
+  get rowBlocks(): readonly RowBlock[] {
+    return this.part("rowBlocks", () => readRowBlocks(this.model.heap, this.model.pointer));
+  }
+
+  /** All of the contents, as a plain object that can be sent to another thread. */
+  contents(): FaceContents {
+    const { name, units, upAxis, diagonal, vertexCount, controlCount, coefficientCount, controls, meshes, uvs,
+            tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, levels, regions,
+            networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes, restControls,
+            restPositions } = this;
+    return { name, units, upAxis, diagonal, vertexCount, controlCount, coefficientCount, controls, meshes, uvs,
+             tangentSigns, materials, images, sockets, channels, exactPoses, joints, skin, levels, regions,
+             networkRegions, vertexOrder, provenance, about, thumbnail, instructionSet, runtimeBytes, restControls,
+             restPositions };
+  }
+
+  /** The index of a control by its name, or else by its ARKit or FACS name. Throws a FaceBakerError that names the
+   * closest one. */
+  findControl(name: string): number {
+    const { heap, pointer } = this.model, result = heap.allocate(4);
+    try {
+      heap.withText(name, (text) => heap.check("fb_find_control", pointer, text, result));
+      return heap.u32[result >>> 2]!;
+    } finally {
+      heap.release(result);
+    }
+  }
+
+  /** The controls of the rest pose, to be changed. */
+  createPose(): Float32Array {
+    return this.restControls.slice();
+  }
+
+  /** Poses the face: 3 numbers a vertex, in the order of the source. Values outside of a control's range are clamped.
+   * With `positions`, of at least 3 * vertexCount numbers, nothing is allocated. Throws on NaN, naming the control. */
+  evaluate(controls: Float32Array, positions?: Float32Array): Float32Array {
+    const posed = this.model.evaluateInPlace(controls);
+    if (!positions) return posed.slice();
+    if (positions.length < posed.length)
+      throw invalidArgument(`positions: ${positions.length} numbers, but ${posed.length} are needed`);
+    positions.set(posed);
+    return positions;
+  }
+
+  /** The same without copying: a view of the module's memory, which holds until the next call of any face. */
+  evaluateInPlace(controls: Float32Array): Float32Array {
+    return this.model.evaluateInPlace(controls);
+  }
+
+  /** Poses the face and writes all arrays that `outputs` has: normals, tangents, sockets, ... */
+  evaluateInto<Wanted extends Outputs>(controls: Float32Array, outputs: Wanted): Wanted {
+    this.model.evaluateBatch(controls, 1, outputs);
+    return outputs;
+  }
+
+  /** Poses the face `count` times; controls and outputs of the poses follow each other. */
+  evaluateBatch<Wanted extends Outputs>(controls: Float32Array, count: number, outputs: Wanted): Wanted {
+    this.model.evaluateBatch(controls, count, outputs);
+    return outputs;
+  }
+
+  /** The coefficients of a pose, all 0 at rest: what a GPU multiplies `rowBlocks` with. */
+  coefficients(controls: Float32Array, coefficients = new Float32Array(this.coefficientCount)): Float32Array {
+    this.model.evaluateCoefficients(controls, coefficients);
+    return coefficients;
+  }
+
+  /** How far vertices are expected to be from where the rig has them. Throws if the face has no expected errors. */
+  expectedError(controls: Float32Array): ExpectedError {
+    const errors = new Float32Array(1 + this.regions.names.length);
+    const outside = this.model.expectedError(controls, errors);
+    return { face: errors[0]!, regions: errors.subarray(1), outside };
+  }
+
+  /** Control values that the last evaluation clamped. */
+  get clampedCount(): number {
+    return this.model.clampedCount;
+  }
+
+  /** Frees the face's memory. A face that is forgotten is freed too, but later, when the browser gets to it. */
+  dispose(): void {
+    forgotten.unregister(this);
+    this.model.dispose();
+    this.kept.clear();
+  }
+}
+
+/** Loads a face from a URL or from its bytes. Throws a FaceBakerError if it cannot be read or is not whole: the message
+ * names the byte offset. */
+export async function load(source: Source, options: LoadOptions = {}): Promise<Face> {
+  const fetching = fetchBytes(source, options);
+  fetching.catch(() => undefined); // reported below
+  const exports = await instanceOf(options.wasm, options.simd ?? hasSimd());
+  const bytes = await fetching;
+  options.signal?.throwIfAborted();
+  let heap = heaps.get(exports);
+  if (!heap) heaps.set(exports, (heap = new Heap(exports)));
+  const limits = options.limits ?? {};
+  return new Face(loadModel(heap, bytes, {
+    max_model_bytes: limits.modelBytes, max_name_bytes: limits.nameBytes, max_vertices: limits.vertices,
+    max_polygons: limits.polygons, max_features: limits.features,
+  }));
+}

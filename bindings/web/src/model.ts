@@ -1,0 +1,282 @@
+// A loaded model with its scratch and the buffers that poses go through, in the module's memory.
+import { FaceBakerError, invalidArgument } from "./errors.js";
+import type { Heap } from "./heap.js";
+
+type Numbers = Float32Array | Uint32Array;
+
+// A buffer in the module's memory, with a view that is kept until the memory grows or another length is asked for.
+class Staging {
+  address = 0;
+  private capacity = 0;
+  private view: Numbers | null = null;
+
+  constructor(private readonly heap: Heap) {}
+
+  reserve(length: number): void {
+    if (length <= this.capacity) return;
+    this.release();
+    this.address = this.heap.allocate(4 * length);
+    this.capacity = length;
+  }
+  floats(length: number): Float32Array {
+    if (!(this.view instanceof Float32Array) || this.view.length !== length)
+      this.view = new Float32Array(this.heap.exports.memory.buffer, this.address, length);
+    return this.view;
+  }
+  numbers(length: number): Uint32Array {
+    if (!(this.view instanceof Uint32Array) || this.view.length !== length)
+      this.view = new Uint32Array(this.heap.exports.memory.buffer, this.address, length);
+    return this.view;
+  }
+  release(): void {
+    if (this.address) this.heap.release(this.address);
+    this.address = this.capacity = 0;
+    this.view = null;
+  }
+}
+
+export interface EvaluateOptions {
+  /** Level of detail: 0 is the whole, 1, 2, ... the levels; positions are continuous in it. */
+  lod?: number;
+  /** Only the vertices of the level are written, the first in baked order; needs `vertexOrder: "baked"`. */
+  levelOnly?: boolean;
+  /** The order in which vertices are written; "source" by default. */
+  vertexOrder?: "source" | "baked";
+  /** Displacements from the rest pose in place of positions. */
+  displacements?: boolean;
+  /** Indices of the meshes that are posed; the vertices of the others are left as they are. All by default. */
+  meshes?: readonly number[];
+  /** Indices of the regions whose networks run, see `networkRegions`. All by default. */
+  regions?: readonly number[];
+}
+
+/** What is computed of a pose: each array that is given is written. Several poses follow each other in each. */
+export interface Outputs extends EvaluateOptions {
+  /** 3 a vertex. */
+  positions?: Float32Array;
+  /** 3 a vertex, unit length. */
+  normals?: Float32Array;
+  /** 3 a vertex, unit length; of faces with texture coordinates. */
+  tangents?: Float32Array;
+  /** 12 a socket: the upper three rows of a 4 x 4 matrix, row after row. */
+  sockets?: Float32Array;
+  /** One a channel. */
+  channels?: Float32Array;
+  /** 6: the smallest x, y and z, then the largest. */
+  bounds?: Float32Array;
+  /** 1 + regions.names.length: of the whole face, then of each region. */
+  expectedErrors?: Float32Array;
+  /** 1: how many controls are outside of what was trained. */
+  outside?: Uint32Array;
+}
+
+type ArrayName = "positions" | "normals" | "tangents" | "sockets" | "channels" | "bounds" | "expectedErrors" | "outside";
+
+// The members of fb_batch_desc for each output: address, size and stride between poses.
+const members: Record<ArrayName, readonly [string, string | null, string | null]> = {
+  positions: ["positions", "position_floats", "pose_stride"],
+  normals: ["normals", "normal_numbers", "normal_pose_stride"],
+  tangents: ["tangents", "tangent_numbers", "tangent_pose_stride"],
+  sockets: ["sockets", "socket_floats", "socket_pose_stride"],
+  channels: ["channels", "channel_floats", "channel_pose_stride"],
+  bounds: ["bounds", "bounds_floats", "bounds_pose_stride"],
+  expectedErrors: ["expected_errors", "expected_error_floats", "expected_error_pose_stride"],
+  outside: ["outside", null, null],
+};
+const names = Object.keys(members) as ArrayName[];
+
+const bytesAtOnce = 4 << 20; // of a batch's outputs in the module's memory
+
+export class Model {
+  readonly vertexCount: number;
+  readonly controlCount: number;
+  readonly coefficientCount: number;
+  private readonly sizes: Record<ArrayName, number>; // of one pose
+  private scratch = 0;
+  private desc = 0;
+  private readonly controls: Staging;
+  private readonly coefficients: Staging;
+  private readonly meshList: Staging;
+  private readonly regionList: Staging;
+  private readonly outputs: Record<ArrayName, Staging>;
+
+  /** Takes ownership of the model at an address. */
+  constructor(readonly heap: Heap, private address: number) {
+    const count = (name: string) => heap.call(name, address);
+    this.vertexCount = count("fb_vertex_count");
+    this.controlCount = count("fb_control_count");
+    this.coefficientCount = count("fb_coefficient_count");
+    this.sizes = {
+      positions: 3 * this.vertexCount, normals: 3 * this.vertexCount, tangents: 3 * this.vertexCount,
+      sockets: 12 * count("fb_socket_count"), channels: count("fb_channel_count"), bounds: 6,
+      expectedErrors: 1 + count("fb_error_region_count"), outside: 1,
+    };
+    this.controls = new Staging(heap);
+    this.coefficients = new Staging(heap);
+    this.meshList = new Staging(heap);
+    this.regionList = new Staging(heap);
+    this.outputs = Object.fromEntries(names.map((name) => [name, new Staging(heap)])) as Record<ArrayName, Staging>;
+    try {
+      this.desc = heap.allocate(heap.size("fb_batch_desc"));
+      heap.check("fb_scratch_create", address, 1, this.desc);
+      this.scratch = heap.u32[this.desc >>> 2]!;
+      this.controls.reserve(this.controlCount);
+      this.outputs.positions.reserve(this.sizes.positions);
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+  }
+
+  /** The model's address, while it is loaded. */
+  get pointer(): number {
+    if (this.address === 0) throw invalidArgument("the face is disposed of");
+    return this.address;
+  }
+
+  private putControls(controls: Float32Array, count: number): void {
+    if (!(controls instanceof Float32Array) || controls.length < count * this.controlCount)
+      throw invalidArgument(`controls: ${controls?.length} numbers, but ${count * this.controlCount} are needed`);
+    const to = this.controls.floats(count * this.controlCount);
+    to.set(controls.length === to.length ? controls : controls.subarray(0, to.length));
+  }
+
+  /** Poses; the result is a view of the module's memory, which holds until the next call. */
+  evaluateInPlace(controls: Float32Array): Float32Array {
+    const model = this.pointer;
+    this.putControls(controls, 1);
+    this.heap.check("fb_evaluate", model, this.scratch, this.controls.address, this.outputs.positions.address);
+    return this.outputs.positions.floats(this.sizes.positions);
+  }
+
+  evaluateCoefficients(controls: Float32Array, coefficients: Float32Array): void {
+    const model = this.pointer;
+    if (coefficients.length < this.coefficientCount)
+      throw invalidArgument(`coefficients: ${coefficients.length} numbers, but ${this.coefficientCount} are needed`);
+    this.coefficients.reserve(Math.max(this.coefficientCount, 1));
+    this.putControls(controls, 1);
+    this.heap.check("fb_evaluate_coefficients", model, this.scratch, this.controls.address, this.coefficients.address);
+    coefficients.set(this.coefficients.floats(this.coefficientCount));
+  }
+
+  expectedError(controls: Float32Array, errors: Float32Array): number {
+    const model = this.pointer, staging = this.outputs.expectedErrors, outside = this.outputs.outside;
+    if (errors.length < this.sizes.expectedErrors)
+      throw invalidArgument(`errors: ${errors.length} numbers, but ${this.sizes.expectedErrors} are needed`);
+    staging.reserve(this.sizes.expectedErrors);
+    outside.reserve(1);
+    this.putControls(controls, 1);
+    this.heap.check("fb_expected_error", model, this.scratch, this.controls.address, staging.address, outside.address);
+    errors.set(staging.floats(this.sizes.expectedErrors));
+    return outside.numbers(1)[0]!;
+  }
+
+  /** Poses `count` controls and writes every array of the outputs. */
+  evaluateBatch(controls: Float32Array, count: number, outputs: Outputs): void {
+    const sizes = outputs.levelOnly ? this.levelSizes(outputs.lod ?? 0) : this.sizes;
+    let bytes = 0;
+    for (const name of names) {
+      const array = outputs[name];
+      if (!array) continue;
+      bytes += 4 * sizes[name];
+      if (array.length < count * sizes[name])
+        throw invalidArgument(`${name}: ${array.length} numbers, but ${count * sizes[name]} are needed`);
+    }
+    const atOnce = Math.max(1, Math.floor(bytesAtOnce / Math.max(bytes, 1)));
+    for (let first = 0; first < count; first += atOnce)
+      this.evaluateSome(controls, first, Math.min(atOnce, count - first), outputs, sizes);
+  }
+
+  // Vertices of a level alone.
+  private levelSizes(lod: number): Record<ArrayName, number> {
+    const { heap } = this, last = heap.call("fb_level_count", this.pointer) - 1;
+    const index = Math.max(0, Math.min(Math.floor(lod), last));
+    const level = heap.fill("fb_level", (to) => heap.check("fb_level_at", this.pointer, index, to));
+    const vertices = 3 * level.vertex_count;
+    return { ...this.sizes, positions: vertices, normals: vertices, tangents: vertices };
+  }
+
+  private evaluateSome(controls: Float32Array, first: number, count: number, outputs: Outputs,
+                       sizes: Record<ArrayName, number>): void {
+    const { heap, desc } = this, struct = "fb_batch_desc", model = this.pointer;
+    const n = this.controlCount;
+    this.controls.reserve(count * n);
+    for (const name of names) if (outputs[name]) this.outputs[name].reserve(count * sizes[name]);
+    const list = (staging: Staging, indices: readonly number[] | undefined, pointer: string, size: string) => {
+      if (!indices) return;
+      staging.reserve(Math.max(indices.length, 1));
+      heap.u32.set(indices, staging.address >>> 2);
+      heap.setU32(struct, desc, pointer, staging.address);
+      heap.setU32(struct, desc, size, indices.length);
+    };
+    heap.call("fb_batch_desc_fill", desc, heap.size(struct));
+    this.putControls(first === 0 ? controls : controls.subarray(first * n), count);
+    heap.setU32(struct, desc, "poses", count);
+    heap.setU32(struct, desc, "controls", this.controls.address);
+    heap.setU32(struct, desc, "control_floats", count * n);
+    heap.setU32(struct, desc, "vertex_order", outputs.vertexOrder === "baked" ? 1 : 0);
+    heap.setU32(struct, desc, "displacements", outputs.displacements ? 1 : 0);
+    heap.setF32(struct, desc, "lod", outputs.lod ?? 0);
+    heap.setU32(struct, desc, "level_only", outputs.levelOnly ? 1 : 0);
+    list(this.meshList, outputs.meshes, "meshes", "mesh_count");
+    list(this.regionList, outputs.regions, "regions", "region_count");
+    for (const name of names) {
+      const array = outputs[name];
+      if (!array) continue;
+      const [pointer, size, stride] = members[name], length = count * sizes[name];
+      heap.setU32(struct, desc, pointer, this.outputs[name].address);
+      if (size) heap.setU32(struct, desc, size, length);
+      if (stride) heap.setU32(struct, desc, stride, sizes[name]);
+      if (outputs.meshes) this.view(name, length).set(array.subarray(first * sizes[name], first * sizes[name] + length));
+    }
+    heap.check("fb_evaluate_batch", model, this.scratch, desc);
+    for (const name of names) outputs[name]?.set(this.view(name, count * sizes[name]), first * sizes[name]);
+  }
+
+  private view(name: ArrayName, length: number): Numbers {
+    return name === "outside" ? this.outputs[name].numbers(length) : this.outputs[name].floats(length);
+  }
+
+  get clampedCount(): number {
+    return Number(this.heap.exports["fb_clamped_count"]!(this.scratch));
+  }
+
+  /** Frees everything. May be called again. */
+  dispose(): void {
+    const { heap } = this;
+    for (const staging of [this.controls, this.coefficients, this.meshList, this.regionList,
+                           ...Object.values(this.outputs)])
+      staging.release();
+    if (this.desc) heap.release(this.desc);
+    if (this.scratch) heap.call("fb_scratch_destroy", this.scratch);
+    if (this.address) heap.call("fb_release", this.address);
+    this.desc = this.scratch = this.address = 0;
+  }
+}
+
+export function loadModel(heap: Heap, bytes: Uint8Array, limits: Readonly<Record<string, number | undefined>>): Model {
+  const struct = "fb_load_desc", desc = heap.allocate(heap.size(struct) + 8);
+  const result = desc + heap.size(struct);
+  let archive = 0;
+  try {
+    archive = heap.allocate(bytes.length);
+    heap.u8.set(bytes, archive);
+    heap.call("fb_load_desc_fill", desc, heap.size(struct));
+    for (const [member, limit] of Object.entries(limits)) {
+      if (limit === undefined) continue;
+      if (!(limit >= 0 && limit < 2 ** 32)) throw invalidArgument(`${member}: ${limit} is no size below 4 GiB`);
+      heap.setU32(struct, desc, member, limit);
+      heap.u32[((desc + heap.offset(struct, member)) >>> 2) + 1] = 0;
+    }
+    heap.check("fb_load_memory", archive, bytes.length, desc, result);
+    return new Model(heap, heap.u32[result >>> 2]!);
+  } catch (error) {
+    // What the module cannot get from the system ends it in the middle of a call.
+    if (error instanceof WebAssembly.RuntimeError)
+      throw new FaceBakerError(13, "FB_ERROR_INTERNAL", `facebaker.wasm: ${error.message}`);
+    throw error;
+  } finally {
+    if (archive) heap.release(archive);
+    heap.release(desc);
+  }
+}

@@ -1,0 +1,36 @@
+import type { Heap } from "./heap.js";
+
+/** Consecutive rows of the basis that use the same coefficients. Row 3 i + axis is coordinate `axis` of vertex i in
+ * baked order (`vertexOrder`). Its displacement is the sum over the columns c of
+ * coefficients[columns[c]] * scales[c] * digits[c * rowCount + row]. */
+export interface RowBlock {
+  readonly firstRow: number;
+  readonly rowCount: number;
+  /** Indices of coefficients; one that is stored more finely comes twice. */
+  readonly columns: Uint32Array;
+  /** One a column. */
+  readonly scales: Float32Array;
+  /** Column after column, rowCount each. */
+  readonly digits: Int8Array;
+}
+
+export function readRowBlocks(heap: Heap, model: number): RowBlock[] {
+  const blocks: RowBlock[] = [];
+  const count = heap.call("fb_row_block_count", model);
+  for (let index = 0; index < count; ++index) {
+    const block = heap.fill("fb_row_block", (to) => heap.check("fb_row_block_at", model, index, to));
+    const columns: number = block.digit_column_count, rows: number = block.row_count;
+    const address = heap.allocate(8 * columns + columns * rows);
+    try {
+      heap.check("fb_row_block_digits", model, index, address, address + 4 * columns, address + 8 * columns);
+      blocks.push({
+        firstRow: block.first_row, rowCount: rows, columns: heap.copyU32(address, columns),
+        scales: heap.copyF32(address + 4 * columns, columns),
+        digits: new Int8Array(heap.copyU8(address + 8 * columns, columns * rows).buffer),
+      });
+    } finally {
+      heap.release(address);
+    }
+  }
+  return blocks;
+}
