@@ -11,15 +11,21 @@ run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${CMAKE_CURRENT_LIST_DIR}/app -B ${WORK}
     -DCMAKE_C_COMPILER=${CC} -DCMAKE_CXX_COMPILER=${CXX})
 run(${CMAKE_COMMAND} --build ${WORK}/app)
 run(${WORK}/app/hello ${FIXTURE} jaw_open 1)
+run(${WORK}/app/strict ${FIXTURE})
 run(${WORK}/app/author)
 
-if(PKG_CONFIG)
+# by_pkg_config(PACKAGE OUT COMPILER ARGUMENT...): compiles with what pkg-config says of the installed package.
+function(by_pkg_config package out)
   set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
-  execute_process(COMMAND ${PKG_CONFIG} --cflags --libs facebaker OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${PKG_CONFIG} --cflags --libs ${package} OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${flags}")
-  run(${CC} -std=c99 -pedantic-errors -Wall -Wextra -Werror ${HELLO} ${flags} -lm -Wl,-rpath,${WORK}/prefix/${LIBDIR}
-      -o ${WORK}/app/hello_by_pkg_config)
+  run(${ARGN} -Wall -Wextra -Werror ${flags} -lm -Wl,-rpath,${WORK}/prefix/${LIBDIR} -o ${WORK}/app/${out})
+endfunction()
+if(PKG_CONFIG)
+  by_pkg_config(facebaker hello_by_pkg_config ${CC} -std=c99 -pedantic-errors ${HELLO})
   run(${WORK}/app/hello_by_pkg_config ${FIXTURE} jaw_open 1)
+  by_pkg_config(facebaker_bake author_by_pkg_config ${CXX} -std=c++17 ${CMAKE_CURRENT_LIST_DIR}/app/author.cpp)
+  run(${WORK}/app/author_by_pkg_config)
 endif()
 
 # The README's program in C, where it expects a face.

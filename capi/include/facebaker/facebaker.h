@@ -46,7 +46,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32) && !defined(FB_STATIC)
+#if defined(FB_STATIC) /* libfacebaker.a: nothing is exported from the program or library that links it */
+#define FB_API
+#elif defined(_WIN32)
 #ifdef FB_BUILDING
 #define FB_API __declspec(dllexport)
 #else
