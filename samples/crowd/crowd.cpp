@@ -3,41 +3,13 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <facebaker/facebaker.hpp>
 #include <numeric>
 #include <thread>
 
+#include "crowd_poses.h"
+
 namespace {
-
-// SplitMix64: a hash of a number.
-std::uint64_t hash(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
-// Pose number `pose` of the crowd: a fifth of the controls at random values in their ranges.
-void make_pose(const std::vector<fb_control>& controls, std::uint64_t pose, std::vector<float>& values) {
-  for (std::size_t c = 0; c < controls.size(); ++c) {
-    const std::uint64_t bits = hash(pose * controls.size() + c);
-    const float uniform = static_cast<float>(bits >> 40) * 0x1p-24f;
-    values[c] =
-        bits % 5 == 0 ? controls[c].minimum + (controls[c].maximum - controls[c].minimum) * uniform : controls[c].rest;
-  }
-}
-
-// A hash of all bits of all positions of a pose.
-std::uint64_t checksum(std::uint64_t pose, const std::vector<float>& positions) {
-  std::uint64_t sum = hash(pose);
-  for (const float position : positions) {
-    std::uint32_t bits;
-    std::memcpy(&bits, &position, sizeof bits);
-    sum = hash(sum ^ bits);
-  }
-  return sum;
-}
 
 // All threads share the model, and each has its own scratch. The sum over poses does not depend on the order.
 std::uint64_t pose_crowd(const facebaker::Model& model, const std::vector<fb_control>& controls, std::uint64_t poses,
@@ -50,9 +22,9 @@ std::uint64_t pose_crowd(const facebaker::Model& model, const std::vector<fb_con
       std::vector<float> values(controls.size()), positions(3 * std::size_t(model.vertex_count()));
       std::uint64_t sum = 0;
       for (std::uint64_t pose = t; pose < poses; pose += threads) {
-        make_pose(controls, pose, values);
+        crowd::make_pose(controls, pose, values.data());
         scratch.evaluate(values.data(), positions.data());
-        sum += checksum(pose, positions);
+        sum += crowd::checksum(pose, positions.data(), positions.size());
       }
       sums[t] = sum;
     });
