@@ -25,6 +25,8 @@ case $target in
     packages=emscripten compiler=emcc draco_options=-DDRACO_JS_GLUE=OFF
     export EMSCRIPTEN="${EMSCRIPTEN:-/usr/share/emscripten}" NODE_PATH=/usr/share/nodejs
     ;;
+  windows-x64) packages=g++-mingw-w64-x86-64-posix compiler=x86_64-w64-mingw32-g++-posix tested=1 ;;
+  aarch64) packages=g++-aarch64-linux-gnu compiler=aarch64-linux-gnu-g++ tested=1 ;;
 esac
 missing=""
 command -v "$compiler" >/dev/null || missing=$packages
@@ -71,6 +73,13 @@ mkdir -p "$prefix/include"
 install_with_cmake "$here/zlib" -DFB_ZLIB="$sources/zlib"
 # shellcheck disable=SC2086
 install_with_cmake "$sources/draco" -DBUILD_SHARED_LIBS=OFF -DDRACO_TESTS=OFF ${draco_options:-}
+if [ -n "${tested:-}" ]; then # what tests are made of
+  for package in cmocka doctest; do fetch $package; done
+  install_with_cmake "$sources/cmocka" -DWITH_STATIC_LIB=ON -DWITH_EXAMPLES=OFF
+  cp "$work/cmocka/src/libcmocka-static.a" "$prefix/lib/libcmocka.a" # which it does not install
+  sed -i 's|/lib/[^)]*)|/lib/libcmocka.a)|' "$prefix/lib/cmake/cmocka/cmocka-config.cmake"
+  install_with_cmake "$sources/doctest" -DDOCTEST_WITH_TESTS=OFF
+fi
 cp "$sources/xxhash/xxhash.h" "$sources/xxhash/xxh3.h" "$prefix/include"
 for package in zlib draco xxhash; do cp "$sources/$package/debian/copyright" "$prefix/$package.copyright"; done
 rm -rf "$work"

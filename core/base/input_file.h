@@ -7,6 +7,12 @@
 
 namespace fb {
 
+#ifdef _WIN32
+using FileHandle = void*;
+#else
+using FileHandle = int;  // a file descriptor
+#endif
+
 // A regular file open for reading. Everything else is refused at once: a directory, a pipe (which would wait for a
 // writer), a device (which may never end). Fails with the path in the message: not_found if there is no such file, io
 // if it is not a regular one or the system refuses.
@@ -19,7 +25,7 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  int descriptor() const { return descriptor_; }
+  FileHandle handle() const { return handle_; }
   // In bytes, when the file was opened.
   std::uint64_t size() const { return size_; }
   // Reads from byte `offset` on and returns how many bytes there were: fewer than asked for only at the end.
@@ -34,7 +40,7 @@ class InputFile {
 
  private:
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  FileHandle handle_;
   std::uint64_t size_ = 0;
 };
 

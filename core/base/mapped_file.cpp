@@ -12,7 +12,7 @@ namespace fb {
 MappedFile::MappedFile(const InputFile& file) {
   if (file.size() == 0) return;  // cannot be mapped
   const auto size = static_cast<std::size_t>(file.size());
-  void* const first = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.descriptor(), 0);
+  void* const first = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.handle(), 0);
   if (first == MAP_FAILED) fail_on(file.path(), Status::io, format("cannot be mapped: %s", std::strerror(errno)));
   bytes_ = {static_cast<const std::byte*>(first), size};
 }

@@ -15,7 +15,8 @@ namespace fb {
 std::string shown(std::string_view text);
 template <std::same_as<std::filesystem::path> Path>
 std::string shown(const Path& path) {
-  return shown(std::string_view(path.native()));
+  const std::u8string text = path.u8string();
+  return shown(std::string_view(reinterpret_cast<const char*>(text.data()), text.size()));
 }
 
 // Fails with a message about a file: the reason, then the path as shown.

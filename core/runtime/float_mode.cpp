@@ -1,5 +1,7 @@
 #include "runtime/float_mode.h"
 
+#include <cstdint>
+
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -23,14 +25,14 @@ class FloatMode {
 #elif defined(__aarch64__)
   FloatMode() {
     asm volatile("mrs %0, fpcr" : "=r"(saved_));
-    asm volatile("msr fpcr, %0" : : "r"(0ul));
+    asm volatile("msr fpcr, %0" : : "r"(std::uint64_t(0)));
   }
   ~FloatMode() {
     asm volatile("msr fpcr, %0" : : "r"(saved_));
   }
 
  private:
-  unsigned long saved_;
+  std::uint64_t saved_;
 #else
   FloatMode() {}
   ~FloatMode() {}
