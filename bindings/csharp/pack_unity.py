@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""Packs the Unity package: a folder for "Add package from disk", or for an archive of it.
+
+    pack_unity.py --out DIR [--library PLATFORM=FILE]...
+
+Sources come from this tree, the interop layer from the public headers, the version from VERSION. PLATFORM is one of
+linux-x64, windows-x64, macos, android-arm64, ios: each library goes where Unity finds it, with import settings for that platform
+alone. Every file gets its .meta with an identifier made of its path, so that references in projects outlive a new version. DIR
+appears complete or not at all, and must not be there yet. Standard library only."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import pathlib
+import shutil
+import sys
+import tempfile
+from typing import Dict, List, NamedTuple, Optional
+
+import generate_interop
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PACKAGE = "org.facebaker.unity"
+
+
+class Platform(NamedTuple):
+    """Where a library goes, and what Unity calls its platform, processor and, in the editor, system."""
+
+    file: str
+    unity: str
+    cpu: str
+    editor: Optional[str]
+
+
+PLATFORMS: Dict[str, Platform] = {
+    "linux-x64": Platform("libfacebaker.so", "Standalone: Linux64", "x86_64", "Linux"),
+    "windows-x64": Platform("facebaker.dll", "Standalone: Win64", "x86_64", "Windows"),
+    "macos": Platform("libfacebaker.dylib", "Standalone: OSXUniversal", "AnyCPU", "OSX"),
+    "android-arm64": Platform("libfacebaker.so", "Android: Android", "ARM64", None),
+    "ios": Platform("libfacebaker.a", "iPhone: iOS", "AnyCPU", None),
+}
+
+
+def guid(path: str) -> str:
+    """An identifier that stays the same as long as the path does."""
+    return hashlib.md5(f"{PACKAGE}/{path}".encode()).hexdigest()
+
+
+def platform_data(first: str, enabled: bool, settings: Dict[str, str]) -> List[str]:
+    lines = ["  - first:", f"      {first}", "    second:", f"      enabled: {int(enabled)}"]
+    return lines + (["      settings:"] + [f"        {name}: {value}" for name, value in settings.items()] if settings
+                    else ["      settings: {}"])
+
+
+def plugin_lines(platform: Platform) -> List[str]:
+    """Import settings of a library: for its platform, and for the editor on the same system."""
+    editor = {"CPU": platform.cpu, "DefaultValueInitialized": "true", "OS": platform.editor} if platform.editor else {}
+    return ["PluginImporter:", "  serializedVersion: 2", "  isPreloaded: 0", "  isOverridable: 0", "  platformData:",
+            *platform_data("Any: ", False, {}), *platform_data("Editor: Editor", bool(platform.editor), editor),
+            *platform_data(platform.unity, True, {"CPU": platform.cpu})]
+
+
+def importer_lines(path: pathlib.Path) -> List[str]:
+    if path.is_dir():
+        return ["folderAsset: yes", "DefaultImporter:", "  externalObjects: {}"]
+    if path.parent.parent.name == "Plugins":
+        return plugin_lines(PLATFORMS[path.parent.name])
+    if path.suffix == ".cs":
+        return ["MonoImporter:", "  serializedVersion: 2", "  executionOrder: 0"]
+    if path.suffix == ".asmdef":
+        return ["AssemblyDefinitionImporter:", "  externalObjects: {}"]
+    return ["TextScriptImporter:", "  externalObjects: {}"] if path.name != "package.json" else [
+        "PackageManifestImporter:", "  externalObjects: {}"]
+
+
+def write_metas(package: pathlib.Path) -> None:
+    for path in sorted(package.rglob("*")):
+        lines = ["fileFormatVersion: 2", "guid: " + guid(path.relative_to(package).as_posix()), *importer_lines(path)]
+        path.with_name(path.name + ".meta").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def pack(package: pathlib.Path, libraries: Dict[str, pathlib.Path]) -> None:
+    """Fills an empty folder. Raises OSError, or HeaderError of generate_interop."""
+    for folder in ("Runtime", "Editor"):
+        shutil.copytree(HERE / "unity" / folder, package / folder)
+    for source in sorted((HERE / "runtime").glob("*.cs")):
+        shutil.copy(source, package / "Runtime" / source.name)
+    headers = ROOT / "capi" / "include" / "facebaker"
+    interop = generate_interop.Writer(generate_interop.read_headers(headers)).lines()
+    (package / "Runtime" / "NativeInterop.cs").write_text("\n".join(interop) + "\n", encoding="utf-8")
+    version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
+    manifest = (HERE / "unity" / "package.json.in").read_text(encoding="utf-8").replace("@VERSION@", version)
+    (package / "package.json").write_text(manifest, encoding="utf-8")
+    shutil.copy(HERE / "unity" / "README.md", package / "README.md")
+    shutil.copy(ROOT / "LICENSE", package / "LICENSE.md")
+    for name, library in libraries.items():
+        place = package / "Plugins" / name / PLATFORMS[name].file
+        place.parent.mkdir(parents=True)
+        shutil.copyfile(library, place)
+    write_metas(package)
+
+
+def read_libraries(texts: List[str]) -> Dict[str, pathlib.Path]:
+    """Raises ValueError on what is no PLATFORM=FILE."""
+    libraries = {}
+    for text in texts:
+        name, equals, file = text.partition("=")
+        if not equals or name not in PLATFORMS:
+            raise ValueError(f"--library takes PLATFORM=FILE, with one of {', '.join(PLATFORMS)}, and not \"{text}\"")
+        if not pathlib.Path(file).is_file():
+            raise ValueError(f"there is no library {file}")
+        libraries[name] = pathlib.Path(file)
+    return libraries
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    parser = argparse.ArgumentParser(description="Packs the Unity package.")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="the folder to make")
+    parser.add_argument("--library", action="append", default=[], metavar="PLATFORM=FILE", help="a native library to pack")
+    options = parser.parse_args(arguments)
+    try:
+        libraries = read_libraries(options.library)
+        if options.out.exists():
+            raise ValueError(f"{options.out} exists already")
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=options.out.parent) as folder:
+            package = pathlib.Path(folder, "package")
+            package.mkdir()
+            pack(package, libraries)
+            os.replace(package, options.out)
+    except (ValueError, OSError, generate_interop.HeaderError) as error:
+        print(f"pack_unity.py: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

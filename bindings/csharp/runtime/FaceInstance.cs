@@ -1,0 +1,101 @@
+using System;
+
+namespace FaceBaker
+{
+    /// <summary>One of any number of characters that share a face: its control values, and its last pose with normals, tangents
+    /// and bounds. Of one thread at a time. Posing allocates nothing.</summary>
+    public sealed class FaceInstance : IDisposable
+    {
+        private readonly Scratch scratch;
+        private readonly float[] controls, positions, normals, tangents;
+        private readonly float[] bounds = new float[6];
+        private bool posed;
+        private float lod;
+
+        /// <summary>At rest, not posed yet.</summary>
+        /// <exception cref="ArgumentNullException">face is null.</exception>
+        public FaceInstance(Face face)
+        {
+            scratch = new Scratch(face);
+            controls = face.RestControls.ToArray();
+            positions = new float[3 * face.VertexCount];
+            normals = new float[positions.Length];
+            tangents = new float[face.TangentSigns.Length == 0 ? 0 : positions.Length];
+        }
+
+        /// <summary>The face.</summary>
+        public Face Face { get { return scratch.Face; } }
+
+        /// <summary>The value of a control by its index. Values out of its range are clamped when it poses.</summary>
+        public float this[int control]
+        {
+            get { return controls[control]; }
+            set
+            {
+                if (controls[control] == value) return;
+                controls[control] = value;
+                posed = false;
+            }
+        }
+
+        /// <summary>All control values.</summary>
+        public ReadOnlySpan<float> Controls { get { return controls; } }
+
+        /// <summary>Sets all control values.</summary>
+        /// <exception cref="ArgumentException">There are not as many as the face has controls.</exception>
+        public void SetControls(ReadOnlySpan<float> values)
+        {
+            if (values.Length != controls.Length) throw new ArgumentException("A pose has " + controls.Length + " values.", nameof(values));
+            if (values.SequenceEqual(controls)) return;
+            values.CopyTo(controls);
+            posed = false;
+        }
+
+        /// <summary>Level of detail, 0 or more; see <see cref="PoseBatch.Lod"/>.</summary>
+        public float Lod
+        {
+            get { return lod; }
+            set
+            {
+                if (lod == value) return;
+                lod = value;
+                posed = false;
+            }
+        }
+
+        /// <summary>Positions of the last pose: 3 x <see cref="FaceBaker.Face.VertexCount"/> floats, in the archive's axes and
+        /// units.</summary>
+        public ReadOnlySpan<float> Positions { get { return positions; } }
+        /// <summary>Its normals.</summary>
+        public ReadOnlySpan<float> Normals { get { return normals; } }
+        /// <summary>Its tangents; empty for a face without texture coordinates.</summary>
+        public ReadOnlySpan<float> Tangents { get { return tangents; } }
+        /// <summary>Its smallest x, y, z and its largest.</summary>
+        public ReadOnlySpan<float> Bounds { get { return bounds; } }
+
+        /// <summary>Poses, if anything was set since it last did; returns whether it did.</summary>
+        /// <exception cref="FaceBakerException">A control is NaN; the last pose stays.</exception>
+        public bool Pose()
+        {
+            if (posed) return false;
+            scratch.EvaluateBatch(new PoseBatch(1, controls)
+            {
+                Positions = positions, Normals = normals, Tangents = tangents, Bounds = bounds, Lod = lod
+            });
+            posed = true;
+            return true;
+        }
+
+        /// <summary>Writes the last pose of a mesh as <see cref="RenderMesh.Write"/> does.</summary>
+        public void Write(RenderMesh mesh, Span<float> vertices)
+        {
+            mesh.Write(positions, normals, tangents, vertices);
+        }
+
+        /// <summary>Frees its scratch. May be called again.</summary>
+        public void Dispose()
+        {
+            scratch.Dispose();
+        }
+    }
+}

@@ -1,0 +1,66 @@
+#!/bin/sh
+# Builds the C# package with Mono, which it installs (Debian) where there is none, and tests it: layouts against the C
+# compiler's, poses bit for bit against the C interface's, broken archives, threads, lifetimes, callbacks, garbage and the
+# cost of calls; then the Unity package, packed, against stubs of Unity's classes. Takes a minute.
+#   bindings/csharp/test.sh [BUILD]
+set -eu
+cd "$(dirname "$0")/../.."
+build=$(realpath "${1:-build/release}")
+if ! command -v mcs > /dev/null || ! command -v mono > /dev/null; then
+  as_root=
+  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  $as_root apt-get -o DPkg::Lock::Timeout=600 -q update
+  $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -o DPkg::Lock::Timeout=600 -q install -y --no-install-recommends mono-mcs mono-runtime
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export OMP_WAIT_POLICY=PASSIVE LD_LIBRARY_PATH="$build/lib:$work${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" PYTHONDONTWRITEBYTECODE=1
+package=bindings/csharp
+compile="mcs -unsafe -langversion:latest -warn:4 -warnaserror"
+cc="${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include"
+
+python3 $package/generate_interop.py --headers capi/include/facebaker --out "$work/NativeInterop.cs" \
+  --layout-program "$work/layout.c"
+$compile -target:library -out:"$work/FaceBaker.dll" -doc:"$work/FaceBaker.xml" $package/runtime/*.cs "$work/NativeInterop.cs"
+$compile -r:"$work/FaceBaker.dll" -out:"$work/layouts.exe" $package/tests/PrintLayouts.cs
+tests="$package/tests/CheckMain.cs $package/tests/LoadTests.cs $package/tests/PoseTests.cs $package/tests/BatchTests.cs
+  $package/tests/LifetimeTests.cs $package/tests/RenderTests.cs $package/tests/CostTests.cs"
+$compile -r:"$work/FaceBaker.dll" -out:"$work/tests.exe" $tests
+
+$cc "$work/layout.c" -o "$work/layout"
+"$work/layout" | sort > "$work/c.layout"
+mono "$work/layouts.exe" | sort > "$work/mono.layout"
+diff "$work/c.layout" "$work/mono.layout"
+echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C compiler"
+
+$cc $package/tests/dump_poses.c -o "$work/dump_poses" -L"$build/lib" -lfacebaker
+$cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" -L"$build/lib" -lfacebaker
+mkdir "$work/poses"
+for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk; do
+  name=$(basename "$face" .fbk)
+  "$work/dump_poses" "$face" "$work/poses/$name.poses"
+  echo "$face" > "$work/poses/$name.path"
+done
+mono "$work/tests.exe" "$build" "$work/poses"
+
+# The blocks of the pages: docs/csharp.md is a program with a class, docs/unity.md a script of the package.
+mkdir "$work/pages"
+python3 - "$work/pages" << 'END'
+import pathlib, sys
+sys.path.insert(0, "tests/docs")
+from doc_pages import read_blocks
+for page in ("csharp", "unity"):
+    blocks = [block.text for block in read_blocks(".", f"docs/{page}.md") if block.language == "csharp"]
+    for number, text in enumerate(blocks):
+        pathlib.Path(sys.argv[1], f"{page}_{number}.cs").write_text(text, encoding="utf-8")
+END
+$compile -r:"$work/FaceBaker.dll" -out:"$work/page.exe" "$work"/pages/csharp_*.cs
+mono "$work/page.exe" "$build/fixtures/character.fbk"
+
+# The Unity package as it is packed, in one assembly with stubs of Unity's classes.
+python3 $package/pack_unity.py --out "$work/unity" --library linux-x64="$build/lib/libfacebaker.so"
+python3 $package/tests/check_package.py "$work/unity"
+$compile -define:UNITY_5_3_OR_NEWER -out:"$work/stubbed_unity.exe" "$work"/unity/Runtime/*.cs "$work"/unity/Editor/*.cs \
+  $package/tests/unity_stubs/*.cs $package/tests/CheckMain.cs $package/tests/StubbedUnityTests.cs "$work"/pages/unity_*.cs
+mono "$work/stubbed_unity.exe" "$build" "$work/poses"

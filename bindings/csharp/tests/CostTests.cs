@@ -1,0 +1,112 @@
+using System;
+using System.Diagnostics;
+using System.Runtime.InteropServices;
+using System.Text;
+using static FaceBaker.Tests.CheckMain;
+
+namespace FaceBaker.Tests
+{
+    /// <summary>What a pose costs beyond the C call: no garbage, and less than a microsecond.</summary>
+    internal static class CostTests
+    {
+        [DllImport("timecalls", CallingConvention = CallingConvention.Cdecl)]
+        private static extern double time_evaluate(byte[] path, uint calls);
+
+        private static long AllocatedBy(Action action, out int collections)
+        {
+            action(); // what is made once: code, delegates, scratches
+            action();
+            int before = GC.CollectionCount(0);
+            long allocated = GC.GetAllocatedBytesForCurrentThread();
+            action();
+            allocated = GC.GetAllocatedBytesForCurrentThread() - allocated;
+            collections = GC.CollectionCount(0) - before;
+            return allocated;
+        }
+
+        public static void NothingIsAllocated()
+        {
+            using (Face face = Face.Load(Fixture("character.fbk")))
+            using (var scratch = new Scratch(face, 2))
+            using (var instance = new FaceInstance(face))
+            using (var turns = new ParallelForHandle(new OneByOne()))
+            {
+                const int poses = 1000, batch = 32;
+                float[] controls = Widest(face), positions = new float[3 * face.VertexCount], normals = new float[positions.Length];
+                float[] batchControls = new float[batch * face.ControlCount], batchPositions = new float[batch * positions.Length];
+                float[] sockets = new float[12 * face.Sockets.Count], coefficients = new float[face.CoefficientCount];
+                var mesh = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
+                var vertices = new float[mesh.VertexCount * mesh.VertexFloats];
+                Action everything = () =>
+                {
+                    for (int i = 0; i < poses; ++i)
+                    {
+                        controls[0] = i * 0.001f;
+                        scratch.Evaluate(controls, positions);
+                        face.Evaluate(controls, positions);
+                        scratch.EvaluateCoefficients(controls, coefficients);
+                        scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals, Sockets = sockets });
+                        face.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Lod = 1 });
+                        instance[0] = controls[0];
+                        instance.Pose();
+                        instance.Write(mesh, vertices);
+                        if (face.RestPositions.Length != positions.Length || face.Controls.Count == 0) throw new Exception();
+                    }
+                    for (int i = 0; i < 20; ++i)
+                        scratch.EvaluateBatch(new PoseBatch(batch, batchControls) { Positions = batchPositions, ParallelFor = turns });
+                };
+                int collections, none;
+                Same(0L, AllocatedBy(everything, out collections), "bytes allocated");
+                Same(0, collections, "collections");
+                Same(16L * 1000, AllocatedBy(() => { for (int i = 0; i < 1000; ++i) GC.KeepAlive(new object()); }, out none),
+                     "bytes of 1,000 objects, which the count sees");
+                Console.WriteLine("        0 bytes allocated by " + poses + " poses of each kind");
+            }
+        }
+
+        private sealed class OneByOne : IParallelFor
+        {
+            public void Run(int count, int workers, PoseTask task)
+            {
+                for (int i = 0; i < count; ++i) task.Run(i, 0);
+            }
+        }
+
+        public static void ACallCostsLessThanAMicrosecondMore()
+        {
+            string path = Fixture("tiny.fbk");
+            byte[] utf8 = Encoding.UTF8.GetBytes(path + "\0");
+            using (Face face = Face.Load(path))
+            using (var scratch = new Scratch(face))
+            {
+                const int rounds = 300, calls = 1000;
+                float[] controls = Widest(face), positions = new float[3 * face.VertexCount];
+                double[] ours = new double[rounds], pooled = new double[rounds], theirs = new double[rounds];
+                for (int round = 0; round < rounds; ++round)
+                {
+                    theirs[round] = time_evaluate(utf8, calls);
+                    That(theirs[round] > 0, "the C calls succeed");
+                    long begin = Stopwatch.GetTimestamp();
+                    for (int i = 0; i < calls; ++i) scratch.Evaluate(controls, positions);
+                    long middle = Stopwatch.GetTimestamp();
+                    for (int i = 0; i < calls; ++i) face.Evaluate(controls, positions);
+                    long end = Stopwatch.GetTimestamp();
+                    double tick = 1e9 / Stopwatch.Frequency / calls;
+                    ours[round] = (middle - begin) * tick;
+                    pooled[round] = (end - middle) * tick;
+                }
+                double c = Median(theirs), one = Median(ours), two = Median(pooled);
+                Console.WriteLine("        ns a call, medians of {0} interleaved rounds: C {1:0}, Scratch.Evaluate {2:0}, Face.Evaluate {3:0}",
+                                  rounds, c, one, two);
+                That(one - c < 1000, "Scratch.Evaluate takes less than 1 us more than C");
+                That(two - c < 1000, "Face.Evaluate takes less than 1 us more than C");
+            }
+        }
+
+        private static double Median(double[] values)
+        {
+            Array.Sort(values);
+            return values[values.Length / 2];
+        }
+    }
+}

@@ -1,0 +1,157 @@
+using System;
+using System.Collections.Generic;
+using System.Threading;
+using static FaceBaker.Tests.CheckMain;
+
+namespace FaceBaker.Tests
+{
+    internal static class PoseTests
+    {
+        public static void PosesHaveTheBitsOfTheCInterface()
+        {
+            bool several = false;
+            foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
+                using (Face face = Face.Load(pair.Key))
+                using (var scratch = new Scratch(face))
+                {
+                    DumpedPoses expected = pair.Value;
+                    var positions = new float[3 * face.VertexCount];
+                    for (int p = 0; p < expected.Poses; ++p)
+                    {
+                        scratch.Evaluate(expected.ControlsOf(p), positions);
+                        SameBits(expected.PositionsOf(p), positions, pair.Key);
+                        Array.Clear(positions, 0, positions.Length);
+                        face.Evaluate(expected.ControlsOf(p), positions);
+                        SameBits(expected.PositionsOf(p), positions, pair.Key);
+                    }
+                    several |= face.Meshes.Count > 1;
+                }
+            That(several, "one of the faces has several meshes");
+        }
+
+        public static void AllOutputsHaveTheBitsOfTheCInterface()
+        {
+            bool tangents = false, sockets = false;
+            foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
+                using (Face face = Face.Load(pair.Key))
+                {
+                    DumpedPoses expected = pair.Value;
+                    var positions = new float[3 * face.VertexCount];
+                    var normals = new float[positions.Length];
+                    var tangent = new float[positions.Length * expected.Tangents];
+                    var socket = new float[expected.Sockets];
+                    var channels = new float[expected.Channels];
+                    for (int p = 0; p < expected.Poses; ++p)
+                    {
+                        face.EvaluateBatch(new PoseBatch(1, expected.ControlsOf(p)) {
+                            Positions = positions, Normals = normals, Tangents = tangent, Sockets = socket, Channels = channels });
+                        SameBits(expected.PositionsOf(p), positions, pair.Key + " positions");
+                        SameBits(expected.NormalsOf(p), normals, pair.Key + " normals");
+                        SameBits(expected.TangentsOf(p), tangent, pair.Key + " tangents");
+                        SameBits(expected.SocketsOf(p), socket, pair.Key + " sockets");
+                        SameBits(expected.ChannelsOf(p), channels, pair.Key + " channels");
+                    }
+                    tangents |= tangent.Length > 0;
+                    sockets |= socket.Length > 0;
+                }
+            That(tangents && sockets, "there were tangents and sockets");
+        }
+
+        public static void ThreadsShareAFace()
+        {
+            foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
+                using (Face face = Face.Load(pair.Key))
+                {
+                    Exception failure = null;
+                    var threads = new Thread[6];
+                    for (int t = 0; t < threads.Length; ++t)
+                    {
+                        bool own = t % 2 == 0; // with a scratch of its own, or the face's
+                        threads[t] = new Thread(() =>
+                        {
+                            try
+                            {
+                                PoseAll(face, pair.Value, own);
+                            }
+                            catch (Exception exception)
+                            {
+                                failure = exception;
+                            }
+                        });
+                        threads[t].Start();
+                    }
+                    foreach (Thread thread in threads) thread.Join();
+                    That(failure == null, "" + failure);
+                }
+        }
+
+        private static void PoseAll(Face face, DumpedPoses expected, bool own)
+        {
+            var positions = new float[3 * face.VertexCount];
+            using (Scratch scratch = own ? new Scratch(face) : null)
+                for (int round = 0; round < 20; ++round)
+                    for (int p = 0; p < expected.Poses; ++p)
+                    {
+                        if (own) scratch.Evaluate(expected.ControlsOf(p), positions);
+                        else face.Evaluate(expected.ControlsOf(p), positions);
+                        SameBits(expected.PositionsOf(p), positions, "positions");
+                    }
+        }
+
+        public static void WrongBuffersAndNumbersAreRefused()
+        {
+            using (Face face = Face.Load(Fixture("tiny.fbk")))
+            using (var scratch = new Scratch(face))
+            {
+                var controls = face.RestControls.ToArray();
+                var positions = new float[3 * face.VertexCount];
+                Throws<ArgumentException>(() => scratch.Evaluate(new float[controls.Length + 1], positions));
+                Throws<ArgumentException>(() => scratch.Evaluate(controls, new float[positions.Length - 1]));
+                Throws<ArgumentException>(() => scratch.EvaluateCoefficients(controls, new float[face.CoefficientCount + 1]));
+                controls[1] = float.NaN;
+                var exception = Throws<FaceBakerException>(() => scratch.Evaluate(controls, positions));
+                Same(Status.NotFinite, exception.Status, "status");
+                That(exception.Message.Contains(face.Controls[1].Name), exception.Message);
+                controls[1] = float.PositiveInfinity;
+                scratch.Evaluate(controls, positions);
+                Same(1L, scratch.ClampedCount, "clamped values");
+                controls[1] = face.Controls[1].Maximum;
+                var clamped = (float[])positions.Clone();
+                scratch.Evaluate(controls, positions);
+                SameBits(clamped, positions, "clamped");
+                Throws<ArgumentOutOfRangeException>(() => new Scratch(face, 0));
+                Throws<ArgumentNullException>(() => new Scratch(null));
+            }
+        }
+
+        public static void CoefficientsAndExpectedErrors()
+        {
+            using (Face face = Face.Load(Fixture("tiny.fbk")))
+            using (var scratch = new Scratch(face))
+            {
+                var coefficients = new float[face.CoefficientCount];
+                scratch.EvaluateCoefficients(face.RestControls, coefficients);
+                That(Array.TrueForAll(coefficients, value => value == 0), "coefficients are 0 at rest");
+                scratch.EvaluateCoefficients(Widest(face), coefficients);
+                That(!Array.TrueForAll(coefficients, value => value == 0), "coefficients are not 0 elsewhere");
+                if (face.ErrorRegions.Count == 0)
+                    Throws<FaceBakerException>(() => scratch.ExpectedError(face.RestControls, new float[1]));
+            }
+            bool found = false;
+            foreach (string file in Golden("accepted"))
+                using (Face face = Face.Load(file))
+                {
+                    if (face.ErrorRegions.Count == 0) continue;
+                    found = true;
+                    using (var scratch = new Scratch(face))
+                    {
+                        var errors = new float[1 + face.ErrorRegions.Count];
+                        scratch.ExpectedError(Widest(face), errors);
+                        That(errors[0] > 0, "an error");
+                        Same(face.VertexCount, face.ErrorVertexRegions.Length, "regions of vertices");
+                    }
+                }
+            That(found, "a face with expected errors");
+        }
+    }
+}

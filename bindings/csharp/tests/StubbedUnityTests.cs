@@ -1,0 +1,109 @@
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Reflection;
+using FaceBaker.Unity;
+using FaceBaker.Unity.Editor;
+using UnityEditor.AssetImporters;
+using UnityEngine;
+using static FaceBaker.Tests.CheckMain;
+
+namespace FaceBaker.Tests
+{
+    /// <summary>The Unity package over stubs of Unity's classes, which call what Unity would. That Unity does so is not tested
+    /// here.</summary>
+    internal static class StubbedUnityTests
+    {
+        private static void Call(object component, string method)
+        {
+            component.GetType().GetMethod(method, BindingFlags.Instance | BindingFlags.NonPublic).Invoke(component, null);
+        }
+
+        private static FaceBakerFace Open(string fixture)
+        {
+            FaceBakerAsset asset = FaceBakerAsset.Create(File.ReadAllBytes(Fixture(fixture)));
+            var component = new GameObject("face").AddComponent<FaceBakerFace>();
+            component.enabled = true;
+            component.Asset = asset;
+            That(component.Face != null, string.Join(" ", Debug.Errors));
+            return component;
+        }
+
+        public static void TheComponentFillsItsMeshInPlace()
+        {
+            FaceBakerFace component = Open("character.fbk");
+            Face face = component.Face;
+            Control control = face.Controls[0];
+            component.SetControl(control.Name, control.Maximum);
+            Call(component, "LateUpdate");
+            using (var instance = new FaceInstance(face))
+            {
+                instance[0] = control.Maximum;
+                instance.Pose();
+                var render = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
+                var expected = new float[render.VertexCount * render.VertexFloats];
+                instance.Write(render, expected);
+                UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
+                SameBits(expected, mesh.Streams[0], "vertices");
+                SameBits(render.Uvs, mesh.Streams[1], "texture coordinates");
+                Same(render.Parts.Count, mesh.Parts.Count, "parts");
+                That(mesh.bounds.min.x < mesh.bounds.max.x && mesh.bounds.min.z <= mesh.bounds.max.z, "bounds");
+            }
+            Throws<FaceBakerException>(() => component.SetControl("no such control", 1));
+            component.ResetControls();
+            Same(control.Rest, component.GetControl(0), "at rest");
+            Call(component, "OnDisable");
+            That(component.Face == null, "closed");
+            Call(component, "OnEnable");
+            That(component.Face != null, "opened again");
+            Call(component, "OnDisable");
+        }
+
+        public static void AFrameAllocatesNothing()
+        {
+            FaceBakerFace component = Open("character.fbk");
+            Face face = component.Face;
+            var late = (Action)Delegate.CreateDelegate(typeof(Action), component,
+                component.GetType().GetMethod("LateUpdate", BindingFlags.Instance | BindingFlags.NonPublic));
+            long before = 0;
+            for (int frame = 0; frame < 1000; ++frame)
+            {
+                if (frame == 500) before = GC.GetAllocatedBytesForCurrentThread();
+                component.SetControl(0, frame * 0.001f);
+                late();
+            }
+            Same(0L, GC.GetAllocatedBytesForCurrentThread() - before, "bytes allocated by 500 frames");
+            Call(component, "OnDisable");
+        }
+
+        public static void TheImporterMakesObjectsAndRefusesBrokenFiles()
+        {
+            var context = new AssetImportContext { assetPath = Fixture("character.fbk") };
+            new FbkImporter().OnImportAsset(context);
+            Same(0, context.Errors.Count, string.Join(" ", context.Errors));
+            That(context.Main is GameObject && context.Objects["archive"] is FaceBakerAsset, "objects");
+            That(context.Objects.ContainsKey("material 0"), "materials");
+            string broken = Array.Find(Golden("rejected"), file => file.EndsWith("corrupt-bit.fbk"));
+            context = new AssetImportContext { assetPath = broken };
+            new FbkImporter().OnImportAsset(context);
+            That(context.Errors.Count == 1 && context.Main == null, "an import error");
+            That(context.Errors[0].Contains("corrupt-bit.fbk"), context.Errors[0]);
+        }
+
+        public static void TheInspectorHasASliderForEveryControl()
+        {
+            FaceBakerFace component = Open("tiny.fbk");
+            var inspector = new FaceBakerFaceEditor { target = component };
+            inspector.OnInspectorGUI();
+            foreach (Control control in component.Face.Controls)
+                Same(control.Maximum, component.GetControl(control.Index), control.Name); // where the stub moves its sliders
+            int found = 0;
+            string name = component.Face.Controls[0].Name;
+            foreach (KeyValuePair<string, List<Control>> group in ControlSearch.ByGroup(component.Face.Controls, name.ToUpperInvariant()))
+                found += group.Value.Count;
+            That(found >= 1, "the control is found by its name in capitals");
+            Same(0, ControlSearch.ByGroup(component.Face.Controls, "no such thing").Count, "groups");
+            Call(component, "OnDisable");
+        }
+    }
+}

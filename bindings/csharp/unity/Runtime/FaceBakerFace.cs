@@ -1,0 +1,232 @@
+using System;
+using UnityEngine;
+using UnityEngine.Rendering;
+using Unity.Collections;
+using Unity.Collections.LowLevel.Unsafe;
+
+namespace FaceBaker.Unity
+{
+    /// <summary>Poses a mesh of a face: fills the mesh of the MeshFilter beside it, in place, in every frame in which a control
+    /// has changed. Nothing is allocated in a frame. For a character of several meshes give each a component, and let all
+    /// but one follow it (<see cref="Leader"/>), so that the face is evaluated once.</summary>
+    [ExecuteAlways]
+    [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
+    [AddComponentMenu("FaceBaker/Face")]
+    public sealed class FaceBakerFace : MonoBehaviour
+    {
+        [SerializeField] private FaceBakerAsset asset;
+        [SerializeField] private string meshName = "";
+        [SerializeField] private FaceBakerFace leader;
+        [SerializeField, HideInInspector] private float[] values = new float[0];
+        [SerializeField, Min(0)] private float levelOfDetail;
+
+        private Face face;
+        private FaceInstance instance;
+        private RenderMesh render;
+        private UnityEngine.Mesh mesh;
+        private NativeArray<float> vertices;
+        private int poseCount, written = -1;
+
+        /// <summary>The archive. Setting it puts all controls at rest.</summary>
+        public FaceBakerAsset Asset
+        {
+            get { return asset; }
+            set
+            {
+                if (asset == value) return;
+                Close();
+                asset = value;
+                values = new float[0];
+                if (isActiveAndEnabled) Open();
+            }
+        }
+
+        /// <summary>The component whose pose this one shows; null: its own.</summary>
+        public FaceBakerFace Leader
+        {
+            get { return leader; }
+            set { leader = value; written = -1; }
+        }
+
+        /// <summary>The mesh of the face by its name; "": the first.</summary>
+        public string MeshName
+        {
+            get { return meshName; }
+            set
+            {
+                if (meshName == value) return;
+                Close();
+                meshName = value;
+                if (isActiveAndEnabled) Open();
+            }
+        }
+
+        /// <summary>For importers: sets all three without loading anything, which the component does where it is enabled in a
+        /// scene.</summary>
+        public void Configure(FaceBakerAsset archive, string nameOfMesh, FaceBakerFace shownPose)
+        {
+            Close();
+            asset = archive;
+            meshName = nameOfMesh;
+            leader = shownPose;
+            values = new float[0];
+        }
+
+        /// <summary>The loaded face; null while the component is disabled, or without an asset.</summary>
+        public Face Face { get { return face; } }
+
+        /// <summary>0: the whole; see <see cref="FaceInstance.Lod"/>.</summary>
+        public float LevelOfDetail
+        {
+            get { return levelOfDetail; }
+            set { levelOfDetail = Mathf.Max(0, value); }
+        }
+
+        /// <summary>The value of a control, from then on until it is set again.</summary>
+        /// <exception cref="FaceBakerException">There is no such control; the message has the closest name.</exception>
+        public void SetControl(string control, float value)
+        {
+            SetControl(RequireFace().FindControl(control), value);
+        }
+
+        /// <summary>The same by index, which allocates nothing: look indices up once.</summary>
+        public void SetControl(int control, float value)
+        {
+            RequireFace();
+            values[control] = value;
+        }
+
+        /// <summary>All control values, in the order of <see cref="FaceBaker.Face.Controls"/>.</summary>
+        /// <exception cref="ArgumentException">There are not as many as the face has controls.</exception>
+        public void SetControls(ReadOnlySpan<float> pose)
+        {
+            if (pose.Length != RequireFace().ControlCount) throw new ArgumentException("A pose has " + values.Length + " values.");
+            pose.CopyTo(values);
+        }
+
+        /// <summary>The value that a control was set to.</summary>
+        public float GetControl(int control)
+        {
+            RequireFace();
+            return values[control];
+        }
+
+        /// <summary>Puts all controls at rest.</summary>
+        public void ResetControls()
+        {
+            values = RequireFace().RestControls.ToArray();
+        }
+
+        private Face RequireFace()
+        {
+            if (face == null) Open();
+            if (face == null) throw new InvalidOperationException(name + ": no face is loaded.");
+            return face;
+        }
+
+        private void OnEnable()
+        {
+            Open();
+        }
+
+        private void OnDisable()
+        {
+            Close();
+        }
+
+        private void LateUpdate()
+        {
+            if (face == null) return;
+            FaceBakerFace from = leader != null && leader.face == face ? leader : this;
+            if (!from.Pose()) return;
+            if (written == from.poseCount) return;
+            WriteMesh(from.instance);
+            written = from.poseCount;
+        }
+
+        // Whether there is a pose.
+        private bool Pose()
+        {
+            instance.SetControls(values);
+            instance.Lod = levelOfDetail;
+            try
+            {
+                if (instance.Pose()) ++poseCount;
+                return true;
+            }
+            catch (FaceBakerException exception)
+            {
+                Debug.LogError(name + ": " + exception.Message, this);
+                enabled = false;
+                return false;
+            }
+        }
+
+        private void Open()
+        {
+            if (asset == null || face != null) return;
+            try
+            {
+                face = asset.Acquire();
+                if (values.Length != face.ControlCount) values = face.RestControls.ToArray();
+                instance = new FaceInstance(face);
+                render = new RenderMesh(face, meshName.Length == 0 ? 0 : face.FindMesh(meshName), AxisConversion.ToUnity(face));
+                MakeMesh();
+            }
+            catch (FaceBakerException exception)
+            {
+                Debug.LogError(name + ": " + exception.Message, this);
+                Close();
+            }
+        }
+
+        // Stream 0 is written in every pose, stream 1, texture coordinates, once.
+        private unsafe void MakeMesh()
+        {
+            vertices = new NativeArray<float>(render.VertexCount * render.VertexFloats, Allocator.Persistent);
+            mesh = new UnityEngine.Mesh { name = face.Name, hideFlags = HideFlags.HideAndDontSave };
+            mesh.MarkDynamic();
+            var position = new VertexAttributeDescriptor(VertexAttribute.Position, VertexAttributeFormat.Float32, 3, 0);
+            var normal = new VertexAttributeDescriptor(VertexAttribute.Normal, VertexAttributeFormat.Float32, 3, 0);
+            var tangent = new VertexAttributeDescriptor(VertexAttribute.Tangent, VertexAttributeFormat.Float32, 4, 0);
+            var uv = new VertexAttributeDescriptor(VertexAttribute.TexCoord0, VertexAttributeFormat.Float32, 2, 1);
+            if (render.HasTangents) mesh.SetVertexBufferParams(render.VertexCount, position, normal, tangent, uv);
+            else mesh.SetVertexBufferParams(render.VertexCount, position, normal);
+            if (render.HasTangents) mesh.SetVertexBufferData(render.Uvs.ToArray(), 0, 0, render.Uvs.Length, 1, Quiet);
+            int[] indices = render.Indices.ToArray();
+            mesh.SetIndexBufferParams(indices.Length, IndexFormat.UInt32);
+            mesh.SetIndexBufferData(indices, 0, 0, indices.Length, Quiet);
+            mesh.subMeshCount = render.Parts.Count;
+            for (int i = 0; i < render.Parts.Count; ++i)
+                mesh.SetSubMesh(i, new SubMeshDescriptor(render.Parts[i].FirstIndex, render.Parts[i].IndexCount), Quiet);
+            GetComponent<MeshFilter>().sharedMesh = mesh;
+            written = -1;
+        }
+
+        private const MeshUpdateFlags Quiet = MeshUpdateFlags.DontRecalculateBounds | MeshUpdateFlags.DontValidateIndices |
+                                              MeshUpdateFlags.DontNotifyMeshUsers;
+
+        private unsafe void WriteMesh(FaceInstance from)
+        {
+            from.Write(render, new Span<float>(vertices.GetUnsafePtr(), vertices.Length));
+            mesh.SetVertexBufferData(vertices, 0, 0, vertices.Length, 0, Quiet);
+            float* corners = stackalloc float[6];
+            render.Axes.ApplyBounds(from.Bounds, new Span<float>(corners, 6));
+            var bounds = new Bounds();
+            bounds.SetMinMax(new Vector3(corners[0], corners[1], corners[2]), new Vector3(corners[3], corners[4], corners[5]));
+            mesh.bounds = bounds;
+        }
+
+        private void Close()
+        {
+            if (mesh != null) DestroyImmediate(mesh);
+            if (vertices.IsCreated) vertices.Dispose();
+            if (instance != null) instance.Dispose();
+            if (face != null) asset.Release();
+            mesh = null;
+            instance = null;
+            render = null;
+            face = null;
+        }
+    }
+}
