@@ -1,0 +1,46 @@
+import { type Face, load } from "facebaker";
+import { FaceObject } from "../scene/face_object";
+
+/** A face on the screen. */
+export interface ShownFace {
+  /** What it is called: the file's name. */
+  name: string;
+  face: Face;
+  object: FaceObject;
+  /** The control of the first face that each of its own follows, by name; -1: none. */
+  follows: Int32Array;
+  bytes: number;
+}
+
+export type Progress = (loaded: number, total: number) => void;
+
+/** Loads an archive; what is wrong with it is told with the file's name. */
+export async function openFace(source: string | ArrayBuffer, name: string, first: Face | null, progress?: Progress): Promise<ShownFace> {
+  let bytes = typeof source === "string" ? 0 : source.byteLength;
+  let face: Face;
+  try {
+    face = await load(source, {
+      progress: (loaded, total) => {
+        bytes = loaded;
+        progress?.(loaded, total);
+      },
+    });
+  } catch (error) {
+    const reason = error instanceof Error ? error.message : String(error);
+    throw new Error(reason.includes(name) ? reason : `${name}: ${reason}`);
+  }
+  const names = new Map((first ?? face).controls.map((control, index) => [control.name, index]));
+  const follows = Int32Array.from(face.controls, (control) => names.get(control.name) ?? -1);
+  return { name, face, object: new FaceObject(face), follows, bytes };
+}
+
+/** The pose of the first face as controls of this one; those that the first does not have stay at rest. */
+export function followedControls(shown: ShownFace, values: Float32Array): Float32Array {
+  return Float32Array.from(shown.follows, (from, index) => (from >= 0 ? values[from] : shown.face.restControls[index]));
+}
+
+/** Frees what a face takes. */
+export function closeFace(shown: ShownFace): void {
+  shown.object.dispose();
+  shown.face.dispose();
+}

@@ -1,0 +1,230 @@
+import type { ExpectedError } from "facebaker";
+import type { Clip } from "../clips/clip";
+import { Player } from "../clips/player";
+import { Pose } from "../pose/pose";
+import { colourParts, colourValues, roundScale } from "../scene/colour_scale";
+import type { Look } from "../scene/face_object";
+import type { Stage } from "../scene/stage";
+import type { Mode } from "./modes";
+import { closeFace, followedControls, type ShownFace } from "./open_faces";
+import { PoseTimes } from "./pose_times";
+import { Signal } from "./signal";
+import { TruePositions } from "./true_positions";
+import { measureErrors, type VertexErrors } from "./vertex_errors";
+
+const GAP = 0.12; // between two faces, in diagonals
+
+const LOOKS: Record<Mode, Look> = {
+  shaded: "shaded",
+  wireframe: "wireframe",
+  normals: "normals",
+  regions: "colours",
+  expected: "colours",
+  error: "colours",
+  difference: "colours",
+};
+
+/** What is on the screen: one or two faces in a pose, looked at in a mode. Panels listen to its signals. */
+export class Viewer {
+  /** Other faces. */
+  readonly opened = new Signal();
+  /** Another pose, mode or scale was drawn: figures are other ones. */
+  readonly drawn = new Signal();
+  /** Another mode, or modes that can be chosen. */
+  readonly modeChanged = new Signal();
+  /** Another list of clips. */
+  readonly clipsChanged = new Signal();
+  readonly player = new Player();
+  readonly times = new PoseTimes();
+
+  faces: ShownFace[] = [];
+  pose = new Pose([]);
+  clips: Clip[] = [];
+  truth: TruePositions | null = null;
+  /** Largest value of the colour scale, as a fraction of the diagonal; null: of the pose shown. */
+  scale: number | null = null;
+  /** Distances of what is shown, in the modes error and difference. */
+  errors: VertexErrors | null = null;
+  expected: ExpectedError | null = null;
+  #mode: Mode = "shaded";
+  #stale = false;
+  #distances = new Float32Array(0);
+
+  constructor(
+    readonly stage: Stage,
+    readonly failed: (reason: string) => void,
+  ) {
+    stage.beforeDraw = (now) => this.#beforeDraw(now);
+    this.player.changed.subscribe(() => {
+      const controls = this.player.controls();
+      if (controls) this.pose.assign(controls);
+      stage.draw();
+    });
+  }
+
+  get first(): ShownFace | null {
+    return this.faces[0] ?? null;
+  }
+
+  get mode(): Mode {
+    return this.#mode;
+  }
+  set mode(mode: Mode) {
+    this.#mode = this.whyNot(mode) === null ? mode : "shaded";
+    for (const { object } of this.faces) object.look = LOOKS[this.#mode];
+    this.refresh();
+    this.modeChanged.emit();
+  }
+
+  /** Why a mode cannot be chosen now; null where it can. */
+  whyNot(mode: Mode): string | null {
+    const face = this.first?.face;
+    if (!face) return "There is no face yet.";
+    if ((mode === "regions" || mode === "expected") && face.regions.names.length === 0)
+      return "This face has no expected errors: it was baked without poses held back.";
+    if (mode === "error" && !this.truth?.known)
+      return "There are no true positions: facebaker view FACE --beside SOURCE gives them, or a dataset folder.";
+    if (mode === "difference" && (this.faces.length < 2 || this.faces[1].face.vertexCount !== face.vertexCount))
+      return "This takes two faces with the same vertices.";
+    return null;
+  }
+
+  /** Shows a face in place of all, or beside the first. */
+  show(shown: ShownFace, beside: boolean): void {
+    const closed = beside ? this.faces.splice(1) : this.faces.splice(0);
+    for (const old of closed) closeFace(old);
+    this.faces.push(shown);
+    if (this.faces.length === 1) this.#start(shown);
+    this.stage.faces.add(shown.object);
+    this.#arrange();
+    this.mode = this.#mode;
+    this.stage.home();
+    this.opened.emit();
+    this.clipsChanged.emit();
+  }
+
+  /** Takes the second face away. */
+  removeSecond(): void {
+    for (const old of this.faces.splice(1)) closeFace(old);
+    this.#arrange();
+    this.mode = this.#mode;
+    this.stage.home();
+    this.opened.emit();
+  }
+
+  addClips(clips: readonly Clip[]): void {
+    this.clips.push(...clips);
+    this.clipsChanged.emit();
+  }
+
+  /** Opens a clip at its first frame; null: none. */
+  openClip(clip: Clip | null): void {
+    this.truth?.open(clip);
+    this.player.open(clip);
+    this.mode = this.#mode;
+    this.clipsChanged.emit();
+  }
+
+  setScale(scale: number | null): void {
+    this.scale = scale;
+    this.refresh();
+  }
+
+  /** The end of the colour scale, in the rig's unit. */
+  get scaleEnd(): number {
+    const diagonal = this.first?.face.diagonal ?? 1;
+    if (this.scale !== null) return this.scale * diagonal;
+    const largest = this.#mode === "expected" ? Math.max(0, ...(this.expected?.regions ?? [])) : (this.errors?.max ?? 0);
+    return roundScale(largest / diagonal) * diagonal;
+  }
+
+  /** Poses and draws again soon. */
+  refresh(): void {
+    this.#stale = true;
+    this.stage.draw();
+  }
+
+  #start(shown: ShownFace): void {
+    this.pose = new Pose(shown.face.controls);
+    this.pose.changed.subscribe(() => this.refresh());
+    this.clips = [];
+    this.truth = new TruePositions(shown.face.vertexCount, () => {
+      this.modeChanged.emit();
+      this.refresh();
+    }, this.failed);
+    this.#distances = new Float32Array(shown.face.vertexCount);
+    this.times.clear();
+    this.player.open(null);
+  }
+
+  #arrange(): void {
+    const widths = this.faces.map(({ object }) => object.width);
+    const all = widths.reduce((sum, width) => sum + width, GAP * (widths.length - 1));
+    let left = -all / 2;
+    this.faces.forEach(({ object }, i) => {
+      object.position.x = left + widths[i] / 2;
+      left += widths[i] + GAP;
+    });
+    this.stage.setWidth(all * 1.25);
+  }
+
+  #beforeDraw(now: number): void {
+    this.player.advance(now);
+    if (this.player.playing) this.stage.draw();
+    if (!this.#stale || this.faces.length === 0) return;
+    this.#stale = false;
+    this.faces.forEach((shown, i) => {
+      const controls = i === 0 ? this.pose.values : followedControls(shown, this.pose.values);
+      const milliseconds = shown.object.pose(controls);
+      if (i === 0) this.times.add(milliseconds);
+    });
+    this.#colour();
+    this.drawn.emit();
+  }
+
+  #colour(): void {
+    this.errors = null;
+    this.expected = null;
+    if (LOOKS[this.#mode] !== "colours") return;
+    this.faces.forEach((shown, i) => {
+      const { face, object } = shown;
+      const { colours } = object.analysis;
+      if (this.#mode === "regions" || this.#mode === "expected") {
+        if (face.regions.names.length === 0) colours.fill(0.7);
+        else if (this.#mode === "regions") colourParts(face.regions.ofVertex, colours);
+        else this.#colourExpected(shown, i, colours);
+      } else if (i === 0) {
+        this.#colourErrors(shown, colours);
+      } else {
+        colours.fill(0.7);
+      }
+      object.analysis.touch();
+    });
+  }
+
+  #colourExpected({ face, follows }: ShownFace, index: number, colours: Float32Array): void {
+    const controls = index === 0 ? this.pose.values : Float32Array.from(follows, (from) => this.pose.values[from] ?? 0);
+    const expected = face.expectedError(controls);
+    if (index === 0) this.expected = expected;
+    colourValues(Array.from(face.regions.ofVertex, (region) => expected.regions[region]), this.scaleEnd, colours);
+  }
+
+  #colourErrors({ object }: ShownFace, colours: Float32Array): void {
+    const truth = this.#mode === "difference" ? this.faces[1].object.analysis.positions : this.truePositions();
+    if (!truth) return void colours.fill(0.7);
+    this.errors = measureErrors(object.analysis.positions, truth, this.#distances);
+    colourValues(this.errors.distances, this.scaleEnd, colours);
+  }
+
+  /** Where the vertices truly are in this pose; null where that is not known (yet). */
+  truePositions(): Float32Array | null {
+    const frame = this.player.controls();
+    const onFrame = frame !== null && frame.every((value, i) => value === this.pose.values[i] || this.#clamped(value, i));
+    return this.truth?.at(this.pose.values, onFrame ? this.player.frame : null) ?? null;
+  }
+
+  #clamped(value: number, index: number): boolean {
+    const { minimum, maximum } = this.pose.controls[index];
+    return this.pose.values[index] === Math.min(Math.max(value, minimum), maximum);
+  }
+}

@@ -1,0 +1,83 @@
+import { MODES } from "../app/modes";
+import type { Viewer } from "../app/viewer";
+import { byId, element } from "./dom";
+
+export interface KeyActions {
+  open(): void;
+  share(): void;
+  search(): void;
+}
+
+const HELP: readonly (readonly [string, string])[] = [
+  ["Drag", "turn the face; with two fingers or the right button move it, pinch or wheel to zoom"],
+  ["← → ↑ ↓", "turn the face, where it has the focus"],
+  ["+ −", "zoom"],
+  ["Home", "fit the face into the picture"],
+  ["1 … 7", "what is shown: shaded, wireframe, normals, ..."],
+  ["Space", "play the clip, or pause it"],
+  [", .", "the frame before, the next one"],
+  ["/", "search controls"],
+  ["R", "all controls to rest"],
+  ["M", "left and right together, or not"],
+  ["O", "open files"],
+  ["C", "copy a link to the pose"],
+];
+
+/** Whether a key means text or a slider there. */
+function typing(target: EventTarget | null): boolean {
+  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement;
+}
+
+function startHelp(): () => void {
+  const dialog = byId<HTMLDialogElement>("keys");
+  const list = element("dl");
+  for (const [keys, words] of HELP) list.append(element("dt", {}, element("kbd", {}, keys)), element("dd", {}, words));
+  const close = element("button", { type: "button", class: "primary" }, "Close");
+  close.addEventListener("click", () => dialog.close());
+  dialog.append(element("h2", { id: "keys-title" }, "Keys and mouse"), list, close);
+  byId("help").addEventListener("click", () => dialog.showModal());
+  return () => dialog.showModal();
+}
+
+export function startKeys(viewer: Viewer, actions: KeyActions): void {
+  const help = startHelp();
+  const { stage, player } = viewer;
+  const turns: Record<string, () => void> = {
+    ArrowLeft: () => stage.turn(-1, 0),
+    ArrowRight: () => stage.turn(1, 0),
+    ArrowUp: () => stage.turn(0, 1),
+    ArrowDown: () => stage.turn(0, -1),
+    "+": () => stage.zoom(1),
+    "=": () => stage.zoom(1),
+    "-": () => stage.zoom(-1),
+    Home: () => stage.home(),
+  };
+  stage.canvas.addEventListener("keydown", (event) => {
+    const turn = turns[event.key];
+    if (!turn || event.ctrlKey || event.metaKey || event.altKey) return;
+    turn();
+    event.preventDefault();
+  });
+  const keys: Record<string, () => void> = {
+    " ": () => player.toggle(),
+    ",": () => player.seek(player.frame - 1),
+    ".": () => player.seek(player.frame + 1),
+    "/": actions.search,
+    "?": help,
+    r: () => viewer.pose.reset(),
+    o: actions.open,
+    c: actions.share,
+    m: () => document.querySelector<HTMLButtonElement>("#pose button[aria-pressed]")?.click(),
+  };
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    const onButton = event.target instanceof HTMLButtonElement || (event.target as HTMLElement).tagName === "SUMMARY";
+    if (event.key === " " && onButton) return;
+    const digit = MODES[Number(event.key) - 1];
+    if (digit && viewer.whyNot(digit.mode) === null) viewer.mode = digit.mode;
+    const action = keys[event.key];
+    if (!action) return;
+    action();
+    event.preventDefault();
+  });
+}

@@ -1,0 +1,27 @@
+/** Numbers for people. */
+
+/** Three significant digits, in powers of ten where it is small or large. */
+export function figure(value: number): string {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  return size < 1e-3 || size >= 1e5 ? value.toExponential(1).replace("e", "e") : String(Number(value.toPrecision(3)));
+}
+
+/** A length of the rig: in its unit, in millimetres where that is smaller, and as a fraction of the diagonal D. */
+export function lengthText(length: number, units: string, diagonal: number): string {
+  return `${inUnits(length, units)} = ${figure(length / diagonal)} D`;
+}
+
+const MILLIMETRES: Record<string, number> = { m: 1000, dm: 100, cm: 10 };
+
+/** In the rig's unit; in millimetres where the rig's is a larger metric one. */
+export function inUnits(length: number, units: string): string {
+  const factor = MILLIMETRES[units];
+  return factor === undefined ? `${figure(length)} ${units}` : `${figure(length * factor)} mm`;
+}
+
+export function bytesText(bytes: number): string {
+  if (bytes < 1e4) return `${bytes} B`;
+  return bytes < 1e6 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(2)} MB`;
+}
