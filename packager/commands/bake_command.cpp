@@ -12,6 +12,7 @@
 #include "commands/results.h"
 #include "commands/rig_options.h"
 #include "commands/thumbnail.h"
+#include "commands/view_line.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -108,8 +109,9 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   facebaker::Report baked = facebaker::bake(desc);
   if (!report.empty()) {
     const FaceFigures figures = read_figures(baked);
-    write_face_report(report, {figures.name + ": " + recipe, measured_on(figures), figures, source}, parallel,
-                      progress);
+    write_face_report(report,
+                      {figures.name + ": " + recipe, measured_on(figures), figures, source, {view_line(out, sources)}},
+                      parallel, progress);
   }
   return baked;
 }

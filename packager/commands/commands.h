@@ -20,6 +20,7 @@ void add_inspect(CLI::App& tool);
 void add_verify(CLI::App& tool);
 void add_pack(CLI::App& tool);
 void add_pose(CLI::App& tool);
+void add_view(CLI::App& tool);
 void add_export(CLI::App& tool);
 void add_bench(CLI::App& tool);
 void add_rig_host(CLI::App& tool);

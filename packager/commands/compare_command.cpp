@@ -9,6 +9,8 @@
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
 #include "commands/rig_options.h"
+#include "commands/view_line.h"
+#include "farm/shell_words.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -30,6 +32,7 @@ struct CompareCommand {
 
  private:
   facebaker::Report compare(const facebaker::Source& source, const fb_callbacks& callbacks);
+  std::vector<std::string> view_lines() const;
 };
 
 // A table with a column for every method and use; each row is computed from the methods' figures.
@@ -122,6 +125,14 @@ facebaker::Report CompareCommand::compare(const facebaker::Source& source, const
   return facebaker::compare(desc);
 }
 
+// The archives that were compared are not kept: the first method is baked for the viewer.
+std::vector<std::string> CompareCommand::view_lines() const {
+  std::vector<std::string> bake = {"bake"};
+  bake.insert(bake.end(), sources.begin(), sources.end());
+  bake.insert(bake.end(), {"--recipe", methods.at(0), "--out", "face.fbk"});
+  return {"facebaker " + shell_words(bake), view_line("face.fbk", sources)};
+}
+
 void CompareCommand::run() {
   std::vector<std::string> notes;
   const facebaker::Source source = rigs.open(sources, notes, desc.rig_budget);
@@ -137,7 +148,8 @@ void CompareCommand::run() {
     if (!outputs.report.empty()) {
       fb_source* const recording = report.recording();
       const facebaker::SourceView measured(recording ? recording : source.get());
-      write_face_report(outputs.report, {figures.name + ": methods compared", measured_on(figures), figures, measured},
+      write_face_report(outputs.report,
+                        {figures.name + ": methods compared", measured_on(figures), figures, measured, view_lines()},
                         parallel, progress);
     }
   }

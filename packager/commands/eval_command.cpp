@@ -8,6 +8,7 @@
 #include "commands/commands.h"
 #include "commands/progress_bar.h"
 #include "commands/rig_options.h"
+#include "commands/view_line.h"
 #include "report/face_report.h"
 #include "report/table.h"
 
@@ -95,7 +96,9 @@ void EvalCommand::run() {
   if (!outputs.report.empty()) {
     const std::string measured = split == "all" ? "Measured on all clips." : measured_on(figures);
     ProgressBar progress;
-    write_face_report(outputs.report, {figures.methods.at(0).name, measured, figures, source}, parallel, progress);
+    write_face_report(outputs.report,
+                      {figures.methods.at(0).name, measured, figures, source, {view_line(archive, sources)}}, parallel,
+                      progress);
   }
   outputs.write("eval", report.json(), eval_text(figures));
 }

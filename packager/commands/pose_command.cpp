@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/open_beside.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
 #include "commands/pose_expectation.h"
@@ -72,18 +73,6 @@ std::string numbered(const std::filesystem::path& out, std::size_t frame, bool c
   return path.string();
 }
 
-facebaker::Source open_reference(const std::string& path, const RigOptions& rigs, const facebaker::Model& model,
-                                 const std::string& archive) {
-  std::vector<std::string> notes;
-  facebaker::Source source = rigs.open({path}, notes);
-  try {
-    facebaker::SourceView(source).check_model(model);
-  } catch (const facebaker::Error& error) {
-    fail(Status(error.status()), "%s beside %s: %s", shown(archive).c_str(), shown(path).c_str(), error.what());
-  }
-  return source;
-}
-
 // The corners of the box of each vertex over all poses: a camera that shows them shows every pose.
 std::array<std::vector<float>, 8> bounds_of(PoseEvaluator& evaluator, const Poses& poses) {
   const std::size_t width = evaluator.model().control_count();
@@ -123,8 +112,9 @@ void PoseCommand::write_still(const std::string& path, const CharacterView& char
 void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   const facebaker::Model& model = evaluator.model();
   const std::size_t width = model.control_count();
+  std::vector<std::string> notes;
   std::optional<facebaker::Source> reference;
-  if (!beside.empty()) reference = open_reference(beside, rigs, model, archive);
+  if (!beside.empty()) reference = open_beside(beside, rigs, model, archive, notes);
   std::optional<PoseRenderer> renderer;
   if (out.ends_with(".png")) {
     const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);

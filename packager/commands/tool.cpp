@@ -71,6 +71,7 @@ int run_tool(int argc, char** argv) {
   add_verify(tool);
   add_pack(tool);
   add_pose(tool);
+  add_view(tool);
   add_export(tool);
   add_bench(tool);
   add_rig_host(tool);

@@ -43,6 +43,7 @@ void write_face_report(const std::filesystem::path& folder, const FaceReport& re
   const ReportView view(report.figures);
   Html page(report.title);
   add_summary(page, view, report);
+  add_viewer(page, report);
   add_advice(page, view);
   add_pictures(page, view, report.source, folder, parallel, progress);
   add_errors_over_time(page, view);

@@ -4,6 +4,7 @@
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/output_lock.h"
 #include "base/parallel.h"
@@ -21,6 +22,8 @@ struct FaceReport {
   std::string measured_on;  // a sentence: the clips that the errors are of
   const FaceFigures& figures;
   facebaker::SourceView source;  // has the clips that were measured on
+  // Lines of a shell that show the face in the viewer; none: the page does not speak of it.
+  std::vector<std::string> view_lines = {};
 };
 
 // "Measured on the clips of the split test.", or why nothing was measured.

@@ -6,7 +6,7 @@
 namespace fb::tool {
 namespace {
 
-constexpr std::array<GlossaryEntry, 43> entries = {{
+constexpr std::array<GlossaryEntry, 73> entries = {{
     {"mse", "Mean over vertices and frames of the squared distance from the true rig, over D squared."},
     {"rms", "Root of the mse: the same as a length, over D."},
     {"p99", "99 % of all vertices in all frames are nearer to the true rig than this, over D."},
@@ -55,6 +55,38 @@ constexpr std::array<GlossaryEntry, 43> entries = {{
     {"left of training", "Squared coefficient error over squared coefficients in the last epoch, on training poses."},
     {"validation error", "The same on validation poses, which were held back from training."},
     {"share of the energy", "The part of the motion that is left to the networks which lies in the region."},
+    {"linear, combined: rms / D", "The same root mean square error of linear blendshapes."},
+    {"frames measured", "Frames of all clips that the figures are of."},
+    {"mean squared error / D^2",
+     "Mean over vertices and frames of the squared distance from the true rig, over D squared."},
+    {"root mean square / D", "Root of the mean squared error: the same as a length, over D."},
+    {"99 % of vertices are nearer than / D",
+     "99 % of all vertices in all frames are nearer to the true rig than this, over D."},
+    {"worst vertex of all frames / D", "The largest distance of any vertex in any measured frame, over D."},
+    {"worst vertex of a frame, on average / D", "Mean over the frames of the frame's worst vertex, over D."},
+    {"normals, degrees rms", "Root mean square angle between the vertex normals of the rig and of the face."},
+    {"mse of linear blendshapes over ours", "How many times larger the mean squared error of linear blendshapes is."},
+    {"poses trained on", "Poses of the rig that the networks were trained on."},
+    {"training, seconds", "Time that training took."},
+    {"rig calls besides", "Poses that the rig was asked for besides those trained on, such as to analyse it."},
+    {"Independent test", "Errors on poses that nothing was trained on."},
+    {"Dependency test", "Errors on poses that were trained on."},
+    {"MSE", "Mean over vertices and frames of the squared distance from the true rig, over D squared."},
+    {"Max err", "The worst vertex of all frames, over D."},
+    {"stage", "A part of the work."},
+    {"poses asked to learn", "Different poses that the rig was asked for in order to learn: what a rig budget counts."},
+    {"poses evaluated now", "All poses that the rig evaluated in this run."},
+    {"section", "A part of the archive's file."},
+    {"stored", "Bytes that the section takes in the file."},
+    {"unpacked", "Bytes of the section once it is read."},
+    {"share of the file", "The section's part of the bytes of the file."},
+    {"inputs", "Functions of the controls that the network reads."},
+    {"coefficients", "Numbers that the network gives out: columns of the basis."},
+    {"numbers", "Weights and biases of the network."},
+    {"restarts", "How often training began again because it went wrong."},
+    {"control", "A control of the rig."},
+    {"region", "A part of the face with a network of its own."},
+    {"method", "A way to bake the face."},
 }};
 
 }  // namespace
@@ -63,9 +95,10 @@ std::span<const GlossaryEntry> glossary() {
   return entries;
 }
 
-std::string_view explanation_of(std::string_view heading) {
-  const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == heading; });
-  return entry == entries.end() ? std::string_view() : entry->second;
+std::optional<std::size_t> glossary_entry(std::string_view name) {
+  const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& e) { return e.first == name; });
+  if (entry == entries.end()) return std::nullopt;
+  return static_cast<std::size_t>(entry - entries.begin());
 }
 
 }  // namespace fb::tool

@@ -1,5 +1,6 @@
 #include "report/html.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "base/status.h"
@@ -29,14 +30,19 @@ svg { max-width: 100%; height: auto; } svg text { fill: var(--ink); font: 12px s
 svg .grid { stroke: var(--line); stroke-width: 1; } svg .frame { fill: none; stroke: var(--faint); } svg .faint { fill: var(--faint); }
 svg polyline { fill: none; stroke-width: 1.6; stroke-linejoin: round; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
 td.words { white-space: normal; text-align: left; min-width: 14rem; }
-th[title] { text-decoration: underline dotted var(--faint); cursor: help; }
+.what { padding: 0; border: 0; background: none; color: inherit; font: inherit; text-align: inherit; cursor: help;
+  text-decoration: underline dotted var(--faint); text-underline-offset: .2em; }
+[popover] { max-width: min(24rem, calc(100vw - 2rem)); padding: .7rem .9rem; border: 1px solid var(--line); border-radius: .5rem;
+  background: var(--paper); color: var(--ink); font-size: .95rem; box-shadow: 0 4px 24px rgb(0 0 0 / 25%); }
+@supports (position-area: bottom) { [popover] { position-area: bottom; position-try-fallbacks: flip-block; margin: .3rem 0; } }
+:focus-visible { outline: 2px solid var(--c2); outline-offset: 2px; } td small { display: block; color: var(--faint); }
 dt { font-weight: 600; } dd { margin: 0 0 .4rem 1rem; } li { max-width: 50rem; margin: .3rem 0; }
 .swatch { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: .15em; }
 .bars { max-width: 50rem; margin: .8rem 0; font-size: .9rem; } .bars .key { margin-right: 1.2rem; white-space: nowrap; }
 .bar { display: grid; grid-template-columns: minmax(6rem, 14rem) 1fr; gap: .1rem .7rem; align-items: center; margin: .35rem 0; }
 .bar .name { text-align: right; overflow-wrap: anywhere; } .bar .line { display: flex; align-items: center; gap: .4rem; height: .95rem; }
 .bar .line span:first-child { height: .7rem; min-width: 1px; } .bar .line span:last-child { font-size: .8rem; white-space: nowrap; }
-@media (max-width: 40rem) { body { padding: 1rem; } .wide img { max-width: none; height: 24rem; }
+@media (max-width: 40rem) { body { padding: 1rem; } h1 { font-size: 1.35rem; overflow-wrap: anywhere; } .wide img { max-width: none; height: 24rem; }
   .wide svg { max-width: none; } .plots { display: block; } th, td { padding: .2rem .4rem; } td:first-child { white-space: normal; } }
 </style>
 )";
@@ -113,19 +119,46 @@ void Html::list(const std::vector<std::string>& items) {
   body_ += "</ul>\n";
 }
 
+void Html::link(const std::string& address, std::string_view text) {
+  body_ += "<p><a href=\"" + escape_html(address) + "\">" + escape_html(text) + "</a></p>\n";
+}
+
+// A name, with what the glossary says of it where it has anything.
+std::string Html::explained(std::string_view name) {
+  const std::optional<std::size_t> entry = glossary_entry(name);
+  if (!entry) return cell(name);
+  explained_.insert(*entry);
+  return format("<button type=\"button\" class=\"what\" popovertarget=\"g%zu\" title=\"", *entry) +
+         escape_html(glossary()[*entry].second) + "\">" + escape_html(name) + "</button>";
+}
+
+std::string Html::cell(std::string_view text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  std::string shown = escape_html(text.substr(0, end));
+  if (end < text.size()) shown += "<small>" + escape_html(text.substr(end + 1)) + "</small>";
+  return shown;
+}
+
+// What buttons show: once on the page, whichever of them is pressed.
+std::string Html::popovers() const {
+  std::string markup;
+  for (const std::size_t entry : explained_)
+    markup += format("<p popover id=\"g%zu\"><b>", entry) + escape_html(glossary()[entry].first) + "</b> " +
+              escape_html(glossary()[entry].second) + "</p>\n";
+  return markup;
+}
+
 void Html::table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& colours) {
   body_ += "<div class=\"wide\" tabindex=\"0\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     body_ += "<tr>";
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
-      const std::string_view words = r == 0 ? explanation_of(rows[r][c]) : std::string_view();
       body_ += r == 0 ? "<th" : "<td";
-      if (!words.empty()) body_ += " title=\"" + escape_html(words) + "\"";
       if (r > 0 && c > 0 && rows[r][c].size() > longest_number) body_ += " class=\"words\"";
       body_ += ">";
       if (c == 0 && r > 0 && r <= colours.size())
         body_ += "<span class=\"swatch\" style=\"background:" + escape_html(colours[r - 1]) + "\"></span>";
-      body_ += escape_html(rows[r][c]) + (r == 0 ? "</th>" : "</td>");
+      body_ += (r == 0 || c == 0 ? explained(rows[r][c]) : cell(rows[r][c])) + (r == 0 ? "</th>" : "</td>");
     }
     body_ += "</tr>\n";
   }
@@ -148,8 +181,9 @@ void Html::explain() {
 std::string Html::page() const {
   return std::string(report_mark) +
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escape_html(title_) +
-         "</title>\n" + std::string(style) + "</head>\n<body>\n<h1>" + escape_html(title_) + "</h1>\n<nav>" +
-         contents_ + "</nav>\n" + body_ + "</body>\n</html>\n";
+         "</title>\n" + std::string(style) + "</head>\n<body>\n<h1>" + escape_html(title_) +
+         "</h1>\n<nav aria-label=\"Contents\">" + contents_ + "</nav>\n<main>\n" + body_ + popovers() +
+         "</main>\n</body>\n</html>\n";
 }
 
 }  // namespace fb::tool

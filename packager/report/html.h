@@ -1,6 +1,8 @@
 // Self-contained HTML pages: no scripts, nothing loaded from elsewhere, for light and dark themes.
 #pragma once
 
+#include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,20 +22,29 @@ class Html {
   void paragraph(std::string_view text);
   void preformatted(std::string_view text);
   void list(const std::vector<std::string>& items);
-  // First row: headings, with what the glossary says of them; first column: text, the others numbers. `colours`: CSS
-  // colours of the first column, of as many rows after the first.
+  // A paragraph that is a link.
+  void link(const std::string& address, std::string_view text);
+  // First row: headings; first column: text, the others numbers. What the glossary says of a heading, or of a name in
+  // the first column, is shown where a pointer rests on it, or the keyboard activates it. What follows a line break in
+  // a cell is shown below it, in small letters. `colours`: CSS colours of the first column, of as many rows after the
+  // first.
   void table(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& colours = {});
   // An image file in the report's folder.
   void picture(const std::string& file, std::string_view caption);
-  // The glossary, for those who cannot hover.
+  // The glossary, for those who read it all.
   void explain();
   void raw(std::string_view markup) { body_ += markup; }
 
   std::string page() const;
 
  private:
+  static std::string cell(std::string_view text);
+  std::string explained(std::string_view name);
+  std::string popovers() const;
+
   std::string title_, contents_, body_;
   int headings_ = 0;
+  std::set<std::size_t> explained_;  // entries of the glossary
 };
 
 // How every page of a report begins; identifies its folder as a report.

@@ -81,7 +81,7 @@ void add_regions(Html& page, const ReportView& view, const FramePictures& pictur
     const RegionErrors& region = ours.regions[r];
     const double share = all > 0 ? region.mse * static_cast<double>(region.vertices) / all : 0;
     rows.push_back({format("%zu. %s", r + 1, region.title.c_str()), joined(region.movers),
-                    std::to_string(region.vertices), figure_text(std::sqrt(region.mse)), figure_text(region.max),
+                    std::to_string(region.vertices), view.length(std::sqrt(region.mse)), view.length(region.max),
                     format("%.1f %%", 100 * share)});
     colours.push_back(css_colour(r));
   }
@@ -89,13 +89,14 @@ void add_regions(Html& page, const ReportView& view, const FramePictures& pictur
   add_region_bars(page, view, parts);
 }
 
-std::vector<std::string> alone_cells(const MethodFigures& method, const std::string& control) {
+std::vector<std::string> alone_cells(const ReportView& view, const std::string& control) {
+  const MethodFigures& method = view.ours();
   if (method.locality)
     for (const ErrorsAlone& alone : method.locality->alone)
       if (alone.name == control)
         return {format("%llu (%llu)", static_cast<unsigned long long>(alone.poses),
                        static_cast<unsigned long long>(alone.unseen_poses)),
-                figure_text(alone.max)};
+                view.length(alone.max)};
   return {"0", "-"};
 }
 
@@ -124,12 +125,12 @@ void add_controls(Html& page, const ReportView& view) {
   for (const ControlErrors& control : worst) {
     const bool seen = control.frames > 0;
     rows.push_back({control.name, std::to_string(control.vertices), std::to_string(control.frames),
-                    seen ? figure_text(std::sqrt(control.mse)) : "-", seen ? figure_text(control.max) : "-"});
-    for (std::string& cell : alone_cells(ours, control.name)) rows.back().push_back(std::move(cell));
+                    seen ? view.length(std::sqrt(control.mse)) : "-", seen ? view.length(control.max) : "-"});
+    for (std::string& cell : alone_cells(view, control.name)) rows.back().push_back(std::move(cell));
     if (!linear) continue;
     std::string beside = "-";
     for (const ControlErrors& other : view.linear()->quality->controls)
-      if (other.name == control.name && other.frames > 0) beside = figure_text(std::sqrt(other.mse));
+      if (other.name == control.name && other.frames > 0) beside = view.length(std::sqrt(other.mse));
     rows.back().push_back(beside);
   }
   page.table(rows);

@@ -17,8 +17,13 @@ std::string bytes_text(double bytes) {
   return bytes < 1e6 ? format("%.1f kB", bytes / 1e3) : format("%.2f MB", bytes / 1e6);
 }
 
-std::string figure_of(const Errors& errors, double Errors::*figure) {
-  return errors.frames > 0 ? figure_text(errors.*figure) : "-";
+// The mean squared error, which is no length.
+std::string mse_of(const Errors& errors) {
+  return errors.frames > 0 ? figure_text(errors.mse) : "-";
+}
+
+std::string length_of(const ReportView& view, const Errors& errors, double Errors::*figure) {
+  return errors.frames > 0 ? view.length(errors.*figure) : "-";
 }
 
 // Table 1 of Radzihovsky, de Goes, Meyer, "FaceBaker", SIGGRAPH 2020 Talks: its characters Bob and Helen.
@@ -47,7 +52,7 @@ void add_kinds(Html& page, const ReportView& view) {
       if (several) rows.back().push_back(view.label(m));
       rows.back().push_back(std::to_string(kind.errors.frames));
       for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
-        rows.back().push_back(figure_of(kind.errors, figure));
+        rows.back().push_back(length_of(view, kind.errors, figure));
     }
   page.table(rows);
 }
@@ -66,10 +71,10 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
     const Errors& e = ours.total;
     rows.push_back({"frames measured", std::to_string(e.frames)});
     rows.push_back({"mean squared error / D^2", figure_text(e.mse)});
-    rows.push_back({"root mean square / D", figure_text(e.rms)});
-    rows.push_back({"99 % of vertices are nearer than / D", figure_text(e.p99)});
-    rows.push_back({"worst vertex of all frames / D", figure_text(e.max)});
-    rows.push_back({"worst vertex of a frame, on average / D", figure_text(e.mfm)});
+    rows.push_back({"root mean square / D", view.length(e.rms)});
+    rows.push_back({"99 % of vertices are nearer than / D", view.length(e.p99)});
+    rows.push_back({"worst vertex of all frames / D", view.length(e.max)});
+    rows.push_back({"worst vertex of a frame, on average / D", view.length(e.mfm)});
     if (ours.quality) rows.push_back({"normals, degrees rms", format("%.3f", ours.quality->normal_rms)});
     if (const MethodFigures* linear = view.linear())
       rows.push_back({"mse of linear blendshapes over ours", format("%.3g", linear->total.mse / e.mse)});
@@ -108,11 +113,11 @@ void add_table_1(Html& page, const ReportView& view) {
   }
   for (const MethodFigures* method : shown) {
     rows[0].push_back(view.figures().name + ": " + method->name + " " + method->use);
-    rows[1].push_back(figure_of(method->total, &Errors::mse));
-    rows[2].push_back(figure_of(method->total, &Errors::max));
+    rows[1].push_back(mse_of(method->total));
+    rows[2].push_back(length_of(view, method->total, &Errors::max));
     rows[3].push_back("");
-    rows[4].push_back(figure_of(method->dependency, &Errors::mse));
-    rows[5].push_back(figure_of(method->dependency, &Errors::max));
+    rows[4].push_back(mse_of(method->dependency));
+    rows[5].push_back(length_of(view, method->dependency, &Errors::max));
   }
   page.table(rows);
 }
@@ -125,10 +130,10 @@ void add_methods(Html& page, const ReportView& view) {
                   "archive", "trained numbers", "poses", "seconds"}};
     for (const MethodFigures& m : view.methods()) {
       const Errors& e = m.total;
-      rows.push_back({view.label(m), figure_of(e, &Errors::mse), figure_of(e, &Errors::rms), figure_of(e, &Errors::p99),
-                      figure_of(e, &Errors::max), figure_of(e, &Errors::mfm),
-                      format("%.3g", e.mse / view.ours().total.mse), figure_of(m.dependency, &Errors::mse),
-                      figure_of(m.dependency, &Errors::max), bytes_text(static_cast<double>(m.bytes)),
+      rows.push_back({view.label(m), mse_of(e), length_of(view, e, &Errors::rms), length_of(view, e, &Errors::p99),
+                      length_of(view, e, &Errors::max), length_of(view, e, &Errors::mfm),
+                      format("%.3g", e.mse / view.ours().total.mse), mse_of(m.dependency),
+                      length_of(view, m.dependency, &Errors::max), bytes_text(static_cast<double>(m.bytes)),
                       std::to_string(m.parameters), std::to_string(m.poses), format("%.1f", m.train_seconds)});
     }
     page.table(rows);
@@ -144,10 +149,10 @@ void add_methods(Html& page, const ReportView& view) {
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const Errors& e = clips[c].errors;
     rows.push_back({clips[c].name, clips[c].kind, clips[c].split, std::to_string(e.frames)});
-    for (const MethodFigures& m : view.methods()) rows.back().push_back(figure_of(m.clips.at(c).errors, &Errors::mse));
+    for (const MethodFigures& m : view.methods()) rows.back().push_back(mse_of(m.clips.at(c).errors));
     if (view.methods().size() == 1)
       for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
-        rows.back().push_back(figure_of(e, figure));
+        rows.back().push_back(length_of(view, e, figure));
   }
   if (view.methods().size() == 1) rows[0][4] = "mse";
   page.table(rows);
@@ -170,13 +175,13 @@ void add_smoothness(Html& page, const ReportView& view) {
     const Quality& q = *m.quality;
     const bool border = q.border_edges > 0;
     rows.push_back({view.label(m), format("%.3f deg", q.normal_rms), format("%.3f deg", q.normal_p99),
-                    q.jitter_frames > 0 ? figure_text(q.jitter) : "-", border ? figure_text(q.border_jump) : "-",
-                    figure_text(q.inside_jump), border ? format("%.2f", q.border_jump / q.inside_jump) : "-",
+                    q.jitter_frames > 0 ? view.length(q.jitter) : "-", border ? view.length(q.border_jump) : "-",
+                    view.length(q.inside_jump), border ? format("%.2f", q.border_jump / q.inside_jump) : "-",
                     std::to_string(q.border_edges)});
     const Contact& contact = q.contact;
     const bool touching = contact.pairs > 0;
-    rows.back().push_back(touching ? figure_text(contact.rms) : "-");
-    rows.back().push_back(touching ? figure_text(contact.max) : "-");
+    rows.back().push_back(touching ? view.length(contact.rms) : "-");
+    rows.back().push_back(touching ? view.length(contact.max) : "-");
     rows.back().push_back(
         touching ? format("%.2f %%", 100 * static_cast<double>(contact.open) / static_cast<double>(contact.pairs))
                  : "-");
@@ -212,12 +217,12 @@ void add_locality(Html& page, const ReportView& view) {
   for (const MethodFigures& m : view.methods())
     if (m.locality)
       rows.push_back(
-          {view.label(m), figure_text(m.locality->largest), format("%.1f %%", 100 * m.locality->share_above)});
+          {view.label(m), view.length(m.locality->largest), format("%.1f %%", 100 * m.locality->share_above)});
   page.table(rows);
   if (!view.ours().locality || view.ours().locality->largest == 0) return;
   Rows worst = {{"largest leaks of " + view.label(view.ours()), "leak / D", "vertex"}};
   for (const Leak& leak : view.ours().locality->worst)
-    worst.push_back({leak.control, figure_text(leak.distance), std::to_string(leak.vertex)});
+    worst.push_back({leak.control, view.length(leak.distance), std::to_string(leak.vertex)});
   page.table(worst);
 }
 

@@ -59,6 +59,11 @@ std::string ReportView::region_of(std::size_t vertex) const {
   return "";
 }
 
+std::string ReportView::length(double value) const {
+  if (!std::isfinite(value)) return "-";
+  return figure_text(value) + format("\n%.2g %s", value * figures_->diagonal, figures_->units.c_str());
+}
+
 std::string figure_text(double value) {
   return std::isfinite(value) ? format("%.2e", value) : "-";
 }

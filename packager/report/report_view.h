@@ -27,6 +27,8 @@ class ReportView {
   std::string label(const MethodFigures& method) const;  // "hero", or "hero variant" where there are both uses
   int colour(const MethodFigures& method) const;         // of curves and bars: one a recipe
   bool measured() const { return ours().total.frames > 0; }
+  // A length over D, 1.23e-04, and on a line of its own in the rig's unit; a dash if it is not finite.
+  std::string length(double value) const;
   // The title of the region of ours that a vertex belongs to; "" if there is none.
   std::string region_of(std::size_t vertex) const;
 
@@ -49,6 +51,8 @@ class FramePictures;
 // Sections, in the order of the page; each leaves out what was not measured.
 void add_advice(Html& page, const ReportView& view);
 void add_summary(Html& page, const ReportView& view, const FaceReport& report);
+// How to see the face move, in the browser.
+void add_viewer(Html& page, const FaceReport& report);
 void add_table_1(Html& page, const ReportView& view);
 // Regions and controls, worst frames, error maps, Figures 1 and 3 of the paper; pictures are written into `folder`.
 void add_pictures(Html& page, const ReportView& view, const facebaker::SourceView& source,

@@ -214,12 +214,12 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
                    format("style=\"background:#%02x%02x%02x\"></span>%zu. ", colour.r, colour.g, colour.b, part + 1)));
   }
   CHECK(contains(page, "1. mouth, lower &lt;left&gt;</td><td>jaw, smile</td><td>10</td>"));
-  CHECK(contains(page, "\">moved by</th>"));
+  CHECK(contains(page, "\">moved by</button></th>"));
   CHECK(contains(page, "of the squared error of all regions lies in &quot;mouth, lower &lt;left&gt;&quot;"));
   CHECK(text_of(report + "/regions.png").starts_with("\x89PNG"));
   // Contact that is seen is advice, a picture, and a share of the touching pairs.
   CHECK(contains(page, "What touches in the rig is seen apart or in each other"));
   CHECK(contains(page, "<td>30.00 %</td>"));
-  CHECK(contains(page, "\">gaps opened</th>"));
+  CHECK(contains(page, "\">gaps opened</button></th>"));
   CHECK(text_of(report + "/contact.png").starts_with("\x89PNG"));
 }

@@ -5,6 +5,9 @@ import { AnalysisMesh } from "./analysis_mesh";
 
 export type Look = "shaded" | "wireframe" | "normals" | "colours";
 
+/** For faces whose meshes have no material: skin. */
+const SKIN = { color: 0xd9a58a, roughness: 0.62 };
+
 /** A face in the scene, upright, its diagonal 1, its middle at the origin; shaded as the archive says, or to be examined. */
 export class FaceObject extends Group {
   /** How wide it is at rest, in diagonals. */
@@ -12,19 +15,19 @@ export class FaceObject extends Group {
   readonly #shaded: FaceBakerMesh;
   #analysis: AnalysisMesh | null = null; // made when first looked at
   #look: Look = "shaded";
-  readonly #turned = new Group();
+  readonly #scaled = new Group();
 
   constructor(readonly face: Face) {
     super();
     this.#shaded = new FaceBakerMesh(face);
-    this.#turned.add(this.#shaded);
-    if (face.upAxis === "z") this.#turned.rotation.x = -Math.PI / 2;
-    this.#turned.scale.setScalar(1 / (face.diagonal || 1));
+    if (face.materials.length === 0) this.#shaded.materials.at(-1)?.setValues(SKIN);
+    const size = 1 / (face.diagonal || 1);
     const box = new Box3().setFromArray(face.restPositions);
-    const middle = box.getCenter(new Vector3()).multiplyScalar(1 / (face.diagonal || 1)).applyEuler(this.#turned.rotation);
-    this.#turned.position.copy(middle).negate();
-    this.width = (box.max.x - box.min.x) / (face.diagonal || 1);
-    this.add(this.#turned);
+    this.#scaled.scale.setScalar(size);
+    this.#scaled.position.copy(box.getCenter(new Vector3()).multiplyScalar(-size).applyEuler(this.#shaded.rotation));
+    this.width = (box.max.x - box.min.x) * size;
+    this.#scaled.add(this.#shaded);
+    this.add(this.#scaled);
   }
 
   /** The mesh whose vertices can be coloured; made now if there was none. */
@@ -32,7 +35,8 @@ export class FaceObject extends Group {
     if (!this.#analysis) {
       this.#analysis = new AnalysisMesh(this.face);
       this.#analysis.visible = false;
-      this.#turned.add(this.#analysis);
+      this.#analysis.rotation.copy(this.#shaded.rotation); // the up axis
+      this.#scaled.add(this.#analysis);
     }
     return this.#analysis;
   }

@@ -1,0 +1,52 @@
+#!/bin/sh
+# Tests the viewer and the pages of reports in headless Chromium (Debian's, installed where there is none) by Playwright
+# and axe-core (npm, into build/viewer-test): a face is loaded and posed, 256 random poses of every mesh have the native
+# bits, files that are broken are refused with a message, clips are played, links carry poses, and pages are accessible,
+# wide and narrow, light and dark. Pictures of all of it end up in build/viewer-test/pictures, to be looked at.
+#   samples/viewer/test.sh [FACE.fbk SOURCE]
+# By default a face that is baked here, in about a minute. Environment: FACEBAKER (build/release/bin/facebaker),
+# VIEWER_PAGE (a built viewer; by default it is built), VIEWER_UNTIMED=1 on a machine that others use: the time to the
+# first face is printed and not checked, VIEWER_ONLY (a pattern of tests to run).
+set -eu
+[ $# -eq 0 ] || [ $# -eq 2 ] || { sed -n '2,11s/^# *//p' "$0" >&2; exit 2; }
+here=$(realpath "$(dirname "$0")")
+root=$(realpath "$here/../..")
+tool=$(realpath "${FACEBAKER:-$root/build/release/bin/facebaker}")
+work=$root/build/viewer-test
+mkdir -p "$work"
+
+if ! command -v "${CHROMIUM:-chromium}" >/dev/null; then
+  as_root=
+  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  $as_root apt-get -o DPkg::Lock::Timeout=600 -q install -y --no-install-recommends chromium >&2
+fi
+cp "$here"/tests/*.mjs "$here"/tests/package.json "$work"
+[ -d "$work/node_modules/playwright-core" ] && [ -d "$work/node_modules/axe-core" ] ||
+  (cd "$work" && npm install --ignore-scripts --no-package-lock --no-audit --no-fund) >&2
+
+page=${VIEWER_PAGE:-$root/build/viewer}
+[ -n "${VIEWER_PAGE-}" ] || "$here/build.sh" "$page" >&2
+
+if [ $# -eq 2 ]; then
+  face=$(realpath "$1") source=$2
+else
+  face=$work/face.fbk source=sample
+  [ -f "$face" ] || "$tool" bake sample --recipe compact --poses 600 --epochs 4 --out "$face" >/dev/null
+fi
+library=$(dirname "$tool")/../lib/libfacebaker.so
+PYTHONPATH="$root/bindings/python" FACEBAKER_LIBRARY="${FACEBAKER_LIBRARY:-$library}" \
+  /usr/bin/python3 "$here/tests/dump_poses.py" "$face" 256 "$work/poses"
+
+if [ ! -f "$work/reports/eval/index.html" ]; then
+  mkdir -p "$work/reports"
+  [ -d "$work/data" ] || "$tool" sample sample --poses 60 --clip-budget 48 --out "$work/data" >/dev/null
+  "$tool" compare "$work/data" --methods linear,compact --epochs 1 --report "$work/reports/compare" >/dev/null
+  "$tool" bake "$work/data" --recipe linear --out "$work/small.fbk" --report "$work/reports/bake" >/dev/null
+  "$tool" eval "$work/small.fbk" "$work/data" --report "$work/reports/eval" >/dev/null
+fi
+
+cd "$work"
+export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_POSES="$work/poses" \
+  VIEWER_REPORTS="$work/reports" VIEWER_PICTURES="$work/pictures"
+node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" viewer.test.mjs reports.test.mjs
+echo "pictures: $work/pictures"

@@ -1,0 +1,68 @@
+// A browser and a server for the viewer's tests.
+import { spawn } from "node:child_process";
+import { mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+export const settings = {
+  tool: process.env.FACEBAKER,
+  page: process.env.VIEWER_PAGE,
+  face: process.env.VIEWER_FACE,
+  source: process.env.VIEWER_SOURCE,
+  poses: process.env.VIEWER_POSES,
+  reports: process.env.VIEWER_REPORTS,
+  pictures: process.env.VIEWER_PICTURES,
+};
+
+export function launch() {
+  mkdirSync(settings.pictures, { recursive: true });
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+      "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  });
+}
+
+/** `facebaker view` with these arguments, until stop(). */
+export async function view(...arguments_) {
+  const child = spawn(settings.tool, ["view", "--no-open", "--port", "0", "--page", settings.page, ...arguments_],
+    { stdio: ["ignore", "pipe", "inherit"] });
+  const address = await new Promise((resolve, reject) => {
+    child.stdout.once("data", (text) => resolve(String(text).trim()));
+    child.once("exit", (code) => reject(new Error(`facebaker view ended with ${code}`)));
+  });
+  const ended = new Promise((resolve) => child.once("exit", resolve));
+  return { address, stop: () => (child.kill("SIGINT"), ended) };
+}
+
+/** A page of that size; whatever it logs as an error ends up in `errors`. */
+export async function openPage(browser, address, { width = 1280, height = 800, dark = false, ready = true } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? "dark" : "light" });
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  const page = await context.newPage();
+  const errors = [];
+  page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  page.on("pageerror", (error) => errors.push(String(error)));
+  await page.goto(address);
+  if (ready) await page.waitForFunction(() => globalThis.facebakerViewer?.timing.milliseconds > 0);
+  return { page, errors, close: () => context.close() };
+}
+
+/** Waits until what was asked for is on the screen. */
+export async function settle(page) {
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(resolve)))));
+}
+
+export async function picture(page, name) {
+  await settle(page);
+  await page.screenshot({ path: `${settings.pictures}/${name}.png` });
+}
+
+/** What axe finds, a line each. */
+export async function violations(page) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+  return found.violations.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)} ${failureSummary}`));
+}

@@ -1,0 +1,228 @@
+// The viewer in Chromium. Run by test.sh, which says by the environment what with.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
+
+const SLOWEST_FACE = 1000; // milliseconds
+const POSES = 256;
+
+let browser, server;
+before(async () => {
+  [browser, server] = await Promise.all([launch(), view(settings.face, "--beside", settings.source)]);
+});
+after(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+const controlsOf = (page) => page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.values]);
+const mode = (page, name) => page.getByRole("radio", { name, exact: true }).click();
+
+test("shows the face within a second of the page's start, without an error", async () => {
+  const times = [];
+  for (let run = 0; run < 5; ++run) {
+    const { page, errors, close } = await openPage(browser, server.address);
+    times.push(await page.evaluate(() => globalThis.facebakerViewer.timing.milliseconds));
+    assert.deepEqual(errors, []);
+    await close();
+  }
+  times.sort((a, b) => a - b);
+  console.log(`first face on the screen after ${times.map(Math.round).join(", ")} ms`);
+  if (!process.env.VIEWER_UNTIMED) assert.ok(times[0] < SLOWEST_FACE, `${times[0]} ms`);
+});
+
+test("moves a control by the keyboard, its mirror image with it, and resets it", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  const before = await page.evaluate(() => {
+    const { viewer } = globalThis.facebakerViewer;
+    const index = viewer.pose.partners.findIndex((partner) => partner >= 0);
+    return { index, partner: viewer.pose.partners[index], name: viewer.pose.controls[index].name };
+  });
+  assert.ok(before.index >= 0, "the face has pairs");
+  await page.getByLabel("Search controls").fill(before.name);
+  await page.getByRole("button", { name: "Mirror" }).click();
+  const slider = page.getByLabel(before.name, { exact: true });
+  await slider.focus();
+  for (let press = 0; press < 10; ++press) await page.keyboard.press("ArrowRight");
+  await settle(page);
+  const moved = await controlsOf(page);
+  const rest = await page.evaluate(() => [...globalThis.facebakerViewer.viewer.pose.rest]);
+  assert.ok(moved[before.index] > rest[before.index]);
+  assert.equal(moved[before.partner], moved[before.index]);
+  assert.equal(moved.filter((value, i) => value !== rest[i]).length, 2);
+  await page.getByRole("button", { name: `Reset ${before.name}`, exact: true }).click();
+  await page.getByRole("button", { name: "Reset all" }).click();
+  assert.deepEqual(await controlsOf(page), rest);
+  await close();
+});
+
+test("random poses of every mesh have the native bits", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  await mode(page, "Wireframe");
+  for (const part of ["controls", "positions"])
+    await page.route(`**/poses/${part}`, (route) => route.fulfill({ body: readFileSync(`${settings.poses}.${part}`) }));
+  const result = await page.evaluate(async () => {
+    const [controls, expected] = await Promise.all(["controls", "positions"].map(async (part) =>
+      new Uint32Array(await (await fetch(`/poses/${part}`)).arrayBuffer())));
+    const { viewer } = globalThis.facebakerViewer;
+    const { face, object } = viewer.first;
+    const values = new Float32Array(controls.buffer);
+    const [width, size] = [face.controlCount, 3 * face.vertexCount];
+    const count = controls.length / width;
+    const wrong = [];
+    let moved = 0;
+    for (let pose = 0; pose < count; ++pose) {
+      viewer.pose.assign(values.subarray(pose * width, (pose + 1) * width));
+      viewer.stage.drawNow(performance.now());
+      const shown = new Uint32Array(object.analysis.positions.buffer);
+      for (const mesh of face.meshes)
+        for (let i = 3 * mesh.firstVertex; i < 3 * (mesh.firstVertex + mesh.vertexCount); ++i)
+          if (shown[i] !== expected[pose * size + i]) {
+            wrong.push(`pose ${pose}, mesh "${mesh.name}", number ${i}`);
+            break;
+          }
+      if (object.analysis.positions.some((x, i) => x !== face.restPositions[i])) ++moved;
+    }
+    return { count, wrong: wrong.slice(0, 5), moved };
+  });
+  assert.deepEqual(result, { count: POSES, wrong: [], moved: POSES });
+  await close();
+});
+
+test("says what is wrong with a broken file, and keeps the face", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  const bytes = readFileSync(settings.face);
+  const chooser = page.locator("#files");
+  await chooser.setInputFiles({ name: "cut.fbk", mimeType: "", buffer: bytes.subarray(0, bytes.length - 1000) });
+  await page.getByRole("button", { name: "In place of it" }).click();
+  const message = page.getByRole("alert");
+  await message.waitFor();
+  assert.match(await message.textContent(), /cut\.fbk: .{10}/);
+  await chooser.setInputFiles({ name: "notes.npy", mimeType: "", buffer: Buffer.from("no numbers") });
+  await page.getByText("notes.npy: this is no NumPy file").waitFor();
+  assert.equal(await page.evaluate(() => globalThis.facebakerViewer.viewer.faces.length), 1);
+  await close();
+});
+
+test("plays and scrubs a clip beside the face, with its error", async () => {
+  const { page, errors, close } = await openPage(browser, server.address);
+  await page.getByRole("tab", { name: "Clips" }).click();
+  await page.locator("#clips .clips button").first().click();
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.player.frame > 2);
+  await page.getByRole("button", { name: "Pause" }).click();
+  await mode(page, "Error");
+  await page.getByLabel("Frame").fill("2");
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
+  const { shown, truth } = await page.evaluate(() => {
+    const { viewer } = globalThis.facebakerViewer;
+    const [posed, truth] = [viewer.first.object.analysis.positions, viewer.truePositions()];
+    let largest = 0;
+    for (let v = 0; v < posed.length; v += 3)
+      largest = Math.max(largest, Math.hypot(posed[v] - truth[v], posed[v + 1] - truth[v + 1], posed[v + 2] - truth[v + 2]));
+    return { shown: viewer.errors.max, truth: largest };
+  });
+  assert.ok(Math.abs(shown - truth) < 1e-6 * truth);
+  assert.match(await page.locator("#legend").textContent(), /worst .* D at vertex/);
+  assert.deepEqual(errors, []);
+  await picture(page, "error");
+  await close();
+});
+
+test("reads a take of Live Link Face", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  const name = await page.evaluate(() => globalThis.facebakerViewer.viewer.pose.controls[3].name);
+  const rows = Array.from({ length: 31 }, (_, i) => `10:00:0${Math.floor(i / 30)}:${String(i % 30).padStart(2, "0")}.5,61,${i / 60}`);
+  const csv = [`Timecode,BlendshapeCount,${name}`, ...rows].join("\n");
+  await page.locator("#files").setInputFiles({ name: "take.csv", mimeType: "text/csv", buffer: Buffer.from(csv) });
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.player.clip?.name === "take.csv");
+  const clip = await page.evaluate(() => {
+    const { clip } = globalThis.facebakerViewer.viewer.player;
+    return { fps: clip.fps, frames: clip.frames, value: clip.controls[15 * (clip.controls.length / clip.frames) + 3] };
+  });
+  assert.deepEqual(clip, { fps: 30, frames: 31, value: 0.25 });
+  await close();
+});
+
+test("a link carries pose, mode and camera", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  const set = await page.evaluate(() => {
+    const { viewer } = globalThis.facebakerViewer;
+    viewer.pose.assign(viewer.pose.controls.map(({ minimum, maximum, neutral }, i) =>
+      i % 7 === 0 ? minimum + (maximum - minimum) * Math.random() : neutral));
+    viewer.mode = "normals";
+    viewer.stage.turn(3, 1);
+    return [...viewer.pose.values];
+  });
+  await page.getByRole("button", { name: "Share pose" }).click();
+  const address = await page.evaluate(() => navigator.clipboard.readText());
+  const camera = await page.evaluate(() => globalThis.facebakerViewer.viewer.stage.view);
+  await close();
+  const other = await openPage(browser, address);
+  await other.page.waitForFunction(() => globalThis.facebakerViewer.viewer.mode === "normals");
+  assert.deepEqual(await controlsOf(other.page), set);
+  const seen = await other.page.evaluate(() => globalThis.facebakerViewer.viewer.stage.view);
+  camera.forEach((x, i) => assert.ok(Math.abs(x - seen[i]) < 0.01));
+  await other.close();
+});
+
+test("shows two archives side by side, and their difference", async () => {
+  const two = await view(settings.face, settings.face);
+  const { page, errors, close } = await openPage(browser, two.address);
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.faces.length === 2);
+  await mode(page, "Difference");
+  await page.evaluate(() => {
+    const { pose } = globalThis.facebakerViewer.viewer;
+    pose.set(3, pose.controls[3].maximum);
+  });
+  await settle(page);
+  assert.equal(await page.evaluate(() => globalThis.facebakerViewer.viewer.errors.max), 0);
+  assert.deepEqual(errors, []);
+  await mode(page, "Shaded");
+  await picture(page, "side_by_side");
+  await close();
+  await two.stop();
+});
+
+for (const [name, size] of [["wide", { width: 1280, height: 800 }], ["narrow", { width: 390, height: 844 }]])
+  for (const dark of [false, true])
+    test(`is accessible: ${name}, ${dark ? "dark" : "light"}`, async () => {
+      const { page, close } = await openPage(browser, server.address, { ...size, dark });
+      const label = `${name}_${dark ? "dark" : "light"}`;
+      await page.evaluate(() => {
+        const { viewer } = globalThis.facebakerViewer;
+        const frames = viewer.clips[0];
+        const width = viewer.pose.values.length;
+        viewer.pose.assign(frames.controls.subarray(Math.floor(frames.frames / 2) * width, (Math.floor(frames.frames / 2) + 1) * width));
+      });
+      await picture(page, label);
+      assert.deepEqual(await violations(page), []);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing sticks out");
+      for (const look of ["Expected error", "Regions", "Wireframe"]) {
+        const button = page.getByRole("radio", { name: look, exact: true });
+        if (await button.isDisabled()) continue;
+        await button.click();
+        await picture(page, `${label}_${look.toLowerCase().replace(" ", "_")}`);
+        assert.deepEqual(await violations(page), [], look);
+      }
+      for (const tab of ["Clips", "About"]) {
+        await page.getByRole("tab", { name: tab }).click();
+        if (tab === "Clips") await page.locator("#clips .clips button").first().click();
+        await picture(page, `${label}_${tab.toLowerCase()}`);
+        assert.deepEqual(await violations(page), [], tab);
+      }
+      await page.getByRole("button", { name: "Keys and mouse" }).click();
+      await picture(page, `${label}_keys`);
+      assert.deepEqual(await violations(page), [], "keys");
+      await close();
+    });
+
+test("greets where there is no face", async () => {
+  const { page, close } = await openPage(browser, `${server.address}?face=none.fbk`, { ready: false });
+  await page.getByRole("alert").waitFor();
+  await page.getByRole("heading", { name: "Drop a face here" }).waitFor();
+  await picture(page, "welcome");
+  assert.deepEqual(await violations(page), []);
+  await close();
+});
