@@ -34,7 +34,7 @@ mono "$work/layouts.exe" | sort > "$work/mono.layout"
 diff "$work/c.layout" "$work/mono.layout"
 echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C compiler"
 
-$cc $package/tests/dump_poses.c -o "$work/dump_poses" -L"$build/lib" -lfacebaker
+$cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" -L"$build/lib" -lfacebaker
 $cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" -L"$build/lib" -lfacebaker
 mkdir "$work/poses"
 for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk; do

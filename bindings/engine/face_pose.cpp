@@ -1,0 +1,77 @@
+#include "face_pose.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace facebaker::engine {
+
+FacePose::FacePose(const Model& model) : model_(model), scratch_(model), controls_(model.rest_controls()) {
+  pose();
+  previous_ = current_;
+}
+
+bool FacePose::set_control(std::uint32_t index, float value) {
+  if (index >= controls_.size()) return false;
+  // NaN differs from itself, and so is reported by every pose until it is gone.
+  if (controls_[index] != value) changed_ = true;
+  controls_[index] = value;
+  return true;
+}
+
+bool FacePose::set_controls(const float* values, std::size_t count) {
+  if (count != controls_.size()) return false;
+  for (std::uint32_t i = 0; i < count; ++i) set_control(i, values[i]);
+  return true;
+}
+
+void FacePose::set_lod(float lod) {
+  changed_ = changed_ || lod != lod_;
+  lod_ = lod;
+}
+
+// One that nobody reads: only frames_ holds it. Another thread that let go of it has read it before.
+std::shared_ptr<PosedFrame> FacePose::free_frame() {
+  const auto found =
+      std::find_if(frames_.begin(), frames_.end(), [](const auto& frame) { return frame.use_count() == 1; });
+  if (found != frames_.end()) {
+    std::atomic_thread_fence(std::memory_order_acquire);
+    return *found;
+  }
+  const auto frame = std::make_shared<PosedFrame>();
+  const std::size_t numbers = 3 * static_cast<std::size_t>(model_.vertex_count());
+  frame->positions.resize(numbers);
+  frame->normals.resize(numbers);
+  if (fb_tangent_signs(model_.get())) frame->tangents.resize(numbers);
+  frames_.push_back(frame);
+  return frame;
+}
+
+bool FacePose::pose() {
+  if (!changed_) {
+    previous_ = current_;
+    return false;
+  }
+  const std::shared_ptr<PosedFrame> frame = free_frame();
+  fb_batch_desc batch;
+  fb_batch_desc_init(&batch);
+  batch.poses = 1;
+  batch.controls = controls_.data();
+  batch.control_floats = controls_.size();
+  batch.positions = frame->positions.data();
+  batch.position_floats = frame->positions.size();
+  batch.normals = frame->normals.data();
+  batch.normal_numbers = frame->normals.size();
+  batch.tangents = frame->tangents.empty() ? nullptr : frame->tangents.data();
+  batch.tangent_numbers = frame->tangents.size();
+  batch.bounds = frame->bounds.data();
+  batch.bounds_floats = frame->bounds.size();
+  batch.lod = lod_;
+  scratch_.evaluate(batch);
+  frame->number = current_ ? current_->number + 1 : 1;
+  previous_ = current_;
+  current_ = frame;
+  changed_ = false;
+  return true;
+}
+
+}  // namespace facebaker::engine

@@ -1,0 +1,69 @@
+/** @file
+ * One character in an engine: control values, and its poses as frames that other threads read. What the bindings of
+ * Godot and Unreal share; C++17, on the public headers alone.
+ */
+#ifndef FACEBAKER_ENGINE_FACE_POSE_H
+#define FACEBAKER_ENGINE_FACE_POSE_H
+
+#include <facebaker/facebaker.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace facebaker::engine {
+
+/** A pose as the archive has it: its axes, units and order of vertices. */
+struct PosedFrame {
+  std::vector<float> positions;   ///< 3 x vertices, xyz interleaved
+  std::vector<float> normals;     ///< 3 x vertices, of unit length
+  std::vector<float> tangents;    ///< 3 x vertices, of unit length; empty for a face without texture coordinates
+  std::array<float, 6> bounds{};  ///< smallest x, y and z, then the largest
+  std::uint64_t number = 0;       ///< 1 for the first pose, and one more for each that differs from the last
+};
+
+/** Poses a face. Of one thread at a time; the frames that it gives out never change and may be read by any thread, for
+ * as long as it holds them. Frames that nobody holds are used again, so posing allocates nothing once there are as many
+ * as readers hold at a time. Any number of FacePoses may share one Model. */
+class FacePose {
+ public:
+  /** At rest. `model` is shared. Throws Error where memory is short. */
+  explicit FacePose(const Model& model);
+
+  /** The face. */
+  const Model& model() const { return model_; }
+  /** Control values, model().control_count() of them. */
+  const std::vector<float>& controls() const { return controls_; }
+  /** Sets a control; false if there is none at `index`. What is out of its range is clamped when it poses. */
+  bool set_control(std::uint32_t index, float value);
+  /** Sets all controls; false unless `count` is their number. */
+  bool set_controls(const float* values, std::size_t count);
+  /** Level of detail, see fb_batch_desc::lod. */
+  void set_lod(float lod);
+
+  /** To be called once a frame. Where something was set since the last call, evaluates a new current frame; the one
+   * before becomes the previous one. Otherwise the previous frame becomes the current one, too: nothing moves. Returns
+   * whether there is a new frame. Throws Error on NaN, naming the control; frames stay as they are. */
+  bool pose();
+  /** The last pose; the rest pose before the first call of pose(). */
+  std::shared_ptr<const PosedFrame> current() const { return current_; }
+  /** That of the frame before, for motion vectors. */
+  std::shared_ptr<const PosedFrame> previous() const { return previous_; }
+
+ private:
+  std::shared_ptr<PosedFrame> free_frame();
+
+  Model model_;
+  Scratch scratch_;
+  std::vector<float> controls_;
+  float lod_ = 0;
+  bool changed_ = true;
+  std::shared_ptr<PosedFrame> current_, previous_;
+  std::vector<std::shared_ptr<PosedFrame>> frames_;  // all there are
+};
+
+}  // namespace facebaker::engine
+
+#endif

@@ -1,0 +1,54 @@
+/** @file
+ * Meshes of a face as renderers take them: triangles, a vertex for each pair of position and texture coordinate, in an
+ * engine's axes and units. C++17, on the public headers alone.
+ */
+#ifndef FACEBAKER_ENGINE_RENDER_SURFACES_H
+#define FACEBAKER_ENGINE_RENDER_SURFACES_H
+
+#include <facebaker/facebaker.hpp>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace facebaker::engine {
+
+/** From the axes and units of an archive to those of an engine. */
+struct Axes {
+  std::array<int, 3> from{0, 1, 2};    ///< which of the archive's axes becomes x, y and z
+  std::array<float, 3> sign{1, 1, 1};  ///< 1, or -1 where it is negated
+  float scale = 1;                     ///< of lengths
+  bool turn_triangles = false;         ///< corners are listed the other way round
+  bool v_down = false;                 ///< v grows downwards, from the upper edge of the image
+  float tangent_sign = 1;              ///< factor of fb_tangent_signs
+
+  /** Converts a position. `to` may not be `position`. */
+  void convert_position(const float* position, float* to) const;
+  /** Converts a direction. `to` may not be `direction`. */
+  void convert_direction(const float* direction, float* to) const;
+};
+
+/** Metres of a unit (mm, cm, dm, m, in, ft); 1 for one that is not known. */
+float metres_per(const char* units);
+/** Godot 3 and 4: right-handed, y up, metres; front faces are clockwise, v grows downwards. `metres` false: lengths
+ * are the archive's. */
+Axes axes_of_godot(const Model& model, bool metres);
+/** Unreal: left-handed, z up, centimetres, looking along y; v grows downwards, and so do bitangents. */
+Axes axes_of_unreal(const Model& model);
+
+/** The polygons of a mesh that have one material, or none. Immutable. */
+struct RenderSurface {
+  std::uint32_t mesh = 0;              ///< index of its mesh
+  std::uint32_t material = 0;          ///< index of its material, or FB_NO_MATERIAL
+  std::vector<std::uint32_t> sources;  ///< for each vertex, the face's
+  std::vector<float> uvs;              ///< 2 a vertex; empty for a face without texture coordinates
+  std::vector<float> tangent_signs;    ///< 1 a vertex, or empty likewise: bitangent = sign * cross(normal, tangent)
+  std::vector<std::uint32_t> indices;  ///< of vertices, 3 a triangle; polygons are fans
+};
+
+/** Every run of polygons of every mesh, in their order. Throws Error. */
+std::vector<RenderSurface> render_surfaces(const Model& model, const Axes& axes);
+
+}  // namespace facebaker::engine
+
+#endif

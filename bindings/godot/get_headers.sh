@@ -1,0 +1,27 @@
+#!/bin/sh
+# Puts the headers of GDNative (Godot 3.2.3) into a folder, from Debian's source package of Godot, without changing what apt
+# knows of the system.
+#   bindings/godot/get_headers.sh DIR
+set -eu
+[ $# -eq 1 ] || { echo "usage: bindings/godot/get_headers.sh DIR" >&2; exit 2; }
+out=$(realpath -m "$1")
+[ ! -e "$out" ] || { echo "get_headers.sh: $out exists already" >&2; exit 1; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+mkdir -p lists/partial
+echo "deb-src http://deb.debian.org/debian ${DEBIAN_SUITE:-bookworm} main" > sources.list
+apt="apt-get -q -o APT::Sandbox::User=root -o Dir::Etc::SourceList=$work/sources.list -o Dir::Etc::SourceParts=/dev/null
+  -o Dir::State::Lists=$work/lists"
+$apt update > log 2>&1 && $apt source --download-only godot >> log 2>&1 || { cat log >&2; exit 1; }
+tar xzf godot_*.orig.tar.gz --wildcards '*/modules/gdnative/include/*' '*/modules/gdnative/gdnative_api.json' \
+  '*/modules/gdnative/gdnative_builders.py' '*/platform_methods.py'
+gdnative=$(echo "$work"/godot-*/modules/gdnative)
+# Godot's own script writes the header that its build would.
+PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$gdnative:$(dirname "$(dirname "$gdnative")") python3 -c '
+import sys
+import gdnative_builders
+gdnative_builders.build_gdnative_api_struct([sys.argv[2], sys.argv[2] + ".unused"], [sys.argv[1]], None)
+' "$gdnative/gdnative_api.json" "$gdnative/include/gdnative_api_struct.gen.h"
+mkdir -p "$(dirname "$out")"
+mv "$gdnative/include" "$out"

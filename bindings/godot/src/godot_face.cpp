@@ -1,0 +1,379 @@
+#include "godot_face.h"
+
+#include <facebaker/facebaker_character.h>
+
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "../../engine/face_pose.h"
+#include "../../engine/render_surfaces.h"
+
+namespace facebaker::godot {
+
+struct GodotFace::State {
+  std::optional<engine::FacePose> pose;
+  engine::Axes axes;
+  std::vector<engine::RenderSurface> surfaces;
+  bool metres = true;
+  std::string last_error;
+  std::vector<float> floats;  // of the last result
+  std::vector<std::int32_t> integers;
+};
+
+namespace {
+
+using State = GodotFace::State;
+
+Value of_bool(bool value) {
+  Value made;
+  made.kind = Kind::boolean;
+  made.integer = value;
+  return made;
+}
+
+Value of_integer(std::int64_t value) {
+  Value made;
+  made.kind = Kind::integer;
+  made.integer = value;
+  return made;
+}
+
+Value of_real(double value) {
+  Value made;
+  made.kind = Kind::real;
+  made.real = value;
+  return made;
+}
+
+Value of_text(const char* text) {
+  Value made;
+  made.kind = Kind::text;
+  if (text) made.text = text;
+  return made;
+}
+
+Value of_array(Kind kind, const void* data, std::size_t count) {
+  Value made;
+  made.kind = kind;
+  made.data = data;
+  made.count = count;
+  return made;
+}
+
+engine::FacePose& posed(State& state) {
+  if (!state.pose) throw std::runtime_error("no face is loaded");
+  return *state.pose;
+}
+
+const fb_model* model_of(State& state) {
+  return posed(state).model().get();
+}
+
+// An index from a script; throws by name where there are not so many.
+std::uint32_t index_of(std::int64_t index, std::size_t count, const char* what) {
+  if (index < 0 || static_cast<std::uint64_t>(index) >= count)
+    throw std::runtime_error(std::string(what) + " " + std::to_string(index) + " is not one of " +
+                             std::to_string(count));
+  return static_cast<std::uint32_t>(index);
+}
+
+fb_control control_at(GodotFace& face, const Value& index) {
+  const Model& model = posed(*face.state).model();
+  return model.control(index_of(index.integer, model.control_count(), "control"));
+}
+
+const engine::RenderSurface& surface_at(GodotFace& face, const Value& index) {
+  posed(*face.state);
+  const auto& surfaces = face.state->surfaces;
+  return surfaces[index_of(index.integer, surfaces.size(), "surface")];
+}
+
+fb_material material_at(GodotFace& face, const Value& index) {
+  const fb_model* model = model_of(*face.state);
+  fb_material material;
+  fb_material_init(&material);
+  check(fb_material_at(model, index_of(index.integer, fb_material_count(model), "material"), &material));
+  return material;
+}
+
+void make_surfaces(State& state) {
+  const Model& model = posed(state).model();
+  state.axes = engine::axes_of_godot(model, state.metres);
+  state.surfaces = engine::render_surfaces(model, state.axes);
+}
+
+// Converts a vector of the face for each vertex of a surface, into the face's buffer.
+Value surface_vectors(GodotFace& face, const Value& index, const std::vector<float>& vectors,
+                      void (engine::Axes::*convert)(const float*, float*) const) {
+  const engine::RenderSurface& surface = surface_at(face, index);
+  std::vector<float>& out = face.state->floats;
+  out.resize(3 * surface.sources.size());
+  for (std::size_t i = 0; i < surface.sources.size(); ++i)
+    (face.state->axes.*convert)(vectors.data() + 3 * static_cast<std::size_t>(surface.sources[i]), out.data() + 3 * i);
+  return of_array(Kind::vectors3, out.data(), surface.sources.size());
+}
+
+// ---- Methods: contents
+
+Value load_bytes(GodotFace& face, const Value* arguments) {
+  State& state = *face.state;
+  try {
+    state.pose.emplace(Model(arguments[0].data, arguments[0].count));
+    make_surfaces(state);
+    return of_text("");
+  } catch (const Error& error) {
+    state.pose.reset();
+    state.surfaces.clear();
+    return of_text(error.what());
+  }
+}
+
+Value find_control(GodotFace& face, const Value* arguments) {
+  std::uint32_t index = 0;
+  const fb_status status = fb_find_control(model_of(*face.state), arguments[0].text.c_str(), &index);
+  if (status == FB_OK) return of_integer(index);
+  face.state->last_error = fb_last_error();
+  return of_integer(-1);
+}
+
+Value control_mirror(GodotFace& face, const Value* arguments) {
+  const std::uint32_t mirror = control_at(face, arguments[0]).mirror;
+  return of_integer(mirror == FB_NO_CONTROL ? -1 : static_cast<std::int64_t>(mirror));
+}
+
+Value mesh_name(GodotFace& face, const Value* arguments) {
+  const fb_model* model = model_of(*face.state);
+  fb_mesh mesh;
+  fb_mesh_init(&mesh);
+  check(fb_mesh_at(model, index_of(arguments[0].integer, fb_mesh_count(model), "mesh"), &mesh));
+  return of_text(mesh.name);
+}
+
+Value material_colour(GodotFace& face, const Value* arguments) {
+  const fb_material material = material_at(face, arguments[0]);
+  face.state->floats.assign(material.base_colour, material.base_colour + 4);
+  return of_array(Kind::floats, face.state->floats.data(), 4);
+}
+
+// ---- Methods: posing
+
+// 1: a new pose; 0: the last one still holds; -1: it failed, see last_error.
+Value pose(GodotFace& face, const Value*) {
+  try {
+    return of_integer(posed(*face.state).pose() ? 1 : 0);
+  } catch (const Error& error) {
+    face.state->last_error = error.what();
+    return of_integer(-1);
+  }
+}
+
+Value set_control(GodotFace& face, const Value* arguments) {
+  engine::FacePose& state = posed(*face.state);
+  state.set_control(index_of(arguments[0].integer, state.controls().size(), "control"),
+                    static_cast<float>(arguments[1].real));
+  return {};
+}
+
+Value get_control(GodotFace& face, const Value* arguments) {
+  const std::vector<float>& controls = posed(*face.state).controls();
+  return of_real(controls[index_of(arguments[0].integer, controls.size(), "control")]);
+}
+
+Value set_controls(GodotFace& face, const Value* arguments) {
+  engine::FacePose& state = posed(*face.state);
+  if (!state.set_controls(static_cast<const float*>(arguments[0].data), arguments[0].count))
+    throw std::runtime_error("a pose of " + std::to_string(arguments[0].count) + " values; the face has " +
+                             std::to_string(state.controls().size()) + " controls");
+  return {};
+}
+
+Value get_controls(GodotFace& face, const Value*) {
+  const std::vector<float>& controls = posed(*face.state).controls();
+  return of_array(Kind::floats, controls.data(), controls.size());
+}
+
+Value set_lod(GodotFace& face, const Value* arguments) {
+  posed(*face.state).set_lod(static_cast<float>(arguments[0].real));
+  return {};
+}
+
+Value set_metres(GodotFace& face, const Value* arguments) {
+  face.state->metres = arguments[0].integer != 0;
+  if (face.state->pose) make_surfaces(*face.state);
+  return {};
+}
+
+Value positions(GodotFace& face, const Value*) {
+  const auto frame = posed(*face.state).current();
+  face.state->floats = frame->positions;
+  return of_array(Kind::vectors3, face.state->floats.data(), face.state->floats.size() / 3);
+}
+
+// The smallest and the largest corner, converted.
+Value bounds(GodotFace& face, const Value*) {
+  const auto frame = posed(*face.state).current();
+  std::vector<float>& out = face.state->floats;
+  out.resize(6);
+  face.state->axes.convert_position(frame->bounds.data(), out.data());
+  face.state->axes.convert_position(frame->bounds.data() + 3, out.data() + 3);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (out[i] > out[i + 3]) std::swap(out[i], out[i + 3]);
+  return of_array(Kind::vectors3, out.data(), 2);
+}
+
+// ---- Methods: surfaces
+
+Value surface_material(GodotFace& face, const Value* arguments) {
+  const std::uint32_t material = surface_at(face, arguments[0]).material;
+  return of_integer(material == FB_NO_MATERIAL ? -1 : static_cast<std::int64_t>(material));
+}
+
+Value integers_of(GodotFace& face, const std::vector<std::uint32_t>& numbers) {
+  face.state->integers.assign(numbers.begin(), numbers.end());
+  return of_array(Kind::integers, face.state->integers.data(), numbers.size());
+}
+
+Value surface_vertices(GodotFace& face, const Value* arguments) {
+  return surface_vectors(face, arguments[0], posed(*face.state).current()->positions, &engine::Axes::convert_position);
+}
+
+Value surface_normals(GodotFace& face, const Value* arguments) {
+  return surface_vectors(face, arguments[0], posed(*face.state).current()->normals, &engine::Axes::convert_direction);
+}
+
+// Four floats a vertex, as Godot has them: the tangent and the sign of the bitangent; none without texture coordinates.
+Value surface_tangents(GodotFace& face, const Value* arguments) {
+  const engine::RenderSurface& surface = surface_at(face, arguments[0]);
+  const auto frame = posed(*face.state).current();
+  std::vector<float>& out = face.state->floats;
+  out.resize(4 * surface.tangent_signs.size());
+  for (std::size_t i = 0; i < surface.tangent_signs.size(); ++i) {
+    face.state->axes.convert_direction(frame->tangents.data() + 3 * static_cast<std::size_t>(surface.sources[i]),
+                                       out.data() + 4 * i);
+    out[4 * i + 3] = surface.tangent_signs[i];
+  }
+  return of_array(Kind::floats, out.data(), out.size());
+}
+
+Value surface_uvs(GodotFace& face, const Value* arguments) {
+  const std::vector<float>& uvs = surface_at(face, arguments[0]).uvs;
+  return of_array(Kind::vectors2, uvs.data(), uvs.size() / 2);
+}
+
+// The vertex buffer of Godot 3 for a surface without compression: position, normal, and with texture coordinates the
+// tangent, its sign and the coordinates, interleaved.
+Value surface_bytes(GodotFace& face, const Value* arguments) {
+  const engine::RenderSurface& surface = surface_at(face, arguments[0]);
+  const auto frame = posed(*face.state).current();
+  const engine::Axes& axes = face.state->axes;
+  std::vector<float>& out = face.state->floats;
+  const std::size_t stride = surface.uvs.empty() ? 6 : 12;
+  out.resize(stride * surface.sources.size());
+  for (std::size_t i = 0; i < surface.sources.size(); ++i) {
+    const std::size_t from = 3 * static_cast<std::size_t>(surface.sources[i]);
+    float* to = out.data() + stride * i;
+    axes.convert_position(frame->positions.data() + from, to);
+    axes.convert_direction(frame->normals.data() + from, to + 3);
+    if (surface.uvs.empty()) continue;
+    axes.convert_direction(frame->tangents.data() + from, to + 6);
+    to[9] = surface.tangent_signs[i];
+    to[10] = surface.uvs[2 * i];
+    to[11] = surface.uvs[2 * i + 1];
+  }
+  return of_array(Kind::bytes, out.data(), out.size() * sizeof(float));
+}
+
+}  // namespace
+
+const std::vector<Method>& methods() {
+  using Call = Value (*)(GodotFace&, const Value*);
+  const Call control_name = [](GodotFace& f, const Value* a) { return of_text(control_at(f, *a).name); };
+  const Call control_group = [](GodotFace& f, const Value* a) { return of_text(control_at(f, *a).group); };
+  const Call control_minimum = [](GodotFace& f, const Value* a) { return of_real(control_at(f, *a).minimum); };
+  const Call control_maximum = [](GodotFace& f, const Value* a) { return of_real(control_at(f, *a).maximum); };
+  const Call control_rest = [](GodotFace& f, const Value* a) { return of_real(control_at(f, *a).rest); };
+  const Call control_count = [](GodotFace& f, const Value*) {
+    return of_integer(fb_control_count(model_of(*f.state)));
+  };
+  const Call vertex_count = [](GodotFace& f, const Value*) { return of_integer(fb_vertex_count(model_of(*f.state))); };
+  const Call mesh_count = [](GodotFace& f, const Value*) { return of_integer(fb_mesh_count(model_of(*f.state))); };
+  const Call material_count = [](GodotFace& f, const Value*) {
+    return of_integer(fb_material_count(model_of(*f.state)));
+  };
+  const Call material_name = [](GodotFace& f, const Value* a) { return of_text(material_at(f, *a).name); };
+  const Call face_name = [](GodotFace& f, const Value*) { return of_text(fb_name(model_of(*f.state))); };
+  const Call units = [](GodotFace& f, const Value*) { return of_text(fb_units(model_of(*f.state))); };
+  const Call up_axis = [](GodotFace& f, const Value*) { return of_text(fb_up_axis(model_of(*f.state))); };
+  const Call last_error = [](GodotFace& f, const Value*) { return of_text(f.state->last_error.c_str()); };
+  const Call is_loaded = [](GodotFace& f, const Value*) { return of_bool(f.state->pose.has_value()); };
+  const Call version = [](GodotFace&, const Value*) { return of_text(fb_version_string()); };
+  const Call surface_count = [](GodotFace& f, const Value*) {
+    return of_integer(static_cast<std::int64_t>(f.state->surfaces.size()));
+  };
+  const Call surface_mesh = [](GodotFace& f, const Value* a) { return of_integer(surface_at(f, *a).mesh); };
+  const Call surface_sources = [](GodotFace& f, const Value* a) { return integers_of(f, surface_at(f, *a).sources); };
+  const Call surface_indices = [](GodotFace& f, const Value* a) { return integers_of(f, surface_at(f, *a).indices); };
+  static const std::vector<Method> all = {
+      {"load_bytes", {Kind::bytes}, Kind::text, load_bytes},
+      {"is_loaded", {}, Kind::boolean, is_loaded},
+      {"library_version", {}, Kind::text, version},
+      {"last_error", {}, Kind::text, last_error},
+      {"face_name", {}, Kind::text, face_name},
+      {"units", {}, Kind::text, units},
+      {"up_axis", {}, Kind::text, up_axis},
+      {"vertex_count", {}, Kind::integer, vertex_count},
+      {"mesh_count", {}, Kind::integer, mesh_count},
+      {"mesh_name", {Kind::integer}, Kind::text, mesh_name},
+      {"material_count", {}, Kind::integer, material_count},
+      {"material_name", {Kind::integer}, Kind::text, material_name},
+      {"material_colour", {Kind::integer}, Kind::floats, material_colour},
+      {"control_count", {}, Kind::integer, control_count},
+      {"control_name", {Kind::integer}, Kind::text, control_name},
+      {"control_group", {Kind::integer}, Kind::text, control_group},
+      {"control_minimum", {Kind::integer}, Kind::real, control_minimum},
+      {"control_maximum", {Kind::integer}, Kind::real, control_maximum},
+      {"control_rest", {Kind::integer}, Kind::real, control_rest},
+      {"control_mirror", {Kind::integer}, Kind::integer, control_mirror},
+      {"find_control", {Kind::text}, Kind::integer, find_control},
+      {"set_control", {Kind::integer, Kind::real}, Kind::nothing, set_control},
+      {"get_control", {Kind::integer}, Kind::real, get_control},
+      {"set_controls", {Kind::floats}, Kind::nothing, set_controls},
+      {"get_controls", {}, Kind::floats, get_controls},
+      {"set_lod", {Kind::real}, Kind::nothing, set_lod},
+      {"set_metres", {Kind::boolean}, Kind::nothing, set_metres},
+      {"pose", {}, Kind::integer, pose},
+      {"positions", {}, Kind::vectors3, positions},
+      {"bounds", {}, Kind::vectors3, bounds},
+      {"surface_count", {}, Kind::integer, surface_count},
+      {"surface_mesh", {Kind::integer}, Kind::integer, surface_mesh},
+      {"surface_material", {Kind::integer}, Kind::integer, surface_material},
+      {"surface_sources", {Kind::integer}, Kind::integers, surface_sources},
+      {"surface_indices", {Kind::integer}, Kind::integers, surface_indices},
+      {"surface_vertices", {Kind::integer}, Kind::vectors3, surface_vertices},
+      {"surface_normals", {Kind::integer}, Kind::vectors3, surface_normals},
+      {"surface_tangents", {Kind::integer}, Kind::floats, surface_tangents},
+      {"surface_uvs", {Kind::integer}, Kind::vectors2, surface_uvs},
+      {"surface_bytes", {Kind::integer}, Kind::bytes, surface_bytes},
+  };
+  return all;
+}
+
+GodotFace::GodotFace() : state(std::make_unique<State>()) {}
+GodotFace::~GodotFace() = default;
+
+Value GodotFace::call(const Method& method, const Value* arguments, std::string& error) noexcept {
+  error.clear();
+  try {
+    return method.call(*this, arguments);
+  } catch (const std::exception& exception) {
+    try {
+      error = std::string("FaceBakerFace.") + method.name + ": " + exception.what();
+    } catch (...) {
+      error.clear();
+    }
+    return {};
+  }
+}
+
+}  // namespace facebaker::godot

@@ -1,0 +1,50 @@
+#!/bin/sh
+# Builds the GDNative module for Godot 3.x and runs a scene in godot3-server, which it installs (Debian) where there is none:
+# positions against the C interface's, bit for bit, errors, signals, sliders. GDNative's headers are taken from Debian's source
+# package of Godot (22 MB), or from the folder --headers names. With --gdextension HEADER (gdextension_interface.h of Godot
+# 4.2 or later) it also compiles the module for Godot 4, which is not run. Takes a minute.
+#   bindings/godot/test.sh [--headers DIR] [--gdextension HEADER] [BUILD]
+set -eu
+cd "$(dirname "$0")/../.."
+headers= extension=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --headers) headers=$(realpath "$2"); shift ;;
+    --gdextension) extension=$(realpath "$2"); shift ;;
+    -*) echo "usage: bindings/godot/test.sh [--headers DIR] [--gdextension HEADER] [BUILD]" >&2; exit 2 ;;
+    *) break ;;
+  esac
+  shift
+done
+build=$(realpath "${1:-build/release}")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+if ! command -v godot3-server > /dev/null; then
+  as_root=
+  [ "$(id -u)" -eq 0 ] || as_root=sudo
+  $as_root apt-get -o DPkg::Lock::Timeout=600 -q update
+  $as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -o DPkg::Lock::Timeout=600 -q install -y --no-install-recommends godot3-server
+fi
+[ -n "$headers" ] || { bindings/godot/get_headers.sh "$work/headers"; headers=$work/headers; }
+
+bindings/godot/build_addon.sh --godot 3 --headers "$headers" --libraries "$build/lib" --out "$work/addon"
+project=$work/project
+cp -r bindings/godot/tests/project "$project"
+mkdir "$project/addons" "$project/faces"
+mv "$work/addon" "$project/addons/facebaker"
+${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include bindings/engine/tests/dump_poses.c -o "$work/dump_poses" \
+  -L"$build/lib" -lfacebaker
+for face in "$build"/fixtures/*.fbk; do
+  cp "$face" "$project/faces/"
+  LD_LIBRARY_PATH=$build/lib "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
+done
+cp "$build/golden/rejected/corrupt-bit.fbk" "$project/faces/broken.bin"
+export HOME="$work/home" LANG=en_GB.UTF-8 OMP_WAIT_POLICY=PASSIVE
+mkdir -p "$HOME/.local/share" "$HOME/.config" "$HOME/.cache"
+timeout 90 godot3-server --path "$project" || { echo "the scene failed" >&2; exit 1; }
+
+[ -z "$extension" ] || {
+  bindings/godot/build_addon.sh --godot 4 --headers "$(dirname "$extension")" --libraries "$build/lib" --out "$work/addon4"
+  echo "the module for Godot 4 compiles; it was not run"
+}

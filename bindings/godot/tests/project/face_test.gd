@@ -1,0 +1,180 @@
+extends Spatial
+# Poses the face of the scene, and every other one in faces/, and compares positions with those that dump_poses has written
+# beside them by the C interface. Ends the process with 0 only if every check held.
+
+const FaceBakerMesh = preload("res://addons/facebaker/face_baker_mesh.gd")
+
+var failures := 0
+var checks := 0
+var signals := {}
+
+
+func _ready() -> void:
+	_check_scene()
+	var compared := 0
+	var folder := Directory.new()
+	folder.open("res://faces")
+	folder.list_dir_begin(true, true)
+	var name := folder.get_next()
+	while name != "":
+		if name.ends_with(".fbk"):
+			_compare("res://faces/" + name.get_basename())
+			compared += 1
+		name = folder.get_next()
+	_that(compared >= 4, "there are several faces")
+	_check_errors()
+	_check_properties()
+	_time()
+	print("%d checks of %d faces, %d failed" % [checks, compared, failures])
+	get_tree().quit(0 if failures == 0 and checks > 100 else 1)
+
+
+func _that(holds: bool, what: String) -> void:
+	checks += 1
+	if not holds:
+		failures += 1
+		printerr("not so: " + what)
+
+
+# The face that the scene file names is loaded, posed by its script and shown.
+func _check_scene() -> void:
+	var node: MeshInstance = $Face
+	_that(node.face != null, "the scene's face is loaded")
+	_that(node.mesh.get_surface_count() == node.face.surface_count(), "it has its surfaces")
+	_that(node.face.mesh_count() > 1, "of several meshes")
+	var before := var2bytes(node.face.positions())
+	_that(node.set_control(node.face.control_name(0), node.face.control_maximum(0)), "a control is set by its name")
+	node.update_pose()
+	_that(var2bytes(node.face.positions()) != before, "the pose has changed")
+	node.reset_controls()
+	node.update_pose()
+	_that(var2bytes(node.face.positions()) == before, "it is at rest again")
+
+
+func _compare(path: String) -> void:
+	var file := File.new()
+	file.open(path + ".poses", File.READ)
+	var poses := file.get_32()
+	var controls := file.get_32()
+	var vertices := file.get_32()
+	var sockets := file.get_32()
+	var channels := file.get_32()
+	var tangents := file.get_32()
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.metres = false
+	node.face_file = path + ".fbk"
+	_that(node.face != null and node.face.vertex_count() == vertices, path + " is loaded")
+	for p in poses:
+		var values := PoolRealArray()
+		for _i in controls:
+			values.append(file.get_float())
+		var expected := PoolVector3Array()
+		for _i in vertices:
+			expected.append(Vector3(file.get_float(), file.get_float(), file.get_float()))
+		file.seek(file.get_position() + 4 * (3 * vertices * (1 + tangents) + sockets + channels))
+		node.set_controls(values)
+		node.update_pose()
+		_that(var2bytes(node.face.positions()) == var2bytes(expected), "%s, pose %d: positions" % [path, p])
+		_check_mesh(node, expected, "%s, pose %d: " % [path, p])
+	node.metres = true
+	var unit: float = {"m": 1.0, "cm": 0.01, "mm": 0.001}[node.face.units()]
+	var first: Vector3 = node.face.surface_vertices(0)[0]
+	var source: Vector3 = node.face.positions()[node.face.surface_sources(0)[0]]
+	_that(abs(first.length() - source.length() * unit) < 1e-4 * source.length(), path + " in metres")
+	_free(node)
+
+
+# What the scene's mesh has in the rendering server: as the engine lays out a mesh made of the same arrays, which the bytes of
+# an update are compared with; and its vertices are the face's, all of them.
+func _check_mesh(node: MeshInstance, expected: PoolVector3Array, where: String) -> void:
+	var updated := []
+	for s in node.mesh.get_surface_count():
+		updated.append(node.face.surface_bytes(s))
+	node._make_mesh()
+	var seen := {}
+	for s in node.mesh.get_surface_count():
+		var stored: PoolByteArray = VisualServer.mesh_surface_get_array(node.mesh.get_rid(), s)
+		_that(stored.size() > 0 and stored == updated[s], where + "the bytes of an update are as the engine stores vertices")
+		var shown: PoolVector3Array = node.mesh.surface_get_arrays(s)[Mesh.ARRAY_VERTEX]
+		var sources: PoolIntArray = node.face.surface_sources(s)
+		var wanted := PoolVector3Array()
+		for source in sources:
+			var v: Vector3 = expected[source]
+			wanted.append(Vector3(v.x, v.z, -v.y) if node.face.up_axis() == "z" else v)
+			seen[source] = true
+		_that(var2bytes(shown) == var2bytes(wanted), where + "the mesh in the scene has the positions")
+	if node.mesh.get_surface_count() > 0:
+		_that(seen.size() <= expected.size() and seen.size() > 0, where + "vertices are shown")
+	var box: AABB = node.mesh.custom_aabb.grow(1e-3 + 1e-4 * node.mesh.custom_aabb.size.length())
+	for v in node.face.surface_vertices(0):
+		if not box.has_point(v):
+			_that(false, where + "vertices are within the bounds")
+			break
+
+
+func _on_signal(name: String) -> void:
+	signals[name] = signals.get(name, 0) + 1
+
+
+func _on_failed(message: String) -> void:
+	signals["failed"] = message
+
+
+func _check_errors() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.connect("face_failed", self, "_on_failed")
+	node.connect("face_loaded", self, "_on_signal", ["loaded"])
+	node.connect("posed", self, "_on_signal", ["posed"])
+	node.face_file = "res://faces/broken.bin"
+	_that(node.face == null and "broken.bin" in str(signals.get("failed")), "a broken archive is refused by name: " + str(signals))
+	node.face_file = "res://no_such.fbk"
+	_that("no_such.fbk" in str(signals.get("failed")), "so is one that is not there")
+	node.face_file = "res://faces/tiny.fbk"
+	_that(signals.get("loaded") == 1, "face_loaded")
+	_that(not node.set_control(node.face.control_name(0) + "x", 1.0), "an unknown control is refused")
+	_that(node.face.control_name(0) in node.face.last_error(), "with the closest name: " + node.face.last_error())
+	node.set_control_at(0, node.face.control_maximum(0))
+	node.update_pose()
+	node.update_pose()
+	_that(signals.get("posed") == 1, "posed once a change")
+	node.set_control_at(0, NAN)
+	node.update_pose()
+	_that(node.face.control_name(0) in str(signals.get("failed")), "NaN is refused by the control's name")
+	node.set_control_at(99, 1.0)  # reported as an error, and nothing happens
+	_that(node.face.load_bytes(PoolByteArray()) != "", "no bytes are no archive")
+	_that(not node.face.is_loaded(), "nothing is loaded then")
+	_free(node)
+
+
+func _check_properties() -> void:
+	var node = FaceBakerMesh.new()
+	node.set("controls/" + "later", 0.5)  # as a scene does before the face is loaded
+	add_child(node)
+	node.face_file = "res://faces/tiny.fbk"
+	var sliders := 0
+	for property in node.get_property_list():
+		if not property.name.begins_with("controls/"):
+			continue
+		_that(property.hint == PROPERTY_HINT_RANGE, property.name + " is a slider")
+		node.set(property.name, node.face.control_maximum(sliders))
+		_that(node.get(property.name) == node.face.get_control(sliders), property.name + " is set")
+		sliders += 1
+	_that(sliders == node.face.control_count(), "there is a slider for each control")
+	_free(node)
+
+
+func _time() -> void:
+	var node: MeshInstance = $Face
+	var begin := OS.get_ticks_usec()
+	for i in 1000:
+		node.set_control_at(0, i * 0.001)
+		node.update_pose()
+	print("%.1f us a frame of character.fbk (%d vertices), headless" % [(OS.get_ticks_usec() - begin) * 0.001, node.face.vertex_count()])
+
+
+# The headless server does not tell nodes that their mesh is gone.
+func _free(node: MeshInstance) -> void:
+	node.mesh = null
+	node.free()
