@@ -23,5 +23,6 @@ import sys
 import gdnative_builders
 gdnative_builders.build_gdnative_api_struct([sys.argv[2], sys.argv[2] + ".unused"], [sys.argv[1]], None)
 ' "$gdnative/gdnative_api.json" "$gdnative/include/gdnative_api_struct.gen.h"
+rm "$gdnative/include/gdnative_api_struct.gen.h.unused"
 mkdir -p "$(dirname "$out")"
 mv "$gdnative/include" "$out"

@@ -25,6 +25,7 @@ var face = null  # the FaceBakerFace; null while there is none
 var _stored := {}  # values of controls that a scene sets before the face is loaded
 var _paths := []  # the property of each control
 var _indices := {}  # the control of each property
+var _reported := ""  # what is wrong with the values that are set
 
 
 func set_face_file(path: String) -> void:
@@ -93,9 +94,12 @@ func update_pose() -> void:
 		return
 	var result: int = face.pose()
 	if result < 0:
-		_fail(face.last_error())
-		set_process(false)
-	if result <= 0:
+		if face.last_error() != _reported:  # once, not in every frame
+			_reported = face.last_error()
+			_fail(_reported)
+		return
+	_reported = ""
+	if result == 0:
 		return
 	for s in mesh.get_surface_count():
 		mesh.surface_update_region(s, 0, face.surface_bytes(s))

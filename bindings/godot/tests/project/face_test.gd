@@ -142,6 +142,9 @@ func _check_errors() -> void:
 	node.set_control_at(0, NAN)
 	node.update_pose()
 	_that(node.face.control_name(0) in str(signals.get("failed")), "NaN is refused by the control's name")
+	node.set_control_at(0, node.face.control_maximum(0) * 0.5)
+	node.update_pose()
+	_that(signals.get("posed") == 2, "it goes on with a number")
 	node.set_control_at(99, 1.0)  # reported as an error, and nothing happens
 	_that(node.face.load_bytes(PoolByteArray()) != "", "no bytes are no archive")
 	_that(not node.face.is_loaded(), "nothing is loaded then")

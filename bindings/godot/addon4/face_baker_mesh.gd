@@ -1,0 +1,219 @@
+@tool
+class_name FaceBakerMesh
+extends MeshInstance3D
+# A baked face (.fbk) in a scene of Godot 4.2 or later. Not run here. Shows all meshes of the character as surfaces of one
+# ArrayMesh, which is made anew whenever a control has changed. In the inspector the controls are sliders, "controls/GROUP/NAME".
+
+# The face was loaded; its controls can be set.
+signal face_loaded
+# The face could not be loaded, or a pose failed; the message says why.
+signal face_failed(message)
+# The mesh shows a new pose.
+signal posed
+
+# The archive. An exported game needs "*.fbk" among the files to export.
+@export_file("*.fbk") var face_file := "": set = set_face_file
+# Lengths in metres; else in the archive's own unit.
+@export var metres := true: set = set_metres
+# Level of detail: 0 is the whole, 1 the next coarser level, fractions lie between two.
+@export_range(0, 8) var level_of_detail := 0.0: set = set_level_of_detail
+
+var face: FaceBakerFace = null  # the FaceBakerFace; null while there is none
+var _stored := {}  # values of controls that a scene sets before the face is loaded
+var _paths := []  # the property of each control
+var _indices := {}  # the control of each property
+var _reported := ""  # what is wrong with the values that are set
+var _materials := []  # of each surface
+
+
+func set_face_file(path: String) -> void:
+	face_file = path
+	_open()
+
+
+func set_metres(value: bool) -> void:
+	metres = value
+	if face:
+		face.set_metres(metres)
+		_make_mesh()
+
+
+func set_level_of_detail(value: float) -> void:
+	level_of_detail = maxf(0.0, value)
+	if face:
+		face.set_lod(level_of_detail)
+
+
+# Sets a control by its name, its ARKit name or its FACS name. False, and an error, if there is none.
+func set_control(control: String, value: float) -> bool:
+	var index := find_control(control)
+	if index < 0:
+		return false
+	face.set_control(index, value)
+	return true
+
+
+# The value of a control; its name as for set_control. 0, and an error, if there is none.
+func get_control(control: String) -> float:
+	var index := find_control(control)
+	return face.get_control(index) if index >= 0 else 0.0
+
+
+# The index of a control, for set_control_at; -1, and an error with the closest name, if there is none.
+func find_control(control: String) -> int:
+	if not face:
+		push_error("FaceBakerMesh: no face is loaded")
+		return -1
+	var index: int = face.find_control(control)
+	if index < 0:
+		push_error("FaceBakerMesh: " + face.last_error())
+	return index
+
+
+# Sets a control by its index: the quickest way.
+func set_control_at(index: int, value: float) -> void:
+	face.set_control(index, value)
+
+
+# All values, in the order of the controls.
+func set_controls(values: PackedFloat32Array) -> void:
+	face.set_controls(values)
+
+
+# Puts all controls at rest.
+func reset_controls() -> void:
+	for i in face.control_count():
+		face.set_control(i, face.control_rest(i))
+
+
+# Shows what was set. Called in every frame; call it to have the mesh at once.
+func update_pose() -> void:
+	if not face:
+		return
+	var result: int = face.pose()
+	if result < 0:
+		if face.last_error() != _reported:  # once, not in every frame
+			_reported = face.last_error()
+			_fail(_reported)
+		return
+	_reported = ""
+	if result == 0:
+		return
+	_fill_mesh()
+	posed.emit()
+
+
+func _init() -> void:
+	set_process(true)
+
+
+func _process(_delta: float) -> void:
+	update_pose()
+
+
+func _open() -> void:
+	face = null
+	mesh = null
+	_paths = []
+	_indices = {}
+	if face_file == "":
+		notify_property_list_changed()
+		return
+	if not FileAccess.file_exists(face_file):
+		_fail("cannot read " + face_file)
+		return
+	var opened := FaceBakerFace.new()
+	var message := opened.load_bytes(FileAccess.get_file_as_bytes(face_file))
+	if message != "":
+		_fail(face_file + ": " + message)
+		return
+	face = opened
+	face.set_metres(metres)
+	face.set_lod(level_of_detail)
+	for i in face.control_count():
+		var group: String = face.control_group(i)
+		_paths.append("controls/" + (group + "/" if group != "" else "") + face.control_name(i))
+		_indices[_paths[i]] = i
+		if _stored.has(_paths[i]):
+			face.set_control(i, _stored[_paths[i]])
+	_materials = []
+	for s in face.surface_count():
+		_materials.append(_material(face.surface_material(s)))
+	_make_mesh()
+	notify_property_list_changed()
+	face_loaded.emit()
+
+
+func _fail(message: String) -> void:
+	push_error("FaceBakerMesh: " + message)
+	face_failed.emit(message)
+
+
+func _bounds() -> AABB:
+	var corners: PackedVector3Array = face.bounds()
+	return AABB(corners[0], corners[1] - corners[0])
+
+
+# A mesh of the current pose.
+func _make_mesh() -> void:
+	if face.pose() < 0:
+		_fail(face.last_error())
+		return
+	if not mesh is ArrayMesh:
+		mesh = ArrayMesh.new()
+	_fill_mesh()
+
+
+func _fill_mesh() -> void:
+	var made: ArrayMesh = mesh
+	made.clear_surfaces()
+	for s in face.surface_count():
+		var arrays := []
+		arrays.resize(Mesh.ARRAY_MAX)
+		arrays[Mesh.ARRAY_VERTEX] = face.surface_vertices(s)
+		arrays[Mesh.ARRAY_NORMAL] = face.surface_normals(s)
+		var uvs: PackedVector2Array = face.surface_uvs(s)
+		if uvs.size() > 0:
+			arrays[Mesh.ARRAY_TEX_UV] = uvs
+			arrays[Mesh.ARRAY_TANGENT] = face.surface_tangents(s)
+		arrays[Mesh.ARRAY_INDEX] = face.surface_indices(s)
+		made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+		made.surface_set_material(s, _materials[s])
+	made.custom_aabb = _bounds()
+
+
+func _material(index: int) -> StandardMaterial3D:
+	var material := StandardMaterial3D.new()
+	if index >= 0:
+		var colour: PackedFloat32Array = face.material_colour(index)
+		material.resource_name = face.material_name(index)
+		material.albedo_color = Color(colour[0], colour[1], colour[2], colour[3])
+	return material
+
+
+func _get_property_list() -> Array[Dictionary]:
+	var list: Array[Dictionary] = []
+	for i in _paths.size():
+		list.append({
+			"name": _paths[i],
+			"type": TYPE_FLOAT,
+			"hint": PROPERTY_HINT_RANGE,
+			"hint_string": "%f,%f,0.001" % [face.control_minimum(i), face.control_maximum(i)],
+			"usage": PROPERTY_USAGE_DEFAULT,
+		})
+	return list
+
+
+func _get(property: StringName) -> Variant:
+	if _indices.has(property):
+		return face.get_control(_indices[property])
+	return null
+
+
+func _set(property: StringName, value: Variant) -> bool:
+	if not property.begins_with("controls/"):
+		return false
+	_stored[property] = value
+	if _indices.has(property):
+		face.set_control(_indices[property], value)
+	return true
