@@ -26,18 +26,19 @@ case $target in
     export EMSCRIPTEN="${EMSCRIPTEN:-/usr/share/emscripten}" NODE_PATH=/usr/share/nodejs
     ;;
   windows-x64) packages=g++-mingw-w64-x86-64-posix compiler=x86_64-w64-mingw32-g++-posix tested=1 ;;
+  android-* | ios-*) packages="" compiler=cmake ;; # brought by the NDK and by Xcode; not run where this is tested
   aarch64) packages=g++-aarch64-linux-gnu compiler=aarch64-linux-gnu-g++ tested=1 ;;
 esac
 missing=""
 command -v "$compiler" >/dev/null || missing=$packages
 command -v cmake >/dev/null || missing="$missing cmake"
 command -v ninja >/dev/null || missing="$missing ninja-build"
-command -v dpkg-source >/dev/null || missing="$missing dpkg-dev"
+[ -d "$sources/xxhash" ] || command -v dpkg-source >/dev/null || missing="$missing dpkg-dev"
 # shellcheck disable=SC2086
 [ -z "$missing" ] || apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=600 $missing
 
 # fetch PACKAGE: unpacks its source, with Debian's patches, into $sources/PACKAGE. Lists and cache of apt are our own,
-# because most machines do not list source packages.
+# because most machines do not list source packages. Without apt: unpack zlib, draco and xxhash there by hand.
 fetch() {
   if [ -d "$sources/$1" ]; then return; fi
   mkdir -p "$sources/apt/lists/partial" "$sources/apt/cache" "$sources/download"
@@ -81,6 +82,8 @@ if [ -n "${tested:-}" ]; then # what tests are made of
   install_with_cmake "$sources/doctest" -DDOCTEST_WITH_TESTS=OFF
 fi
 cp "$sources/xxhash/xxhash.h" "$sources/xxhash/xxh3.h" "$prefix/include"
-for package in zlib draco xxhash; do cp "$sources/$package/debian/copyright" "$prefix/$package.copyright"; done
+for package in zlib draco xxhash; do
+  [ ! -e "$sources/$package/debian" ] || cp "$sources/$package/debian/copyright" "$prefix/$package.copyright"
+done
 rm -rf "$work"
 touch "$prefix/complete"
