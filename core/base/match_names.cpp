@@ -17,6 +17,23 @@ std::string plain_name(const std::string& name) {
   return plain;
 }
 
+// The optimal string alignment distance of two words: edits of single letters and swaps of neighbours.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        rows[i][j] = i + j;
+        continue;
+      }
+      const std::size_t replaced = rows[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      rows[i][j] = std::min({rows[i - 1][j] + 1, rows[i][j - 1] + 1, replaced});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        rows[i][j] = std::min(rows[i][j], rows[i - 2][j - 2] + 1);
+    }
+  return rows.back().back();
+}
+
 }  // namespace
 
 std::vector<std::optional<std::size_t>> match_names(const std::vector<std::string>& names,
@@ -42,6 +59,19 @@ std::vector<std::optional<std::size_t>> match_names(const std::vector<std::strin
       found.emplace_back();
   }
   return found;
+}
+
+std::optional<std::string> nearest_name(const std::string& word, const std::vector<std::string>& names) {
+  constexpr std::size_t longest_word = 64;  // of a name; what is longer is no slip
+  if (word.size() > longest_word) return {};
+  std::optional<std::string> nearest;
+  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  for (const std::string& name : names)
+    if (const std::size_t distance = edit_distance(word, name); distance < least) {
+      least = distance;
+      nearest = name;
+    }
+  return nearest;
 }
 
 }  // namespace fb

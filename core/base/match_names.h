@@ -12,4 +12,8 @@ namespace fb {
 std::vector<std::optional<std::size_t>> match_names(const std::vector<std::string>& names,
                                                     const std::vector<std::vector<std::string>>& things);
 
+// The name that a mistyped word most likely means: the one with the fewest letters added, left out, replaced or swapped
+// with their neighbour, at most one in three of the word's; the first of several. Nothing where none is that near.
+std::optional<std::string> nearest_name(const std::string& word, const std::vector<std::string>& names);
+
 }  // namespace fb

@@ -14,6 +14,7 @@
 #include <vector>
 #endif
 
+#include "base/openmp_date.h"
 #include "base/progress.h"
 #include "base/status.h"
 
@@ -134,6 +135,14 @@ std::size_t worker_count(const Parallel& parallel) {
   return parallel.threads;
 #else
   return parallel.host && parallel.threads > 0 ? parallel.threads : 1;
+#endif
+}
+
+long openmp_date() {
+#ifdef _OPENMP
+  return _OPENMP;
+#else
+  return 0;
 #endif
 }
 

@@ -81,6 +81,10 @@ const PoseKernels& choose_kernels(const char* cap) {
   return *built[count - 1];
 }
 
+std::vector<const PoseKernels*> built_kernels() {
+  return {std::begin(built), std::end(built)};
+}
+
 std::vector<const PoseKernels*> runnable_kernels() {
   std::vector<const PoseKernels*> found;
   std::copy_if(std::begin(built), std::end(built), std::back_inserter(found), is_supported);

@@ -10,6 +10,9 @@ namespace fb::runtime {
 // The environment variable that caps the instruction set, for tests: the name of a PoseKernels, or empty.
 inline constexpr const char* instruction_set_variable = "FB_INSTRUCTION_SET";
 
+// All kernels of this build, from the slowest to the fastest.
+std::vector<const PoseKernels*> built_kernels();
+
 // The kernels of this build that this processor supports, from the slowest to the fastest; the first is scalar_kernels.
 std::vector<const PoseKernels*> runnable_kernels();
 

@@ -106,6 +106,17 @@ TEST_CASE("names are matched exactly if they can be, else by letters and sides")
   CHECK(match_names({}, things).empty());
 }
 
+TEST_CASE("a mistyped word means the nearest name") {
+  const std::vector<std::string> names = {"sample", "plan", "bake", "help"};
+  CHECK(fb::nearest_name("sampel", names) == "sample");  // neighbours swapped: one edit
+  CHECK(fb::nearest_name("smple", names) == "sample");
+  CHECK(fb::nearest_name("baake", names) == "bake");
+  CHECK(fb::nearest_name("bkae", names) == "bake");
+  CHECK(fb::nearest_name("exmaples", names) == std::nullopt);
+  CHECK(fb::nearest_name("", names) == std::nullopt);
+  CHECK(fb::nearest_name(std::string(100, 'a'), {std::string(100, 'a')}) == std::nullopt);
+}
+
 TEST_CASE("sizes that overflow fail instead of wrapping") {
   CHECK(checked_multiply(3, 4, "x") == 12);
   CHECK(checked_multiply(SIZE_MAX, 1, "x") == SIZE_MAX);

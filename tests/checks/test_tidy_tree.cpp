@@ -40,8 +40,8 @@ TEST_CASE("the top of the tree holds what it is meant to hold") {
   const std::set<std::string> entries = {
       "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "LICENSE",
       "README.md",    "SECURITY.md",    "VERSION",           "bindings",        "capi",
-      "core",         "docs",           "packager",          "samples",         "tests",
-      "build",        "install"};
+      "core",         "docs",           "packager",          "packages",        "samples",
+      "tests",        "build",          "install"};
   for (const auto& entry : std::filesystem::directory_iterator(root)) {
     const std::string name = entry.path().filename().string();
     if (name[0] != '.' && !entries.contains(name)) FAIL_CHECK("a stray " << name);

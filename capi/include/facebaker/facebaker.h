@@ -98,6 +98,10 @@ FB_API const char* fb_version_string(void);
 FB_API uint32_t fb_version(void);
 /** The .fbk format this library reads: major * 1,000 + minor. While major is 0, it reads no other. */
 FB_API uint32_t fb_format_version(void);
+/** What the library was built with, for reports of faults: one line each of its version, the format, the compiler,
+ * OpenMP, the instruction sets it has, with the one that poses are evaluated with on this machine, and the libraries that
+ * are linked into it, as "NAME: VALUE". The names and their order may change. UTF-8, static storage. Thread-safe. */
+FB_API const char* fb_build_info(void);
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
 
