@@ -123,7 +123,7 @@ void BakeCommand::run() {
   if (!report.empty()) lock = claim_report_folder(report);
   std::string figures;
   {
-    ProgressBar progress;
+    ProgressBar progress(ProgressBar::Work::bake);
     for (const std::string& note : notes) progress.note(note);
     figures = bake(source, progress, progress.callbacks()).json();
   }

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "base/shown_path.h"
 #include "commands/results.h"
 #include "report/face_report.h"
 
@@ -32,6 +33,11 @@ void add_seed(CLI::App& command, std::uint64_t& seed) {
 }
 
 namespace {
+
+// CLI11 check of the name of an archive to write.
+std::string archive_name(const std::string& name) {
+  return name.ends_with(".fbk") ? "" : shown(name) + ": the name of an archive ends in .fbk";
+}
 
 const CLI::Range& pose_counts() {
   static const CLI::Range range(std::uint64_t{1}, std::uint64_t{1} << 32);
@@ -100,6 +106,7 @@ void add_archive(CLI::App& command, std::string& archive) {
 void add_out_archive(CLI::App& command, std::string& out) {
   command.add_option("--out", out, "The archive to write (.fbk); it appears complete or not at all")
       ->type_name("FACE.fbk")
+      ->check(archive_name)
       ->required();
 }
 

@@ -25,5 +25,8 @@ void add_export(CLI::App& tool);
 void add_bench(CLI::App& tool);
 void add_rig_host(CLI::App& tool);
 void add_farm(CLI::App& tool);
+void add_help(CLI::App& tool);
+void add_completion(CLI::App& tool);
+void add_write_manual(CLI::App& tool);
 
 }  // namespace fb::tool

@@ -8,13 +8,16 @@
 
 #include "base/status.h"
 #include "commands/interrupt.h"
+#include "commands/terminal.h"
 
 namespace fb::tool {
 namespace {
 
 constexpr auto redraw_interval = std::chrono::milliseconds(100);
 constexpr auto line_interval = std::chrono::seconds(15);
-constexpr int bar_cells = 28;
+constexpr std::size_t most_cells = 28, least_cells = 5;  // of a bar
+constexpr std::size_t usual_width = 80;                  // where a terminal does not tell
+constexpr double least_worked = 0.02;                    // share of a bake before how long it takes is estimated
 constexpr const char* clear_line = "\r\033[K";
 
 double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
@@ -39,23 +42,36 @@ std::string duration_text(double seconds) {
   return format("%llu:%02llu:%02llu", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-ProgressBar::ProgressBar() : terminal_(::isatty(STDERR_FILENO)), exceptions_(std::uncaught_exceptions()) {}
+ProgressBar::ProgressBar(Work work)
+    : terminal_(::isatty(STDERR_FILENO)),
+      coloured_(takes_colour(STDERR_FILENO)),
+      exceptions_(std::uncaught_exceptions()) {
+  if (work == Work::bake) phases_.emplace();
+}
 
 ProgressBar::~ProgressBar() {
-  if (std::uncaught_exceptions() == exceptions_)
-    finish_stage();
-  else if (terminal_ && !stage_.empty())
-    std::fputs(clear_line, stderr);
+  if (std::uncaught_exceptions() != exceptions_) {
+    if (terminal_ && !stage_.empty()) std::fputs(clear_line, stderr);
+    return;
+  }
+  const bool whole = phases_ && !stage_.empty();
+  finish_stage();
+  if (whole) std::fprintf(stderr, "in all: %s\n", duration_text(seconds_between(begin_, Clock::now())).c_str());
 }
 
 void ProgressBar::begin(std::string_view stage, std::uint64_t total) {
   const std::lock_guard lock(mutex_);
-  finish_stage();
-  stage_ = stage;
+  const bool first = part_.empty();
+  const bool fresh = phases_ ? phases_->begin(stage) : stage != stage_;
+  part_ = stage;
   total_ = total;
   done_ = 0;
   counting_ = false;
+  if (!fresh) return;
+  finish_stage();
+  stage_ = phases_ ? phases_->name() : part_;
   start_ = Clock::now();
+  if (first) begin_ = start_;
   next_draw_ = start_ + (terminal_ ? Clock::duration(redraw_interval) : Clock::duration(line_interval));
 }
 
@@ -63,10 +79,12 @@ void ProgressBar::update(std::uint64_t done) {
   const std::lock_guard lock(mutex_);
   if (stage_.empty()) return;
   done_ = std::min(done, total_);
+  if (phases_) phases_->update(total_ ? static_cast<double>(done_) / static_cast<double>(total_) : 0);
   const auto now = Clock::now();
   if (!counting_) {
     counting_ = true;
     start_done_ = done_ > 1 ? done_ : 0;
+    count_start_ = now;
   }
   if (now >= next_draw_) draw(now);
 }
@@ -77,9 +95,10 @@ bool ProgressBar::cancelled() const {
 
 void ProgressBar::note(std::string_view sentence) {
   const std::lock_guard lock(mutex_);
-  if (done_ == total_) finish_stage();
-  std::fprintf(stderr, "%snote: %.*s\n", terminal_ ? clear_line : "", static_cast<int>(sentence.size()),
-               sentence.data());
+  if (done_ == total_ && !phases_) finish_stage();
+  const Colour colour = sentence.starts_with("warning") ? Colour::warning : Colour::heading;
+  std::fprintf(stderr, "%s%s %.*s\n", terminal_ ? clear_line : "", in_colour(colour, "note:", coloured_).c_str(),
+               static_cast<int>(sentence.size()), sentence.data());
 }
 
 fb_callbacks ProgressBar::callbacks() {
@@ -100,25 +119,47 @@ fb_callbacks ProgressBar::callbacks() {
 // Whether a call of the C callback begins a stage: it does so with done = 0, also for a second stage of the same name.
 bool ProgressBar::begins(std::string_view stage, std::uint64_t done) {
   const std::lock_guard lock(mutex_);
-  return stage != stage_ || (done == 0 && done_ > 0);
+  return stage != part_ || stage_.empty() || (done == 0 && done_ > 0);
+}
+
+// Of what is told, 0 to 1.
+double ProgressBar::share() const {
+  if (phases_) return phases_->done();
+  return total_ ? static_cast<double>(done_) / static_cast<double>(total_) : 0;
+}
+
+// "2:07 left"; "" if nothing can be said yet.
+std::string ProgressBar::time_left(Clock::time_point now) const {
+  if (phases_) {
+    const double worked = phases_->done() - phases_->begun_at();
+    if (worked < least_worked) return {};
+    return "about " + duration_text(seconds_between(begin_, now) * (1 - phases_->done()) / worked) + " left";
+  }
+  if (done_ <= start_done_) return {};
+  const double left = static_cast<double>(total_ - done_) / static_cast<double>(done_ - start_done_);
+  return duration_text(seconds_between(count_start_, now) * left) + " left";
 }
 
 void ProgressBar::draw(Clock::time_point now) {
-  const double elapsed = seconds_between(start_, now);
-  const double share = total_ ? static_cast<double>(done_) / total_ : 0;
-  std::string left;
-  if (done_ > start_done_)
-    left = duration_text(elapsed * (total_ - done_) / static_cast<double>(done_ - start_done_)) + " left";
-  if (terminal_) {
-    const int full = static_cast<int>(share * bar_cells);
-    const std::string bar = std::string(full, '#') + std::string(bar_cells - full, '.');
-    std::fprintf(stderr, "%s%s [%s] %3.0f %%  %s", clear_line, stage_.c_str(), bar.c_str(), 100 * share, left.c_str());
-    std::fflush(stderr);
-    next_draw_ = now + redraw_interval;
-  } else {
-    std::fprintf(stderr, "%s: %.0f %%%s%s\n", stage_.c_str(), 100 * share, left.empty() ? "" : ", ", left.c_str());
+  const std::string left = time_left(now);
+  if (!terminal_) {
+    std::fprintf(stderr, "%s: %.0f %%%s%s\n", stage_.c_str(), 100 * share(), left.empty() ? "" : ", ", left.c_str());
     next_draw_ = now + line_interval;
+    return;
   }
+  std::size_t width = terminal_width(STDERR_FILENO);
+  if (width == 0) width = usual_width;
+  const std::string end = format(" %3.0f %%  %s", 100 * share(), left.c_str());
+  const std::size_t taken = stage_.size() + end.size() + sizeof " []";  // and the last column, where terminals wrap
+  const std::size_t cells = width > taken ? std::min(width - taken, most_cells) : 0;
+  std::string bar;
+  if (cells >= least_cells) {
+    const auto full = static_cast<std::size_t>(share() * static_cast<double>(cells));
+    bar = " [" + std::string(full, '#') + std::string(cells - full, '.') + "]";
+  }
+  std::fprintf(stderr, "%s%s", clear_line, cut_to_width(stage_ + bar + end, width - 1).c_str());
+  std::fflush(stderr);
+  next_draw_ = now + redraw_interval;
 }
 
 void ProgressBar::finish_stage() {

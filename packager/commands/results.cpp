@@ -25,6 +25,10 @@ void reserve_standard_output() {
   if (::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) ::close(STDOUT_FILENO);
 }
 
+int results_descriptor() {
+  return results ? ::fileno(results) : -1;
+}
+
 void print_result(const std::string& text) {
   check(results && std::fputs(text.c_str(), results) >= 0);
 }

@@ -9,6 +9,9 @@ namespace fb::tool {
 // standard error. Once, at the start.
 void reserve_standard_output();
 
+// Where results go, to ask what it is like; -1: nowhere. After reserve_standard_output.
+int results_descriptor();
+
 // Prints a result. Fails with io where standard output takes no more, as finish_results does.
 void print_result(const std::string& text);
 void finish_results();

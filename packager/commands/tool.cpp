@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <facebaker/facebaker.hpp>
@@ -14,17 +15,32 @@
 #include "base/status.h"
 #include "commands/commands.h"
 #include "commands/exit_guard.h"
+#include "commands/help_format.h"
 #include "commands/interrupt.h"
+#include "commands/mistyped.h"
 #include "commands/results.h"
+#include "commands/terminal.h"
+#include "commands/tool_version.h"
 
 namespace fb::tool {
 namespace {
 
+constexpr std::size_t widest_help = 120;  // columns; longer lines are hard to read
+
 int report_failure(const CLI::App& tool, const std::string& message, int exit_code) {
   const auto commands = tool.get_subcommands();
-  std::fprintf(stderr, "facebaker%s%s: %s\n", commands.empty() ? "" : " ",
-               commands.empty() ? "" : commands[0]->get_name().c_str(), message.c_str());
+  const std::string who = "facebaker" + (commands.empty() ? "" : " " + commands[0]->get_name()) + ":";
+  std::fprintf(stderr, "%s %s\n", in_colour(Colour::error, who, takes_colour(STDERR_FILENO)).c_str(), message.c_str());
   return exit_code;
+}
+
+// What is wrong with the command line. `first`: its first word; null: it has none.
+std::string wrong_use_text(const CLI::App& tool, const CLI::ParseError& wrong, const char* first) {
+  const auto commands = tool.get_subcommands();
+  if (commands.empty() && !first) return "give a command (see --help)";
+  if (commands.empty()) return (*first == '-' ? unknown_option(tool) : unknown_command(tool, first)) + " (see --help)";
+  const std::string option = unknown_option(*commands[0]);
+  return (option.empty() ? wrong.what() : option) + " (see --help)";
 }
 
 // The message after Ctrl-C: whether the same command continues the work.
@@ -58,7 +74,13 @@ void use_passive_waiting(char** argv) {
 int run_tool(int argc, char** argv) {
   reserve_standard_output();
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
-  tool.set_version_flag("--version", "facebaker " FB_VERSION);
+  const int shown = results_descriptor();
+  const std::size_t width = std::min(terminal_width(shown), widest_help);
+  const auto help_format = std::make_shared<HelpFormat>(width, takes_colour(shown));
+  help_format->label("SUBCOMMAND", "COMMAND");
+  tool.formatter(help_format);
+  tool.set_version_flag("--version", tool_version, "Print the version and what the tool was built with, and exit");
+  tool.set_help_flag("-h,--help", "Print this text and exit");
   tool.require_subcommand(1);
   add_sample(tool);
   add_plan(tool);
@@ -76,6 +98,9 @@ int run_tool(int argc, char** argv) {
   add_bench(tool);
   add_rig_host(tool);
   add_farm(tool);
+  add_help(tool);
+  add_completion(tool);
+  add_write_manual(tool);
   // After the commands, which would inherit it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"
@@ -90,9 +115,7 @@ int run_tool(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return print_help(tool, help);
   } catch (const CLI::ParseError& wrong) {
-    if (!tool.get_subcommands().empty()) return report_failure(tool, wrong.what() + std::string(" (see --help)"), 2);
-    return report_failure(
-        tool, argc > 1 ? fb::format("no command \"%s\" (see --help)", argv[1]) : "give a command (see --help)", 2);
+    return report_failure(tool, wrong_use_text(tool, wrong, argc > 1 ? argv[1] : nullptr), 2);
   } catch (const fb::Error& error) {
     return report_failure(tool, error.status() == fb::Status::interrupted ? interrupted_text(tool) : error.what(), 1);
   } catch (const facebaker::Error& error) {

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import List
 
-_SHARE = re.compile(r"^(?P<stage>[^:]+): +(?P<percent>\d+) %(?:, (?P<left>[\d:]+(?: s)?) left)?$")
+_SHARE = re.compile(r"^(?P<stage>[^:]+): +(?P<percent>\d+) %(?:, (?P<left>(?:about )?[\d:]+(?: s)?) left)?$")
 _DONE = re.compile(r"^(?P<stage>[^:]+): +(?P<time>\d+ s|\d+(?::\d\d)+)$")
 _FAILED = re.compile(r"^facebaker(?: [a-z-]+)?: (?P<text>.+)$")
 
@@ -15,8 +15,8 @@ _FAILED = re.compile(r"^facebaker(?: [a-z-]+)?: (?P<text>.+)$")
 class BakeProgress:
     """How far a bake has come: what its lines said so far.
 
-    stage: what is worked on, "" before the first. percent: 0 to 100, of the stage. left: how long it still takes, as a
-    text, "" if not known. finished: stages that are done, with the time each took. notes: sentences about what was found. error: why it
+    stage: what is worked on, "" before the first. percent: 0 to 100, of the whole bake, or of the stage once it
+    is over. left: how long the bake still takes, as a text, "" if not known. finished: stages that are done, with the time each took. notes: sentences about what was found. error: why it
     failed, "" if it did not."""
 
     stage: str = ""
