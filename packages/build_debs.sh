@@ -1,0 +1,56 @@
+#!/bin/sh
+# Builds the Debian packages, and archives of the source and of everything that is installed, of the committed tree:
+#   packages/build_debs.sh [OUT_DIR]    by default build/packages
+# Installs what building needs. In the environment: FB_MAINTAINER, "Name <address>", who the packages are by;
+# FB_PARALLEL, how many compilers run at once.
+set -eu
+cd "$(dirname "$0")/.."
+out=${1:-build/packages}
+maintainer=${FB_MAINTAINER:-FaceBaker developers <developers@facebaker.invalid>}
+samples/setup.sh
+missing=""
+for package in debhelper dh-python dpkg-dev fakeroot; do
+  dpkg-query --show --showformat='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
+done
+# shellcheck disable=SC2086
+[ -z "$missing" ] || apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=600 $missing
+
+version=$(cat VERSION)
+# As in capi/CMakeLists.txt: while the major version is 0, every minor version has a name of its own.
+case $version in
+  0.*) soversion=${version%.*} ;;
+  *) soversion=${version%%.*} ;;
+esac
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+export SOURCE_DATE_EPOCH
+
+rm -rf "$out/work" && mkdir "$out/work"
+git archive --format=tar --prefix="facebaker-$version/" HEAD | gzip -9n >"$out/facebaker-$version-source.tar.gz"
+cp "$out/facebaker-$version-source.tar.gz" "$out/work/facebaker_$version.orig.tar.gz"
+tar -xzf "$out/work/facebaker_$version.orig.tar.gz" -C "$out/work"
+cd "$out/work/facebaker-$version"
+cp -r packages/debian debian
+fill() {
+  sed -e "s/@VERSION@/$version/g" -e "s/@SOVERSION@/$soversion/g" -e "s/@MAINTAINER@/$maintainer/g" \
+    -e "s/@DATE@/$(date -R -u -d "@$SOURCE_DATE_EPOCH")/g" "$1" >"$2"
+  rm "$1"
+}
+fill debian/control.in debian/control
+fill debian/changelog.in debian/changelog
+for library in libfacebaker libfacebaker-bake; do fill debian/$library.install.in debian/$library$soversion.install; done
+
+if command -v ccache >/dev/null; then # the packages' build has no home folder
+  CCACHE_DIR=$(ccache --get-config cache_dir)
+  export CCACHE_DIR CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+fi
+DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=${FB_PARALLEL:-$(nproc)}" dpkg-buildpackage --build=binary --no-sign >"$out/build.log" 2>&1 ||
+  { tail -40 "$out/build.log" >&2; echo "building failed; all of it is in $out/build.log" >&2; exit 1; }
+mv ../*.deb ../*.buildinfo ../*.changes "$out/"
+
+build=$(ls -d obj-*)
+cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"
+cd "$out"
+rm -rf _CPack_Packages work
+ls -l "$out"/*.deb "$out"/*.tar.gz
