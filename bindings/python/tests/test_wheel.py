@@ -4,6 +4,7 @@ import base64
 import csv
 import hashlib
 import io
+import json
 import os
 import pathlib
 import re
@@ -81,6 +82,10 @@ class WheelTest(unittest.TestCase):
         sources = {f"facebaker/{path.name}" for path in (PROJECT / "facebaker").glob("*.py")}
         self.assertLessEqual(sources | {"facebaker/py.typed"}, set(files))
         self.assertEqual(files[f"{information}/LICENSE"], (ROOT / "LICENSE").read_bytes())
+        self.assertIn("\nDraco ", files[f"{information}/licenses/THIRD-PARTY.txt"].decode())
+        bill = json.loads(files[f"{information}/sboms/facebaker.spdx.json"])
+        named = {package["name"] for package in bill["packages"]}
+        self.assertLessEqual({"libfacebaker", "libfacebaker_bake", "zlib", "Draco", "Eigen"}, named)
         metadata = files[f"{information}/METADATA"].decode()
         self.assertIn("\nRequires-Dist: numpy>=", metadata)
         self.assertIn("# FaceBaker for Python", metadata)

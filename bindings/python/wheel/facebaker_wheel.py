@@ -7,6 +7,7 @@ Standard library only; Python 3.11 or newer builds, any that pyproject.toml allo
 import base64
 import ctypes
 import hashlib
+import importlib.util
 import os
 import pathlib
 import re
@@ -105,7 +106,7 @@ def record_of(files, information):
 
 def shared_libraries(settings):
     """The libraries and those they need that not every system has, by their names in the package; and the notices of the
-    latter."""
+    latter and of what is linked into the former."""
     folder = library_folder(settings)
     files, notices = {}, {}
     for name in LIBRARIES:
@@ -114,6 +115,7 @@ def shared_libraries(settings):
         for needed in needed_libraries(path):
             files[f"carried/{needed.name}"] = needed.read_bytes()
             notices.update(notices_of(needed))
+    notices.update(notices_of_linked([folder / f"lib{name}.so" for name in LIBRARIES]))
     built = ctypes.CDLL(str(folder / "libfacebaker.so"))
     built.fb_version_string.restype = ctypes.c_char_p
     if built.fb_version_string().decode() != version():
@@ -157,6 +159,16 @@ def notices_of(path):
         return {}
     notice = pathlib.Path("/usr/share/doc", owner, "copyright")
     return {f"licenses/{owner}.txt": notice.read_bytes()} if owner and notice.is_file() else {}
+
+
+def notices_of_linked(libraries):
+    """What is linked into the libraries: licences for people, and a bill of materials where PEP 770 has it."""
+    place = importlib.util.spec_from_file_location("notices", ROOT / "packages" / "notices.py")
+    notices = importlib.util.module_from_spec(place)
+    place.loader.exec_module(notices)
+    texts = notices.notices(version(), libraries)
+    folders = {"THIRD-PARTY.txt": "licenses", "facebaker.spdx.json": "sboms"}
+    return {f"{folders[name]}/{name}": text.encode() for name, text in texts.items()}
 
 
 def platform_tag(binaries):
