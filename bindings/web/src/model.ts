@@ -1,6 +1,7 @@
 // A loaded model with its scratch and the buffers that poses go through, in the module's memory.
 import { FaceBakerError, invalidArgument } from "./errors.js";
 import type { Heap } from "./heap.js";
+import type { Exports } from "./instance.js";
 
 type Numbers = Float32Array | Uint32Array;
 
@@ -92,6 +93,8 @@ export class Model {
   readonly controlCount: number;
   readonly coefficientCount: number;
   private readonly sizes: Record<ArrayName, number>; // of one pose
+  private readonly evaluateCall: Exports[string];
+  private readonly evaluateBatchCall: Exports[string];
   private scratch = 0;
   private desc = 0;
   private readonly controls: Staging;
@@ -111,6 +114,8 @@ export class Model {
       sockets: 12 * count("fb_socket_count"), channels: count("fb_channel_count"), bounds: 6,
       expectedErrors: 1 + count("fb_error_region_count"), outside: 1,
     };
+    this.evaluateCall = heap.exports["fb_evaluate"]!;
+    this.evaluateBatchCall = heap.exports["fb_evaluate_batch"]!;
     this.controls = new Staging(heap);
     this.coefficients = new Staging(heap);
     this.meshList = new Staging(heap);
@@ -145,7 +150,9 @@ export class Model {
   evaluateInPlace(controls: Float32Array): Float32Array {
     const model = this.pointer;
     this.putControls(controls, 1);
-    this.heap.check("fb_evaluate", model, this.scratch, this.controls.address, this.outputs.positions.address);
+    // Called without Heap.check, which would make an array of the arguments.
+    const status = this.evaluateCall(model, this.scratch, this.controls.address, this.outputs.positions.address);
+    if (status !== 0) this.heap.fail(status);
     return this.outputs.positions.floats(this.sizes.positions);
   }
 
@@ -229,7 +236,8 @@ export class Model {
       if (stride) heap.setU32(struct, desc, stride, sizes[name]);
       if (outputs.meshes) this.view(name, length).set(array.subarray(first * sizes[name], first * sizes[name] + length));
     }
-    heap.check("fb_evaluate_batch", model, this.scratch, desc);
+    const status = this.evaluateBatchCall(model, this.scratch, desc);
+    if (status !== 0) heap.fail(status);
     for (const name of names) outputs[name]?.set(this.view(name, count * sizes[name]), first * sizes[name]);
   }
 

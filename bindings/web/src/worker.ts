@@ -34,6 +34,8 @@ async function startThread(receive: (answer: Answer) => void, fail: (message: st
            stop: () => worker.terminate() };
 }
 
+const interrupted = (message: string) => new FaceBakerError(12, "FB_ERROR_INTERRUPTED", message);
+
 interface Waiting {
   resolve(result: unknown): void;
   reject(error: Error): void;
@@ -45,6 +47,7 @@ class Calls {
   private readonly waiting = new Map<number, Waiting>();
   private thread!: Thread;
   private last = 0;
+  private stopped = "";
 
   static async start(): Promise<Calls> {
     const calls = new Calls();
@@ -55,6 +58,7 @@ class Calls {
   call<Name extends Request["call"]>(request: Request & { call: Name }, transfer: readonly ArrayBuffer[] = [],
                                      progress?: (loaded: number, total: number) => void): Promise<Results[Name]> {
     return new Promise((resolve, reject) => {
+      if (this.stopped) throw interrupted(this.stopped);
       const id = ++this.last;
       this.waiting.set(id, { resolve: resolve as (result: unknown) => void, reject, progress });
       try {
@@ -68,8 +72,9 @@ class Calls {
 
   /** Ends the worker; calls that wait are refused. */
   stop(message: string): void {
+    this.stopped ||= message;
     this.thread?.stop();
-    for (const { reject } of this.waiting.values()) reject(new FaceBakerError(12, "FB_ERROR_INTERRUPTED", message));
+    for (const { reject } of this.waiting.values()) reject(interrupted(message));
     this.waiting.clear();
   }
 
