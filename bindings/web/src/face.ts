@@ -153,7 +153,8 @@ export class Face implements FaceContents {
   }
 
   /** The coefficients of a pose, all 0 at rest: what a GPU multiplies `rowBlocks` with. */
-  coefficients(controls: Float32Array, coefficients = new Float32Array(this.coefficientCount)): Float32Array {
+  coefficients(controls: Float32Array,
+               coefficients: Float32Array = new Float32Array(this.coefficientCount)): Float32Array {
     this.model.evaluateCoefficients(controls, coefficients);
     return coefficients;
   }

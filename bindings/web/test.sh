@@ -1,0 +1,64 @@
+#!/bin/sh
+# Tests the npm package: builds it, checks types, poses in Node and in Chromium and compares every bit with the native
+# library, packs it and imports it from the tarball in an empty folder. Installs what is missing (Debian: Emscripten,
+# Chromium; npm: what package.json names), and builds libfacebaker where it is not built.
+#   bindings/web/test.sh [ARCHIVE...]
+# ARCHIVEs are posed beside the golden ones of tests/golden. FB_BUILD: the native build, build/release by default.
+set -eu
+cd "$(dirname "$0")/../.."
+root=$PWD
+build=$(realpath -m "${FB_BUILD:-build/release}")
+web=$root/build/web
+export OMP_WAIT_POLICY=PASSIVE
+if ! command -v chromium >/dev/null; then
+  apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=600 chromium
+fi
+bindings/web/build.sh
+if [ ! -e "$build/lib/libfacebaker.so" ]; then
+  cmake --preset release
+  cmake --build --preset release --parallel "$(nproc)" --target libfacebaker
+fi
+cc -std=gnu99 -O2 -I capi/include bindings/web/tests/native_poses.c -o "$web/native_poses" \
+  -L "$build/lib" -lfacebaker -Wl,-rpath,"$build/lib"
+
+# What the native library gives.
+mkdir -p "$web/expected"
+golden=$root/tests/golden/2.0
+pairs=""
+for archive in "$golden"/accepted/*.fbk "$@"; do
+  archive=$(realpath "$archive")
+  dump=$web/expected/$(basename "$archive" .fbk).poses
+  "$web/native_poses" dump "$archive" 256 "$dump"
+  pairs="$pairs $archive=$dump"
+done
+for archive in "$golden"/rejected/*; do echo "$archive"; done >"$web/refused.list"
+# shellcheck disable=SC2046
+"$web/native_poses" refuse $(cat "$web/refused.list") | paste "$web/refused.list" - >"$web/refused.txt"
+
+export FB_ARCHIVES="$pairs" FB_GOLDEN="$golden" FB_REFUSED="$web/refused.txt"
+rm -rf "$web/tests" "$web/tests-built"
+cp -r bindings/web/tests "$web"
+cd "$web"
+npx tsc -p tests
+cp tests/browser/*.html tests-built/browser
+node --expose-gc --test tests-built/test_*.js
+node tests-built/browser/run_chromium.js
+
+# As somebody gets it.
+empty=$(mktemp -d)
+trap 'rm -rf "$empty"' EXIT
+tarball=$(npm pack --silent --pack-destination "$empty")
+cd "$empty"
+npm init -y >/dev/null
+npm install --silent --no-audit --no-fund "./$tarball"
+cat >check.mjs <<'CHECK'
+import { load } from "facebaker";
+import * as worker from "facebaker/worker";
+import { renderMeshes } from "facebaker/geometry";
+const face = await load(process.argv[2]), far = await worker.load(process.argv[2]);
+const here = face.evaluate(face.createPose()), there = await far.evaluate(far.createPose());
+if (renderMeshes(face).length === 0 || here.some((value, i) => value !== there[i])) throw new Error("other positions");
+await far.dispose();
+CHECK
+node check.mjs "$golden/accepted/character.fbk"
+echo "tarball: $(wc -c <"$tarball") bytes; it installs and imports in an empty folder"

@@ -1,0 +1,145 @@
+// Faces of the npm package beside what same bits say: contents, errors, memory.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import test from "node:test";
+import { FaceBakerError, load } from "facebaker";
+
+const golden = process.env["FB_GOLDEN"]!;
+const open = (name: string) => load(`${golden}/accepted/${name}.fbk`);
+const collect = (globalThis as { gc?: () => void }).gc!;
+
+test("contents are those of the archive", async () => {
+  const face = await open("character");
+  assert.deepEqual(face.meshes.map(({ name }) => name), ["head", "teeth"]);
+  assert.equal(face.meshes.reduce((sum, mesh) => sum + mesh.vertexCount, 0), face.vertexCount);
+  assert.equal(face.controls[0]!.name, "jaw_open");
+  assert.equal(face.controls[0]!.arkit, "jawOpen");
+  assert.equal(face.controls.length, face.controlCount);
+  assert.equal(face.findControl("jawOpen"), 0);
+  assert.equal(face.materials[0]!.name, "skin");
+  assert.equal(face.materials[0]!.alphaMode, "mask");
+  assert(face.images.length > 0 && face.images[0]!.bytes.length > 0);
+  assert(face.sockets.length > 0 && face.sockets[0]!.vertices.length >= 3);
+  assert(face.diagonal > 0 && face.runtimeBytes > 0);
+  for (const mesh of face.meshes)
+    for (const vertex of mesh.triangles)
+      assert(vertex >= mesh.firstVertex && vertex < mesh.firstVertex + mesh.vertexCount);
+  assert.doesNotThrow(() => structuredClone(face.contents()));
+  face.dispose();
+});
+
+test("levels of detail, channels and exact poses", async () => {
+  const levels = await open("levels"), exact = await open("exact-poses"), body = await open("body");
+  assert(levels.levels.length > 1);
+  const controls = levels.createPose().fill(0.5), coarse = levels.levels[1]!;
+  const whole = levels.evaluateInto(controls, { positions: new Float32Array(3 * levels.vertexCount), lod: 1,
+                                                vertexOrder: "baked" });
+  const alone = levels.evaluateInto(controls, { positions: new Float32Array(3 * coarse.vertexCount), lod: 1,
+                                                vertexOrder: "baked", levelOnly: true });
+  assert.deepEqual(alone.positions, whole.positions.slice(0, 3 * coarse.vertexCount));
+  assert(exact.exactPoses.length > 0);
+  assert.equal(exact.exactPoses[0]!.controls.length, exact.controlCount);
+  assert(body.joints.length > 0 && body.skin !== null);
+  for (const face of [levels, exact, body]) face.dispose();
+});
+
+test("meshes that are left out are left as they are", async () => {
+  const face = await open("character"), controls = face.createPose().fill(1);
+  const { positions } = face.evaluateInto(controls, { positions: new Float32Array(3 * face.vertexCount).fill(7),
+                                                      meshes: [1] });
+  const all = face.evaluate(controls), first = 3 * face.meshes[1]!.firstVertex;
+  assert(positions.subarray(0, first).every((value) => value === 7));
+  assert.deepEqual(positions.slice(first), all.slice(first));
+  face.dispose();
+});
+
+test("controls and arrays that are wrong are refused", async () => {
+  const face = await open("tiny"), controls = face.createPose();
+  assert.throws(() => face.findControl("jaw_opem"),
+                (error: FaceBakerError) => error.statusName === "FB_ERROR_NOT_FOUND" && /jaw_open/.test(error.message));
+  controls[0] = NaN;
+  assert.throws(() => face.evaluate(controls), (error: FaceBakerError) => /jaw_open/.test(error.message));
+  controls[0] = 1e9;
+  face.evaluate(controls);
+  assert.equal(face.clampedCount, 1);
+  assert.throws(() => face.evaluate(new Float32Array(1)), /controls: 1 numbers/);
+  assert.throws(() => face.evaluate(controls, new Float32Array(1)), /positions: 1 numbers/);
+  assert.throws(() => face.evaluateInto(controls, { normals: new Float32Array(1) }), /normals: 1 numbers/);
+  assert.throws(() => face.evaluateInto(controls, { positions: new Float32Array(3 * face.vertexCount), lod: -1 }),
+                FaceBakerError);
+  face.dispose();
+  face.dispose();
+  assert.throws(() => face.evaluate(controls), /disposed/);
+});
+
+test("row blocks times coefficients are the displacements", async () => {
+  for (const name of ["character", "regular", "rows-5"]) {
+    const face = await open(name), controls = face.createPose().fill(0.8), order = face.vertexOrder;
+    const coefficients = face.coefficients(controls), expected = face.evaluate(controls);
+    const moved = Float64Array.from(face.restPositions);
+    let rows = 0;
+    for (const { firstRow, rowCount, columns, scales, digits } of face.rowBlocks) {
+      assert.equal(firstRow, rows);
+      rows += rowCount;
+      columns.forEach((column, c) => {
+        for (let r = 0; r < rowCount; ++r) {
+          const row = firstRow + r, vertex = order ? order[Math.floor(row / 3)]! : Math.floor(row / 3);
+          moved[3 * vertex + (row % 3)]! += coefficients[column]! * scales[c]! * digits[c * rowCount + r]!;
+        }
+      });
+    }
+    assert.equal(rows, 3 * face.vertexCount);
+    for (let i = 0; i < moved.length; ++i) assert(Math.abs(moved[i]! - expected[i]!) < 1e-3, `${name}: ${i}`);
+    face.dispose();
+  }
+});
+
+test("progress, limits and aborting", async () => {
+  const calls: [number, number][] = [];
+  (await load(`${golden}/accepted/tiny.fbk`, { progress: (...of) => calls.push(of) })).dispose();
+  assert.deepEqual(calls.at(-1)![0], calls.at(-1)![1]);
+  await assert.rejects(load(`${golden}/accepted/tiny.fbk`, { limits: { vertices: 3 } }),
+                       (error: FaceBakerError) => error.statusName === "FB_ERROR_LIMIT");
+  await assert.rejects(load(`${golden}/accepted/tiny.fbk`, { signal: AbortSignal.abort() }), { name: "AbortError" });
+});
+
+test("a thousand faces that are disposed of take no memory", async () => {
+  const bytes = readFileSync(`${golden}/accepted/character.fbk`);
+  const wasm = readFileSync(new URL("../dist/facebaker.wasm", import.meta.url)); // an instance of its own
+  const use = async () => {
+    const face = await load(bytes, { wasm });
+    face.evaluate(face.createPose());
+    void face.contents();
+    const { buffer } = face.evaluateInPlace(face.createPose());
+    face.dispose();
+    return buffer.byteLength;
+  };
+  for (let i = 0; i < 20; ++i) await use();
+  const before = await use();
+  for (let i = 0; i < 1000; ++i) await use();
+  assert.equal(await use(), before);
+});
+
+test("posing into given arrays allocates nothing", async () => {
+  const face = await open("character"), controls = face.createPose(), positions = new Float32Array(3 * face.vertexCount);
+  const outputs = { positions, normals: new Float32Array(3 * face.vertexCount), bounds: new Float32Array(6) };
+  const poses = 100000;
+  const bytesOf = (pose: (i: number) => void) => {
+    for (let i = 0; i < poses; ++i) pose(i); // compiled by now
+    collect();
+    const before = process.memoryUsage().heapUsed;
+    for (let i = 0; i < poses; ++i) pose(i);
+    return (process.memoryUsage().heapUsed - before) / poses;
+  };
+  const one = bytesOf((i) => {
+    controls[0] = (i % 100) / 100;
+    face.evaluate(controls, positions);
+  });
+  const all = bytesOf((i) => {
+    controls[0] = (i % 100) / 100;
+    face.evaluateInto(controls, outputs);
+  });
+  assert(one < 1, `${one} bytes a pose`);
+  assert(all < 1, `${all} bytes a pose with normals and bounds`);
+  face.dispose();
+});

@@ -1,0 +1,36 @@
+// Faces in workers give what faces here give.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { FaceBakerError, load } from "facebaker";
+import { load as loadInWorker } from "facebaker/worker";
+
+const path = `${process.env["FB_GOLDEN"]}/accepted/character.fbk`;
+
+test("a worker poses, and buffers come back", async () => {
+  const here = await load(path), there = await loadInWorker(path), controls = here.createPose().fill(0.7);
+  assert.deepEqual(there.contents, here.contents());
+  const mine = new Float32Array(3 * there.vertexCount), { buffer } = mine;
+  const positions = await there.evaluate(controls, mine);
+  assert.equal(buffer.byteLength, 0); // moved, not copied
+  assert.deepEqual(positions, here.evaluate(controls));
+  assert.equal(controls.length, here.controlCount); // copied
+  const normals = () => ({ positions: new Float32Array(3 * here.vertexCount), normals: new Float32Array(3 * here.vertexCount) });
+  assert.deepEqual(await there.evaluateInto(controls, normals()), here.evaluateInto(controls, normals()));
+  assert.deepEqual(await there.coefficients(controls), here.coefficients(controls));
+  assert.deepEqual(await there.rowBlocks(), here.rowBlocks);
+  const order = await Promise.all([0, 0.5, 1].map((value) => there.evaluate(there.createPose().fill(value))));
+  order.forEach((found, i) => assert.deepEqual(found, here.evaluate(here.createPose().fill(i / 2))));
+  await there.dispose();
+  await assert.rejects(there.evaluate(controls));
+  here.dispose();
+});
+
+test("a worker's errors arrive", async () => {
+  await assert.rejects(loadInWorker(new Uint8Array(100)),
+                       (error: FaceBakerError) => error instanceof FaceBakerError && error.statusName === "FB_ERROR_NOT_AN_ARCHIVE");
+  const face = await loadInWorker(path), controls = face.createPose();
+  controls[0] = NaN;
+  await assert.rejects(face.evaluate(controls), (error: FaceBakerError) => error.statusName === "FB_ERROR_NOT_FINITE");
+  assert.throws(() => face.findControl("nothing"), FaceBakerError);
+  await face.dispose();
+});
