@@ -238,11 +238,28 @@ typedef struct Counter {
   size_t bytes, all_bytes;
 } Counter;
 
+#ifdef _WIN32
+static void* allocate_aligned(size_t bytes, size_t alignment) {
+  return _aligned_malloc(bytes, alignment);
+}
+static void free_aligned(void* memory) {
+  _aligned_free(memory);
+}
+#else
+static void* allocate_aligned(size_t bytes, size_t alignment) {
+  void* memory = NULL;
+  return posix_memalign(&memory, alignment, bytes) == 0 ? memory : NULL;
+}
+static void free_aligned(void* memory) {
+  free(memory);
+}
+#endif
+
 static void* count_allocate(void* user, size_t bytes, size_t alignment) {
   Counter* counter = user;
   if (counter->left-- <= 0) return NULL;
-  void* memory = NULL;
-  if (posix_memalign(&memory, alignment < sizeof(void*) ? sizeof(void*) : alignment, bytes) != 0) return NULL;
+  void* const memory = allocate_aligned(bytes, alignment < sizeof(void*) ? sizeof(void*) : alignment);
+  if (!memory) return NULL;
   ++counter->live;
   counter->bytes += bytes;
   counter->all_bytes += bytes;
@@ -254,7 +271,7 @@ static void count_release(void* user, void* memory, size_t bytes, size_t alignme
   Counter* counter = user;
   --counter->live;
   counter->bytes -= bytes;
-  free(memory);
+  free_aligned(memory);
 }
 
 static void the_injected_allocator_is_used_and_balanced(void** state) {
