@@ -135,7 +135,13 @@ void HttpServer::answer_file(const httplib::Request& request, httplib::Response&
       entry.bytes = entry.make();
       entry.make = nullptr;
     }
-    response.set_content(entry.bytes, entry.type);
+    if (entry.bytes.empty()) return response.set_content("", entry.type.c_str());
+    // Content that is set as a whole would be compressed by Brotli, at its best: 5 s for the page's script.
+    response.set_content_provider(
+        entry.bytes.size(), entry.type,
+        [&bytes = entry.bytes](std::size_t first, std::size_t count, httplib::DataSink& sink) {
+          return sink.write(bytes.data() + first, count);
+        });
   });
 }
 

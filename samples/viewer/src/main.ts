@@ -1,6 +1,6 @@
-import { openFace } from "./app/open_faces";
+import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
-import { clipsBeside, readViewList } from "./app/view_list";
+import { clipsBeside, readViewList, type ViewList } from "./app/view_list";
 import { Viewer } from "./app/viewer";
 import { Stage } from "./scene/stage";
 import { offerHeadset } from "./scene/vr_button";
@@ -19,6 +19,26 @@ import { startStats } from "./ui/stats";
 import { startTabs } from "./ui/tabs";
 import { startTheme } from "./ui/theme";
 
+/** What is loading, from before there is a picture to show it in. */
+interface Opening {
+  list: ViewList;
+  faces: Promise<LoadedFace>[];
+}
+
+function showProgress(loaded: number, total: number): void {
+  byId<HTMLProgressElement>("loading-bar").value = total > 0 ? loaded / total : 0;
+}
+
+async function beginLoading(): Promise<Opening> {
+  const asked = new URLSearchParams(location.search).get("face");
+  const list = asked ? { faces: [{ name: asked.split("/").at(-1) ?? asked, url: asked }] } : await readViewList();
+  const faces = list.faces.map(({ name, url }) => loadFace(new URL(url, location.href).href, name, showProgress));
+  for (const face of faces) face.catch(() => undefined); // told when it is to be shown
+  return { list, faces };
+}
+
+byId("loading").hidden = false;
+const opening = beginLoading();
 const stage = new Stage(byId<HTMLCanvasElement>("canvas"));
 const viewer = new Viewer(stage, (reason) => tell(reason, "error"));
 const timing = new TimeToFace(viewer);
@@ -58,25 +78,17 @@ viewer.opened.subscribe(() => {
   document.title = `${names.join(" and ")} · FaceBaker viewer`;
 });
 
-function showProgress(loaded: number, total: number): void {
-  byId<HTMLProgressElement>("loading-bar").value = total > 0 ? loaded / total : 0;
-}
-
 async function start(): Promise<void> {
-  const loading = byId("loading");
-  loading.hidden = false;
   try {
-    const asked = new URLSearchParams(location.search).get("face");
-    const list = asked ? { faces: [{ name: asked.split("/").at(-1) ?? asked, url: asked }] } : await readViewList();
-    for (const [i, { name, url }] of list.faces.entries())
-      viewer.show(await openFace(new URL(url, location.href).href, name, i > 0 ? viewer.first!.face : null, showProgress), i > 0);
+    const { list, faces } = await opening;
+    for (const [i, face] of faces.entries()) viewer.show(prepareFace(await face, i > 0 ? viewer.first!.face : null), i > 0);
     if (!viewer.first) return;
     readAddress(viewer);
     viewer.addClips(await clipsBeside(list, viewer.first.face));
-    if (viewer.truth) viewer.truth.live = "beside" in list && list.beside?.live === true;
+    if (viewer.truth) viewer.truth.live = list.beside?.live === true;
     viewer.modeChanged.emit();
   } finally {
-    loading.hidden = true;
+    byId("loading").hidden = true;
     byId("welcome").hidden = viewer.first !== null;
   }
 }

@@ -14,21 +14,32 @@ export interface ShownFace {
 
 export type Progress = (loaded: number, total: number) => void;
 
+/** A face that is not on the screen yet. */
+export interface LoadedFace {
+  name: string;
+  face: Face;
+  bytes: number;
+}
+
 /** Loads an archive; what is wrong with it is told with the file's name. */
-export async function openFace(source: string | ArrayBuffer, name: string, first: Face | null, progress?: Progress): Promise<ShownFace> {
+export async function loadFace(source: string | ArrayBuffer, name: string, progress?: Progress): Promise<LoadedFace> {
   let bytes = typeof source === "string" ? 0 : source.byteLength;
-  let face: Face;
   try {
-    face = await load(source, {
+    const face = await load(source, {
       progress: (loaded, total) => {
         bytes = loaded;
         progress?.(loaded, total);
       },
     });
+    return { name, face, bytes };
   } catch (error) {
     const reason = error instanceof Error ? error.message : String(error);
     throw new Error(reason.includes(name) ? reason : `${name}: ${reason}`);
   }
+}
+
+/** Makes what is drawn of a face. `first`: the face whose pose it follows; null: it is the first. */
+export function prepareFace({ name, face, bytes }: LoadedFace, first: Face | null): ShownFace {
   const names = new Map((first ?? face).controls.map((control, index) => [control.name, index]));
   const follows = Int32Array.from(face.controls, (control) => names.get(control.name) ?? -1);
   return { name, face, object: new FaceObject(face), follows, bytes };

@@ -2,7 +2,7 @@ import { type Clip, ClipError } from "../clips/clip";
 import { readDataset } from "../clips/dataset_folder";
 import { parseLiveLink } from "../clips/live_link";
 import { controlsOf, parseNpy } from "../clips/npy";
-import { openFace } from "./open_faces";
+import { loadFace, prepareFace } from "./open_faces";
 import type { Viewer } from "./viewer";
 
 const ending = (path: string): string => path.slice(path.lastIndexOf(".") + 1).toLowerCase();
@@ -23,7 +23,8 @@ export async function openFiles(files: ReadonlyMap<string, File>, viewer: Viewer
   const archives = [...files.values()].filter((file) => ending(file.name) === "fbk").slice(0, 2);
   for (const [i, file] of archives.entries()) {
     const second = i > 0 || (beside && viewer.first !== null);
-    viewer.show(await openFace(await file.arrayBuffer(), file.name, second ? viewer.first!.face : null), second);
+    const loaded = await loadFace(await file.arrayBuffer(), file.name);
+    viewer.show(prepareFace(loaded, second ? viewer.first!.face : null), second);
   }
   const clips: Clip[] = [];
   if (files.has("dataset.json")) {

@@ -1,16 +1,20 @@
 const KEPT = 120; // the last poses, over which clocks that tick slowly average out
+const WARM_UP = 3; // the first poses, which are compiled while they run
 
 /** How long poses took. */
 export class PoseTimes {
   #milliseconds: number[] = [];
+  #skipped = 0;
 
   add(milliseconds: number): void {
+    if (this.#skipped++ < WARM_UP) return;
     this.#milliseconds.push(milliseconds);
     if (this.#milliseconds.length > KEPT) this.#milliseconds.shift();
   }
 
   clear(): void {
     this.#milliseconds = [];
+    this.#skipped = 0;
   }
 
   /** Microseconds a pose, the mean without the slowest tenth; null before there was any. */

@@ -99,8 +99,13 @@ export class Viewer {
     this.#arrange();
     this.mode = this.#mode;
     this.stage.home();
-    this.opened.emit();
-    this.clipsChanged.emit();
+    // Panels take longer to make than the picture, which comes first.
+    requestAnimationFrame(() =>
+      setTimeout(() => {
+        this.opened.emit();
+        this.clipsChanged.emit();
+      }),
+    );
   }
 
   /** Takes the second face away. */
