@@ -6,7 +6,7 @@ import { Stage } from "./scene/stage";
 import { offerHeadset } from "./scene/vr_button";
 import { startAboutPanel } from "./ui/about_panel";
 import { startClipsPanel } from "./ui/clips_panel";
-import { byId } from "./ui/dom";
+import { byId, element } from "./ui/dom";
 import { startFileDialogs } from "./ui/file_dialogs";
 import { startKeys } from "./ui/keys";
 import { startLegend } from "./ui/legend";
@@ -73,7 +73,10 @@ function startPanels(): void {
 
 viewer.opened.subscribe(() => {
   byId("welcome").hidden = true;
-  const names = viewer.faces.map(({ face, name }) => face.name || name);
+  const two = viewer.faces.length > 1;
+  const names = viewer.faces.map(({ face, name }) => (two ? name : face.name || name));
+  byId("names").hidden = !two;
+  byId("names").replaceChildren(...names.map((name) => element("span", {}, name)));
   byId("title").textContent = names.join(" and ");
   document.title = `${names.join(" and ")} · FaceBaker viewer`;
 });

@@ -13,6 +13,7 @@ import { TruePositions } from "./true_positions";
 import { measureErrors, type VertexErrors } from "./vertex_errors";
 
 const GAP = 0.12; // between two faces, in diagonals
+const SIDE = 0.32; // radians from the front, from where one face is seen at first
 
 const LOOKS: Record<Mode, Look> = {
   shaded: "shaded",
@@ -170,7 +171,8 @@ export class Viewer {
       object.position.x = left + widths[i] / 2;
       left += widths[i] + GAP;
     });
-    this.stage.setWidth(all * 1.25);
+    // Two faces are seen alike only from the front.
+    this.stage.setScene(all * 1.25, this.faces.length > 1 ? 0 : SIDE);
   }
 
   #beforeDraw(now: number): void {

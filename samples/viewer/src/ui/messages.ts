@@ -6,7 +6,7 @@ const SECONDS = 8;
 export function tell(text: string, kind: "note" | "error" = "note"): void {
   const list = byId("messages");
   const close = element("button", { type: "button", class: "plain", "aria-label": "Close this message" }, "×");
-  const message = element("li", { class: kind, role: kind === "error" ? "alert" : "status" }, element("span", {}, text), close);
+  const message = element("div", { class: kind, role: kind === "error" ? "alert" : "status" }, element("span", {}, text), close);
   close.addEventListener("click", () => message.remove());
   if (kind === "note") setTimeout(() => message.remove(), SECONDS * 1000);
   list.append(message);

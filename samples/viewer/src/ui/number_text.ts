@@ -5,20 +5,21 @@ export function figure(value: number): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  return size < 1e-3 || size >= 1e5 ? value.toExponential(1).replace("e", "e") : String(Number(value.toPrecision(3)));
-}
-
-/** A length of the rig: in its unit, in millimetres where that is smaller, and as a fraction of the diagonal D. */
-export function lengthText(length: number, units: string, diagonal: number): string {
-  return `${inUnits(length, units)} = ${figure(length / diagonal)} D`;
+  return size < 1e-3 || size >= 1e5 ? value.toExponential(1) : String(Number(value.toPrecision(3)));
 }
 
 const MILLIMETRES: Record<string, number> = { m: 1000, dm: 100, cm: 10 };
 
-/** In the rig's unit; in millimetres where the rig's is a larger metric one. */
-export function inUnits(length: number, units: string): string {
+/** A length of the rig: in its unit, in millimetres too where that is a larger metric one, and as a fraction of the
+ * diagonal D. */
+export function lengthText(length: number, units: string, diagonal: number): string {
   const factor = MILLIMETRES[units];
-  return factor === undefined ? `${figure(length)} ${units}` : `${figure(length * factor)} mm`;
+  const millimetres = factor === undefined ? "" : ` (${figure(length * factor)} mm)`;
+  return `${inUnits(length, units)}${millimetres} = ${figure(length / diagonal)} D`;
+}
+
+export function inUnits(length: number, units: string): string {
+  return `${figure(length)} ${units}`;
 }
 
 export function bytesText(bytes: number): string {

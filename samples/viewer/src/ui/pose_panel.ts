@@ -70,7 +70,7 @@ export class PosePanel {
   #makeGroup(name: string, controls: readonly Control[], pose: Pose): Group {
     const rows = controls.map((control) => new ControlRow(control, pose));
     const count = element("span", { class: "count" });
-    const reset = element("button", { type: "button", "aria-label": `Reset ${name}` }, "Reset group");
+    const reset = element("button", { type: "button", "aria-label": `Reset group ${name}` }, "Reset group");
     reset.addEventListener("click", () => pose.reset(controls.map((control) => control.index)));
     const body = element("div", { class: "group-body" }, reset, ...rows.map((row) => row.element));
     const details = element("details", { class: "group" }, element("summary", {}, name, count), body);
