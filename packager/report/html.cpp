@@ -105,7 +105,7 @@ void Html::paragraph(std::string_view text) {
 }
 
 void Html::preformatted(std::string_view text) {
-  body_ += "<pre>";
+  body_ += "<pre tabindex=\"0\">";
   for (std::size_t end; !text.empty(); text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1)) {
     end = text.find('\n');
     body_ += escape_html(text.substr(0, end)) + "\n";
@@ -181,8 +181,8 @@ void Html::explain() {
 std::string Html::page() const {
   return std::string(report_mark) +
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escape_html(title_) +
-         "</title>\n" + std::string(style) + "</head>\n<body>\n<h1>" + escape_html(title_) +
-         "</h1>\n<nav aria-label=\"Contents\">" + contents_ + "</nav>\n<main>\n" + body_ + popovers() +
+         "</title>\n" + std::string(style) + "</head>\n<body>\n<header><h1>" + escape_html(title_) +
+         "</h1>\n<nav aria-label=\"Contents\">" + contents_ + "</nav></header>\n<main>\n" + body_ + popovers() +
          "</main>\n</body>\n</html>\n";
 }
 

@@ -66,7 +66,7 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
              "diagonal D of the rest mesh's bounding box: %.4g %s.",
              view.figures().diagonal, view.figures().units.c_str()));
   page.paragraph(report.measured_on);
-  Rows rows = {{view.label(ours), ""}};
+  Rows rows = {{view.label(ours), "value"}};
   if (view.measured()) {
     const Errors& e = ours.total;
     rows.push_back({"frames measured", std::to_string(e.frames)});

@@ -106,7 +106,8 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
     CHECK(picture.find("/") == std::string::npos);
     CHECK(text_of(report + "/" + picture).starts_with("\x89PNG"));
   }
-  for (const std::string& link : named(page, "href")) CHECK(link.starts_with("#"));
+  for (const std::string& link : named(page, "href"))
+    CHECK((link.starts_with("#") || link == "http://127.0.0.1:8737/"));
   for (const char* section : {"Table 1", "Figure 1", "Figure 3", "Worst frames", "Error over time", "Learning curve",
                               "Coverage", "Locality", "Size", "1.54e-3"})
     CHECK_MESSAGE(contains(page, section), section);
@@ -116,7 +117,7 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
                               "Figures explained", "Colours mean the same in all pictures", "error_map.png"})
     CHECK_MESSAGE(contains(page, section), section);
   for (const char* heading : {"p99", "max", "mfm", "combined: frames", "alone: poses"})
-    CHECK_MESSAGE(contains(page, "\">" + std::string(heading) + "</th>"), heading);  // explained on hover
+    CHECK_MESSAGE(contains(page, "\">" + std::string(heading) + "</button></th>"), heading);  // explained on hover
   const Json figures = Json::parse(run.out);
   for (const Json& method : figures.at("methods")) {
     CHECK(method.at("quality").at("normal_degrees_rms") > 0);
