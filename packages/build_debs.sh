@@ -44,6 +44,7 @@ for library in libfacebaker libfacebaker-bake; do fill debian/$library.install.i
 if command -v ccache >/dev/null; then # the packages' build has no home folder
   CCACHE_DIR=$(ccache --get-config cache_dir)
   export CCACHE_DIR CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+  export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
 DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=${FB_PARALLEL:-$(nproc)}" dpkg-buildpackage --build=binary --no-sign >"$out/build.log" 2>&1 ||
   { tail -40 "$out/build.log" >&2; echo "building failed; all of it is in $out/build.log" >&2; exit 1; }

@@ -27,7 +27,8 @@ Component = Dict[str, Any]
 
 
 def components() -> List[Component]:
-    """The table of what is linked: dictionaries of name, licence (an SPDX expression), package, home, header, in."""
+    """The table of what is linked: dictionaries of name, licence (an SPDX expression), package, home, in, and of
+    library, the name of the shared library where it is not the component's."""
     table: List[Component] = json.loads((HERE / "third_party.json").read_text(encoding="utf-8"))
     return table
 
@@ -74,7 +75,8 @@ def needed_of(binary: pathlib.Path) -> List[str]:
 
 def is_loaded(component: Component, needed: List[str]) -> bool:
     """Whether a component is a shared library that is loaded, and not part of the binary."""
-    return any(name.startswith(f"lib{component['name'].lower()}.so") for name in needed)
+    stem = component.get("library", component["name"].lower())
+    return any(name.startswith(f"lib{stem}.so") for name in needed)
 
 
 def third_party_text(binaries: List[pathlib.Path]) -> str:
