@@ -18,25 +18,26 @@ import yaml  # type: ignore[import]
 
 PAGES = ("*.md", "docs/*.md", "core/archive/*.md", "samples/*/README.md", "bindings/*/README.md")
 OF_DOXYGEN = "docs/reference.md"  # its front page
-LINK = re.compile(r"(\]\()([^)\s#]+)([^)]*\))")
+LINK = re.compile(r"\[([^\[\]]*)\]\(([^)\s#]+)([^)]*)\)")
 
 
 def copy_page(root: pathlib.Path, stage: pathlib.Path, page: pathlib.Path, pages: Set[pathlib.Path]) -> None:
     """Copies one page and the files it links to; the tree's README.md becomes overview.md, for the front page is index.md."""
 
     def linked(match: "re.Match[str]") -> str:
-        target = match.group(2)
+        text, target, rest = match.groups()
         if re.match(r"[a-z]+:|/", target):
             return match.group(0)
         file = (page.parent / target).resolve()
         if file == root / "README.md":
-            return match.group(1) + re.sub(r"README\.md$", "overview.md", target) + match.group(3)
-        if file.is_dir():
-            inner = file / "README.md"
-            return match.group(1) + f"{target.rstrip('/')}/README.md" + match.group(3) if inner in pages else match.group(0)
-        if file not in pages and file.is_file():
+            target = re.sub(r"README\.md$", "overview.md", target)
+        elif file.is_dir() and file / "README.md" in pages:
+            target = f"{target.rstrip('/')}/README.md"
+        elif file.is_dir():
+            return text  # there is no page of it
+        elif file not in pages and file.is_file():
             place(stage / file.relative_to(root), file)
-        return match.group(0)
+        return f"[{text}]({target}{rest})"
 
     relative = page.relative_to(root)
     text = LINK.sub(linked, page.read_text(encoding="utf-8"))
