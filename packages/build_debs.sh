@@ -50,7 +50,13 @@ DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=${FB_PARALLEL:-$(nproc)}" dpkg-
   { tail -40 "$out/build.log" >&2; echo "building failed; all of it is in $out/build.log" >&2; exit 1; }
 mv ../*.deb ../*.buildinfo ../*.changes "$out/"
 
+# For the archive the same, but as it works in any folder: the tool finds its libraries beside itself, which have zlib in them.
 build=$(ls -d obj-*)
+{
+  cmake -B "$build" -D CMAKE_SKIP_INSTALL_RPATH=OFF -D CMAKE_INSTALL_LIBDIR=lib -D FB_ZSH_DIR=share/zsh/site-functions \
+    -D ZLIB_LIBRARY="/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libz.a"
+  cmake --build "$build" --parallel "${FB_PARALLEL:-$(nproc)}"
+} >>"$out/build.log" 2>&1
 cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"
 cd "$out"
 rm -rf _CPack_Packages work
