@@ -1,7 +1,6 @@
 #include "face_pose.h"
 
 #include <algorithm>
-#include <atomic>
 
 namespace facebaker::engine {
 
@@ -29,12 +28,14 @@ void FacePose::set_lod(float lod) {
   lod_ = lod;
 }
 
-// One that nobody reads: only frames_ holds it. Another thread that let go of it has read it before.
+// One that nobody reads: only frames_ holds it.
 std::shared_ptr<PosedFrame> FacePose::free_frame() {
   const auto found =
       std::find_if(frames_.begin(), frames_.end(), [](const auto& frame) { return frame.use_count() == 1; });
   if (found != frames_.end()) {
-    std::atomic_thread_fence(std::memory_order_acquire);
+    // The count that is read above orders nothing; letting go of a copy does: what another thread has read of the
+    // frame, it read before it let go of it.
+    std::shared_ptr<PosedFrame>(*found).reset();
     return *found;
   }
   const auto frame = std::make_shared<PosedFrame>();

@@ -15,6 +15,17 @@ void Axes::convert_position(const float* position, float* to) const {
   for (std::size_t i = 0; i < 3; ++i) to[i] = sign[i] * position[from[i]] * scale;
 }
 
+// With a' = s P a for positions a of the archive, a motion M a' + t of the engine is (P^-1 M P) a + P^-1 t / s of the
+// archive; P permutes axes and signs.
+void Axes::convert_motion_back(const float* frame, float* to) const {
+  for (std::size_t row = 0; row < 3; ++row) {
+    float* out = to + 4 * from[row];
+    for (std::size_t column = 0; column < 3; ++column)
+      out[from[column]] = sign[row] * sign[column] * frame[4 * row + column];
+    out[3] = sign[row] * frame[4 * row + 3] / scale;
+  }
+}
+
 float metres_per(const char* units) {
   const std::string_view text = units ? units : "";
   if (text == "mm") return 0.001f;

@@ -26,6 +26,9 @@ struct Axes {
   void convert_position(const float* position, float* to) const;
   /** Converts a direction. `to` may not be `direction`. */
   void convert_direction(const float* direction, float* to) const;
+  /** Converts a frame (the upper three rows of a 4 x 4 matrix) that moves things in the engine's space to the one that
+   * moves them likewise in the archive's. `to` may not be `frame`. */
+  void convert_motion_back(const float* frame, float* to) const;
 };
 
 /** Metres of a unit (mm, cm, dm, m, in, ft); 1 for one that is not known. */

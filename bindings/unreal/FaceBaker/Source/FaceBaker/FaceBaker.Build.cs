@@ -1,0 +1,35 @@
+using System.IO;
+using UnrealBuildTool;
+
+public class FaceBaker : ModuleRules
+{
+    public FaceBaker(ReadOnlyTargetRules Target) : base(Target)
+    {
+        PCHUsage = PCHUsageMode.UseExplicitOrSharedPCHs;
+        bEnableExceptions = true; // facebaker.hpp reports errors so; UnrealFace.cpp catches all of them
+        PublicDependencyModuleNames.AddRange(new[] { "Core", "CoreUObject", "Engine", "ProceduralMeshComponent" });
+
+        // ThirdParty is made by pack_plugin.py: headers, and a library for each platform.
+        string thirdParty = Path.Combine(PluginDirectory, "Source", "ThirdParty", "FaceBaker");
+        PrivateIncludePaths.Add(Path.Combine(thirdParty, "include"));
+        if (Target.Platform == UnrealTargetPlatform.Win64)
+        {
+            PublicAdditionalLibraries.Add(Path.Combine(thirdParty, "Win64", "facebaker.lib"));
+            PublicDelayLoadDLLs.Add("facebaker.dll");
+            RuntimeDependencies.Add("$(BinaryOutputDir)/facebaker.dll", Path.Combine(thirdParty, "Win64", "facebaker.dll"));
+        }
+        else if (Target.Platform == UnrealTargetPlatform.Linux)
+        {
+            string library = Path.Combine(thirdParty, "Linux", "libfacebaker.so");
+            PublicAdditionalLibraries.Add(library);
+            PrivateRuntimeLibraryPaths.Add(Path.Combine(thirdParty, "Linux"));
+            RuntimeDependencies.Add(library);
+        }
+        else if (Target.Platform == UnrealTargetPlatform.Mac)
+        {
+            string library = Path.Combine(thirdParty, "Mac", "libfacebaker.dylib");
+            PublicAdditionalLibraries.Add(library);
+            RuntimeDependencies.Add(library);
+        }
+    }
+}

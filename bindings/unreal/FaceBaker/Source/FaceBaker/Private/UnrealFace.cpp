@@ -1,0 +1,102 @@
+#include "UnrealFace.h"
+
+#include <exception>
+
+namespace facebaker::unreal {
+namespace {
+
+// Keeps the sentence of what was thrown; none where memory is too short for it.
+void keep_sentence(const std::exception& exception, std::string& error) noexcept {
+  try {
+    error = exception.what();
+  } catch (...) {
+    error.clear();
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Model> load_archive(const void* bytes, std::size_t size, std::string& error) noexcept {
+  try {
+    const unsigned char nothing = 0;
+    return std::make_shared<const Model>(size > 0 ? bytes : &nothing, size);
+  } catch (const std::exception& exception) {
+    keep_sentence(exception, error);
+    return nullptr;
+  }
+}
+
+std::unique_ptr<UnrealFace> UnrealFace::make(const Model& model, std::string& error) noexcept {
+  try {
+    return std::unique_ptr<UnrealFace>(new UnrealFace(model));
+  } catch (const std::exception& exception) {
+    keep_sentence(exception, error);
+    return nullptr;
+  }
+}
+
+UnrealFace::UnrealFace(const Model& model)
+    : axes_(engine::axes_of_unreal(model)),
+      pose_(model),
+      skin_(model),
+      sections_(engine::render_surfaces(model, axes_)),
+      buffers_(sections_.size()) {
+  for (std::size_t s = 0; s < sections_.size(); ++s) {
+    const std::size_t floats = 3 * sections_[s].sources.size();
+    buffers_[s].positions.resize(floats);
+    buffers_[s].normals.resize(floats);
+    if (!sections_[s].uvs.empty()) buffers_[s].tangents.resize(floats);
+    buffers_[s].motion.resize(floats);
+  }
+  fill_buffers();
+}
+
+std::int64_t UnrealFace::find_control(const std::string& name, std::string& error) const noexcept {
+  std::uint32_t index = 0;
+  if (fb_find_control(pose_.model().get(), name.c_str(), &index) == FB_OK) return index;
+  keep_sentence(std::runtime_error(fb_last_error()), error);
+  return -1;
+}
+
+bool UnrealFace::set_joint_motion(std::uint32_t joint, const float* motion) {
+  float in_archive[12];
+  axes_.convert_motion_back(motion, in_archive);
+  joints_moved_ = true;
+  return skin_.set_motion(joint, in_archive);
+}
+
+UnrealFace::Update UnrealFace::update(std::string& error) noexcept {
+  try {
+    const bool moved = pose_.pose() || joints_moved_;
+    if (!moved && !moving_) return Update::unchanged;
+    fill_buffers();
+    joints_moved_ = false;
+    moving_ = moved;
+    return Update::changed;
+  } catch (const std::exception& exception) {
+    keep_sentence(exception, error);
+    return Update::failed;
+  }
+}
+
+void UnrealFace::fill_buffers() {
+  skin_.apply(*pose_.current(), positions_, normals_, tangents_);
+  for (std::size_t s = 0; s < sections_.size(); ++s) {
+    SectionBuffers& buffers = buffers_[s];
+    const std::vector<std::uint32_t>& sources = sections_[s].sources;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const std::size_t from = 3 * static_cast<std::size_t>(sources[i]);
+      float now[3];
+      axes_.convert_position(positions_.data() + from, now);
+      for (std::size_t k = 0; k < 3; ++k) {
+        buffers.motion[3 * i + k] = filled_ ? buffers.positions[3 * i + k] - now[k] : 0;
+        buffers.positions[3 * i + k] = now[k];
+      }
+      axes_.convert_direction(normals_.data() + from, buffers.normals.data() + 3 * i);
+      if (!buffers.tangents.empty()) axes_.convert_direction(tangents_.data() + from, buffers.tangents.data() + 3 * i);
+    }
+  }
+  filled_ = true;
+}
+
+}  // namespace facebaker::unreal

@@ -1,0 +1,286 @@
+#include <doctest/doctest.h>
+#include <facebaker/facebaker_character.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "UnrealFace.h"
+#include "face_pose.h"
+#include "linear_skin.h"
+#include "render_surfaces.h"
+
+namespace {
+
+using facebaker::Model;
+using facebaker::engine::Axes;
+using facebaker::engine::FacePose;
+using facebaker::engine::LinearSkin;
+using facebaker::engine::PosedFrame;
+using facebaker::engine::RenderSurface;
+using facebaker::unreal::UnrealFace;
+
+Model fixture(const std::string& name) {
+  return Model(FB_FIXTURES "/" + name + ".fbk");
+}
+
+std::vector<float> widest(const Model& model) {
+  std::vector<float> controls = model.rest_controls();
+  for (std::uint32_t i = 0; i < controls.size(); ++i) controls[i] = model.control(i).maximum;
+  return controls;
+}
+
+TEST_CASE("poses have the bits of fb_evaluate") {
+  for (const char* name : {"tiny", "character", "body", "exact", "levels"}) {
+    const Model model = fixture(name);
+    FacePose pose(model);
+    const std::size_t count = 3 * std::size_t(model.vertex_count());
+    CHECK(std::equal(model.rest_positions(), model.rest_positions() + count, pose.current()->positions.begin()));
+    const std::vector<float> controls = widest(model);
+    REQUIRE(pose.set_controls(controls.data(), controls.size()));
+    CHECK(pose.pose());
+    facebaker::Scratch scratch(model);
+    std::vector<float> expected(count);
+    scratch.evaluate(controls.data(), expected.data());
+    CHECK(pose.current()->positions == expected);
+    CHECK(pose.current()->number == 2);
+    CHECK_FALSE(pose.set_controls(controls.data(), controls.size() - 1));
+    CHECK_FALSE(pose.set_control(model.control_count(), 0));
+  }
+}
+
+TEST_CASE("frames that are held do not change, and others are used again") {
+  const Model model = fixture("tiny");
+  FacePose pose(model);
+  const std::shared_ptr<const PosedFrame> held = pose.current();
+  const std::vector<float> kept = held->positions;
+  std::set<const PosedFrame*> frames;
+  for (int i = 1; i < 100; ++i) {
+    pose.set_control(0, model.control(0).maximum * float(i) / 100);
+    REQUIRE(pose.pose());
+    REQUIRE(pose.previous() != pose.current());
+    frames.insert(pose.current().get());
+  }
+  CHECK(held->positions == kept);
+  CHECK(frames.size() <= 3);
+  const auto last = pose.current();
+  CHECK_FALSE(pose.pose());
+  CHECK(pose.previous() == last);
+}
+
+TEST_CASE("NaN is an error, and frames stay") {
+  const Model model = fixture("tiny");
+  FacePose pose(model);
+  const auto before = pose.current();
+  pose.set_control(1, std::numeric_limits<float>::quiet_NaN());
+  for (int i = 0; i < 2; ++i) CHECK_THROWS_AS(pose.pose(), facebaker::Error);
+  CHECK(pose.current() == before);
+  pose.set_control(1, model.control(1).maximum);
+  CHECK(pose.pose());
+}
+
+TEST_CASE("another thread reads frames while the next are made") {
+  const Model model = fixture("character");
+  FacePose pose(model);
+  std::shared_ptr<const PosedFrame> shown = pose.current();  // by atomic_load and atomic_store alone
+  std::atomic<bool> done{false};
+  std::atomic<int> torn{0}, read{0};
+  // Poses are at one of two values of a control; a frame that is written while it is read would be neither.
+  std::map<float, std::vector<float>> valid;
+  for (const float value : {0.25f, 0.5f}) {
+    pose.set_control(0, value);
+    pose.pose();
+    valid[value] = pose.current()->positions;
+  }
+  std::atomic_store(&shown, pose.current());
+  std::thread reader([&] {
+    while (!done) {
+      const auto frame = std::atomic_load(&shown);
+      if (frame->positions != valid[0.25f] && frame->positions != valid[0.5f]) ++torn;
+      if (frame->number < 2) ++torn;
+      ++read;
+    }
+  });
+  for (int i = 0; i < 2000 || read < 100; ++i) {
+    pose.set_control(0, i % 2 == 0 ? 0.25f : 0.5f);
+    pose.pose();
+    std::atomic_store(&shown, pose.current());
+  }
+  done = true;
+  reader.join();
+  CHECK(torn == 0);
+}
+
+TEST_CASE("surfaces have every polygon, with its vertices and texture coordinates") {
+  for (const char* name : {"tiny", "character", "body"}) {
+    const Model model = fixture(name);
+    for (const bool turned : {false, true}) {
+      Axes axes;
+      axes.turn_triangles = axes.v_down = turned;
+      const auto surfaces = facebaker::engine::render_surfaces(model, axes);
+      std::size_t triangles = 0, corner = 0, polygon = 0;
+      const float* uvs = fb_uvs(model.get());
+      for (const RenderSurface& surface : surfaces) {
+        triangles += surface.indices.size() / 3;
+        for (std::size_t i = 0; i < surface.indices.size(); ++polygon) {  // the first triangle of each polygon
+          for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t vertex = surface.indices[i + (turned ? (3 - k) % 3 : k)];
+            CHECK(surface.sources[vertex] == fb_polygon_corners(model.get())[corner + k]);
+            if (!uvs) continue;
+            const float* pair = uvs + 2 * std::size_t(fb_uv_corners(model.get())[corner + k]);
+            CHECK(surface.uvs[2 * vertex] == pair[0]);
+            CHECK(surface.uvs[2 * vertex + 1] == (turned ? 1 - pair[1] : pair[1]));
+          }
+          const std::uint32_t size = fb_polygon_sizes(model.get())[polygon];
+          corner += size;
+          i += 3 * std::size_t(size - 2);
+        }
+      }
+      CHECK(polygon == fb_polygon_count(model.get()));
+      CHECK(triangles == fb_polygon_corner_count(model.get()) - 2 * std::size_t(fb_polygon_count(model.get())));
+    }
+  }
+}
+
+// A triangle of the engine faces where its normal says: the cross product of the first edge and the second, or for an
+// engine that has it the other way round, of the second and the first.
+void check_facing(const Model& model, const Axes& axes, bool second_first) {
+  const FacePose pose(model);
+  for (const RenderSurface& surface : facebaker::engine::render_surfaces(model, axes)) {
+    double along = 0;
+    for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+      std::array<std::array<float, 3>, 3> at;
+      std::array<float, 3> normal;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t from = 3 * std::size_t(surface.sources[surface.indices[i + k]]);
+        axes.convert_position(pose.current()->positions.data() + from, at[k].data());
+        axes.convert_direction(pose.current()->normals.data() + from, normal.data());
+      }
+      std::array<float, 3> a, b;
+      for (std::size_t k = 0; k < 3; ++k) a[k] = at[1][k] - at[0][k], b[k] = at[2][k] - at[0][k];
+      if (second_first) std::swap(a, b);
+      along += double((a[1] * b[2] - a[2] * b[1]) * normal[0] + (a[2] * b[0] - a[0] * b[2]) * normal[1] +
+                      (a[0] * b[1] - a[1] * b[0]) * normal[2]);
+    }
+    CHECK(along > 0);
+  }
+}
+
+TEST_CASE("triangles face as engines expect") {
+  const Model model = fixture("tiny");
+  check_facing(model, Axes(), false);
+  check_facing(model, facebaker::engine::axes_of_unreal(model), true);
+  check_facing(model, facebaker::engine::axes_of_godot(model, true), true);  // clockwise in right-handed axes
+}
+
+TEST_CASE("motions are taken back to the archive's axes") {
+  const Model model = fixture("body");
+  const Axes axes = facebaker::engine::axes_of_unreal(model);
+  const std::array<float, 12> motion = {0, -1, 0, 3, 1, 0, 0, -4, 0, 0, 1, 5};
+  std::array<float, 12> back;
+  axes.convert_motion_back(motion.data(), back.data());
+  const std::array<float, 3> point = {1, 2, 3};
+  std::array<float, 3> moved, expected, shown, found;
+  for (std::size_t row = 0; row < 3; ++row)
+    moved[row] =
+        back[4 * row] * point[0] + back[4 * row + 1] * point[1] + back[4 * row + 2] * point[2] + back[4 * row + 3];
+  axes.convert_position(moved.data(), found.data());
+  axes.convert_position(point.data(), shown.data());
+  for (std::size_t row = 0; row < 3; ++row)
+    expected[row] = motion[4 * row] * shown[0] + motion[4 * row + 1] * shown[1] + motion[4 * row + 2] * shown[2] +
+                    motion[4 * row + 3];
+  for (std::size_t k = 0; k < 3; ++k) CHECK(found[k] == doctest::Approx(expected[k]));
+}
+
+// Where the skin takes a vertex with all joints at rest, in doubles: this face's joints are not at rest where it was
+// bound.
+std::array<double, 3> skinned_at_rest(const Model& model, const std::vector<float>& positions, std::size_t vertex) {
+  const std::uint32_t influences = fb_skin_influences(model.get());
+  std::array<double, 3> sum{};
+  if (fb_skin_weights(model.get())[vertex * influences] <= 0) {  // of a mesh that follows no joint
+    for (std::size_t k = 0; k < 3; ++k) sum[k] = double(positions[3 * vertex + k]);
+    return sum;
+  }
+  for (std::size_t i = vertex * influences; i < (vertex + 1) * influences; ++i) {
+    std::array<double, 3> point;
+    for (std::size_t k = 0; k < 3; ++k) point[k] = double(positions[3 * vertex + k]);
+    fb_joint joint;
+    fb_joint_init(&joint);
+    std::uint32_t index = fb_skin_joints(model.get())[i];
+    const auto apply = [&point](const float* frame) {
+      std::array<double, 3> to;
+      for (std::size_t row = 0; row < 3; ++row)
+        to[row] = double(frame[4 * row]) * point[0] + double(frame[4 * row + 1]) * point[1] +
+                  double(frame[4 * row + 2]) * point[2] + double(frame[4 * row + 3]);
+      point = to;
+    };
+    REQUIRE(fb_joint_at(model.get(), index, &joint) == FB_OK);
+    apply(joint.inverse_bind);
+    for (; index != FB_NO_JOINT; index = joint.parent) {
+      REQUIRE(fb_joint_at(model.get(), index, &joint) == FB_OK);
+      apply(joint.rest);
+    }
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += double(fb_skin_weights(model.get())[i]) * point[k];
+  }
+  return sum;
+}
+
+TEST_CASE("a skin takes vertices where its joints are, and moves them with these") {
+  const Model model = fixture("body");
+  const FacePose pose(model);
+  LinearSkin skin(model);
+  REQUIRE(skin.joint_count() > 1);
+  std::vector<float> positions, normals, tangents;
+  skin.apply(*pose.current(), positions, normals, tangents);
+  for (std::size_t v = 0; v < model.vertex_count(); ++v) {
+    const std::array<double, 3> expected = skinned_at_rest(model, pose.current()->positions, v);
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(double(positions[3 * v + k]) == doctest::Approx(expected[k]).epsilon(1e-4));
+  }
+  const std::array<float, 12> shift = {1, 0, 0, 10, 0, 1, 0, 20, 0, 0, 1, 30};
+  REQUIRE(skin.set_motion(0, shift.data()));
+  CHECK_FALSE(skin.set_motion(std::uint32_t(skin.joint_count()), shift.data()));
+  std::vector<float> moved;
+  skin.apply(*pose.current(), moved, normals, tangents);
+  const std::uint32_t influences = fb_skin_influences(model.get());
+  for (std::size_t v = 0; v < model.vertex_count(); ++v) {
+    float weight = 0;  // of joint 0
+    for (std::uint32_t i = 0; i < influences; ++i)
+      if (fb_skin_joints(model.get())[v * influences + i] == 0)
+        weight += fb_skin_weights(model.get())[v * influences + i];
+    CHECK(moved[3 * v + 1] - positions[3 * v + 1] == doctest::Approx(20 * weight).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("Unreal's face fills buffers with motion, and stops") {
+  std::string error;
+  CHECK_FALSE(facebaker::unreal::load_archive(nullptr, 0, error));
+  CHECK_FALSE(error.empty());
+  const Model model = fixture("character");
+  const auto face = UnrealFace::make(model, error);
+  REQUIRE(face);
+  CHECK(face->update(error) == UnrealFace::Update::unchanged);
+  const std::vector<float> before = face->buffers(0).positions;
+  CHECK(face->find_control(model.control(0).name, error) == 0);
+  CHECK(face->find_control("no such control", error) == -1);
+  face->pose().set_control(0, model.control(0).maximum);
+  REQUIRE(face->update(error) == UnrealFace::Update::changed);
+  const auto& buffers = face->buffers(0);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    CHECK(buffers.motion[i] == doctest::Approx(before[i] - buffers.positions[i]));
+  CHECK(std::any_of(buffers.motion.begin(), buffers.motion.end(), [](float m) { return m != 0; }));
+  REQUIRE(face->update(error) == UnrealFace::Update::changed);
+  CHECK(std::all_of(buffers.motion.begin(), buffers.motion.end(), [](float m) { return m == 0; }));
+  CHECK(face->update(error) == UnrealFace::Update::unchanged);
+  face->pose().set_control(0, std::numeric_limits<float>::quiet_NaN());
+  CHECK(face->update(error) == UnrealFace::Update::failed);
+  CHECK(error.find(model.control(0).name) != std::string::npos);
+}
+
+}  // namespace
