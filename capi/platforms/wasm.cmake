@@ -13,4 +13,5 @@ if(FB_WASM_SIMD)
 endif()
 set(CMAKE_C_FLAGS_INIT "${flags}")
 set(CMAKE_CXX_FLAGS_INIT "${flags}")
-list(APPEND CMAKE_FIND_ROOT_PATH ${CMAKE_CURRENT_LIST_DIR}/../../build/cross/wasm) # see build_dependencies.sh
+get_filename_component(FB_CROSS ${CMAKE_CURRENT_LIST_DIR}/../../build/cross/wasm ABSOLUTE)
+list(APPEND CMAKE_FIND_ROOT_PATH ${FB_CROSS}) # see build_dependencies.sh
