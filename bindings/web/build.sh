@@ -19,7 +19,7 @@ if ! cmp -s "$out/package.json.new" "$out/package.json"; then
 fi
 rm -rf "$out/package.json.new" "$out/src"
 cp -r bindings/web/src bindings/web/tsconfig.json "$out"
-cp LICENSE "$out"
+cp LICENSE bindings/web/README.md "$out"
 {
   echo "facebaker.wasm has these libraries in it:"
   for package in zlib draco xxhash; do

@@ -35,7 +35,7 @@ for archive in "$golden"/rejected/*; do echo "$archive"; done >"$web/refused.lis
 # shellcheck disable=SC2046
 "$web/native_poses" refuse $(cat "$web/refused.list") | paste "$web/refused.list" - >"$web/refused.txt"
 
-export FB_ARCHIVES="$pairs" FB_GOLDEN="$golden" FB_REFUSED="$web/refused.txt"
+export FB_ARCHIVES="$pairs" FB_GOLDEN="$golden" FB_REFUSED="$web/refused.txt" FB_DOCS_PAGE="$root/docs/browser.md"
 rm -rf "$web/tests" "$web/tests-built"
 cp -r bindings/web/tests "$web"
 cd "$web"

@@ -17,7 +17,8 @@ export interface OpenPage {
 }
 
 /** `files`: by the address they are served at, beside the package. */
-export async function openChromium(files: Record<string, string>): Promise<OpenPage> {
+export async function openChromium(files: Record<string, string>,
+                                   start = "/tests-built/browser/page.html"): Promise<OpenPage> {
   const folders: Record<string, string> = { "/": web };
   for (const [address, file] of Object.entries(files)) folders[`${dirname(address)}/`] = `${dirname(file)}/`;
   const { server, address } = await serveFolders(folders);
@@ -28,8 +29,8 @@ export async function openChromium(files: Record<string, string>): Promise<OpenP
   const errors: string[] = [];
   page.on("pageerror", (error) => errors.push(String(error)));
   page.on("console", (message) => { if (message.type() === "error") errors.push(message.text()); });
-  await page.goto(`${address}/tests-built/browser/page.html`);
-  await page.waitForFunction("globalThis.facebakerTests");
+  await page.goto(address + start);
+  if (start.startsWith("/tests")) await page.waitForFunction("globalThis.facebakerTests");
   return {
     page, errors,
     call: (name, ...values) =>

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { basename } from "node:path";
+import { checkDocsPage } from "./docs_page.js";
 import type { GpuDifference } from "./gpu_page.js";
 import { addressOf, openChromium, web } from "./open_chromium.js";
 
@@ -39,3 +40,5 @@ try {
 } finally {
   await close();
 }
+await checkDocsPage(process.env["FB_DOCS_PAGE"]!, pairs.find(([archive]) => archive.endsWith("character.fbk"))![0]);
+console.log("the page of docs/browser.md shows a face that moves");
