@@ -37,7 +37,9 @@ echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C co
 $cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" -L"$build/lib" -lfacebaker
 $cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" -L"$build/lib" -lfacebaker
 mkdir "$work/poses"
-for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk; do
+for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk \
+  "$build/../quickstart/sample.fbk"; do
+  [ -e "$face" ] || continue  # the quickstart's, where it was run
   name=$(basename "$face" .fbk)
   "$work/dump_poses" "$face" "$work/poses/$name.poses"
   echo "$face" > "$work/poses/$name.path"

@@ -35,7 +35,8 @@ mkdir "$project/addons" "$project/faces"
 mv "$work/addon" "$project/addons/facebaker"
 ${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include bindings/engine/tests/dump_poses.c -o "$work/dump_poses" \
   -L"$build/lib" -lfacebaker
-for face in "$build"/fixtures/*.fbk; do
+for face in "$build"/fixtures/*.fbk "$build/../quickstart/sample.fbk"; do
+  [ -e "$face" ] || continue  # the quickstart's, where it was run
   cp "$face" "$project/faces/"
   LD_LIBRARY_PATH=$build/lib "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
 done

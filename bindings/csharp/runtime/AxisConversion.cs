@@ -3,7 +3,8 @@ using System.Runtime.InteropServices;
 
 namespace FaceBaker
 {
-    /// <summary>From the axes and units of an archive (right-handed, y or z up, centimetres, ...) to those of an engine.</summary>
+    /// <summary>From the axes and units of an archive (right-handed, y or z up, centimetres, ...) to those of an
+    /// engine.</summary>
     public struct AxisConversion
     {
         private AxisConversion(float scale, bool zUp, bool leftHanded)

@@ -284,6 +284,32 @@ namespace FaceBaker
         public IReadOnlyList<float> Controls { get; private set; }
     }
 
+    /// <summary>Consecutive rows of the basis that use the same coefficients, for hosts whose GPU moves the vertices. Row 3 i +
+    /// axis is coordinate `axis` of vertex i in baked order (<see cref="Face.VertexOrder"/>).</summary>
+    public sealed class RowBlock
+    {
+        private readonly uint[] columns;
+        private readonly float[] values;
+
+        internal RowBlock(fb_row_block from, uint[] columns, float[] values)
+        {
+            FirstRow = (int)from.first_row;
+            RowCount = (int)from.row_count;
+            this.columns = columns;
+            this.values = values;
+        }
+
+        /// <summary>Row blocks follow each other without gaps.</summary>
+        public int FirstRow { get; private set; }
+        /// <summary>Rows in it.</summary>
+        public int RowCount { get; private set; }
+        /// <summary>The coefficients that it uses, ascending.</summary>
+        public ReadOnlySpan<uint> Columns { get { return columns; } }
+        /// <summary>Column after column, <see cref="RowCount"/> floats each: the displacements for one unit of the coefficient.
+        /// </summary>
+        public ReadOnlySpan<float> Values { get { return values; } }
+    }
+
     /// <summary>A level of detail: the character at fewer vertices. Level 0 is the whole.</summary>
     public sealed class FaceLevel
     {
@@ -309,7 +335,8 @@ namespace FaceBaker
         public ReadOnlySpan<uint> PolygonSizes { get { return sizes; } }
         /// <summary>Vertex indices in the source's order, polygon after polygon.</summary>
         public ReadOnlySpan<uint> PolygonCorners { get { return corners; } }
-        /// <summary>For each corner the index of its pair in <see cref="Face.Uvs"/>; empty without texture coordinates.</summary>
+        /// <summary>For each corner the index of its pair in <see cref="Face.Uvs"/>; empty without texture
+        /// coordinates.</summary>
         public ReadOnlySpan<uint> UvCorners { get { return uvCorners; } }
         /// <summary>As <see cref="Face.Meshes"/>, with this level's polygons.</summary>
         public IReadOnlyList<FaceMesh> Meshes { get; private set; }

@@ -5,9 +5,9 @@ using System.Runtime.InteropServices;
 
 namespace FaceBaker
 {
-    /// <summary>A baked face, loaded from an .fbk archive. It never changes; any number of threads may pose one face at once. Its
-    /// lists and arrays are copied from the library when they are first asked for, so they stay valid after it is disposed.
-    /// Disposing frees the memory at once; a face that is not disposed is freed by the garbage collector.</summary>
+    /// <summary>A baked face, loaded from an .fbk archive. It never changes; any number of threads may pose one face at once.
+    /// Its lists and arrays are copied from the library when they are first asked for, so they stay valid after it is
+    /// disposed. Disposing frees the memory at once; a face that is not disposed is freed by the garbage collector.</summary>
     public sealed unsafe partial class Face : IDisposable
     {
         private const int StreamBufferBytes = 64 << 10;
@@ -189,8 +189,8 @@ namespace FaceBaker
             return (int)index;
         }
 
-        /// <summary>One pose, with a scratch that nobody else uses: see <see cref="Scratch.Evaluate"/>. From any thread; allocates
-        /// nothing, but where more threads pose at once than ever before.</summary>
+        /// <summary>One pose, with a scratch that nobody else uses: see <see cref="Scratch.Evaluate"/>. From any thread;
+        /// allocates nothing, but where more threads pose at once than ever before.</summary>
         public void Evaluate(ReadOnlySpan<float> controls, Span<float> positions)
         {
             Scratch scratch = scratches.Take(this);
@@ -204,8 +204,8 @@ namespace FaceBaker
             }
         }
 
-        /// <summary>The same with all that a batch can give: see <see cref="Scratch.EvaluateBatch"/>. Runs on the calling thread;
-        /// for more threads use a <see cref="Scratch"/> with as many workers.</summary>
+        /// <summary>The same with all that a batch can give: see <see cref="Scratch.EvaluateBatch"/>. Runs on the calling
+        /// thread; for more threads use a <see cref="Scratch"/> with as many workers.</summary>
         public void EvaluateBatch(in PoseBatch batch)
         {
             Scratch scratch = scratches.Take(this);
@@ -219,8 +219,8 @@ namespace FaceBaker
             }
         }
 
-        /// <summary>Frees the memory, but for what scratches of one's own keep until they are disposed. May be called again. What
-        /// is not copied yet fails with ObjectDisposedException afterwards.</summary>
+        /// <summary>Frees the memory, but for what scratches of one's own keep until they are disposed. May be called again.
+        /// What is not copied yet fails with ObjectDisposedException afterwards.</summary>
         public void Dispose()
         {
             Handle.Dispose();

@@ -16,6 +16,7 @@ namespace FaceBaker
         private IReadOnlyList<FaceJoint> joints;
         private IReadOnlyList<FaceLevel> levels;
         private IReadOnlyList<ExactPose> exactPoses;
+        private IReadOnlyList<RowBlock> rowBlocks;
         private IReadOnlyList<string> regions, errorRegions;
         private float[] restControls, restPositions, uvs, tangentSigns, skinWeights;
         private uint[] polygonSizes, polygonCorners, uvCorners, vertexOrder, errorVertexRegions;
@@ -160,6 +161,28 @@ namespace FaceBaker
             }
         }
 
+        /// <summary>The basis: times the coefficients of a pose (<see cref="Scratch.EvaluateCoefficients"/>) it gives
+        /// displacements, which differ from positions by rounding, and do without exact poses. Large; copied when it is first
+        /// asked for.
+        /// </summary>
+        public IReadOnlyList<RowBlock> RowBlocks
+        {
+            get
+            {
+                return Copied(ref rowBlocks, face => ListOf(Native.fb_row_block_count(face.Handle), i =>
+                {
+                    fb_row_block at = fb_row_block.Filled();
+                    Native.Check(Native.fb_row_block_at(face.Handle, i, &at));
+                    var columns = new uint[at.column_count];
+                    var values = new float[checked((int)(at.column_count * (ulong)at.row_count))];
+                    fixed (uint* column = columns)
+                    fixed (float* value = values)
+                        if (columns.Length > 0) Native.Check(Native.fb_row_block_values(face.Handle, i, column, value));
+                    return new RowBlock(at, columns, values);
+                }));
+            }
+        }
+
         /// <summary>Poses that come out as the rig gave them; there may be none.</summary>
         public IReadOnlyList<ExactPose> ExactPoses
         {
@@ -274,7 +297,8 @@ namespace FaceBaker
             get { return Copied(ref vertexOrder, face => Optional(Native.fb_vertex_order(face.Handle), face.VertexCount)); }
         }
 
-        /// <summary>For each vertex the index of its region in <see cref="ErrorRegions"/>; empty without expected errors.</summary>
+        /// <summary>For each vertex the index of its region in <see cref="ErrorRegions"/>; empty without expected
+        /// errors.</summary>
         public ReadOnlySpan<uint> ErrorVertexRegions
         {
             get
@@ -310,7 +334,8 @@ namespace FaceBaker
             }
         }
 
-        /// <summary>A JSON object that says whose the character is and what may be done with it; "" if nothing is said.</summary>
+        /// <summary>A JSON object that says whose the character is and what may be done with it; "" if nothing is
+        /// said.</summary>
         public string About
         {
             get { return Copied(ref about, face => Native.Text(Native.fb_about(face.Handle))); }

@@ -45,7 +45,8 @@ namespace FaceBaker
         /// <exception cref="ArgumentException">There are not as many as the face has controls.</exception>
         public void SetControls(ReadOnlySpan<float> values)
         {
-            if (values.Length != controls.Length) throw new ArgumentException("A pose has " + controls.Length + " values.", nameof(values));
+            if (values.Length != controls.Length)
+                throw new ArgumentException("A pose has " + controls.Length + " values.", nameof(values));
             if (values.SequenceEqual(controls)) return;
             values.CopyTo(controls);
             posed = false;

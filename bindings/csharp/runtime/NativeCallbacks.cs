@@ -11,8 +11,8 @@ using AOT;
 namespace FaceBaker
 {
 #if !UNITY_5_3_OR_NEWER
-    /// <summary>Marks static methods that native code calls. IL2CPP knows the attribute by its name; where Unity's own is there,
-    /// that one is used.</summary>
+    /// <summary>Marks static methods that native code calls. IL2CPP knows the attribute by its name; where Unity's own is
+    /// there, that one is used.</summary>
     [AttributeUsage(AttributeTargets.Method)]
     internal sealed class MonoPInvokeCallbackAttribute : Attribute
     {

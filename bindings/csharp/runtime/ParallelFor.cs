@@ -8,8 +8,8 @@ namespace FaceBaker
     public interface IParallelFor
     {
         /// <summary>Calls task.Run(index, worker) once for every index below count, with worker below workers and never two at
-        /// once with the same worker, from any threads; returns when all calls have. An exception is thrown again by the call that
-        /// poses.</summary>
+        /// once with the same worker, from any threads; returns when all calls have. An exception is thrown again by the call
+        /// that poses.</summary>
         void Run(int count, int workers, PoseTask task);
     }
 

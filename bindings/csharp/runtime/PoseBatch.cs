@@ -2,11 +2,11 @@ using System;
 
 namespace FaceBaker
 {
-    /// <summary>Poses to evaluate at once, or one with more than positions, and where they are written. Spans that are empty are
-    /// no output. It is made on the stack and allocates nothing:
-    /// <code>scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals });</code>
-    /// Buffers are of poses x stride; strides count numbers (floats, or ushorts in half buffers), and 0 is no gap. A buffer that
-    /// is too small is refused before anything is written. Buffers may not overlap. The same bits on every machine.</summary>
+    /// <summary>Poses to evaluate at once, or one with more than positions, and where they are written. Spans that are empty
+    /// are no output. It is made on the stack and allocates nothing:
+    /// <code>scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals });</code> Buffers
+    /// are of poses x stride; strides count numbers (floats, or ushorts in half buffers), and 0 is no gap. A buffer that is
+    /// too small is refused before anything is written. Buffers may not overlap. The same bits on every machine.</summary>
     public ref struct PoseBatch
     {
         /// <summary>A batch without outputs. controls: poses x <see cref="Face.ControlCount"/> floats.</summary>
@@ -24,12 +24,14 @@ namespace FaceBaker
         public long ControlStride;
         /// <summary>Threads at most; 0: all workers of the scratch.</summary>
         public int Threads;
-        /// <summary>Who runs the poses; null: see <see cref="ParallelForHandle"/>. Not called where one thread is enough.</summary>
+        /// <summary>Who runs the poses; null: see <see cref="ParallelForHandle"/>. Not called where one thread is
+        /// enough.</summary>
         public ParallelForHandle ParallelFor;
 
         /// <summary>Positions, xyz interleaved, in <see cref="Face.Units"/>.</summary>
         public Span<float> Positions;
-        /// <summary>Positions as IEEE 754 binary16, in place of <see cref="Positions"/>; normals and tangents are then, too.</summary>
+        /// <summary>Positions as IEEE 754 binary16, in place of <see cref="Positions"/>; normals and tangents are then,
+        /// too.</summary>
         public Span<ushort> HalfPositions;
         /// <summary>From a pose to the next; 0: without gap.</summary>
         public long PositionPoseStride;
@@ -45,8 +47,8 @@ namespace FaceBaker
         /// <summary>As for positions.</summary>
         public long NormalVertexStride;
 
-        /// <summary>Unit tangents, 3 numbers a vertex, perpendicular to normals; see <see cref="Face.TangentSigns"/>. Refused for
-        /// a face without texture coordinates.</summary>
+        /// <summary>Unit tangents, 3 numbers a vertex, perpendicular to normals; see <see cref="Face.TangentSigns"/>. Refused
+        /// for a face without texture coordinates.</summary>
         public Span<float> Tangents;
         /// <summary>Tangents as binary16.</summary>
         public Span<ushort> HalfTangents;

@@ -59,7 +59,8 @@ namespace FaceBaker
         public int VertexCount { get { return sources.Length; } }
         /// <summary>Tangents are written: the face has texture coordinates.</summary>
         public bool HasTangents { get; private set; }
-        /// <summary>Floats of a vertex that <see cref="Write"/> writes: position 3, normal 3, and tangent 4 if there are any.</summary>
+        /// <summary>Floats of a vertex that <see cref="Write"/> writes: position 3, normal 3, and tangent 4 if there are
+        /// any.</summary>
         public int VertexFloats { get { return HasTangents ? 10 : 6; } }
         /// <summary>The face's vertex that each vertex is.</summary>
         public ReadOnlySpan<int> Sources { get { return sources; } }
@@ -70,8 +71,8 @@ namespace FaceBaker
         /// <summary>The triangles by material.</summary>
         public IReadOnlyList<RenderPart> Parts { get; private set; }
 
-        /// <summary>Writes posed vertices, interleaved: position, normal, tangent with its sign. positions, normals and tangents
-        /// are of the whole face, as a batch gives them; tangents may be empty where there are none. vertices: <see
+        /// <summary>Writes posed vertices, interleaved: position, normal, tangent with its sign. positions, normals and
+        /// tangents are of the whole face, as a batch gives them; tangents may be empty where there are none. vertices: <see
         /// cref="VertexCount"/> x <see cref="VertexFloats"/>. Allocates nothing.</summary>
         /// <exception cref="ArgumentException">A span is too short.</exception>
         public void Write(ReadOnlySpan<float> positions, ReadOnlySpan<float> normals, ReadOnlySpan<float> tangents,
@@ -81,7 +82,8 @@ namespace FaceBaker
             if (positions.Length < needed) throw new ArgumentException("Too few positions.", nameof(positions));
             if (normals.Length < needed) throw new ArgumentException("Too few normals.", nameof(normals));
             if (HasTangents && tangents.Length < needed) throw new ArgumentException("Too few tangents.", nameof(tangents));
-            if (vertices.Length < VertexCount * VertexFloats) throw new ArgumentException("Too few vertices.", nameof(vertices));
+            if (vertices.Length < VertexCount * VertexFloats)
+                throw new ArgumentException("Too few vertices.", nameof(vertices));
             fixed (int* source = sources)
             fixed (float* sign = signs, position = &Reference(positions), normal = &Reference(normals),
                    tangent = &Reference(tangents), vertex = &Reference(vertices))
@@ -93,10 +95,10 @@ namespace FaceBaker
             return ref System.Runtime.InteropServices.MemoryMarshal.GetReference(span);
         }
 
-        /// <summary>The same on pointers alone, for jobs that Burst compiles. sources, signs: of each vertex; tangents: null for
-        /// none.</summary>
-        public static void WriteVertices(int* sources, int count, float* positions, float* normals, float* tangents, float* signs,
-                                         AxisConversion axes, float* vertices)
+        /// <summary>The same on pointers alone, for jobs that Burst compiles. sources, signs: of each vertex; tangents: null
+        /// for none.</summary>
+        public static void WriteVertices(int* sources, int count, float* positions, float* normals, float* tangents,
+                                         float* signs, AxisConversion axes, float* vertices)
         {
             for (int i = 0; i < count; ++i)
             {

@@ -71,17 +71,18 @@ namespace FaceBaker
         public int ExpectedError(ReadOnlySpan<float> controls, Span<float> errors)
         {
             if (controls.Length != this.controls) WrongLength(nameof(controls), controls.Length, this.controls);
-            if (errors.Length != 1 + Face.ErrorRegions.Count) WrongLength(nameof(errors), errors.Length, 1 + Face.ErrorRegions.Count);
+            if (errors.Length != 1 + Face.ErrorRegions.Count)
+                WrongLength(nameof(errors), errors.Length, 1 + Face.ErrorRegions.Count);
             uint outside;
             fixed (float* from = &MemoryMarshal.GetReference(controls), to = &MemoryMarshal.GetReference(errors))
                 Native.Check(Native.fb_expected_error(model, handle, from, to, &outside));
             return (int)outside;
         }
 
-        /// <summary>Many poses, or one with normals, tangents, sockets, levels of detail, ... Each has the same bits as by <see
-        /// cref="Evaluate"/>. Allocates nothing.</summary>
-        /// <exception cref="FaceBakerException">A buffer is too small, a number is not allowed, or a control is NaN; the message
-        /// names it. Nothing was written then.</exception>
+        /// <summary>Many poses, or one with normals, tangents, sockets, levels of detail, ... Each has the same bits as by
+        /// <see cref="Evaluate"/>. Allocates nothing.</summary>
+        /// <exception cref="FaceBakerException">A buffer is too small, a number is not allowed, or a control is NaN; the
+        /// message names it. Nothing was written then.</exception>
         public void EvaluateBatch(in PoseBatch batch)
         {
             bool half = batch.HalfPositions.Length + batch.HalfNormals.Length + batch.HalfTangents.Length > 0;
@@ -90,7 +91,8 @@ namespace FaceBaker
             fb_batch_desc desc = fb_batch_desc.Filled();
             Describe(in batch, half, ref desc);
             fixed (float* controls = &MemoryMarshal.GetReference(batch.Controls),
-                   positions = &MemoryMarshal.GetReference(batch.Positions), normals = &MemoryMarshal.GetReference(batch.Normals),
+                   positions = &MemoryMarshal.GetReference(batch.Positions),
+                   normals = &MemoryMarshal.GetReference(batch.Normals),
                    tangents = &MemoryMarshal.GetReference(batch.Tangents), sockets = &MemoryMarshal.GetReference(batch.Sockets),
                    channels = &MemoryMarshal.GetReference(batch.Channels), bounds = &MemoryMarshal.GetReference(batch.Bounds),
                    errors = &MemoryMarshal.GetReference(batch.ExpectedErrors))

@@ -24,11 +24,13 @@ namespace FaceBaker.Tests
             int count = repeats * expected.Poses, coordinates = 3 * face.VertexCount;
             var controls = new float[count * face.ControlCount];
             for (int p = 0; p < count; ++p)
-                expected.ControlsOf(p % expected.Poses).CopyTo(new Span<float>(controls, p * face.ControlCount, face.ControlCount));
+                expected.ControlsOf(p % expected.Poses).CopyTo(new Span<float>(controls, p * face.ControlCount,
+                    face.ControlCount));
             var positions = new float[count * coordinates];
             scratch.EvaluateBatch(new PoseBatch(count, controls) { Positions = positions, ParallelFor = parallelFor });
             for (int p = 0; p < count; ++p)
-                SameBits(expected.PositionsOf(p % expected.Poses), new ReadOnlySpan<float>(positions, p * coordinates, coordinates), "pose");
+                SameBits(expected.PositionsOf(p % expected.Poses), new ReadOnlySpan<float>(positions, p * coordinates,
+                    coordinates), "pose");
         }
 
         public static void ASchedulerIsCalledAndItsExceptionsPass()
@@ -76,11 +78,13 @@ namespace FaceBaker.Tests
                 for (int i = 0; i < face.VertexCount; ++i)
                 {
                     int source = face.VertexOrder.Length == 0 ? i : (int)face.VertexOrder[i];
-                    SameBits(new ReadOnlySpan<float>(whole, 3 * source, 3), new ReadOnlySpan<float>(other, 3 * i, 3), "baked order");
+                    SameBits(new ReadOnlySpan<float>(whole, 3 * source, 3), new ReadOnlySpan<float>(other, 3 * i, 3),
+                        "baked order");
                 }
                 int fewer = face.Levels[1].VertexCount;
                 var level = new float[3 * fewer];
-                face.EvaluateBatch(new PoseBatch(1, controls) { Positions = level, Lod = 1, LevelOnly = true, BakedOrder = true });
+                face.EvaluateBatch(new PoseBatch(1, controls) { Positions = level, Lod = 1, LevelOnly = true,
+                    BakedOrder = true });
                 var strided = new float[4 * face.VertexCount];
                 face.EvaluateBatch(new PoseBatch(1, controls) { Positions = strided, PositionVertexStride = 4 });
                 for (int i = 0; i < face.VertexCount; ++i)
@@ -90,9 +94,11 @@ namespace FaceBaker.Tests
                 That(Array.Exists(halves, half => half != 0), "halves");
                 Throws<ArgumentException>(() => face.EvaluateBatch(
                     new PoseBatch(1, controls) { HalfPositions = halves, Normals = new float[coordinates] }));
-                Throws<FaceBakerException>(() => face.EvaluateBatch(new PoseBatch(1, controls) { Positions = whole, Lod = -1 }));
+                Throws<FaceBakerException>(() => face.EvaluateBatch(new PoseBatch(1, controls) { Positions = whole,
+                    Lod = -1 }));
                 Throws<FaceBakerException>(() => face.EvaluateBatch(new PoseBatch(2, controls) { Positions = whole }));
-                Throws<ArgumentOutOfRangeException>(() => face.EvaluateBatch(new PoseBatch(-1, controls) { Positions = whole }));
+                Throws<ArgumentOutOfRangeException>(() => face.EvaluateBatch(new PoseBatch(-1,
+                    controls) { Positions = whole }));
                 face.EvaluateBatch(new PoseBatch(0, ReadOnlySpan<float>.Empty));
             }
             using (Face face = Face.Load(Fixture("character.fbk")))
@@ -100,7 +106,8 @@ namespace FaceBaker.Tests
                 float[] controls = Widest(face), positions = new float[3 * face.VertexCount];
                 face.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Meshes = new uint[] { 1 } });
                 FaceMesh first = face.Meshes[0], second = face.Meshes[1];
-                That(Array.TrueForAll(new ReadOnlySpan<float>(positions, 0, 3 * first.VertexCount).ToArray(), x => x == 0), "mesh 0");
+                That(Array.TrueForAll(new ReadOnlySpan<float>(positions, 0, 3 * first.VertexCount).ToArray(), x => x == 0),
+                    "mesh 0");
                 That(Array.Exists(new ReadOnlySpan<float>(positions, 3 * second.FirstVertex, 3 * second.VertexCount).ToArray(),
                                   x => x != 0), "mesh 1");
                 Throws<FaceBakerException>(() => face.EvaluateBatch(

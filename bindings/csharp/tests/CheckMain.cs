@@ -5,7 +5,8 @@ using System.Reflection;
 
 namespace FaceBaker.Tests
 {
-    /// <summary>Runs the public static methods of all classes whose names end with Tests, each a test that fails by an exception, on a build folder of
+    /// <summary>Runs the public static methods of all classes whose names end with Tests, each a test that fails by an
+    /// exception, on a build folder of
     /// FaceBaker and a folder of poses by dump_poses.</summary>
     internal static class CheckMain
     {

@@ -32,8 +32,10 @@ namespace FaceBaker.Tests
             using (var turns = new ParallelForHandle(new OneByOne()))
             {
                 const int poses = 1000, batch = 32;
-                float[] controls = Widest(face), positions = new float[3 * face.VertexCount], normals = new float[positions.Length];
-                float[] batchControls = new float[batch * face.ControlCount], batchPositions = new float[batch * positions.Length];
+                float[] controls = Widest(face), positions = new float[3 * face.VertexCount],
+                    normals = new float[positions.Length];
+                float[] batchControls = new float[batch * face.ControlCount],
+                    batchPositions = new float[batch * positions.Length];
                 float[] sockets = new float[12 * face.Sockets.Count], coefficients = new float[face.CoefficientCount];
                 var mesh = new RenderMesh(face, 0, AxisConversion.ToUnity(face));
                 var vertices = new float[mesh.VertexCount * mesh.VertexFloats];
@@ -45,7 +47,8 @@ namespace FaceBaker.Tests
                         scratch.Evaluate(controls, positions);
                         face.Evaluate(controls, positions);
                         scratch.EvaluateCoefficients(controls, coefficients);
-                        scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals, Sockets = sockets });
+                        scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Normals = normals,
+                            Sockets = sockets });
                         face.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, Lod = 1 });
                         instance[0] = controls[0];
                         instance.Pose();
@@ -53,7 +56,8 @@ namespace FaceBaker.Tests
                         if (face.RestPositions.Length != positions.Length || face.Controls.Count == 0) throw new Exception();
                     }
                     for (int i = 0; i < 20; ++i)
-                        scratch.EvaluateBatch(new PoseBatch(batch, batchControls) { Positions = batchPositions, ParallelFor = turns });
+                        scratch.EvaluateBatch(new PoseBatch(batch, batchControls) { Positions = batchPositions,
+                            ParallelFor = turns });
                 };
                 int collections, none;
                 Same(0L, AllocatedBy(everything, out collections), "bytes allocated");

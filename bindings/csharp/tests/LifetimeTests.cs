@@ -38,7 +38,8 @@ namespace FaceBaker.Tests
             }
             // 2,000 faces with a scratch each; kept, they would take far more.
             using (Face face = Face.Load(Fixture("character.fbk")))
-                That(ResidentBytes() - before < 500 * face.RuntimeBytes + (24 << 20), "memory grew by " + (ResidentBytes() - before));
+                That(ResidentBytes() - before < 500 * face.RuntimeBytes + (24 << 20), "memory grew by " +
+                    (ResidentBytes() - before));
         }
 
         [MethodImpl(MethodImplOptions.NoInlining)]

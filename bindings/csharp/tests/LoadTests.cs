@@ -10,7 +10,8 @@ namespace FaceBaker.Tests
         public static void PathBytesAndStreamGiveTheSameFace()
         {
             byte[] bytes = File.ReadAllBytes(Fixture("character.fbk"));
-            using (Face one = Face.Load(Fixture("character.fbk")), two = Face.Load(bytes), three = Face.Load(new Dribble(bytes, 7)))
+            using (Face one = Face.Load(Fixture("character.fbk")), two = Face.Load(bytes),
+                three = Face.Load(new Dribble(bytes, 7)))
             {
                 Same(one.Name, two.Name, "name");
                 Same(one.Name, three.Name, "name");
@@ -39,7 +40,8 @@ namespace FaceBaker.Tests
 
         public static void BrokenArchivesAreRefusedByWhatIsWrong()
         {
-            var kinds = new Dictionary<string, Status> { { "corrupt", Status.Corrupt }, { "not_an_archive", Status.NotAnArchive },
+            var kinds = new Dictionary<string, Status> { { "corrupt", Status.Corrupt }, { "not_an_archive",
+                Status.NotAnArchive },
                                                          { "unsupported", Status.Unsupported } };
             int refused = 0;
             foreach (string file in Golden("rejected"))
@@ -79,8 +81,10 @@ namespace FaceBaker.Tests
         public static void LimitsAreKept()
         {
             string path = Fixture("tiny.fbk");
-            Same(Status.Limit, Throws<FaceBakerException>(() => Face.Load(path, new LoadOptions { MaxFileBytes = 10 })).Status, "file");
-            Same(Status.Limit, Throws<FaceBakerException>(() => Face.Load(path, new LoadOptions { MaxVertices = 1 })).Status, "vertices");
+            Same(Status.Limit, Throws<FaceBakerException>(() => Face.Load(path,
+                new LoadOptions { MaxFileBytes = 10 })).Status, "file");
+            Same(Status.Limit, Throws<FaceBakerException>(() => Face.Load(path, new LoadOptions { MaxVertices = 1 })).Status,
+                "vertices");
             Throws<ArgumentOutOfRangeException>(() => Face.Load(path, new LoadOptions { MaxNameBytes = -1 }));
             using (Face.Load(path, new LoadOptions { MapFile = true })) { }
         }

@@ -44,7 +44,8 @@ namespace FaceBaker.Tests
                     for (int p = 0; p < expected.Poses; ++p)
                     {
                         face.EvaluateBatch(new PoseBatch(1, expected.ControlsOf(p)) {
-                            Positions = positions, Normals = normals, Tangents = tangent, Sockets = socket, Channels = channels });
+                            Positions = positions, Normals = normals, Tangents = tangent, Sockets = socket,
+                                Channels = channels });
                         SameBits(expected.PositionsOf(p), positions, pair.Key + " positions");
                         SameBits(expected.NormalsOf(p), normals, pair.Key + " normals");
                         SameBits(expected.TangentsOf(p), tangent, pair.Key + " tangents");
@@ -122,6 +123,32 @@ namespace FaceBaker.Tests
                 Throws<ArgumentOutOfRangeException>(() => new Scratch(face, 0));
                 Throws<ArgumentNullException>(() => new Scratch(null));
             }
+        }
+
+        public static void TheBasisGivesDisplacements()
+        {
+            foreach (string name in new[] { "tiny.fbk", "character.fbk" })
+                using (Face face = Face.Load(Fixture(name)))
+                using (var scratch = new Scratch(face))
+                {
+                    float[] coefficients = new float[face.CoefficientCount], rows = new float[3 * face.VertexCount];
+                    float[] positions = new float[rows.Length], controls = Widest(face);
+                    scratch.EvaluateCoefficients(controls, coefficients);
+                    scratch.EvaluateBatch(new PoseBatch(1, controls) { Positions = positions, BakedOrder = true,
+                        Displacements = true });
+                    int row = 0;
+                    foreach (RowBlock block in face.RowBlocks)
+                    {
+                        Same(row, block.FirstRow, "first row");
+                        for (int c = 0; c < block.Columns.Length; ++c)
+                            for (int r = 0; r < block.RowCount; ++r)
+                                rows[row + r] += coefficients[block.Columns[c]] * block.Values[c * block.RowCount + r];
+                        row += block.RowCount;
+                    }
+                    Same(rows.Length, row, "rows");
+                    for (int i = 0; i < row; ++i)
+                        That(Math.Abs(rows[i] - positions[i]) < 1e-3 * face.Diagonal, "displacement " + i + " of " + name);
+                }
         }
 
         public static void CoefficientsAndExpectedErrors()

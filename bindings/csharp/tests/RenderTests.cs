@@ -30,7 +30,8 @@ namespace FaceBaker.Tests
                             Same(plain.Indices[i + 1], unity.Indices[i + 2], "turned round");
                         }
                         foreach (int source in plain.Sources)
-                            That(source >= mesh.FirstVertex && source < mesh.FirstVertex + mesh.VertexCount, "vertex of the mesh");
+                            That(source >= mesh.FirstVertex && source < mesh.FirstVertex + mesh.VertexCount,
+                                "vertex of the mesh");
                         CheckCorners(face, mesh, plain);
                     }
         }
@@ -80,7 +81,8 @@ namespace FaceBaker.Tests
                     for (int v = 0; v < plain.VertexCount; ++v)
                     {
                         int at = v * plain.VertexFloats;
-                        SameBits(instance.Positions.Slice(3 * plain.Sources[v], 3), new ReadOnlySpan<float>(one, at, 3), "position");
+                        SameBits(instance.Positions.Slice(3 * plain.Sources[v], 3), new ReadOnlySpan<float>(one, at, 3),
+                            "position");
                         Same(-(one[at] * scale), two[at], "x");
                         Same((zUp ? one[at + 2] : one[at + 1]) * scale, two[at + 1], "y");
                         Same(one[at + 3], -two[at + 3], "x of the normal");

@@ -99,7 +99,8 @@ namespace FaceBaker.Tests
                 Same(control.Maximum, component.GetControl(control.Index), control.Name); // where the stub moves its sliders
             int found = 0;
             string name = component.Face.Controls[0].Name;
-            foreach (KeyValuePair<string, List<Control>> group in ControlSearch.ByGroup(component.Face.Controls, name.ToUpperInvariant()))
+            foreach (KeyValuePair<string, List<Control>> group in ControlSearch.ByGroup(component.Face.Controls,
+                name.ToUpperInvariant()))
                 found += group.Value.Count;
             That(found >= 1, "the control is found by its name in capitals");
             Same(0, ControlSearch.ByGroup(component.Face.Controls, "no such thing").Count, "groups");

@@ -44,7 +44,8 @@ namespace UnityEditor
 
 namespace UnityEditor.AssetImporters
 {
-    public sealed class ScriptedImporterAttribute : Attribute { public ScriptedImporterAttribute(int version, string extension) { } }
+    public sealed class ScriptedImporterAttribute : Attribute { public ScriptedImporterAttribute(int version,
+        string extension) { } }
 
     public abstract class ScriptedImporter
     {

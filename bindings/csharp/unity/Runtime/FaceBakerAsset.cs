@@ -3,7 +3,8 @@ using UnityEngine;
 
 namespace FaceBaker.Unity
 {
-    /// <summary>An .fbk archive in a project, as the importer makes it. Components that pose it share one loaded face.</summary>
+    /// <summary>An .fbk archive in a project, as the importer makes it. Components that pose it share one loaded
+    /// face.</summary>
     public sealed class FaceBakerAsset : ScriptableObject
     {
         [SerializeField, HideInInspector] private byte[] archive;
@@ -19,7 +20,8 @@ namespace FaceBaker.Unity
             return asset;
         }
 
-        /// <summary>The face, loaded by the first who asks; to be given back by <see cref="Release"/>. Main thread only.</summary>
+        /// <summary>The face, loaded by the first who asks; to be given back by <see cref="Release"/>. Main thread
+        /// only.</summary>
         /// <exception cref="FaceBakerException">The archive is damaged.</exception>
         public Face Acquire()
         {

@@ -100,7 +100,8 @@ namespace FaceBaker.Unity
         /// <exception cref="ArgumentException">There are not as many as the face has controls.</exception>
         public void SetControls(ReadOnlySpan<float> pose)
         {
-            if (pose.Length != RequireFace().ControlCount) throw new ArgumentException("A pose has " + values.Length + " values.");
+            if (pose.Length != RequireFace().ControlCount) throw new ArgumentException("A pose has " + values.Length +
+                " values.");
             pose.CopyTo(values);
         }
 
