@@ -1,7 +1,7 @@
 // facebaker-view: the tool with a web server, which `facebaker view` becomes.
 #include "commands/tool.h"
 #include "commands/view_program.h"
-#include "view/http_server.h"
+#include "server/http_server.h"
 
 int main(int argc, char** argv) {
   fb::tool::use_passive_waiting(argv);

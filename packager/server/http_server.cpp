@@ -1,4 +1,4 @@
-#include "view/http_server.h"
+#include "server/http_server.h"
 
 #include <httplib.h>
 #include <sys/socket.h>
