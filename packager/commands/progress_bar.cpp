@@ -149,15 +149,19 @@ void ProgressBar::draw(Clock::time_point now) {
   }
   std::size_t width = terminal_width(STDERR_FILENO);
   if (width == 0) width = usual_width;
-  const std::string end = format(" %3.0f %%  %s", 100 * share(), left.c_str());
-  const std::size_t taken = stage_.size() + end.size() + sizeof " []";  // and the last column, where terminals wrap
+  --width;  // in the last column, terminals begin a new line
+  const std::string percent = format(" %3.0f %%", 100 * share());
+  std::string end = percent + "  " + left;
+  if (stage_.size() + end.size() > width) end = percent;
+  const std::string name = cut_to_width(stage_, width - std::min(end.size(), width));
+  const std::size_t taken = name.size() + end.size() + 3;  // " []"
   const std::size_t cells = width > taken ? std::min(width - taken, most_cells) : 0;
   std::string bar;
   if (cells >= least_cells) {
     const auto full = static_cast<std::size_t>(share() * static_cast<double>(cells));
     bar = " [" + std::string(full, '#') + std::string(cells - full, '.') + "]";
   }
-  std::fprintf(stderr, "%s%s", clear_line, cut_to_width(stage_ + bar + end, width - 1).c_str());
+  std::fprintf(stderr, "%s%s", clear_line, cut_to_width(name + bar + end, width).c_str());
   std::fflush(stderr);
   next_draw_ = now + redraw_interval;
 }

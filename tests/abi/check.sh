@@ -13,6 +13,10 @@ if [ "${1:-}" = --update ]; then
   shift
 fi
 build=${1:-build/abi}
+if [ "$(uname -m)" != x86_64 ]; then
+  echo "tests/abi/check.sh: the dumps are of x86_64" >&2
+  exit 77
+fi
 if ! command -v abidw >/dev/null; then
   apt-get install -y --no-install-recommends -o DPkg::Lock::Timeout=600 abigail-tools
 fi

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds, with warnings as errors, what the tests of CI leave out: everything with clang and without OpenMP, and the
-# runtime alone with gcc. Neither optimised nor with debug information, because nothing of it is run; with clang many
-# sources of a library at once (a unity build takes half of the time).
+# runtime alone with gcc, whose interface is compared with that of the last release. Not optimised, because nothing of it is
+# run; with clang many sources of a library at once (a unity build takes half of the time).
 #   tests/checks/build_variants.sh
 set -eu
 cd "$(dirname "$0")/../.."
@@ -17,4 +17,5 @@ build() {
 }
 build clang --preset no-openmp -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_UNITY_BUILD=ON \
   -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=gold
-build runtime-debug --preset runtime-only
+build runtime-debug --preset runtime-only -DFB_ABI_INFO=ON
+tests/abi/check.sh build/runtime-debug

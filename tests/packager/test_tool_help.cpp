@@ -1,16 +1,14 @@
 // Help, man pages, completion, the version, and mistyped words.
 #include <doctest/doctest.h>
-#include <pty.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <set>
 #include <sstream>
 
 #include "base/file.h"
+#include "pseudo_terminal.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
@@ -58,45 +56,15 @@ std::set<std::string> listed_options(const std::string& command) {
 }
 
 // What the tool prints to a terminal with so many columns.
-std::string on_terminal(int columns, const std::vector<std::string>& arguments) {
-  winsize size = {};
-  size.ws_col = static_cast<unsigned short>(columns);
-  size.ws_row = 24;
-  int screen = -1;
-  const pid_t child = forkpty(&screen, nullptr, nullptr, &size);
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    unsetenv("NO_COLOR");
-    unsetenv("FORCE_COLOR");
-    setenv("TERM", "xterm", 1);
+std::string tool_on_terminal(int columns, const std::vector<std::string>& arguments) {
+  return on_terminal(columns, [&] {
     std::vector<std::string> words = {FB_TOOL};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     execv(FB_TOOL, pointers.data());
-    _exit(127);
-  }
-  std::string text;
-  std::array<char, 4096> block;
-  for (ssize_t got; (got = read(screen, block.data(), block.size())) > 0;)
-    text.append(block.data(), static_cast<std::size_t>(got));
-  close(screen);
-  waitpid(child, nullptr, 0);
-  return text;
-}
-
-// Without the codes of colours and the carriage returns of a terminal.
-std::string plain(const std::string& text) {
-  std::string rest;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '\033') {
-      i = std::min(text.find_first_of("mK", i), text.size());
-      continue;
-    }
-    if (text[i] != '\r') rest += text[i];
-  }
-  return rest;
+  });
 }
 
 }  // namespace
@@ -159,16 +127,16 @@ TEST_CASE("an archive is written to a name that ends in .fbk only") {
 
 TEST_CASE("help fits the terminal and is coloured for a person only") {
   for (const int columns : {40, 80, 200}) {
-    const std::string screen = on_terminal(columns, {"help", "bake"});
+    const std::string screen = tool_on_terminal(columns, {"help", "bake"});
     CAPTURE(columns);
     CHECK(contains(screen, "\033[36m--out\033[0m"));
     std::size_t longest = 0;
-    for (const std::string& line : lines_of(plain(screen))) longest = std::max(longest, line.size());
+    for (const std::string& line : lines_of(plain_text(screen))) longest = std::max(longest, line.size());
     CHECK(longest <= std::size_t(std::min(columns, 120)));
     CHECK(longest > std::size_t(std::min(columns, 120)) * 3 / 4);
-    CHECK(contains(plain(screen), "--out FACE.fbk"));
+    CHECK(contains(plain_text(screen), "--out FACE.fbk"));
   }
-  CHECK(contains(on_terminal(80, {"sampel"}), "\033[1;31mfacebaker:\033[0m"));
+  CHECK(contains(tool_on_terminal(80, {"sampel"}), "\033[1;31mfacebaker:\033[0m"));
   // A file.
   ToolSetting forced;
   forced.environment = {"FORCE_COLOR=1", "COLUMNS=50"};

@@ -1,11 +1,15 @@
 // What the tool says while it works, and how it breaks lines.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <map>
 #include <sstream>
+#include <thread>
 
 #include "commands/bake_phases.h"
+#include "commands/progress_bar.h"
 #include "commands/terminal.h"
+#include "pseudo_terminal.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
@@ -78,4 +82,24 @@ TEST_CASE("a bake tells each phase once, and how long it took in all") {
   CHECK(told["measuring"] == 1);
   CHECK(last == "in all");
   for (const auto& [stage, times] : told) CHECK_MESSAGE(times == 1, stage);
+}
+
+TEST_CASE("a bar is as wide as there is room for") {
+  const std::string stage = "evaluating single controls";
+  for (const int columns : {20, 64, 120}) {
+    CAPTURE(columns);
+    const std::string screen = plain_text(on_terminal(columns, [&] {
+      fb::tool::ProgressBar bar;
+      bar.begin(stage, 4);
+      bar.update(1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(150));
+      bar.update(2);
+    }));
+    std::size_t longest = 0;
+    std::istringstream lines(screen);
+    for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+    CHECK(longest < std::size_t(columns) + (columns == 20 ? stage.size() : 0));  // the last line is not drawn again
+    CHECK(screen.find(" 50 %") != std::string::npos);
+    CHECK((screen.find("[#") != std::string::npos) == (columns > 20));
+  }
 }
