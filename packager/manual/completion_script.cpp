@@ -154,7 +154,7 @@ std::string zsh_script(const CLI::App& tool) {
   text += "  )\n  if (( CURRENT == 2 )); then\n    _describe command commands\n";
   text += "    _arguments";
   for (const OptionFacts& facts : options_of(tool))
-    for (const std::string& name : facts.names) text += " " + zsh_specification(facts, name);
+    for (const std::string& name : facts.names) text.append(" ").append(zsh_specification(facts, name));
   text +=
       "\n    return\n  fi\n"
       "  local command=$words[2]\n"
