@@ -74,15 +74,15 @@ export interface Outputs extends EvaluateOptions {
 type ArrayName = "positions" | "normals" | "tangents" | "sockets" | "channels" | "bounds" | "expectedErrors" | "outside";
 
 // The members of fb_batch_desc for each output: address, size and stride between poses.
-const members: Record<ArrayName, readonly [string, string | null, string | null]> = {
-  positions: ["positions", "position_floats", "pose_stride"],
-  normals: ["normals", "normal_numbers", "normal_pose_stride"],
-  tangents: ["tangents", "tangent_numbers", "tangent_pose_stride"],
-  sockets: ["sockets", "socket_floats", "socket_pose_stride"],
-  channels: ["channels", "channel_floats", "channel_pose_stride"],
-  bounds: ["bounds", "bounds_floats", "bounds_pose_stride"],
-  expectedErrors: ["expected_errors", "expected_error_floats", "expected_error_pose_stride"],
-  outside: ["outside", null, null],
+const members: Record<ArrayName, { pointer: string; size?: string; stride?: string }> = {
+  positions: { pointer: "positions", size: "position_floats", stride: "pose_stride" },
+  normals: { pointer: "normals", size: "normal_numbers", stride: "normal_pose_stride" },
+  tangents: { pointer: "tangents", size: "tangent_numbers", stride: "tangent_pose_stride" },
+  sockets: { pointer: "sockets", size: "socket_floats", stride: "socket_pose_stride" },
+  channels: { pointer: "channels", size: "channel_floats", stride: "channel_pose_stride" },
+  bounds: { pointer: "bounds", size: "bounds_floats", stride: "bounds_pose_stride" },
+  expectedErrors: { pointer: "expected_errors", size: "expected_error_floats", stride: "expected_error_pose_stride" },
+  outside: { pointer: "outside" },
 };
 const names = Object.keys(members) as ArrayName[];
 
@@ -95,6 +95,8 @@ export class Model {
   private readonly sizes: Record<ArrayName, number>; // of one pose
   private readonly evaluateCall: Exports[string];
   private readonly evaluateBatchCall: Exports[string];
+  private readonly fillDescCall: Exports[string];
+  private readonly descSize: number;
   private scratch = 0;
   private desc = 0;
   private readonly controls: Staging;
@@ -116,6 +118,8 @@ export class Model {
     };
     this.evaluateCall = heap.exports["fb_evaluate"]!;
     this.evaluateBatchCall = heap.exports["fb_evaluate_batch"]!;
+    this.fillDescCall = heap.exports["fb_batch_desc_fill"]!;
+    this.descSize = heap.size("fb_batch_desc");
     this.controls = new Staging(heap);
     this.coefficients = new Staging(heap);
     this.meshList = new Staging(heap);
@@ -209,14 +213,8 @@ export class Model {
     const n = this.controlCount;
     this.controls.reserve(count * n);
     for (const name of names) if (outputs[name]) this.outputs[name].reserve(count * sizes[name]);
-    const list = (staging: Staging, indices: readonly number[] | undefined, pointer: string, size: string) => {
-      if (!indices) return;
-      staging.reserve(Math.max(indices.length, 1));
-      heap.u32.set(indices, staging.address >>> 2);
-      heap.setU32(struct, desc, pointer, staging.address);
-      heap.setU32(struct, desc, size, indices.length);
-    };
-    heap.call("fb_batch_desc_fill", desc, heap.size(struct));
+    this.fillDescCall(desc, this.descSize);
+    heap.refresh();
     this.putControls(first === 0 ? controls : controls.subarray(first * n), count);
     heap.setU32(struct, desc, "poses", count);
     heap.setU32(struct, desc, "controls", this.controls.address);
@@ -225,20 +223,28 @@ export class Model {
     heap.setU32(struct, desc, "displacements", outputs.displacements ? 1 : 0);
     heap.setF32(struct, desc, "lod", outputs.lod ?? 0);
     heap.setU32(struct, desc, "level_only", outputs.levelOnly ? 1 : 0);
-    list(this.meshList, outputs.meshes, "meshes", "mesh_count");
-    list(this.regionList, outputs.regions, "regions", "region_count");
+    if (outputs.meshes) this.setList(this.meshList, outputs.meshes, "meshes", "mesh_count");
+    if (outputs.regions) this.setList(this.regionList, outputs.regions, "regions", "region_count");
     for (const name of names) {
       const array = outputs[name];
       if (!array) continue;
-      const [pointer, size, stride] = members[name], length = count * sizes[name];
-      heap.setU32(struct, desc, pointer, this.outputs[name].address);
-      if (size) heap.setU32(struct, desc, size, length);
-      if (stride) heap.setU32(struct, desc, stride, sizes[name]);
+      const member = members[name], length = count * sizes[name];
+      heap.setU32(struct, desc, member.pointer, this.outputs[name].address);
+      if (member.size) heap.setU32(struct, desc, member.size, length);
+      if (member.stride) heap.setU32(struct, desc, member.stride, sizes[name]);
       if (outputs.meshes) this.view(name, length).set(array.subarray(first * sizes[name], first * sizes[name] + length));
     }
     const status = this.evaluateBatchCall(model, this.scratch, desc);
     if (status !== 0) heap.fail(status);
     for (const name of names) outputs[name]?.set(this.view(name, count * sizes[name]), first * sizes[name]);
+  }
+
+  private setList(staging: Staging, indices: readonly number[], pointer: string, size: string): void {
+    const { heap, desc } = this;
+    staging.reserve(Math.max(indices.length, 1));
+    heap.u32.set(indices, staging.address >>> 2);
+    heap.setU32("fb_batch_desc", desc, pointer, staging.address);
+    heap.setU32("fb_batch_desc", desc, size, indices.length);
   }
 
   private view(name: ArrayName, length: number): Numbers {

@@ -1,5 +1,5 @@
-// Panel sums of kernels that compute 32 rows of one pose at a time, so that indices and inputs are read half as often, or
-// 16 rows of two poses: included by kernel files inside an unnamed namespace, after sum_columns<blocks of 16 rows,
+// Panel sums of kernels that compute 32 rows of one pose at a time, so that indices and inputs are read half as often,
+// or 16 rows of two poses: included by kernel files inside an unnamed namespace, after sum_columns<blocks of 16 rows,
 // poses>() and sum_quads<vectors of four rows, poses>() are defined.
 
 void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {

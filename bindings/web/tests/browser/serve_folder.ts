@@ -9,7 +9,7 @@ const types: Record<string, string> = {
 };
 
 // 'sha256-...' of an import map would do in place of 'unsafe-inline'; nothing of the package needs it.
-const policy = "default-src 'self'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; img-src 'self' blob:; worker-src 'self'";
+const policy = "default-src 'self'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' blob:; worker-src 'self'";
 
 /** `files`: where addresses that begin so are. */
 export async function serveFolders(files: Record<string, string>): Promise<{ server: Server; address: string }> {
