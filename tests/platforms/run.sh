@@ -57,7 +57,7 @@ windows() {
     sort >"$dll.exported"
   diff "$dll.listed" "$dll.exported" || fail "$dll exports other names than facebaker.map lists"
   x86_64-w64-mingw32-strip -o "$dll.stripped" "$dll"
-  echo "windows: $(echo $imports) imported; $(wc -l <"$dll.exported") functions; $(wc -c <"$dll.stripped") bytes stripped"
+  echo "windows: $(echo "$imports" | tr "\n" " ")imported; $(wc -l <"$dll.exported") functions; $(wc -c <"$dll.stripped") bytes stripped"
 }
 
 # aligned LIBRARY: its segments may be mapped where pages have 16 KB, as Android demands
@@ -75,9 +75,10 @@ aarch64() {
   build_and_test aarch64
   aligned build/aarch64/lib/libfacebaker.so
   # As Android's build links it.
-  cmake --preset aarch64 -B build/aarch64-16k -DFB_TESTS=OFF -DCMAKE_SHARED_LINKER_FLAGS=-Wl,-z,max-page-size=16384
-  cmake --build build/aarch64-16k --target libfacebaker --parallel "${JOBS:-2}"
-  aligned build/aarch64-16k/lib/libfacebaker.so
+  cmake --preset aarch64 -DCMAKE_SHARED_LINKER_FLAGS=-Wl,-z,max-page-size=16384
+  cmake --build --preset aarch64 --target libfacebaker
+  aligned build/aarch64/lib/libfacebaker.so
+  cmake --preset aarch64 -DCMAKE_SHARED_LINKER_FLAGS=
 }
 
 msvc() {
