@@ -14,8 +14,6 @@ UFaceBakerComponent::UFaceBakerComponent(const FObjectInitializer& Initializer) 
   bTickInEditor = true;
 }
 
-UFaceBakerComponent::~UFaceBakerComponent() = default;
-
 void UFaceBakerComponent::OnRegister() {
   Super::OnRegister();
   Reload();

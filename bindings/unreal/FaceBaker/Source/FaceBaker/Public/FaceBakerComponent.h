@@ -28,7 +28,6 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
 
  public:
   UFaceBakerComponent(const FObjectInitializer& Initializer);
-  virtual ~UFaceBakerComponent() override;
 
   /** The archive. Call Reload() where it is set at run time. */
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "FaceBaker")
@@ -85,7 +84,8 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   void FillSection(int32 Section, bool bCreate);
 
   std::shared_ptr<const facebaker::Model> Model;
-  std::unique_ptr<facebaker::unreal::UnrealFace> Face;
+  // Shared, because code that Unreal generates sees these types without their definitions.
+  std::shared_ptr<facebaker::unreal::UnrealFace> Face;
   FString Reported;
   // Of each joint: the bone of the skeleton, and where that is in its reference pose.
   TArray<int32> Bones;
