@@ -1,5 +1,7 @@
 #include "face_pose.h"
 
+#include <facebaker/facebaker_character.h>
+
 #include <algorithm>
 
 namespace facebaker::engine {
@@ -43,6 +45,7 @@ std::shared_ptr<PosedFrame> FacePose::free_frame() {
   frame->positions.resize(numbers);
   frame->normals.resize(numbers);
   if (fb_tangent_signs(model_.get())) frame->tangents.resize(numbers);
+  frame->sockets.resize(static_cast<std::size_t>(FB_FRAME_FLOATS) * fb_socket_count(model_.get()));
   frames_.push_back(frame);
   return frame;
 }
@@ -64,6 +67,8 @@ bool FacePose::pose() {
   batch.normal_numbers = frame->normals.size();
   batch.tangents = frame->tangents.empty() ? nullptr : frame->tangents.data();
   batch.tangent_numbers = frame->tangents.size();
+  batch.sockets = frame->sockets.empty() ? nullptr : frame->sockets.data();
+  batch.socket_floats = frame->sockets.size();
   batch.bounds = frame->bounds.data();
   batch.bounds_floats = frame->bounds.size();
   batch.lod = lod_;

@@ -20,6 +20,7 @@ struct PosedFrame {
   std::vector<float> positions;   ///< 3 x vertices, xyz interleaved
   std::vector<float> normals;     ///< 3 x vertices, of unit length
   std::vector<float> tangents;    ///< 3 x vertices, of unit length; empty for a face without texture coordinates
+  std::vector<float> sockets;     ///< frames of the face's sockets, 12 floats each, before any skin
   std::array<float, 6> bounds{};  ///< smallest x, y and z, then the largest
   std::uint64_t number = 0;       ///< 1 for the first pose, and one more for each that differs from the last
 };

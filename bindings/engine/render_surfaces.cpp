@@ -15,6 +15,16 @@ void Axes::convert_position(const float* position, float* to) const {
   for (std::size_t i = 0; i < 3; ++i) to[i] = sign[i] * position[from[i]] * scale;
 }
 
+// P F P^-1 for the axes, s P t for the origin; P permutes axes and signs.
+void Axes::convert_frame(const float* frame, float* to) const {
+  for (std::size_t row = 0; row < 3; ++row) {
+    const float* in = frame + 4 * from[row];
+    for (std::size_t column = 0; column < 3; ++column)
+      to[4 * row + column] = sign[row] * sign[column] * in[from[column]];
+    to[4 * row + 3] = sign[row] * in[3] * scale;
+  }
+}
+
 // With a' = s P a for positions a of the archive, a motion M a' + t of the engine is (P^-1 M P) a + P^-1 t / s of the
 // archive; P permutes axes and signs.
 void Axes::convert_motion_back(const float* frame, float* to) const {
@@ -38,9 +48,8 @@ float metres_per(const char* units) {
 
 namespace {
 
-bool has_z_up(const Model& model) {
-  const char* up = fb_up_axis(model.get());
-  return up && std::string_view(up) == "z";
+bool is_z(const char* up_axis) {
+  return up_axis && std::string_view(up_axis) == "z";
 }
 
 // Collects the vertices of a run while its corners are added.
@@ -93,21 +102,21 @@ class SurfaceBuilder {
 
 }  // namespace
 
-Axes axes_of_godot(const Model& model, bool metres) {
+Axes axes_of_godot(const char* up_axis, const char* units, bool metres) {
   Axes axes;
-  if (has_z_up(model)) axes.from = {0, 2, 1}, axes.sign = {1, 1, -1};
-  if (metres) axes.scale = metres_per(fb_units(model.get()));
+  if (is_z(up_axis)) axes.from = {0, 2, 1}, axes.sign = {1, 1, -1};
+  if (metres) axes.scale = metres_per(units);
   axes.turn_triangles = axes.v_down = true;
   return axes;
 }
 
-Axes axes_of_unreal(const Model& model) {
+Axes axes_of_unreal(const char* up_axis, const char* units) {
   Axes axes;
-  if (has_z_up(model))
+  if (is_z(up_axis))
     axes.sign = {1, -1, 1};
   else
     axes.from = {0, 2, 1};
-  axes.scale = 100 * metres_per(fb_units(model.get()));
+  axes.scale = 100 * metres_per(units);
   // Of a left-handed engine, triangles stay: their normal is the cross product of the second edge and the first there.
   // The mirrored cross product and v turned round cancel out in the sign of tangents.
   axes.v_down = true;

@@ -26,6 +26,9 @@ struct Axes {
   void convert_position(const float* position, float* to) const;
   /** Converts a direction. `to` may not be `direction`. */
   void convert_direction(const float* direction, float* to) const;
+  /** Converts a frame, such as a socket's: its origin as a position, its axes as those of the engine are. `to` may not
+   * be `frame`. */
+  void convert_frame(const float* frame, float* to) const;
   /** Converts a frame (the upper three rows of a 4 x 4 matrix) that moves things in the engine's space to the one that
    * moves them likewise in the archive's. `to` may not be `frame`. */
   void convert_motion_back(const float* frame, float* to) const;
@@ -34,10 +37,10 @@ struct Axes {
 /** Metres of a unit (mm, cm, dm, m, in, ft); 1 for one that is not known. */
 float metres_per(const char* units);
 /** Godot 3 and 4: right-handed, y up, metres; front faces are clockwise, v grows downwards. `metres` false: lengths
- * are the archive's. */
-Axes axes_of_godot(const Model& model, bool metres);
-/** Unreal: left-handed, z up, centimetres, looking along y; v grows downwards, and so do bitangents. */
-Axes axes_of_unreal(const Model& model);
+ * are the archive's. Of an archive with fb_up_axis and fb_units. */
+Axes axes_of_godot(const char* up_axis, const char* units, bool metres);
+/** Unreal: left-handed, z up, centimetres, looking along y; v grows downwards, and so do bitangents. Likewise. */
+Axes axes_of_unreal(const char* up_axis, const char* units);
 
 /** The polygons of a mesh that have one material, or none. Immutable. */
 struct RenderSurface {

@@ -175,13 +175,45 @@ void check_facing(const Model& model, const Axes& axes, bool second_first) {
 TEST_CASE("triangles face as engines expect") {
   const Model model = fixture("tiny");
   check_facing(model, Axes(), false);
-  check_facing(model, facebaker::engine::axes_of_unreal(model), true);
-  check_facing(model, facebaker::engine::axes_of_godot(model, true), true);  // clockwise in right-handed axes
+  for (const char* up_axis : {"y", "z"}) {
+    check_facing(model, facebaker::engine::axes_of_unreal(up_axis, "cm"), true);
+    check_facing(model, facebaker::engine::axes_of_godot(up_axis, "cm", true), true);  // clockwise in right-handed axes
+  }
+}
+
+TEST_CASE("up is up in the engine's unit, and handedness is the engine's") {
+  for (const char* up_axis : {"y", "z"}) {
+    const bool z_up = up_axis == std::string("z");
+    const float up[3] = {0, z_up ? 0.f : 1.f, z_up ? 1.f : 0.f};
+    const Axes godot = facebaker::engine::axes_of_godot(up_axis, "cm", true);
+    const Axes unreal = facebaker::engine::axes_of_unreal(up_axis, "m");
+    float to[3];
+    godot.convert_position(up, to);
+    CHECK(to[0] == 0);
+    CHECK(to[1] == 0.01f);
+    CHECK(to[2] == 0);
+    unreal.convert_position(up, to);
+    CHECK(to[0] == 0);
+    CHECK(to[1] == 0);
+    CHECK(to[2] == 100);
+    for (const Axes* axes : {&godot, &unreal}) {
+      float x[3], y[3], z[3];
+      const float unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      axes->convert_direction(unit, x);
+      axes->convert_direction(unit + 3, y);
+      axes->convert_direction(unit + 6, z);
+      const float determinant =
+          x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
+      CHECK(determinant == (axes == &godot ? 1.f : -1.f));
+    }
+  }
+  CHECK(facebaker::engine::axes_of_godot("y", "cm", false).scale == 1);
+  CHECK(facebaker::engine::metres_per("furlong") == 1);
 }
 
 TEST_CASE("motions are taken back to the archive's axes") {
   const Model model = fixture("body");
-  const Axes axes = facebaker::engine::axes_of_unreal(model);
+  const Axes axes = facebaker::engine::axes_of_unreal("y", "cm");
   const std::array<float, 12> motion = {0, -1, 0, 3, 1, 0, 0, -4, 0, 0, 1, 5};
   std::array<float, 12> back;
   axes.convert_motion_back(motion.data(), back.data());
@@ -229,6 +261,25 @@ std::array<double, 3> skinned_at_rest(const Model& model, const std::vector<floa
     for (std::size_t k = 0; k < 3; ++k) sum[k] += double(fb_skin_weights(model.get())[i]) * point[k];
   }
   return sum;
+}
+
+TEST_CASE("frames are converted as positions are") {
+  const Model model = fixture("character");
+  const FacePose pose(model);
+  REQUIRE(pose.current()->sockets.size() == 12 * std::size_t(fb_socket_count(model.get())));
+  REQUIRE_FALSE(pose.current()->sockets.empty());
+  for (const Axes& axes :
+       {facebaker::engine::axes_of_unreal("y", "cm"), facebaker::engine::axes_of_unreal("z", "m"),
+        facebaker::engine::axes_of_godot("y", "cm", true), facebaker::engine::axes_of_godot("z", "mm", true)}) {
+    std::array<float, 12> to, back;
+    axes.convert_frame(pose.current()->sockets.data(), to.data());
+    axes.convert_motion_back(to.data(), back.data());
+    for (std::size_t i = 0; i < 12; ++i) CHECK(back[i] == doctest::Approx(pose.current()->sockets[i]));
+    const float origin[3] = {pose.current()->sockets[3], pose.current()->sockets[7], pose.current()->sockets[11]};
+    float converted[3];
+    axes.convert_position(origin, converted);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(to[4 * k + 3] == converted[k]);
+  }
 }
 
 TEST_CASE("a skin takes vertices where its joints are, and moves them with these") {

@@ -25,7 +25,13 @@ namespace FaceBaker
         /// </summary>
         public static AxisConversion ToUnity(Face face)
         {
-            return new AxisConversion(MetresPer(face.Units), face.UpAxis == "z", true);
+            return ToUnity(face.UpAxis, face.Units);
+        }
+
+        /// <summary>The same of an archive's <see cref="Face.UpAxis"/> and <see cref="Face.Units"/>.</summary>
+        public static AxisConversion ToUnity(string upAxis, string units)
+        {
+            return new AxisConversion(MetresPer(units), upAxis == "z", true);
         }
 
         /// <summary>Nothing is converted.</summary>
@@ -65,6 +71,24 @@ namespace FaceBaker
                     to[i] = to[i + 3];
                     to[i + 3] = larger;
                 }
+        }
+
+        /// <summary>Converts a frame, such as a socket's, of three rows of a matrix: its origin as a position, its axes as
+        /// those of the engine are. The spans may not overlap.</summary>
+        /// <exception cref="ArgumentException">A span has not 12 floats.</exception>
+        public unsafe void ApplyFrame(ReadOnlySpan<float> from, Span<float> to)
+        {
+            if (from.Length != 12 || to.Length != 12) throw new ArgumentException("A frame has 12 floats.");
+            float* column = stackalloc float[3], converted = stackalloc float[3];
+            for (int i = 0; i < 4; ++i)
+            {
+                // Which of the archive's columns is this one, and with which sign: what becomes of a unit vector.
+                int source = !ZUp || i == 0 || i == 3 ? i : 3 - i;
+                float sign = i == 0 && LeftHanded || i == 2 && ZUp ? -1 : 1;
+                for (int row = 0; row < 3; ++row) column[row] = from[4 * row + source];
+                Apply(column, i == 3 ? Scale : sign, converted);
+                for (int row = 0; row < 3; ++row) to[4 * row + i] = converted[row];
+            }
         }
 
         /// <summary>Converts a direction, or with <see cref="Scale"/> a position.</summary>

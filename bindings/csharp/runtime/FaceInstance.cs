@@ -7,7 +7,7 @@ namespace FaceBaker
     public sealed class FaceInstance : IDisposable
     {
         private readonly Scratch scratch;
-        private readonly float[] controls, positions, normals, tangents;
+        private readonly float[] controls, positions, normals, tangents, sockets;
         private readonly float[] bounds = new float[6];
         private bool posed;
         private float lod;
@@ -20,6 +20,7 @@ namespace FaceBaker
             controls = face.RestControls.ToArray();
             positions = new float[3 * face.VertexCount];
             normals = new float[positions.Length];
+            sockets = new float[12 * face.Sockets.Count];
             tangents = new float[face.TangentSigns.Length == 0 ? 0 : positions.Length];
         }
 
@@ -71,6 +72,9 @@ namespace FaceBaker
         public ReadOnlySpan<float> Normals { get { return normals; } }
         /// <summary>Its tangents; empty for a face without texture coordinates.</summary>
         public ReadOnlySpan<float> Tangents { get { return tangents; } }
+        /// <summary>Frames of its sockets, 12 floats each, in the archive's axes and units; see <see
+        /// cref="AxisConversion.ApplyFrame"/>.</summary>
+        public ReadOnlySpan<float> Sockets { get { return sockets; } }
         /// <summary>Its smallest x, y, z and its largest.</summary>
         public ReadOnlySpan<float> Bounds { get { return bounds; } }
 
@@ -81,7 +85,8 @@ namespace FaceBaker
             if (posed) return false;
             scratch.EvaluateBatch(new PoseBatch(1, controls)
             {
-                Positions = positions, Normals = normals, Tangents = tangents, Bounds = bounds, Lod = lod
+                Positions = positions, Normals = normals, Tangents = tangents, Sockets = sockets, Bounds = bounds,
+                Lod = lod
             });
             posed = true;
             return true;

@@ -55,6 +55,34 @@ namespace FaceBaker.Tests
             }
         }
 
+        public static void FramesAreConvertedAsPositionsAre()
+        {
+            // A frame takes (1, 2, 3) somewhere; converted, it takes what (1, 2, 3) becomes to what that becomes.
+            float[] frame = { 0, -1, 0, 4, 1, 0, 0, 5, 0, 0, 1, 6 };
+            float[] moved = { -2 + 4, 1 + 5, 3 + 6 };
+            foreach (AxisConversion axes in new[] { AxisConversion.None, AxisConversion.ToUnity("y", "cm"),
+                                                    AxisConversion.ToUnity("z", "mm"), AxisConversion.ToUnity("z", "m") })
+            {
+                float[] converted = new float[12], at = Converted(axes, 1, 2, 3), expected = new float[3];
+                axes.ApplyFrame(frame, converted);
+                for (int row = 0; row < 3; ++row)
+                    for (int k = 0; k < 4; ++k) expected[row] += converted[4 * row + k] * (k < 3 ? at[k] : 1);
+                float[] wanted = Converted(axes, moved[0], moved[1], moved[2]);
+                for (int k = 0; k < 3; ++k) That(Math.Abs(expected[k] - wanted[k]) < 1e-5, "axis " + k);
+            }
+            float[] up = Converted(AxisConversion.ToUnity("z", "cm"), 0, 0, 1);
+            That(up[0] == 0 && up[1] == 0.01f && up[2] == 0, "z up becomes y up, in metres");
+            up = Converted(AxisConversion.ToUnity("y", "m"), 1, 2, 3);
+            That(up[0] == -1 && up[1] == 2 && up[2] == 3, "x is negated");
+        }
+
+        private static float[] Converted(AxisConversion axes, float x, float y, float z)
+        {
+            var box = new float[6];
+            axes.ApplyBounds(new[] { x, y, z, x, y, z }, box);
+            return new[] { box[0], box[1], box[2] };
+        }
+
         public static void AnInstancePosesAndWritesVertices()
         {
             foreach (KeyValuePair<string, DumpedPoses> pair in Dumped())
@@ -70,6 +98,7 @@ namespace FaceBaker.Tests
                         instance.Pose();
                         SameBits(pair.Value.PositionsOf(p), instance.Positions, "positions");
                         SameBits(pair.Value.TangentsOf(p), instance.Tangents, "tangents");
+                        SameBits(pair.Value.SocketsOf(p), instance.Sockets, "sockets");
                     }
                     var plain = new RenderMesh(face, 0, AxisConversion.None);
                     var unity = new RenderMesh(face, 0, AxisConversion.ToUnity(face));

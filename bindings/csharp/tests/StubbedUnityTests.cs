@@ -49,6 +49,9 @@ namespace FaceBaker.Tests
                 Same(render.Parts.Count, mesh.Parts.Count, "parts");
                 That(mesh.bounds.min.x < mesh.bounds.max.x && mesh.bounds.min.z <= mesh.bounds.max.z, "bounds");
             }
+            Matrix4x4 frame = component.GetSocket(0);
+            float rest = face.Sockets[0].Frame[3] * AxisConversion.MetresPer(face.Units);
+            That(Math.Abs(frame[0, 3] + rest) < 0.1 * face.Diagonal && frame[3, 3] == 1, "a socket near where it is at rest");
             Throws<FaceBakerException>(() => component.SetControl("no such control", 1));
             component.ResetControls();
             Same(control.Rest, component.GetControl(0), "at rest");

@@ -82,6 +82,16 @@ func set_controls(values: PoolRealArray) -> void:
 	face.set_controls(values)
 
 
+# Where a socket of the last pose is, in this node: for what hangs on the face. At the origin, and an error, if there is none.
+func socket_transform(socket: String) -> Transform:
+	var index: int = face.find_socket(socket) if face else -1
+	if index < 0:
+		push_error("FaceBakerMesh: " + (face.last_error() if face else "no face is loaded"))
+		return Transform()
+	var f: PoolRealArray = face.socket_frame(index)
+	return Transform(Vector3(f[0], f[4], f[8]), Vector3(f[1], f[5], f[9]), Vector3(f[2], f[6], f[10]), Vector3(f[3], f[7], f[11]))
+
+
 # Puts all controls at rest.
 func reset_controls() -> void:
 	for i in face.control_count():

@@ -97,9 +97,17 @@ fb_material material_at(GodotFace& face, const Value& index) {
   return material;
 }
 
+fb_socket socket_at(GodotFace& face, const Value& index) {
+  const fb_model* model = model_of(*face.state);
+  fb_socket socket;
+  fb_socket_init(&socket);
+  check(fb_socket_at(model, index_of(index.integer, fb_socket_count(model), "socket"), &socket));
+  return socket;
+}
+
 void make_surfaces(State& state) {
   const Model& model = posed(state).model();
-  state.axes = engine::axes_of_godot(model, state.metres);
+  state.axes = engine::axes_of_godot(fb_up_axis(model.get()), fb_units(model.get()), state.metres);
   state.surfaces = engine::render_surfaces(model, state.axes);
 }
 
@@ -222,6 +230,24 @@ Value bounds(GodotFace& face, const Value*) {
   return of_array(Kind::vectors3, out.data(), 2);
 }
 
+Value find_socket(GodotFace& face, const Value* arguments) {
+  std::uint32_t index = 0;
+  const fb_status status = fb_find_socket(model_of(*face.state), arguments[0].text.c_str(), &index);
+  if (status == FB_OK) return of_integer(index);
+  face.state->last_error = fb_last_error();
+  return of_integer(-1);
+}
+
+// Three rows of a matrix, converted.
+Value socket_frame(GodotFace& face, const Value* arguments) {
+  const auto frame = posed(*face.state).current();
+  const std::uint32_t index = index_of(arguments[0].integer, frame->sockets.size() / FB_FRAME_FLOATS, "socket");
+  std::vector<float>& out = face.state->floats;
+  out.resize(FB_FRAME_FLOATS);
+  face.state->axes.convert_frame(frame->sockets.data() + static_cast<std::size_t>(FB_FRAME_FLOATS) * index, out.data());
+  return of_array(Kind::floats, out.data(), out.size());
+}
+
 // ---- Methods: surfaces
 
 Value surface_material(GodotFace& face, const Value* arguments) {
@@ -302,6 +328,8 @@ const std::vector<Method>& methods() {
     return of_integer(fb_material_count(model_of(*f.state)));
   };
   const Call material_name = [](GodotFace& f, const Value* a) { return of_text(material_at(f, *a).name); };
+  const Call socket_count = [](GodotFace& f, const Value*) { return of_integer(fb_socket_count(model_of(*f.state))); };
+  const Call socket_name = [](GodotFace& f, const Value* a) { return of_text(socket_at(f, *a).name); };
   const Call face_name = [](GodotFace& f, const Value*) { return of_text(fb_name(model_of(*f.state))); };
   const Call units = [](GodotFace& f, const Value*) { return of_text(fb_units(model_of(*f.state))); };
   const Call up_axis = [](GodotFace& f, const Value*) { return of_text(fb_up_axis(model_of(*f.state))); };
@@ -345,6 +373,10 @@ const std::vector<Method>& methods() {
       {"pose", {}, Kind::integer, pose},
       {"positions", {}, Kind::vectors3, positions},
       {"bounds", {}, Kind::vectors3, bounds},
+      {"socket_count", {}, Kind::integer, socket_count},
+      {"socket_name", {Kind::integer}, Kind::text, socket_name},
+      {"find_socket", {Kind::text}, Kind::integer, find_socket},
+      {"socket_frame", {Kind::integer}, Kind::floats, socket_frame},
       {"surface_count", {}, Kind::integer, surface_count},
       {"surface_mesh", {Kind::integer}, Kind::integer, surface_mesh},
       {"surface_material", {Kind::integer}, Kind::integer, surface_material},

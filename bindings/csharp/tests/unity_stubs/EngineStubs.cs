@@ -113,6 +113,17 @@ namespace UnityEngine
         public Vector3(float x, float y, float z) { this.x = x; this.y = y; this.z = z; }
     }
 
+    public struct Matrix4x4
+    {
+        private float[] values;
+
+        public float this[int row, int column]
+        {
+            get { return values[4 * row + column]; }
+            set { (values ?? (values = new float[16]))[4 * row + column] = value; }
+        }
+    }
+
     public struct Color
     {
         public float r, g, b, a;

@@ -118,6 +118,19 @@ namespace FaceBaker.Unity
             values = RequireFace().RestControls.ToArray();
         }
 
+        /// <summary>Where a socket of the last pose is, in the space of this component, for what hangs on the face; by index of
+        /// <see cref="FaceBaker.Face.Sockets"/>.</summary>
+        public unsafe Matrix4x4 GetSocket(int socket)
+        {
+            RequireFace();
+            float* rows = stackalloc float[12];
+            render.Axes.ApplyFrame(instance.Sockets.Slice(12 * socket, 12), new Span<float>(rows, 12));
+            var frame = new Matrix4x4();
+            for (int i = 0; i < 12; ++i) frame[i / 4, i % 4] = rows[i];
+            frame[3, 3] = 1;
+            return frame;
+        }
+
         private Face RequireFace()
         {
             if (face == null) Open();

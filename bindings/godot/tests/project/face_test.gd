@@ -72,10 +72,16 @@ func _compare(path: String) -> void:
 		var expected := PoolVector3Array()
 		for _i in vertices:
 			expected.append(Vector3(file.get_float(), file.get_float(), file.get_float()))
-		file.seek(file.get_position() + 4 * (3 * vertices * (1 + tangents) + sockets + channels))
+		file.seek(file.get_position() + 4 * 3 * vertices * (1 + tangents))
+		var frames := PoolRealArray()
+		for _i in sockets:
+			frames.append(file.get_float())
+		file.seek(file.get_position() + 4 * channels)
 		node.set_controls(values)
 		node.update_pose()
 		_that(var2bytes(node.face.positions()) == var2bytes(expected), "%s, pose %d: positions" % [path, p])
+		for s in node.face.socket_count():
+			_check_socket(node, s, frames, "%s, pose %d" % [path, p])
 		_check_mesh(node, expected, "%s, pose %d: " % [path, p])
 	node.metres = true
 	var unit: float = {"m": 1.0, "cm": 0.01, "mm": 0.001}[node.face.units()]
@@ -83,6 +89,18 @@ func _compare(path: String) -> void:
 	var source: Vector3 = node.face.positions()[node.face.surface_sources(0)[0]]
 	_that(abs(first.length() - source.length() * unit) < 1e-4 * source.length(), path + " in metres")
 	_free(node)
+
+
+func _check_socket(node: MeshInstance, socket: int, frames: PoolRealArray, where: String) -> void:
+	var found: PoolRealArray = node.face.socket_frame(socket)
+	if node.face.up_axis() == "y":
+		var expected := PoolRealArray()
+		for i in 12:
+			expected.append(frames[12 * socket + i])
+		_that(var2bytes(found) == var2bytes(expected), where + ": socket")
+	var place: Transform = node.socket_transform(node.face.socket_name(socket))
+	_that(place.origin == Vector3(found[3], found[7], found[11]), where + ": origin of the socket")
+	_that(abs(place.basis.determinant() - 1.0) < 1e-3, where + ": the socket is turned and not mirrored")
 
 
 # What the scene's mesh has in the rendering server: as the engine lays out a mesh made of the same arrays, which the bytes of

@@ -36,7 +36,7 @@ std::unique_ptr<UnrealFace> UnrealFace::make(const Model& model, std::string& er
 }
 
 UnrealFace::UnrealFace(const Model& model)
-    : axes_(engine::axes_of_unreal(model)),
+    : axes_(engine::axes_of_unreal(fb_up_axis(model.get()), fb_units(model.get()))),
       pose_(model),
       skin_(model),
       sections_(engine::render_surfaces(model, axes_)),
