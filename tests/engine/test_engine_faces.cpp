@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "UnrealFace.h"
+#include "counted_new.h"
 #include "face_pose.h"
 #include "linear_skin.h"
 #include "render_surfaces.h"
@@ -72,6 +73,26 @@ TEST_CASE("frames that are held do not change, and others are used again") {
   const auto last = pose.current();
   CHECK_FALSE(pose.pose());
   CHECK(pose.previous() == last);
+}
+
+TEST_CASE("posing allocates nothing once it runs") {
+  const Model model = fixture("body");
+  std::string error;
+  const auto face = UnrealFace::make(model, error);
+  REQUIRE(face);
+  const std::array<float, 12> motion = {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0};
+  const auto frame = [&](int i) {
+    face->pose().set_control(0, model.control(0).maximum * float(i % 7) / 7);
+    face->set_joint_motion(0, motion.data());
+    return face->update(error) == UnrealFace::Update::changed;
+  };
+  bool all = true;
+  for (int i = 0; i < 4; ++i) all = frame(i) && all;
+  const long before = allocation_count();
+  REQUIRE(before > 0);
+  for (int i = 4; i < 100; ++i) all = frame(i) && all;
+  CHECK(allocation_count() == before);
+  CHECK(all);
 }
 
 TEST_CASE("NaN is an error, and frames stay") {
