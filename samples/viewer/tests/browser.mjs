@@ -6,6 +6,8 @@ import { chromium } from "playwright-core";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
+process.once("SIGTERM", () => process.exit(1));
+
 export const settings = {
   tool: process.env.FACEBAKER,
   page: process.env.VIEWER_PAGE,
@@ -33,6 +35,7 @@ export async function view(...arguments_) {
     child.stdout.once("data", (text) => resolve(String(text).trim()));
     child.once("exit", (code) => reject(new Error(`facebaker view ended with ${code}`)));
   });
+  process.once("exit", () => child.kill("SIGKILL")); // where a test leaves it running
   const ended = new Promise((resolve) => child.once("exit", resolve));
   return { address, stop: () => (child.kill("SIGINT"), ended) };
 }
