@@ -194,6 +194,21 @@ test("shows two archives side by side, and their difference", async () => {
   await two.stop();
 });
 
+test("bars do not lie on each other at any width", async () => {
+  const { page, close } = await openPage(browser, server.address);
+  for (const width of [1600, 1280, 1000, 800, 600, 390, 320]) {
+    await page.setViewportSize({ width, height: 700 });
+    const boxes = await page.evaluate(() =>
+      ["modes", "cameras", "stats"].map((id) => document.getElementById(id)).filter((bar) => !bar.hidden)
+        .map((bar) => [bar.id, ...["left", "right", "top", "bottom"].map((side) => bar.getBoundingClientRect()[side])]));
+    for (const [a, ...first] of boxes)
+      for (const [b, ...other] of boxes)
+        if (a < b)
+          assert.ok(first[0] >= other[1] || other[0] >= first[1] || first[2] >= other[3] || other[2] >= first[3], `${a} and ${b} at ${width}`);
+  }
+  await close();
+});
+
 for (const [name, size] of [["wide", { width: 1280, height: 800 }], ["narrow", { width: 390, height: 844 }]])
   for (const dark of [false, true])
     test(`is accessible: ${name}, ${dark ? "dark" : "light"}`, async () => {
