@@ -39,7 +39,9 @@ fill() {
 }
 fill debian/control.in debian/control
 fill debian/changelog.in debian/changelog
-for library in libfacebaker libfacebaker-bake; do fill debian/$library.install.in debian/$library$soversion.install; done
+for library in libfacebaker libfacebaker-bake; do
+  for list in install symbols; do fill debian/$library.$list.in debian/$library$soversion.$list; done
+done
 
 if command -v ccache >/dev/null; then # the packages' build has no home folder
   CCACHE_DIR=$(ccache --get-config cache_dir)
@@ -54,7 +56,7 @@ mv ../*.deb ../*.buildinfo ../*.changes "$out/"
 build=$(ls -d obj-*)
 {
   cmake -B "$build" -D CMAKE_SKIP_INSTALL_RPATH=OFF -D CMAKE_INSTALL_LIBDIR=lib -D FB_ZSH_DIR=share/zsh/site-functions \
-    -D ZLIB_LIBRARY="/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libz.a"
+    -D ZLIB_LIBRARY_RELEASE="/usr/lib/$(dpkg-architecture -q DEB_HOST_MULTIARCH)/libz.a"
   cmake --build "$build" --parallel "${FB_PARALLEL:-$(nproc)}"
 } >>"$out/build.log" 2>&1
 cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"
