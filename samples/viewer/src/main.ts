@@ -39,6 +39,8 @@ async function beginLoading(): Promise<Opening> {
 
 byId("loading").hidden = false;
 const opening = beginLoading();
+// The archive and the module are on their way while the picture is made.
+await opening.catch(() => undefined);
 const stage = new Stage(byId<HTMLCanvasElement>("canvas"));
 const viewer = new Viewer(stage, (reason) => tell(reason, "error"));
 const timing = new TimeToFace(viewer);

@@ -1,8 +1,12 @@
 import {
   AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
   DirectionalLight,
   Group,
   HemisphereLight,
+  Mesh,
+  MeshStandardMaterial,
   PerspectiveCamera,
   Scene,
   SRGBColorSpace,
@@ -48,6 +52,15 @@ export class Stage {
     new ResizeObserver(() => this.#resize()).observe(canvas);
     this.#resize();
     this.home();
+    this.#warmUp();
+  }
+
+  /** Has the graphics driver make the program that most faces are drawn with, while they are loading: it takes as long as
+   * a picture. */
+  #warmUp(): void {
+    const geometry = new BufferGeometry();
+    for (const name of ["position", "normal"]) geometry.setAttribute(name, new BufferAttribute(new Float32Array(9), 3));
+    this.renderer.compile(new Mesh(geometry, new MeshStandardMaterial()), this.camera, this.scene);
   }
 
   /** A key, a soft fill from the sky, and a light behind that draws the outline; all move with the camera. */
