@@ -68,8 +68,11 @@ def licence_text(package: str) -> str:
 
 
 def needed_of(binary: pathlib.Path) -> List[str]:
-    """The shared libraries that a binary loads, by their names."""
-    shown = subprocess.run(["readelf", "--dynamic", "--wide", binary], capture_output=True, text=True).stdout
+    """The shared libraries that a binary loads, by their names; none are known where there is no readelf."""
+    try:
+        shown = subprocess.run(["readelf", "--dynamic", "--wide", binary], capture_output=True, text=True).stdout
+    except OSError:
+        return []
     return re.findall(r"\(NEEDED\).*\[(.+?)\]", shown)
 
 
