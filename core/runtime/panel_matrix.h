@@ -14,6 +14,13 @@
 
 namespace fb::runtime {
 
+// WebAssembly has no prefetches, and would compute the addresses for nothing.
+#if defined(__wasm__)
+inline constexpr bool has_prefetch = false;
+#else
+inline constexpr bool has_prefetch = true;
+#endif
+
 // A matrix of signed 8-bit digits, cut into panels of rows. The rows of a panel are contiguous, so that kernels
 // vectorise over rows.
 class PanelMatrix {
@@ -101,6 +108,7 @@ class PanelMatrix {
 
   // Prefetches a column of a matrix of Form::columns.
   void prefetch(std::size_t column) const {
+    if (!has_prefetch) return;
     for (std::uint32_t first = 0; first < rows_; first += column_panel_rows)
       for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block))
         __builtin_prefetch(panel(first) + column_panel_rows * column + r);
