@@ -37,6 +37,7 @@ library=$(dirname "$tool")/../lib/libfacebaker.so
 PYTHONPATH="$root/bindings/python" FACEBAKER_LIBRARY="${FACEBAKER_LIBRARY:-$library}" \
   /usr/bin/python3 "$here/tests/dump_poses.py" "$face" 256 "$work/poses"
 
+[ $# -gt 0 ] || export VIEWER_DATA="$work/data" # of the sample face
 if [ ! -f "$work/reports/eval/index.html" ]; then
   mkdir -p "$work/reports"
   [ -d "$work/data" ] || "$tool" sample sample --poses 60 --clip-budget 48 --out "$work/data" >/dev/null

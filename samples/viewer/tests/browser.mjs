@@ -14,6 +14,9 @@ export const settings = {
   face: process.env.VIEWER_FACE,
   source: process.env.VIEWER_SOURCE,
   poses: process.env.VIEWER_POSES,
+  data: process.env.VIEWER_DATA,
+  character: process.env.VIEWER_CHARACTER,
+  characterPoses: process.env.VIEWER_CHARACTER_POSES,
   reports: process.env.VIEWER_REPORTS,
   pictures: process.env.VIEWER_PICTURES,
 };

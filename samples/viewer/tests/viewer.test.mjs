@@ -139,6 +139,19 @@ test("plays and scrubs a clip beside the face, with its error", async () => {
   await close();
 });
 
+test("opens a dataset folder, and measures against its points", { skip: !settings.data }, async () => {
+  const { page, errors, close } = await openPage(browser, server.address);
+  await page.locator("input[webkitdirectory]").setInputFiles(settings.data);
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.player.clip?.origin.startsWith("dataset"));
+  await page.evaluate(() => globalThis.facebakerViewer.viewer.player.seek(1));
+  await mode(page, "Error");
+  await page.waitForFunction(() => globalThis.facebakerViewer.viewer.errors?.max > 0);
+  const worst = await page.evaluate(() => globalThis.facebakerViewer.viewer.errors.max / globalThis.facebakerViewer.viewer.first.face.diagonal);
+  assert.ok(worst < 0.2, `${worst} of the diagonal`);
+  assert.deepEqual(errors, []);
+  await close();
+});
+
 test("reads a take of Live Link Face", async () => {
   const { page, close } = await openPage(browser, server.address);
   const name = await page.evaluate(() => globalThis.facebakerViewer.viewer.pose.controls[3].name);
