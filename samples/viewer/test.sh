@@ -34,8 +34,13 @@ else
   [ -f "$face" ] || "$tool" bake sample --recipe compact --poses 600 --epochs 4 --out "$face" >/dev/null
 fi
 library=$(dirname "$tool")/../lib/libfacebaker.so
-PYTHONPATH="$root/bindings/python" FACEBAKER_LIBRARY="${FACEBAKER_LIBRARY:-$library}" \
-  /usr/bin/python3 "$here/tests/dump_poses.py" "$face" 256 "$work/poses"
+character=$root/tests/golden/2.0/accepted/character.fbk # of several meshes
+dump() {
+  PYTHONPATH="$root/bindings/python" FACEBAKER_LIBRARY="${FACEBAKER_LIBRARY:-$library}" \
+    /usr/bin/python3 "$here/tests/dump_poses.py" "$1" 256 "$2"
+}
+dump "$face" "$work/poses"
+dump "$character" "$work/character"
 
 [ $# -gt 0 ] || export VIEWER_DATA="$work/data" # of the sample face
 if [ ! -f "$work/reports/eval/index.html" ]; then
@@ -48,6 +53,7 @@ fi
 
 cd "$work"
 export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_POSES="$work/poses" \
+  VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
   VIEWER_REPORTS="$work/reports" VIEWER_PICTURES="$work/pictures"
 node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" viewer.test.mjs reports.test.mjs
 echo "pictures: $work/pictures"
