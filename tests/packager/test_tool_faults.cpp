@@ -84,19 +84,20 @@ TEST_CASE("a rig that throws or ends the program makes a bake fail with a messag
 
 TEST_CASE("messages about files with long paths give the reason and a part of the path") {
   const ScratchFolder folder;
-  const std::string deep = deep_folder(folder), face = folder / "face.fbk", toy = FB_TOY_RIG, out = folder / "out";
+  const std::string deep = deep_folder(folder), face = folder / "face.fbk", toy = FB_TOY_RIG, out = folder / "out.fbk";
   write_tiny_archive(face);
   for (const char* name : {"text.fbk", "text.npy", "text.so", "text.glb", "text.txt", "bad/dataset.json"}) {
     fb::make_folder(std::filesystem::path(deep + name).parent_path());
     fb::write_file(deep + name, std::string("no such thing"));
   }
+  fb::make_folder(deep + "folder.fbk");
   const fb::OutputLock lock = fb::OutputLock::of_file(deep + "held.fbk");
   const struct {
     std::vector<std::string> arguments;
     const char* reason;
   } refused[] = {
       {{"pack", face, "--out", deep + "none/face.fbk"}, "cannot be written: No such file"},
-      {{"pack", face, "--out", deep}, "is a directory"},
+      {{"pack", face, "--out", deep + "folder.fbk"}, "is a directory"},
       {{"pack", face, "--out", deep + "held.fbk"}, "is being written by process"},
       {{"pack", deep + "none.fbk", "--out", out}, "no such file"},
       {{"verify", deep + "text.fbk"}, "not an .fbk archive"},
