@@ -1,12 +1,12 @@
 #!/bin/sh
 # Builds the packages, has lintian look at them, installs them into a copy of this system, uses the tool, C by pkg-config and
 # by CMake, and Python there, removes them and looks for what is left. Then the archives of source and installation.
-#   tests/packages/run.sh [PACKAGES]      PACKAGES: a folder of packages/build_debs.sh; by default they are built
+#   tests/packages/run.sh [PACKAGES]      PACKAGES: a folder of packager/packages/build_debs.sh; by default they are built
 # As root on Debian; installs what it needs. The system itself is not changed: the copy is an overlay in memory.
 set -eu
 cd "$(dirname "$0")/../.."
 packages=${1:-build/packages}
-[ $# -gt 0 ] || packages/build_debs.sh "$packages"
+[ $# -gt 0 ] || packager/packages/build_debs.sh "$packages"
 packages=$(cd "$packages" && pwd)
 missing=""
 for package in lintian man-db groff-base mandoc file pkg-config libmeshoptimizer2d python3-numpy; do

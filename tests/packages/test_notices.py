@@ -21,9 +21,15 @@ OF_THE_SYSTEM = re.compile(r"lib(c6|stdc\+\+-\d+|gcc-\d+|c\+\+-\d+|clang-common-
 OBJECTS = {
     "facebaker": r"core/(base/)?CMakeFiles/fb_(runtime|base)\.dir/|capi/CMakeFiles/libfacebaker\.dir/",
     "facebaker_bake": r"core/(base/|bake/|bake/linalg/)?CMakeFiles/fb_\w+\.dir/|capi/CMakeFiles/libfacebaker_bake\.dir/",
-    "tool": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/",
+    "tool": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!server/)",
+    "view": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/",
 }
-FILES = {"facebaker": r"lib/libfacebaker\.so\.[\d.]+", "facebaker_bake": r"lib/libfacebaker_bake\.so\.[\d.]+", "tool": r"bin/facebaker"}
+FILES = {
+    "facebaker": r"lib/libfacebaker\.so\.[\d.]+",
+    "facebaker_bake": r"lib/libfacebaker_bake\.so\.[\d.]+",
+    "tool": r"bin/facebaker",
+    "view": r"bin/facebaker-view",
+}
 
 
 def output_of(*command: str) -> str:
@@ -74,7 +80,7 @@ def main(arguments: List[str]) -> int:
     if not (build / "build.ninja").exists() or not pathlib.Path("/usr/bin/dpkg-query").exists():
         print("skipped: not built by Ninja on a Debian machine")
         return 77
-    sys.path.insert(0, str(root / "packages"))
+    sys.path.insert(0, str(root / "packager" / "packages"))
     import notices  # type: ignore[import]
 
     table = notices.components()
@@ -98,7 +104,7 @@ def main(arguments: List[str]) -> int:
 
 def check_notices(notices, table, build: pathlib.Path) -> List[str]:  # type: ignore[no-untyped-def]
     """What the notices leave out."""
-    binaries = [build / "lib/libfacebaker.so", build / "lib/libfacebaker_bake.so", build / "bin/facebaker"]
+    binaries = [build / "lib/libfacebaker.so", build / "lib/libfacebaker_bake.so", build / "bin/facebaker", build / "bin/facebaker-view"]
     texts = notices.notices("1.2", binaries)
     if texts != notices.notices("1.2", binaries):
         return ["the notices are not the same a second time"]

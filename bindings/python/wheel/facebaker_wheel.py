@@ -163,7 +163,7 @@ def notices_of(path):
 
 def notices_of_linked(libraries):
     """What is linked into the libraries: licences for people, and a bill of materials where PEP 770 has it."""
-    place = importlib.util.spec_from_file_location("notices", ROOT / "packages" / "notices.py")
+    place = importlib.util.spec_from_file_location("notices", ROOT / "packager" / "packages" / "notices.py")
     notices = importlib.util.module_from_spec(place)
     place.loader.exec_module(notices)
     texts = notices.notices(version(), libraries)

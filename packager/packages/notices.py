@@ -4,9 +4,10 @@ facebaker.spdx.json, a software bill of materials (SPDX 2.3).
 
     notices.py OUT_DIR VERSION BINARY...
 
-BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake and the tool is listed in
-third_party.json, which a test compares with what the compiler read and the linker was given. Versions and licences are
-those of the Debian packages of this machine; on other systems versions are left out and licences are named only.
+BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake, the tool and the tool
+with a web server, facebaker-view, is listed in third_party.json, which a test compares with what the compiler read and
+the linker was given. Versions and licences are those of the Debian packages of this machine; on other systems versions
+are left out and licences are named only.
 Standard library only; the same inputs give the same bytes, dated by SOURCE_DATE_EPOCH or 1980."""
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def components() -> List[Component]:
 def user_of(binary: pathlib.Path) -> str:
     """By which of our names a binary is known in the table."""
     found = re.match(r"lib(facebaker(?:_bake)?)\.so", binary.name)
-    return found.group(1) if found else "tool"
+    return found.group(1) if found else "view" if binary.name == "facebaker-view" else "tool"
 
 
 def linked_into(binary: pathlib.Path) -> List[Component]:

@@ -1,10 +1,10 @@
 #!/bin/sh
 # Builds the Debian packages, and archives of the source and of everything that is installed, of the committed tree:
-#   packages/build_debs.sh [OUT_DIR]    by default build/packages
+#   packager/packages/build_debs.sh [OUT_DIR]    by default build/packages
 # Installs what building needs. In the environment: FB_MAINTAINER, "Name <address>", who the packages are by;
 # FB_PARALLEL, how many compilers run at once.
 set -eu
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 out=${1:-build/packages}
 maintainer=${FB_MAINTAINER:-FaceBaker developers <developers@facebaker.invalid>}
 samples/setup.sh
@@ -31,7 +31,7 @@ git archive --format=tar --prefix="facebaker-$version/" HEAD | gzip -9n >"$out/f
 cp "$out/facebaker-$version-source.tar.gz" "$out/work/facebaker_$version.orig.tar.gz"
 tar -xzf "$out/work/facebaker_$version.orig.tar.gz" -C "$out/work"
 cd "$out/work/facebaker-$version"
-cp -r packages/debian debian
+cp -r packager/packages/debian debian
 fill() {
   sed -e "s/@VERSION@/$version/g" -e "s/@SOVERSION@/$soversion/g" -e "s/@MAINTAINER@/$maintainer/g" \
     -e "s/@DATE@/$(date -R -u -d "@$SOURCE_DATE_EPOCH")/g" "$1" >"$2"
