@@ -20,7 +20,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 HEADERS = ("facebaker.h", "facebaker_character.h")
 # C type -> C# type and size; pointers are 8 bytes, as on every platform but WebAssembly and 32-bit ones.
 SCALARS: Dict[str, Tuple[str, int]] = {
-    "uint8_t": ("byte", 1), "uint16_t": ("ushort", 2), "int32_t": ("int", 4), "uint32_t": ("uint", 4),
+    "int8_t": ("sbyte", 1), "uint8_t": ("byte", 1), "uint16_t": ("ushort", 2), "int32_t": ("int", 4), "uint32_t": ("uint", 4),
     "int64_t": ("long", 8), "uint64_t": ("ulong", 8), "float": ("float", 4), "double": ("double", 8),
     "size_t": ("UIntPtr", 8), "fb_status": ("int", 4), "char": ("byte", 1), "void": ("void", 0),
 }

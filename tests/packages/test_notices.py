@@ -21,8 +21,8 @@ OF_THE_SYSTEM = re.compile(r"lib(c6|stdc\+\+-\d+|gcc-\d+|c\+\+-\d+|clang-common-
 OBJECTS = {
     "facebaker": r"core/(base/)?CMakeFiles/fb_(runtime|base)\.dir/|capi/CMakeFiles/libfacebaker\.dir/",
     "facebaker_bake": r"core/(base/|bake/|bake/linalg/)?CMakeFiles/fb_\w+\.dir/|capi/CMakeFiles/libfacebaker_bake\.dir/",
-    "tool": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!server/)",
-    "view": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/",
+    "tool": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!server/|ranks/)",
+    "view": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!ranks/)",
 }
 FILES = {
     "facebaker": r"lib/libfacebaker\.so\.[\d.]+",
@@ -93,7 +93,9 @@ def main(arguments: List[str]) -> int:
             problems.append(f"{user}: no object files or no libraries are known of it")
         packages = packages_of(used | libraries)
         # A shared library and its headers are two packages.
-        packages = {re.sub(r"^libmeshoptimizer2d$", "libmeshoptimizer-dev", name) for name in packages}
+        packages = {re.sub(r"^lib(meshoptimizer|cpp-httplib)[\d.]+d?$", r"lib\1-dev", name) for name in packages}
+        if "libcpp-httplib-dev" in packages:  # its header includes those of libraries that it loads itself
+            packages -= {"libssl-dev", "libbrotli-dev"}
         listed = {one["package"] for one in table if user in one["in"]}
         problems += [f"{user}: {name} is used, and not in third_party.json" for name in sorted(packages - listed)]
         problems += [f"{user}: {name} is in third_party.json, and not used" for name in sorted(listed - packages)]
