@@ -111,7 +111,7 @@ msvc() {
     esac
     # shellcheck disable=SC2086
     clang++ --target=x86_64-w64-mingw32 -std=c++20 -Wall -Wextra -Werror -Wno-format $flags -Icore -Icapi -Icapi/include \
-      -Ibuild/windows-x64-sources/capi -DFB_BUILDING $includes -isystem build/cross/windows-x64/include -fsyntax-only "$source"
+      -Ibuild/windows-x64-sources/capi -DFB_BUILDING -DFB_LINKED='""' $includes -isystem build/cross/windows-x64/include -fsyntax-only "$source"
     count=$((count + 1))
   done
   [ $count -gt 40 ] || fail "only $count sources"
