@@ -81,7 +81,7 @@ TEST_CASE("a bake tells each phase once, and how long it took in all") {
   CHECK(told["sampling poses"] == 1);
   CHECK(told["measuring"] == 1);
   CHECK(last == "in all");
-  for (const auto& [stage, times] : told) CHECK_MESSAGE(times == 1, stage);
+  for (const auto& one : told) CHECK_MESSAGE(one.second == 1, one.first);
 }
 
 TEST_CASE("a bar is as wide as there is room for") {

@@ -139,7 +139,8 @@ test("posing into given arrays allocates nothing", async () => {
     controls[0] = (i % 100) / 100;
     face.evaluateInto(controls, outputs);
   });
-  assert(one < 1, `${one} bytes a pose`);
-  assert(all < 1, `${all} bytes a pose with normals and bounds`);
+  // The least object takes 12 bytes; the engine itself takes some 100 kB now and then.
+  assert(one < 4, `${one} bytes a pose`);
+  assert(all < 4, `${all} bytes a pose with normals and bounds`);
   face.dispose();
 });
