@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "archive/reader.h"
 #include "base/openmp_date.h"
 #include "base/status.h"
 #include "runtime/instruction_set.h"
@@ -31,7 +32,7 @@ std::string instruction_sets_text() {
 
 std::string build_info_text() {
   const long openmp = fb::openmp_date();
-  const unsigned format = fb_format_version();
+  const unsigned format = fb::archive::archive_format_version();
   std::string text = fb::format("FaceBaker: %s\n", FB_VERSION_STRING);
   text += fb::format("format: %u.%u\n", format / 1000, format % 1000);
   text += fb::format("compiler: %s\n", compiler_text().c_str());
