@@ -9,9 +9,15 @@ out=$(realpath -m "$1")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p lists/partial
-echo "deb-src http://deb.debian.org/debian ${DEBIAN_SUITE:-bookworm} main" > sources.list
-apt="apt-get -q -o APT::Sandbox::User=root -o Dir::Etc::SourceList=$work/sources.list -o Dir::Etc::SourceParts=/dev/null
+mkdir -p lists/partial parts
+# The system's own sources, as sources of source packages.
+for file in /etc/apt/sources.list /etc/apt/sources.list.d/debian.*; do
+  case $file in
+    *.sources) [ ! -e "$file" ] || sed 's/^Types:.*/Types: deb-src/' "$file" > parts/debian.sources ;;
+    *.list) [ ! -s "$file" ] || sed -n 's/^deb /deb-src /p' "$file" > parts/debian.list ;;
+  esac
+done
+apt="apt-get -q -o APT::Sandbox::User=root -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts=$work/parts
   -o Dir::State::Lists=$work/lists"
 $apt update > log 2>&1 && $apt source --download-only godot >> log 2>&1 || { cat log >&2; exit 1; }
 tar xzf godot_*.orig.tar.gz --wildcards '*/modules/gdnative/include/*' '*/modules/gdnative/gdnative_api.json' \
