@@ -236,6 +236,7 @@ for (const [name, size] of [["wide", { width: 1280, height: 800 }], ["narrow", {
     test(`is accessible: ${name}, ${dark ? "dark" : "light"}`, async () => {
       const { page, close } = await openPage(browser, server.address, { ...size, dark });
       const label = `${name}_${dark ? "dark" : "light"}`;
+      await page.waitForFunction(() => globalThis.facebakerViewer.viewer.clips.length > 0); // which come after the face
       await page.evaluate(() => {
         const { viewer } = globalThis.facebakerViewer;
         const frames = viewer.clips[0];
