@@ -58,7 +58,7 @@ DetailLevelLayout::DetailLevelLayout(const PackedModel& model, const DetailLevel
       outputs(coefficient_offsets.size() - 1, &memory),
       all_outputs(coefficient_offsets.size() - 1, &memory),
       normals(surface, {}, block_rows, memory, heap),
-      tangents(surface, {}, normals, memory, heap) {
+      tangents(surface, {}, memory, heap) {
   const std::vector<std::uint8_t>& kept = level.used_coefficients;
   std::copy(kept.begin(), kept.end(), used.begin() + std::ptrdiff_t(model.direct.size()));
   CsrBuilder<RegionInputs> inputs(matrices.size(), 0, heap);

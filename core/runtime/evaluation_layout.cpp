@@ -60,7 +60,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       errors(model, baked_index, memory),
       exact(model, memory),
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
-      tangents(model.rest, baked_index, normals, memory, *from.heap),
+      tangents(model.rest, baked_index, memory, *from.heap),
       coefficient_count(model.columns) {
   for (std::uint32_t row = 0; row < rest_rows.size(); ++row) rest_rows[row] = rest_positions[model.coordinate(row)];
   direct.reserve(model.direct.size());

@@ -63,6 +63,13 @@ struct EvaluationLayout {
   }
   // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
   std::size_t row_stride() const { return rest_rows.size() + 1; }
+  // Of any level of detail.
+  std::size_t max_polygons() const {
+    std::size_t polygons = normals.graph().polygons();
+    for (const DetailLevelLayout& level : details.levels)
+      polygons = std::max(polygons, level.normals.graph().polygons());
+    return polygons;
+  }
   std::size_t gate_list(std::size_t region) const { return networks.size() + region; }
   std::size_t row_block_list(std::size_t block) const { return 2 * networks.size() + block; }
   // Entries, with padding, of the lists of row blocks first..last - 1.

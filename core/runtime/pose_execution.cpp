@@ -162,28 +162,26 @@ void PoseExecution::visit_written(const Visit& visit) const {
       for (const VertexRange range : layout_.meshes.baked.row(m)) visit_below(range);
 }
 
-void PoseExecution::write(const float* rows, const VertexOutput& output) {
-  const VertexWriter writer(layout_.kernels, rows, layout_.baked_index, workspace_.halves_.data(), output);
-  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range, {&range, 1}); });
-  if (meshes_.empty()) {
-    const VertexRange all = all_points_ ? layout_.meshes.all() : layout_.meshes.surface();
-    writer.write(all, {&all, 1});
-    return;
-  }
+// `order`: of rows.
+void PoseExecution::write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest) {
+  const std::span<const std::uint32_t> other = order == VertexOrder::baked ? layout_.baked_index : layout_.order;
+  const VertexWriter writer(layout_.kernels, rows, rest,
+                            order == output.order ? std::span<const std::uint32_t>() : other, output);
+  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range); });
+  if (meshes_.empty()) return writer.write(all_points_ ? layout_.meshes.all() : layout_.meshes.surface());
   for (std::size_t m = 0; m < meshes_.size(); ++m)
-    if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
+    if (meshes_[m]) {
+      if (output.order == VertexOrder::source)
+        writer.write(layout_.meshes.source[m]);
+      else
+        for (const VertexRange range : layout_.meshes.baked.row(m)) writer.write(range);
+    }
 }
 
-void PoseExecution::write_displacements(const float* rows, const VertexOutput& output) {
-  const DisplacementWriter writer(layout_.kernels, rows, layout_.rest_rows.data(), layout_.baked_index, output);
-  if (level_only_) return visit_written([&](VertexRange range) { writer.write(range, {&range, 1}); });
-  if (meshes_.empty()) {
-    const VertexRange all = layout_.meshes.surface();
-    writer.write(all, {&all, 1});
-    return;
-  }
-  for (std::size_t m = 0; m < meshes_.size(); ++m)
-    if (meshes_[m]) writer.write(layout_.meshes.source[m], layout_.meshes.baked.row(m));
+// Whether all vertices of an output lie in memory as they do in an array of floats in this order.
+bool PoseExecution::is_plain(const VertexOutput& output, VertexOrder order) const {
+  return output.first && output.vertex_stride == 3 && !output.streamed && output.format == NumberFormat::float32 &&
+         (layout_.baked_index.empty() || output.order == order);
 }
 
 void PoseExecution::write_bounds(const float* rows, float* bounds) const {
@@ -234,28 +232,28 @@ const float* PoseExecution::with_missing_vertices(const float* of_level) {
 }
 
 void PoseExecution::write_outputs(std::size_t pose, const float* rows, const PoseOutput& output) {
-  if (output.positions.first) {
-    if (output.displacements)
-      write_displacements(rows, output.positions);
-    else
-      write(rows, output.positions);
-  }
+  if (output.positions.first)
+    write(rows, VertexOrder::baked, output.positions, output.displacements ? layout_.rest_rows.data() : nullptr);
   if (!output.normals.first && !output.tangents.first) return;
   const std::size_t blocks = layout_.row_blocks.size();
-  if (detail_.level) {
-    LevelVectors& vectors = workspace_.levels_[detail_.number - 1];
-    const DetailLevelLayout& level = *detail_.level;
-    level.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, level.blocks}, vectors.normals);
-    if (output.normals.first) write(with_missing_vertices(vectors.normals.normals()), output.normals);
-    if (!output.tangents.first) return;
-    level.tangents.run(rows, level.normals, vectors.normals, vectors.tangents);
-    return write(with_missing_vertices(vectors.tangents.tangents()), output.tangents);
+  const std::span<const std::uint8_t> moved = {workspace_.moved_.data() + pose * blocks, blocks};
+  const VertexNormals& normals = detail_.level ? detail_.level->normals : layout_.normals;
+  const VertexTangents& tangents = detail_.level ? detail_.level->tangents : layout_.tangents;
+  // Vectors of the whole are in the source's order, those of levels in baked order.
+  const auto write_vectors = [&](const float* vectors, const VertexOutput& to) {
+    if (!to.first) return;
+    if (detail_.level)
+      write(with_missing_vertices(vectors), VertexOrder::baked, to);
+    else
+      write(vectors, VertexOrder::source, to);
+  };
+  normals.run(layout_.kernels, rows, moved, workspace_.normals_);
+  const float* const computed = workspace_.normals_.results.data();
+  if (output.tangents.first) {
+    tangents.run(layout_.kernels, rows, moved, normals, computed, *workspace_.tangents_);
+    write_vectors(workspace_.tangents_->results.data(), output.tangents);
   }
-  layout_.normals.run(layout_.kernels, rows, {workspace_.moved_.data() + pose * blocks, blocks}, workspace_.normals_);
-  if (output.normals.first) write(workspace_.normals_.normals(), output.normals);
-  if (!output.tangents.first) return;
-  layout_.tangents.run(rows, layout_.normals, workspace_.normals_, workspace_.tangents_);
-  write(workspace_.tangents_.tangents(), output.tangents);
+  write_vectors(computed, output.normals);
 }
 
 template <std::size_t poses>
@@ -264,12 +262,9 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
   with_channels_ = outputs[0].channels || all_points_;
   detail_.level ? scatter_features<poses, true>() : scatter_features<poses, false>();
   run_regions<poses>();
-  const VertexOutput& first = outputs[0].positions;
   // Rows are written to the output itself if it has their order and format, and nothing else needs them.
-  const bool direct = first.first && first.vertex_stride == 3 && !first.streamed &&
-                      first.format == NumberFormat::float32 && !outputs[0].normals.first &&
-                      !outputs[0].tangents.first && !outputs[0].channels && !outputs[0].displacements &&
-                      (layout_.baked_index.empty() || first.order == VertexOrder::baked);
+  const bool direct = is_plain(outputs[0].positions, VertexOrder::baked) && !outputs[0].normals.first &&
+                      !outputs[0].tangents.first && !outputs[0].channels && !outputs[0].displacements;
   float* rows[poses];
   for (std::size_t p = 0; p < poses; ++p)
     rows[p] =

@@ -81,8 +81,8 @@ class PoseExecution {
   void slide(std::size_t pose, float* rows, bool in_workspace);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
   const float* with_missing_vertices(const float* of_level);
-  void write(const float* rows, const VertexOutput& output);
-  void write_displacements(const float* rows, const VertexOutput& output);
+  void write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest = nullptr);
+  bool is_plain(const VertexOutput& output, VertexOrder order) const;
   void write_channels(const float* rows, float* channels) const;
   void write_bounds(const float* rows, float* bounds) const;
   bool is_posed(std::size_t block) const {

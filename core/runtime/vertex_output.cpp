@@ -11,25 +11,23 @@ namespace {
 
 // Writes vertices begin..end - 1. index_of(v): the index in `rows` of vertex v. Without gaps, four numbers are copied,
 // which is one instruction; the next vertex overwrites the fourth.
-template <class Number, class IndexOf>
-void copy(const Number* rows, VertexRange range, const VertexOutput& output, IndexOf&& index_of) {
-  auto* to = static_cast<Number*>(output.first);
+template <class IndexOf>
+void copy(const float* rows, VertexRange range, std::size_t stride, float* to, const IndexOf& index_of) {
   if (range.begin == range.end) return;
   const std::size_t last = range.end - 1;
-  if (output.vertex_stride == 3)
+  if (stride == 3)
 #pragma GCC unroll 4
-    for (std::size_t v = range.begin; v < last; ++v)
-      std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
+    for (std::size_t v = range.begin; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(float));
   else
     for (std::size_t v = range.begin; v < last; ++v)
-      std::memcpy(to + v * output.vertex_stride, rows + 3 * index_of(v), 3 * sizeof(Number));
-  std::memcpy(to + last * output.vertex_stride, rows + 3 * index_of(last), 3 * sizeof(Number));
+      std::memcpy(to + v * stride, rows + 3 * index_of(v), 3 * sizeof(float));
+  std::memcpy(to + last * stride, rows + 3 * index_of(last), 3 * sizeof(float));
 }
 
 #if defined(__SSE2__)
 // Non-temporal stores of aligned vectors: four vertices are three vectors.
 template <class IndexOf>
-void stream(const float* rows, VertexRange range, float* to, IndexOf&& index_of) {
+void stream(const float* rows, VertexRange range, float* to, const IndexOf& index_of) {
   std::size_t v = range.begin;
   const std::size_t vertices = range.end;
   for (; v < vertices && reinterpret_cast<std::uintptr_t>(to + 3 * v) % 16 != 0; ++v)
@@ -48,59 +46,53 @@ void stream(const float* rows, VertexRange range, float* to, IndexOf&& index_of)
 }
 #endif
 
-template <class Number, class IndexOf>
-void write_range(const Number* rows, VertexRange range, const VertexOutput& output, IndexOf&& index_of) {
-#if defined(__SSE2__)
-  if constexpr (sizeof(Number) == sizeof(float))
-    if (output.streamed && output.vertex_stride == 3)
-      return stream(rows, range, static_cast<float*>(output.first), index_of);
-#endif
-  copy(rows, range, output, index_of);
-}
-
 }  // namespace
 
-template <class Number>
-void VertexWriter::write_numbers(const Number* rows, VertexRange source, std::span<const VertexRange> baked) const {
-  if (!baked_index_.empty() && output_.order == VertexOrder::source)
-    write_range(rows, source, output_, [&](std::size_t v) { return std::size_t(baked_index_[v]); });
-  else
-    for (const VertexRange range : baked) write_range(rows, range, output_, [](std::size_t v) { return v; });
-}
-
+// Displacements and halves: some vertices at a time are collected, converted and written.
 template <class IndexOf>
-void DisplacementWriter::write_range(VertexRange range, IndexOf&& index_of) const {
+void VertexWriter::write_chunks(VertexRange range, const IndexOf& index_of) const {
   constexpr std::size_t chunk = 64;
-  float floats[3 * chunk + padding] = {};  // kernels read and write whole vectors
+  float floats[3 * chunk + padding] = {}, rest[3 * chunk + padding] = {};  // kernels read and write whole vectors
   std::uint16_t halves[3 * chunk + padding];
+  const bool half = output_.format == NumberFormat::float16;
+  const std::size_t size = half ? sizeof(std::uint16_t) : sizeof(float);
   for (std::size_t first = range.begin; first < range.end; first += chunk) {
     const std::size_t count = range.end - first < chunk ? range.end - first : chunk;
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t row = 3 * index_of(first + i), axis = 0; axis < 3; ++axis)
-        floats[3 * i + axis] = rows_[row + axis] - rest_[row + axis];
-    const bool half = output_.format == NumberFormat::float16;
+    const auto collect = [&](const float* from, float* to) {
+      copy(from, {0, static_cast<std::uint32_t>(count)}, 3, to, [&](std::size_t i) { return index_of(first + i); });
+    };
+    collect(rows_, floats);
+    if (rest_) {
+      collect(rest_, rest);
+      for (std::size_t i = 0; i < 3 * count; ++i) floats[i] -= rest[i];
+    }
     if (half) kernels_.convert_to_half(floats, halves, 3 * count);
-    const std::size_t size = half ? sizeof(std::uint16_t) : sizeof(float);
     auto* to = static_cast<std::byte*>(output_.first) + first * output_.vertex_stride * size;
     const auto* from = half ? reinterpret_cast<const std::byte*>(halves) : reinterpret_cast<const std::byte*>(floats);
+    if (output_.vertex_stride == 3) {
+      std::memcpy(to, from, 3 * count * size);
+      continue;
+    }
     for (std::size_t i = 0; i < count; ++i, to += output_.vertex_stride * size, from += 3 * size)
       std::memcpy(to, from, 3 * size);
   }
 }
 
-void DisplacementWriter::write(VertexRange source, std::span<const VertexRange> baked) const {
-  if (!baked_index_.empty() && output_.order == VertexOrder::source)
-    write_range(source, [&](std::size_t v) { return std::size_t(baked_index_[v]); });
-  else
-    for (const VertexRange range : baked) write_range(range, [](std::size_t v) { return v; });
+template <class IndexOf>
+void VertexWriter::write_range(VertexRange range, const IndexOf& index_of) const {
+  if (rest_ || output_.format == NumberFormat::float16) return write_chunks(range, index_of);
+  auto* const to = static_cast<float*>(output_.first);
+#if defined(__SSE2__)
+  if (output_.streamed && output_.vertex_stride == 3) return stream(rows_, range, to, index_of);
+#endif
+  copy(rows_, range, output_.vertex_stride, to, index_of);
 }
 
-void VertexWriter::write(VertexRange source, std::span<const VertexRange> baked) const {
-  if (output_.format == NumberFormat::float32) return write_numbers(rows_, source, baked);
-  for (const auto [begin, end] : baked)
-    kernels_.convert_to_half(rows_ + 3 * std::size_t(begin), halves_ + 3 * std::size_t(begin),
-                             3 * std::size_t(end - begin));
-  write_numbers(static_cast<const std::uint16_t*>(halves_), source, baked);
+void VertexWriter::write(VertexRange range) const {
+  if (index_.empty())
+    write_range(range, [](std::size_t v) { return v; });
+  else
+    write_range(range, [&](std::size_t v) { return std::size_t(index_[v]); });
 }
 
 }  // namespace fb::runtime

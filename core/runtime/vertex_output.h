@@ -24,45 +24,27 @@ struct VertexOutput {
   bool streamed = false;  // non-temporal stores, where the processor has them and the numbers are floats without gaps
 };
 
-// Writes vertices from `rows`, which holds 3 floats a vertex in baked order and is readable one float beyond.
-// baked_index[v]: the index of source vertex v in baked order; empty if both orders are the same. `halves`: a buffer of
-// as many numbers as `rows` has. Refers to its arguments.
+// Writes vertices from `rows`, which holds 3 floats a vertex in an order of its own and is readable one float beyond.
+// rest: laid out like rows and subtracted from them; null: nothing is. index[v]: where vertex v of the output's order
+// is in rows; empty if both orders are the same. Refers to its arguments.
 class VertexWriter {
  public:
-  VertexWriter(const PoseKernels& kernels, const float* rows, std::span<const std::uint32_t> baked_index,
-               std::uint16_t* halves, const VertexOutput& output)
-      : kernels_(kernels), rows_(rows), baked_index_(baked_index), halves_(halves), output_(output) {}
+  VertexWriter(const PoseKernels& kernels, const float* rows, const float* rest, std::span<const std::uint32_t> index,
+               const VertexOutput& output)
+      : kernels_(kernels), rows_(rows), rest_(rest), index_(index), output_(output) {}
 
-  // Some vertices, given in the source's order and in baked order.
-  void write(VertexRange source, std::span<const VertexRange> baked) const;
-
- private:
-  template <class Number>
-  void write_numbers(const Number* rows, VertexRange source, std::span<const VertexRange> baked) const;
-
-  const PoseKernels& kernels_;
-  const float* rows_;
-  std::span<const std::uint32_t> baked_index_;
-  std::uint16_t* halves_;
-  const VertexOutput& output_;
-};
-
-// The same of displacements: rows less `rest`, which is laid out like them.
-class DisplacementWriter {
- public:
-  DisplacementWriter(const PoseKernels& kernels, const float* rows, const float* rest,
-                     std::span<const std::uint32_t> baked_index, const VertexOutput& output)
-      : kernels_(kernels), rows_(rows), rest_(rest), baked_index_(baked_index), output_(output) {}
-
-  void write(VertexRange source, std::span<const VertexRange> baked) const;
+  // Some vertices, in the output's order.
+  void write(VertexRange range) const;
 
  private:
   template <class IndexOf>
-  void write_range(VertexRange range, IndexOf&& index_of) const;
+  void write_range(VertexRange range, const IndexOf& index_of) const;
+  template <class IndexOf>
+  void write_chunks(VertexRange range, const IndexOf& index_of) const;
 
   const PoseKernels& kernels_;
   const float *rows_, *rest_;
-  std::span<const std::uint32_t> baked_index_;
+  std::span<const std::uint32_t> index_;
   const VertexOutput& output_;
 };
 

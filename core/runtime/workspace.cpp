@@ -20,17 +20,13 @@ Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& 
       layers_(layout.max_work_size * poses_per_block, &memory),
       rows_(layout.row_stride() * poses_per_block, &memory),
       moved_(layout.row_blocks.size() * poses_per_block, &memory),
-      halves_(layout.row_stride(), &memory),
       layer_inputs_(layout.max_width, poses_per_block, memory),
-      normals_(layout.normals, memory),
-      tangents_(layout.tangents, memory),
+      normals_(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory),
       errors_(layout.errors, memory),
       exact_(layout.exact, poses_per_block, memory),
-      levels_(&memory),
       level_vectors_(layout.details.levels.empty() ? 0 : layout.row_stride(), &memory) {
-  levels_.reserve(layout.details.levels.size());
-  for (const DetailLevelLayout& level : layout.details.levels)
-    levels_.push_back({{level.normals, memory}, {level.tangents, memory}});
+  if (!layout.tangents.signs().empty())
+    tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);
   for (std::size_t p = 0; p < poses_per_block; ++p)
     std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
 }

@@ -3,25 +3,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory_resource>
+#include <optional>
 #include <vector>
 
 #include "runtime/error_prediction.h"
 #include "runtime/evaluation_layout.h"
 #include "runtime/exact_blend.h"
 #include "runtime/feature_graph.h"
+#include "runtime/polygon_graph.h"
 #include "runtime/quantise.h"
-#include "runtime/vertex_normals.h"
-#include "runtime/vertex_tangents.h"
 
 namespace fb::runtime {
 
 class Evaluator;
-
-// Normals and tangents at a level of detail.
-struct LevelVectors {
-  VertexNormals::State normals;
-  VertexTangents::State tangents;
-};
 
 // Working memory of one worker, for a block of poses_per_block poses. It fits the evaluator it was made for, and does
 // not refer to it.
@@ -54,13 +48,11 @@ class Workspace {
   // rest.
   std::pmr::vector<float> rows_;
   std::pmr::vector<std::uint8_t> moved_;  // by pose and row block
-  std::pmr::vector<std::uint16_t> halves_;
   QuantiseBuffers layer_inputs_;
-  VertexNormals::State normals_;
-  VertexTangents::State tangents_;
+  PolygonGraph::State normals_;
+  std::optional<PolygonGraph::State> tangents_;  // of faces that have texture coordinates
   ErrorPrediction::State errors_;
   ExactBlend::State exact_;
-  std::pmr::vector<LevelVectors> levels_;  // by coarser level
   std::pmr::vector<float> level_vectors_;  // of a level, spread to all vertices
   std::uint64_t clamped_ = 0, poses_ = 0;
 };

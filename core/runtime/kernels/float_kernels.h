@@ -74,8 +74,8 @@ std::int32_t round_to_integer(float x, float limit) {
   return static_cast<std::int32_t>(q == q ? q : 0);
 }
 
-// EVALUATION.md, "Quantise". Padding is read with whole vectors but counts as 0: clearing it first would stall the loads
-// that follow on the stores.
+// EVALUATION.md, "Quantise". Padding is read with whole vectors but counts as 0: clearing it first would stall the
+// loads that follow on the stores.
 Quantisation quantise(const float* __restrict x, std::size_t count, float limit, std::int16_t* __restrict quantised) {
   const auto end = static_cast<std::int32_t>(count);
   const std::size_t padded = (count + padding - 1) / padding * padding;
@@ -201,18 +201,11 @@ void convert_to_half(const float* __restrict numbers, std::uint16_t* __restrict 
   }
 }
 
-void normalise(float* __restrict x, float* __restrict y, float* __restrict z, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const float square = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
-    const bool valid = square > 0 && square <= 0x1.fffffep127f;
-    const float scale = 1 / __builtin_sqrtf(square);
-    x[i] = valid ? x[i] * scale : 0;
-    y[i] = valid ? y[i] * scale : 0;
-    z[i] = valid ? z[i] * scale : 0;
-  }
-}
+#include "runtime/kernels/vertex_kernels.h"
 
 constexpr PoseKernels make_kernels(const char* name, PanelSums column_sums, PanelSums quad_sums) {
-  return {name,     column_sums,    quad_sums,     any_nan,      clamp_controls,  control_features, compact_nonzeros,
-          quantise, quantise_block, displace_rows, finish_layer, convert_to_half, normalise};
+  return {name,           column_sums,      quad_sums,        any_nan,
+          clamp_controls, control_features, compact_nonzeros, quantise,
+          quantise_block, displace_rows,    finish_layer,     convert_to_half,
+          quad_areas,     quad_integrals,   vertex_normals,   vertex_tangents};
 }

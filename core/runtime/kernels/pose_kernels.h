@@ -59,6 +59,34 @@ struct ControlFeatures {
   std::size_t count;
 };
 
+// The corners of a quad, as offsets in rows, which are readable one float beyond a corner; of a triangle the last
+// repeats the first.
+struct Quad {
+  std::uint32_t offset[4];
+};
+
+// Of the last three corners of a quad.
+struct QuadWeights {
+  float of[3];
+};
+
+// The first polygons at a vertex, as offsets in vectors of four floats; 0, where there is a null vector, for fewer.
+struct FirstPolygons {
+  std::uint32_t offset[4];
+};
+
+// Any further polygon at a vertex.
+struct ExtraPolygon {
+  std::uint32_t vertex, offset;
+};
+
+// The polygons around vertices begin..end - 1.
+struct PolygonsAround {
+  std::uint32_t begin, end;
+  const FirstPolygons* first;  // by vertex, from 0; readable seven beyond the last
+  const ExtraPolygon* extra;   // in the order of vertices, from `begin`; the last is of no vertex: UINT32_MAX
+};
+
 struct PoseKernels {
   const char* name;
   PanelSums column_sums, quad_sums;
@@ -84,8 +112,17 @@ struct PoseKernels {
                        const float* bias, Activation activation, float* y, std::size_t count);
   // IEEE 754 binary16, rounded to nearest even.
   void (*convert_to_half)(const float* numbers, std::uint16_t* halves, std::size_t count);
-  // Normalises vectors; those without a finite, positive length become null.
-  void (*normalise)(float* x, float* y, float* z, std::size_t count);
+  // `count` of quads is even. vectors[4 i ..]: twice the area vector of quad i in units of 1 / scale squared, as z, x,
+  // y and an undefined number.
+  void (*quad_areas)(const Quad* quads, std::size_t count, const float* rows, float scale, float* vectors);
+  // vectors[4 i ..]: the weighted sum of the offsets of a quad's corners from its first, and an undefined number.
+  void (*quad_integrals)(const Quad* quads, const QuadWeights* weights, std::size_t count, const float* rows,
+                         float* vectors);
+  // Unit normals, 3 floats a vertex from 0, from area vectors; null where their sum has no finite, positive length.
+  void (*vertex_normals)(const PolygonsAround& around, const float* areas, float* normals);
+  // Unit tangents likewise from integrals: orthogonal to the normals, which are readable 25 floats beyond the last;
+  // null where the normal is null or there is no such direction.
+  void (*vertex_tangents)(const PolygonsAround& around, const float* integrals, const float* normals, float* tangents);
 };
 
 extern const PoseKernels scalar_kernels;
