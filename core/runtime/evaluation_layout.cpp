@@ -51,7 +51,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       scatter(memory),
       row_block_regions(memory),
       rest_positions(model.rest.points.begin(), model.rest.points.end(), &memory),
-      rest_rows(model.rest.points.size(), &memory),
+      rest_rows(model.rest.points.size() + padding, &memory),
       order(model.order.begin(), model.order.end(), &memory),
       baked_index(inverse(model.order, memory)),
       meshes(model, memory, *from.heap),
@@ -62,7 +62,8 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       normals(model.rest, baked_index, block_rows(model, *from.heap), memory, *from.heap),
       tangents(model.rest, baked_index, memory, *from.heap),
       coefficient_count(model.columns) {
-  for (std::uint32_t row = 0; row < rest_rows.size(); ++row) rest_rows[row] = rest_positions[model.coordinate(row)];
+  for (std::uint32_t row = 0; row < rest_positions.size(); ++row)
+    rest_rows[row] = rest_positions[model.coordinate(row)];
   direct.reserve(model.direct.size());
   for (const std::uint32_t feature : model.direct) direct.push_back(features.graph_index(feature));
   with_float_mode([&] {
@@ -79,7 +80,7 @@ void EvaluationLayout::add_networks(const PackedModel& model, std::pmr::memory_r
   networks.reserve(model.regions.size());
   std::size_t coefficient = direct.size();
   for (const PackedRegion& region : model.regions) {
-    RegionNetwork& network = networks.emplace_back(region, memory);
+    RegionNetwork& network = networks.emplace_back(kernels, region, memory);
     network.find_rest(kernels, region.name.c_str(), heap);
     region_names.push_back(region.name);
     gate_slopes.push_back(region.gate.features.empty() ? 0 : region.gate.slope);
@@ -93,7 +94,7 @@ void EvaluationLayout::add_networks(const PackedModel& model, std::pmr::memory_r
 
 void EvaluationLayout::add_row_blocks(const PackedModel& model) {
   row_blocks.reserve(model.row_blocks.size());
-  for (const PackedRowBlock& block : model.row_blocks) row_blocks.emplace_back(block, memory);
+  for (const PackedRowBlock& block : model.row_blocks) row_blocks.emplace_back(kernels, block, memory);
 }
 
 void EvaluationLayout::find_list_offsets(const PackedModel& model) {

@@ -62,7 +62,7 @@ struct EvaluationLayout {
     return static_cast<std::size_t>(std::find(of_block.begin(), of_block.end(), meshes.count()) - of_block.begin());
   }
   // Floats between the rows of poses in a workspace: one more than rows, because vertices are read as vectors of four.
-  std::size_t row_stride() const { return rest_rows.size() + 1; }
+  std::size_t row_stride() const { return rest_positions.size() + 1; }
   // Of any level of detail.
   std::size_t max_polygons() const {
     std::size_t polygons = normals.graph().polygons();
@@ -91,8 +91,9 @@ struct EvaluationLayout {
   std::pmr::vector<std::uint32_t> list_offsets;         // of the input lists in a workspace; one more than lists
   CsrTable<ScatterEntry> scatter;                       // by feature
   CsrTable<RegionInputs> row_block_regions;             // by row block
-  std::pmr::vector<float> rest_positions, rest_rows;    // in source order; in the order of rows; channels are last
-  std::pmr::vector<std::uint32_t> order, baked_index;   // see Basis::order, and its inverse; empty: source order
+  std::pmr::vector<float> rest_positions,
+      rest_rows;  // in source order; in the order of rows, padded; channels are last
+  std::pmr::vector<std::uint32_t> order, baked_index;  // see Basis::order, and its inverse; empty: source order
   MeshLayout meshes;
   DetailLayout details;
   SocketFrames sockets;

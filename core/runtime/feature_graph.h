@@ -48,9 +48,9 @@ class FeatureGraph {
   // The graph index of one of the model's features. Features of controls come first, in the order of controls.
   std::uint32_t graph_index(std::size_t feature) const { return graph_index_[feature]; }
 
-  // EVALUATION.md, "Clamp" and "Features". Lists the active features in `state`: features of controls first, in order. The
-  // controls of pose p are at controls + p * stride; `poses` is 1 or poses_per_block. Returns how many control values
-  // were out of range.
+  // EVALUATION.md, "Clamp" and "Features". Lists the active features in `state`: features of controls first, in order.
+  // The controls of pose p are at controls + p * stride; `poses` is 1 or poses_per_block. Returns how many control
+  // values were out of range.
   std::uint64_t run(const PoseKernels& kernels, const float* controls, std::size_t stride, std::size_t poses,
                     FeatureState& state) const;
 

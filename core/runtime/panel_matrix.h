@@ -21,8 +21,8 @@ inline constexpr bool has_prefetch = false;
 inline constexpr bool has_prefetch = true;
 #endif
 
-// A matrix of signed 8-bit digits, cut into panels of rows. The rows of a panel are contiguous, so that kernels
-// vectorise over rows.
+// A matrix of signed 8-bit digits, cut into panels of rows, laid out for some kernels. The rows of a panel are
+// contiguous, so that kernels vectorise over rows.
 class PanelMatrix {
  public:
   enum class Form {
@@ -37,8 +37,14 @@ class PanelMatrix {
   };
 
   // All digits are 0. Set them by columns or by rows, then call find_limit().
-  PanelMatrix(Form form, std::uint32_t rows, std::size_t columns, std::pmr::memory_resource& memory)
-      : form_(form), rows_(rows), columns_(columns), lines_((columns + width() - 1) / width()), blocks_(&memory) {
+  PanelMatrix(const PoseKernels& kernels, Form form, std::uint32_t rows, std::size_t columns,
+              std::pmr::memory_resource& memory)
+      : kernels_(&kernels),
+        form_(form),
+        rows_(rows),
+        columns_(columns),
+        lines_((columns + width() - 1) / width()),
+        blocks_(&memory) {
     const std::uint32_t last = rows > 0 ? (rows - 1) / panel_rows() * panel_rows() : 0;
     const std::size_t stored = last + stored_rows(last);
     const std::size_t bytes = checked_multiply(checked_multiply(stored, lines_, "a matrix"), width(), "a matrix");
@@ -50,9 +56,7 @@ class PanelMatrix {
   // Sets a column to a digit of `values`, one a row.
   void set_column(std::size_t column, const std::int16_t* values, Digit digit) {
     for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
-      const std::size_t step = width();
-      std::uint8_t* const to = at(first, column);
-      for (std::size_t r = 0; r < rows_at(first); ++r) to[r * step] = stored(values[first + r], digit);
+      for (std::uint32_t r = first; r < first + rows_at(first); ++r) *at(r, column) = stored(values[r], digit);
     }
   }
   // Sets a row to a digit of `values`, one a column.
@@ -80,7 +84,7 @@ class PanelMatrix {
         }
         for (std::size_t i = 0; i < length; ++i) sums[i] += partial[i];
       }
-      for (std::size_t r = 0; r < rows_at(first); ++r) {
+      for (std::size_t r = 0; r < stored_rows(first); ++r) {
         std::uint32_t sum = 0;
         for (std::size_t i = 0; i < width(); ++i) sum += sums[r * width() + i];
         largest_sum = std::max(largest_sum, sum);
@@ -100,10 +104,11 @@ class PanelMatrix {
   // Rows of the panel that begins at row `first`, a multiple of panel_rows().
   std::uint32_t rows_at(std::uint32_t first) const { return std::min(panel_rows(), rows_ - first); }
 
-  // The sums of that panel: max_panel_rows numbers a pose; those beyond its rows are undefined.
-  void sum(const PoseKernels& kernels, std::uint32_t first, const PanelInputs& inputs, std::int32_t* sums) const {
-    (form_ == Form::quads ? kernels.quad_sums : kernels.column_sums)(panel(first), whole_vectors(rows_at(first)),
-                                                                     inputs, sums);
+  // The rows of that panel; output.rows begin with it.
+  void multiply(std::uint32_t first, const PanelInputs& inputs, const PanelOutput& output) const {
+    const std::size_t stride = stored_rows(first) * width();
+    (form_ == Form::quads ? kernels_->quad_product : kernels_->column_product)({panel(first), rows_at(first), stride},
+                                                                               inputs, output);
   }
 
   // Prefetches a column of a matrix of Form::columns.
@@ -111,7 +116,7 @@ class PanelMatrix {
     if (!has_prefetch) return;
     for (std::uint32_t first = 0; first < rows_; first += column_panel_rows)
       for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block))
-        __builtin_prefetch(panel(first) + column_panel_rows * column + r);
+        __builtin_prefetch(panel(first) + stored_rows(first) * column + r);
   }
 
   int digit(std::uint32_t row, std::size_t column) const {
@@ -126,11 +131,11 @@ class PanelMatrix {
     const int number = digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
     return static_cast<std::uint8_t>(number + 128);
   }
-  static std::uint32_t whole_vectors(std::uint32_t rows) { return (rows + 15) / 16 * 16; }
   // Columns of a line, which is a column or a quad.
   std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }
   std::size_t stored_rows(std::uint32_t first) const {
-    return form_ == Form::quads ? whole_vectors(rows_at(first)) : column_panel_rows;
+    const std::size_t group = form_ == Form::quads ? 16 : column_group;
+    return (rows_at(first) + group - 1) / group * group;
   }
   // All panels before this one are full.
   const std::uint8_t* panel(std::uint32_t first) const {
@@ -138,11 +143,14 @@ class PanelMatrix {
   }
   std::uint8_t* at(std::uint32_t row, std::size_t column) {
     const std::uint32_t first = row / panel_rows() * panel_rows();
-    const std::size_t position = column / width() * stored_rows(first) + (row - first);
-    return const_cast<std::uint8_t*>(panel(first)) + position * width() +
-           (form_ == Form::quads ? quad_position(column) : 0);
+    std::uint8_t* const line =
+        const_cast<std::uint8_t*>(panel(first)) + column / width() * stored_rows(first) * width();
+    const std::uint32_t r = row - first;
+    if (form_ == Form::quads) return line + quad_columns * r + quad_position(column);
+    return line + r / column_group * column_group + kernels_->column_rows[r % column_group];
   }
 
+  const PoseKernels* kernels_;
   Form form_;
   std::uint32_t rows_;
   std::size_t columns_, lines_;

@@ -110,11 +110,11 @@ void PoseExecution::run_row_block(std::size_t b, const QuantisedInputs& inputs, 
   const float* const rest = layout_.rest_rows.data() + block.first_row();
   float* to[poses];
   for (std::size_t p = 0; p < poses; ++p) to[p] = rows[p] + block.first_row();
-  if (inputs.count > 0) block.run(layout_.kernels, inputs, rest, to);
+  if (inputs.count > 0) block.run(inputs, rest, to);
   for (std::size_t p = 0; p < poses; ++p) {
     std::uint8_t& was_moved = workspace_.moved_[p * layout_.row_blocks.size() + b];
     const bool moved = inputs.count > 0 && inputs.steps[p] != 0;
-    if (!moved && !(in_workspace && !was_moved)) std::copy_n(rest, block.row_count(), to[p]);
+    if (!moved && (inputs.count > 0 || was_moved || !in_workspace)) std::copy_n(rest, block.row_count(), to[p]);
     if (in_workspace) was_moved = moved;
   }
 }

@@ -44,8 +44,8 @@ class QuantiseBuffers {
   std::pmr::vector<std::int16_t> row_, values_;
 };
 
-// EVALUATION.md, "Quantise". `limit`: the largest integer. `to` has room for `poses` times the padded count; `row` for the
-// padded count of one pose, needed only for several poses with a pose stride. Writes to the padding of x.
+// EVALUATION.md, "Quantise". `limit`: the largest integer. `to` has room for `poses` times the padded count; `row` for
+// the padded count of one pose, needed only for several poses with a pose stride. Writes to the padding of x.
 void quantise(const PoseKernels& kernels, const MatrixInputs& x, float limit, std::size_t poses, std::int16_t* to,
               std::int16_t* row, QuantisedInputs& quantised);
 

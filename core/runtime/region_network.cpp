@@ -9,9 +9,9 @@
 namespace fb::runtime {
 namespace {
 
-PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Form form, PanelMatrix::Digit digit,
-                      std::pmr::memory_resource& memory) {
-  PanelMatrix digits(form, layer.outputs, layer.inputs, memory);
+PanelMatrix digits_of(const PoseKernels& kernels, const PackedLayer& layer, PanelMatrix::Form form,
+                      PanelMatrix::Digit digit, std::pmr::memory_resource& memory) {
+  PanelMatrix digits(kernels, form, layer.outputs, layer.inputs, memory);
   for (std::uint32_t o = 0; o < layer.outputs; ++o)
     digits.set_row(o, layer.weights.data() + std::size_t(o) * layer.inputs, digit);
   digits.find_limit();
@@ -20,41 +20,61 @@ PanelMatrix digits_of(const PackedLayer& layer, PanelMatrix::Form form, PanelMat
 
 }  // namespace
 
-RegionNetwork::Layer::Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory)
+RegionNetwork::Layer::Layer(const PoseKernels& kernels, const PackedLayer& layer, PanelMatrix::Form form,
+                            std::pmr::memory_resource& memory)
     : inputs(layer.inputs),
       outputs(layer.outputs),
       activation(layer.activation),
       skip(layer.skip),
-      low(digits_of(layer, form, {.high = false}, memory)),
+      low(digits_of(kernels, layer, form, {.high = false}, memory)),
       limit(static_cast<float>(low.limit())),
       scales(layer.scales.begin(), layer.scales.end(), &memory),
       bias(layer.bias.begin(), layer.bias.end(), &memory) {
+  scales.resize(outputs + padding);
+  bias.resize(outputs + padding);
   if (!layer.wide) return;
-  high.emplace(digits_of(layer, form, {.high = true}, memory));
+  high.emplace(digits_of(kernels, layer, form, {.high = true}, memory));
   limit = static_cast<float>(std::min(low.limit(), high->limit()));
+}
+
+// Rows of a wide layer, from the sums of both digits.
+void RegionNetwork::Layer::join_digits(const PoseKernels& kernels, const QuantisedInputs& x, std::uint32_t first,
+                                       float* const* rows) const {
+  static constexpr float zeros[max_panel_rows] = {};
+  float steps[poses_per_block], low_sums[poses_per_block][max_panel_rows], high_sums[poses_per_block][max_panel_rows];
+  std::fill_n(steps, poses_per_block, 1.0f);
+  for (const auto& [digits, sums] : {std::pair(&low, low_sums), std::pair(&*high, high_sums)}) {
+    float* to[poses_per_block];
+    for (std::size_t pose = 0; pose < x.poses; ++pose) to[pose] = sums[pose];
+    digits->multiply(first, x.panel_inputs(), {nullptr, zeros, steps, to});
+  }
+  for (std::size_t pose = 0; pose < x.poses; ++pose)
+    kernels.join_digits(low_sums[pose], high_sums[pose], scales.data() + first, x.steps[pose], bias.data() + first,
+                        rows[pose], low.rows_at(first));
 }
 
 void RegionNetwork::Layer::run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride,
                                std::size_t count, const float* input, float* output) const {
   for (std::uint32_t first = 0; first < count; first += low.panel_rows()) {
-    std::int32_t low_sums[poses_per_block * max_panel_rows], high_sums[poses_per_block * max_panel_rows];
-    low.sum(kernels, first, x.panel_inputs(), low_sums);
-    if (high) high->sum(kernels, first, x.panel_inputs(), high_sums);
-    for (std::size_t pose = 0; pose < x.poses; ++pose)
-      kernels.finish_layer(low_sums + max_panel_rows * pose, high ? high_sums + max_panel_rows * pose : nullptr,
-                           scales.data() + first, x.steps[pose], bias.data() + first, activation,
-                           output + pose * stride + first, low.rows_at(first));
+    float* to[poses_per_block];
+    for (std::size_t pose = 0; pose < x.poses; ++pose) to[pose] = output + pose * stride + first;
+    if (high)
+      join_digits(kernels, x, first, to);
+    else
+      low.multiply(first, x.panel_inputs(), {scales.data() + first, bias.data() + first, x.steps, to});
+    for (std::size_t pose = 0; pose < x.poses; ++pose) kernels.activate(activation, to[pose], low.rows_at(first));
   }
   if (!skip) return;
   for (std::size_t pose = 0; pose < x.poses; ++pose)
     for (std::size_t o = 0; o < count; ++o) output[pose * stride + o] += input[pose * stride + o];
 }
 
-RegionNetwork::RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory)
+RegionNetwork::RegionNetwork(const PoseKernels& kernels, const PackedRegion& region, std::pmr::memory_resource& memory)
     : layers_(&memory), rest_outputs_(region.layers.back().outputs, &memory) {
   layers_.reserve(region.layers.size());
   for (const PackedLayer& layer : region.layers)
-    layers_.emplace_back(layer, layers_.empty() ? PanelMatrix::Form::columns : PanelMatrix::Form::quads, memory);
+    layers_.emplace_back(kernels, layer, layers_.empty() ? PanelMatrix::Form::columns : PanelMatrix::Form::quads,
+                         memory);
 }
 
 std::size_t RegionNetwork::max_width() const {

@@ -15,7 +15,7 @@ namespace fb::runtime {
 // The network of a region, with its matrices laid out for evaluation. Immutable after find_rest().
 class RegionNetwork {
  public:
-  RegionNetwork(const PackedRegion& region, std::pmr::memory_resource& memory);
+  RegionNetwork(const PoseKernels& kernels, const PackedRegion& region, std::pmr::memory_resource& memory);
 
   // Computes the outputs at rest, which run() subtracts. Fails with not_finite, naming the region. `heap`: of
   // temporaries.
@@ -35,18 +35,21 @@ class RegionNetwork {
 
  private:
   struct Layer {
-    Layer(const PackedLayer& layer, PanelMatrix::Form form, std::pmr::memory_resource& memory);
+    Layer(const PoseKernels& kernels, const PackedLayer& layer, PanelMatrix::Form form,
+          std::pmr::memory_resource& memory);
     // Computes the first `count` outputs, or some more. input: the floats that x was made from, for skip layers. Poses
     // are `stride` floats apart in input and output.
     void run(const PoseKernels& kernels, const QuantisedInputs& x, std::size_t stride, std::size_t count,
              const float* input, float* output) const;
+    void join_digits(const PoseKernels& kernels, const QuantisedInputs& x, std::uint32_t first,
+                     float* const* rows) const;
     std::uint32_t inputs, outputs;
     Activation activation;
     bool skip;
     PanelMatrix low;
-    std::optional<PanelMatrix> high;  // the high digits of a wide layer
-    float limit;                      // see PanelMatrix::limit
-    std::pmr::vector<float> scales, bias;
+    std::optional<PanelMatrix> high;       // the high digits of a wide layer
+    float limit;                           // see PanelMatrix::limit
+    std::pmr::vector<float> scales, bias;  // padded
   };
   std::pmr::vector<Layer> layers_;
   std::pmr::vector<float> rest_outputs_;

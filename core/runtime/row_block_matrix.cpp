@@ -18,9 +18,10 @@ std::pmr::vector<std::uint8_t> bits_of(const PackedRowBlock& block, std::pmr::me
   return bits;
 }
 
-PanelMatrix digits_of(const PackedRowBlock& block, std::span<const std::uint8_t> wide_bits,
+PanelMatrix digits_of(const PoseKernels& kernels, const PackedRowBlock& block, std::span<const std::uint8_t> wide_bits,
                       std::pmr::memory_resource& memory) {
-  PanelMatrix digits(PanelMatrix::Form::columns, block.row_count, block.columns.size() + wide_bits.size(), memory);
+  PanelMatrix digits(kernels, PanelMatrix::Form::columns, block.row_count, block.columns.size() + wide_bits.size(),
+                     memory);
   std::size_t wide = 0;
   for (std::size_t c = 0; c < block.columns.size(); ++c) {
     const std::int16_t* values = block.values.data() + c * block.row_count;
@@ -38,13 +39,14 @@ PanelMatrix digits_of(const PackedRowBlock& block, std::span<const std::uint8_t>
 
 }  // namespace
 
-RowBlockMatrix::RowBlockMatrix(const PackedRowBlock& block, std::pmr::memory_resource& memory)
+RowBlockMatrix::RowBlockMatrix(const PoseKernels& kernels, const PackedRowBlock& block,
+                               std::pmr::memory_resource& memory)
     : first_row_(block.first_row),
       column_count_(block.columns.size()),
       columns_(&memory),
       scales_(&memory),
       wide_bits_(bits_of(block, memory)),
-      digits_(digits_of(block, wide_bits_, memory)) {
+      digits_(digits_of(kernels, block, wide_bits_, memory)) {
   columns_.reserve(digits_.columns());
   scales_.reserve(digits_.columns());
   for (const PackedColumn& column : block.columns) {
@@ -70,15 +72,11 @@ std::pair<RowBlockMatrix::InputRange, RowBlockMatrix::InputRange> RowBlockMatrix
   return {range(0, column_count_), range(column_count_, columns_.size())};
 }
 
-void RowBlockMatrix::run(const PoseKernels& kernels, const QuantisedInputs& inputs, const float* rest,
-                         float* const* rows) const {
+void RowBlockMatrix::run(const QuantisedInputs& inputs, const float* rest, float* const* rows) const {
   for (std::uint32_t first = 0; first < row_count(); first += digits_.panel_rows()) {
-    std::int32_t sums[poses_per_block * max_panel_rows];
-    digits_.sum(kernels, first, inputs.panel_inputs(), sums);
-    for (std::size_t pose = 0; pose < inputs.poses; ++pose)
-      if (inputs.steps[pose] != 0)
-        kernels.displace_rows(sums + max_panel_rows * pose, inputs.steps[pose], rest + first, rows[pose] + first,
-                              digits_.rows_at(first));
+    float* to[poses_per_block];
+    for (std::size_t pose = 0; pose < inputs.poses; ++pose) to[pose] = rows[pose] + first;
+    digits_.multiply(first, inputs.panel_inputs(), {nullptr, rest + first, inputs.steps, to});
   }
 }
 

@@ -17,7 +17,7 @@ namespace fb::runtime {
 // of values and low digits come first; in both parts basis columns ascend.
 class RowBlockMatrix {
  public:
-  RowBlockMatrix(const PackedRowBlock& block, std::pmr::memory_resource& memory);
+  RowBlockMatrix(const PoseKernels& kernels, const PackedRowBlock& block, std::pmr::memory_resource& memory);
 
   std::uint32_t first_row() const { return first_row_; }
   std::uint32_t row_count() const { return digits_.rows(); }
@@ -50,8 +50,8 @@ class RowBlockMatrix {
   // See PanelMatrix::limit.
   float limit() const { return static_cast<float>(digits_.limit()); }
 
-  // rows[p] = rest + displacements of pose p, row_count() floats. Rows of poses whose inputs are all 0 are not written.
-  void run(const PoseKernels& kernels, const QuantisedInputs& inputs, const float* rest, float* const* rows) const;
+  // rows[p] = rest + displacements of pose p, row_count() floats.
+  void run(const QuantisedInputs& inputs, const float* rest, float* const* rows) const;
 
   // The displacements for one unit of the coefficient of basis column `input` < column_count(): row_count() floats.
   void displacements(std::size_t input, float* values) const;

@@ -28,7 +28,7 @@ Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& 
   if (!layout.tangents.signs().empty())
     tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);
   for (std::size_t p = 0; p < poses_per_block; ++p)
-    std::copy(layout.rest_rows.begin(), layout.rest_rows.end(), rows_.begin() + p * layout.row_stride());
+    std::copy_n(layout.rest_rows.begin(), layout.rest_positions.size(), rows_.begin() + p * layout.row_stride());
 }
 
 }  // namespace fb::runtime

@@ -1,39 +1,39 @@
 // Sums over pairs of columns with 256-bit vectors: included by the AVX2 kernel files inside an unnamed namespace, after
 // multiply_add(sum, weights, input), which adds the products of pairs of 16-bit numbers, is defined.
 
-// Interleaves 16 rows of two columns, two rows at a time. 32 rows have two pieces: the low and the high quarters of
-// both 128-bit lanes. With `last`: the 16 rows after `piece` pieces.
-template <bool last>
-__m256i interleave(const std::uint8_t* a, const std::uint8_t* b, int piece) {
-  if constexpr (last) {
-    const __m128i x = _mm_loadu_si128(reinterpret_cast<const __m128i*>(a + 16 * piece));
-    const __m128i y = _mm_loadu_si128(reinterpret_cast<const __m128i*>(b + 16 * piece));
-    return _mm256_set_m128i(_mm_unpackhi_epi16(x, y), _mm_unpacklo_epi16(x, y));
-  } else {
-    const __m256i x = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + 32 * (piece / 2)));
-    const __m256i y = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b + 32 * (piece / 2)));
-    return piece % 2 == 0 ? _mm256_unpacklo_epi16(x, y) : _mm256_unpackhi_epi16(x, y);
+// Where rows of a column are stored. Interleaving two columns two rows at a time leaves four groups of eight rows: the
+// even and the odd rows of the low and of the high quarters of the 128-bit lanes. So that a group has consecutive rows,
+// these are stored apart.
+struct RowsByPiece {
+  constexpr RowsByPiece() {
+    for (unsigned row = 0; row < column_group; ++row)
+      position[row] =
+          static_cast<std::uint8_t>(row / 32 * 32 + row % 8 / 4 * 16 + row / 16 % 2 * 8 + row % 4 * 2 + row / 8 % 2);
   }
-}
+  std::uint8_t position[column_group] = {};
+};
+constexpr RowsByPiece rows_by_piece;
 
-// Sums of `pieces` pieces, starting at piece `first`, and with `last` of the 16 rows after them. In two interleaved
-// columns, even bytes are the even rows of both and odd bytes the odd rows, so accumulators are permuted when they are
-// stored. Sixteen registers hold at most eight accumulators.
-template <int first, int pieces, bool last, int poses>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+// Sums of 16 * pieces rows, starting at piece `first` of a group of 32 rows.
+template <int first, int pieces, int poses>
+void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+                 std::int32_t (*sums)[64]) {
   const __m256i even = _mm256_set1_epi16(255);
-  __m256i sum[poses][pieces + last][2];
+  __m256i sum[poses][pieces][2];
   for (int p = 0; p < poses; ++p)
     for (auto& piece : sum[p])
       for (__m256i& s : piece) s = _mm256_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
   const std::uint32_t* index = panel.indices;
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, index += 4, inputs += 4 * panel.poses) {
-    const std::size_t at[4] = {index[0] * column_panel_rows, index[1] * column_panel_rows, index[2] * column_panel_rows,
-                               index[3] * column_panel_rows};
+    const std::size_t at[4] = {index[0] * stride, index[1] * stride, index[2] * stride, index[3] * stride};
     for (int pair = 0; pair < 4; pair += 2) {
       const std::uint8_t *a = digits + at[pair], *b = digits + at[pair + 1];
-      const auto add = [&](int i, __m256i both) {
+      for (int i = 0; i < pieces; ++i) {
+        const int piece = first + i;
+        const __m256i x = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + 32 * (piece / 2)));
+        const __m256i y = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b + 32 * (piece / 2)));
+        const __m256i both = piece % 2 == 0 ? _mm256_unpacklo_epi16(x, y) : _mm256_unpackhi_epi16(x, y);
         const __m256i even_rows = _mm256_and_si256(both, even), odd_rows = _mm256_srli_epi16(both, 8);
         for (int p = 0; p < poses; ++p) {
           int numbers;
@@ -42,33 +42,24 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
           sum[p][i][0] = multiply_add(sum[p][i][0], even_rows, input);
           sum[p][i][1] = multiply_add(sum[p][i][1], odd_rows, input);
         }
-      };
-      for (int i = 0; i < pieces; ++i) add(i, interleave<false>(a, b, first + i));
-      if constexpr (last) add(pieces, interleave<true>(a, b, pieces));
+      }
     }
   }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < pieces + last; ++i) {
-      const int piece = first + i;
-      const __m256i low = _mm256_unpacklo_epi32(sum[p][i][0], sum[p][i][1]);
-      const __m256i high = _mm256_unpackhi_epi32(sum[p][i][0], sum[p][i][1]);
-      const int row = i == pieces ? 16 * pieces : 32 * (piece / 2) + 8 * (piece % 2);
-      auto* to = reinterpret_cast<__m256i*>(sums + max_panel_rows * (first_pose + p) + row);
-      _mm256_storeu_si256(to, _mm256_permute2x128_si256(low, high, 0x20));
-      _mm256_storeu_si256(to + (i == pieces ? 1 : 2), _mm256_permute2x128_si256(low, high, 0x31));
-    }
+    for (int i = 0; i < 2 * pieces; ++i)
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(sums[p]) + i, sum[p][i / 2][i % 2]);
 }
 
 // Sums of 8 * vectors rows: a vector holds eight rows of a quad.
 template <int vectors, int poses>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t (*sums)[64]) {
   const __m256i even = _mm256_set1_epi16(255);
   __m256i sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
     for (__m256i& s : sum[p]) s = _mm256_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
   const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows) {
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += stride) {
     const auto* const weights = reinterpret_cast<const __m256i*>(quads);
     for (int p = 0; p < poses; ++p) {
       int numbers[2];
@@ -82,51 +73,54 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
     }
   }
   for (int p = 0; p < poses; ++p)
-    for (int v = 0; v < vectors; ++v)
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(sums + max_panel_rows * (first_pose + p)) + v, sum[p][v]);
+    for (int v = 0; v < vectors; ++v) _mm256_storeu_si256(reinterpret_cast<__m256i*>(sums[p]) + v, sum[p][v]);
 }
 
-// Sums of a block of poses, four poses and one piece at a time.
-void block_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  for (std::size_t r = 0; r < rows; r += 32)
-    for (std::size_t pose = 0; pose < poses_per_block; pose += 4)
-      if (r + 32 <= rows) {
-        sum_columns<0, 1, false, 4>(digits + r, panel, pose, sums + r);
-        sum_columns<1, 1, false, 4>(digits + r, panel, pose, sums + r);
+// Sixteen registers hold at most eight accumulators: 64 rows of a pose, or 16 rows of four poses.
+void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  std::int32_t sums[4][64];
+  for (std::size_t r = 0; r < panel.rows; r += 64) {
+    const std::uint8_t* const digits = panel.digits + r;
+    if (inputs.poses == 1) {
+      if (r + 32 < panel.rows) {
+        sum_columns<0, 4, 1>(digits, panel.stride, inputs, 0, sums);
+        finish_rows(panel, output, 0, r, 64, sums[0]);
       } else {
-        sum_columns<0, 0, true, 4>(digits + r, panel, pose, sums + r);
+        sum_columns<0, 2, 1>(digits, panel.stride, inputs, 0, sums);
+        finish_rows(panel, output, 0, r, 32, sums[0]);
       }
-}
-
-void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  if (panel.poses == poses_per_block) return block_sums(digits, rows, panel, sums);
-  std::size_t r = 0;
-  for (; r + 64 <= rows; r += 64) sum_columns<0, 4, false, 1>(digits + r, panel, 0, sums + r);
-  switch (rows - r) {
-    case 48:
-      return sum_columns<0, 2, true, 1>(digits + r, panel, 0, sums + r);
-    case 32:
-      return sum_columns<0, 2, false, 1>(digits + r, panel, 0, sums + r);
-    case 16:
-      return sum_columns<0, 0, true, 1>(digits + r, panel, 0, sums + r);
+      continue;
+    }
+    for (std::size_t group = 0; group < 64 && r + group < panel.rows; group += 32)
+      for (std::size_t pose = 0; pose < poses_per_block; pose += 4) {
+        sum_columns<0, 1, 4>(digits + group, panel.stride, inputs, pose, sums);
+        for (std::size_t p = 0; p < 4; ++p) finish_rows(panel, output, pose + p, r + group, 16, sums[p]);
+        sum_columns<1, 1, 4>(digits + group, panel.stride, inputs, pose, sums);
+        for (std::size_t p = 0; p < 4; ++p) finish_rows(panel, output, pose + p, r + group + 16, 16, sums[p]);
+      }
   }
 }
 
-void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  if (panel.poses == poses_per_block) {
-    for (std::size_t r = 0; r < rows; r += 16)
-      for (std::size_t pose = 0; pose < poses_per_block; pose += 4)
-        sum_quads<2, 4>(quads + 4 * r, rows, panel, pose, sums + r);
+void quad_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  std::int32_t sums[4][64];
+  if (inputs.poses == poses_per_block) {
+    for (std::size_t r = 0; r < panel.rows; r += 16)
+      for (std::size_t pose = 0; pose < poses_per_block; pose += 4) {
+        sum_quads<2, 4>(panel.digits + 4 * r, panel.stride, inputs, pose, sums);
+        for (std::size_t p = 0; p < 4; ++p) finish_rows(panel, output, pose + p, r, 16, sums[p]);
+      }
     return;
   }
-  std::size_t r = 0;
-  for (; r + 64 <= rows; r += 64) sum_quads<8, 1>(quads + 4 * r, rows, panel, 0, sums + r);
-  switch (rows - r) {
-    case 48:
-      return sum_quads<6, 1>(quads + 4 * r, rows, panel, 0, sums + r);
-    case 32:
-      return sum_quads<4, 1>(quads + 4 * r, rows, panel, 0, sums + r);
-    case 16:
-      return sum_quads<2, 1>(quads + 4 * r, rows, panel, 0, sums + r);
+  for (std::size_t r = 0; r < panel.rows; r += 64) {
+    const std::uint8_t* const quads = panel.digits + 4 * r;
+    if (r + 48 < panel.rows)
+      sum_quads<8, 1>(quads, panel.stride, inputs, 0, sums);
+    else if (r + 32 < panel.rows)
+      sum_quads<6, 1>(quads, panel.stride, inputs, 0, sums);
+    else if (r + 16 < panel.rows)
+      sum_quads<4, 1>(quads, panel.stride, inputs, 0, sums);
+    else
+      sum_quads<2, 1>(quads, panel.stride, inputs, 0, sums);
+    finish_rows(panel, output, 0, r, (panel.rows - r < 64 ? panel.rows - r + 15 : 64) / 16 * 16, sums[0]);
   }
 }

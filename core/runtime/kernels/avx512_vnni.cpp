@@ -32,8 +32,30 @@ __m512i add_fours(__m512i sum, __m512i weights, __m512i inputs) {
 #endif
 }
 
-// Accumulators of 64 rows. Two columns are interleaved two rows at a time (`first`: the low half of each 128-bit lane,
-// `last`: the high half); even bytes belong to even rows and odd bytes to odd rows.
+// Rows row..row + 15 of a pose of a panel, from their sums.
+void finish_sixteen(const Panel& panel, const PanelOutput& output, std::size_t pose, std::size_t row, __m512i sums) {
+  if (row >= panel.rows) return;
+  const std::size_t left = panel.rows - row;
+  const auto present = static_cast<__mmask16>(left < 16 ? (1u << left) - 1 : 0xffff);
+  const __m512 step = _mm512_set1_ps(output.steps[pose]);
+  const __m512 factor = output.scales ? _mm512_mul_ps(_mm512_loadu_ps(output.scales + row), step) : step;
+  const __m512 product = _mm512_mul_ps(factor, _mm512_cvtepi32_ps(sums));
+  _mm512_mask_storeu_ps(output.rows[pose] + row, present, _mm512_add_ps(product, _mm512_loadu_ps(output.bias + row)));
+}
+
+// Where rows of a column are stored. Interleaving two columns two rows at a time leaves four groups of 16 rows: the
+// even and the odd rows of the low and of the high halves of the 128-bit lanes. So that a group has consecutive rows,
+// these are stored apart.
+struct RowsByLane {
+  constexpr RowsByLane() {
+    for (unsigned row = 0; row < column_group; ++row)
+      position[row] = static_cast<std::uint8_t>(row % 16 / 4 * 16 + row / 32 * 8 + row % 4 * 2 + row / 16 % 2);
+  }
+  std::uint8_t position[column_group] = {};
+};
+constexpr RowsByLane rows_by_lane;
+
+// Accumulators of 64 rows of a pose.
 struct Strip {
   __m512i first_even, first_odd, last_even, last_odd;
 
@@ -48,157 +70,123 @@ struct Strip {
     last_even = add_pairs(last_even, _mm512_and_si512(last, even), input);
     last_odd = add_pairs(last_odd, _mm512_srli_epi16(last, 8), input);
   }
-  void store(std::int32_t* sums) const {
-    const __m512i sum[4] = {_mm512_unpacklo_epi32(first_even, first_odd), _mm512_unpackhi_epi32(first_even, first_odd),
-                            _mm512_unpacklo_epi32(last_even, last_odd), _mm512_unpackhi_epi32(last_even, last_odd)};
-    const __m512i even[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0x88), _mm512_shuffle_i32x4(sum[2], sum[3], 0x88)};
-    const __m512i odd[2] = {_mm512_shuffle_i32x4(sum[0], sum[1], 0xdd), _mm512_shuffle_i32x4(sum[2], sum[3], 0xdd)};
-    _mm512_storeu_si512(sums, _mm512_shuffle_i32x4(even[0], even[1], 0x88));
-    _mm512_storeu_si512(sums + 16, _mm512_shuffle_i32x4(odd[0], odd[1], 0x88));
-    _mm512_storeu_si512(sums + 32, _mm512_shuffle_i32x4(even[0], even[1], 0xdd));
-    _mm512_storeu_si512(sums + 48, _mm512_shuffle_i32x4(odd[0], odd[1], 0xdd));
+  void finish(const Panel& panel, const PanelOutput& output, std::size_t pose, std::size_t row) const {
+    finish_sixteen(panel, output, pose, row, first_even);
+    finish_sixteen(panel, output, pose, row + 16, first_odd);
+    finish_sixteen(panel, output, pose, row + 32, last_even);
+    finish_sixteen(panel, output, pose, row + 48, last_odd);
   }
-};
-
-// Adjacent strips.
-template <int strips>
-struct Strips {
-  Strips<strips - 1> before;
-  Strip strip;
-
-  void begin(std::uint32_t start) {
-    before.begin(start);
-    strip.begin(start);
-  }
-  void add(const std::uint8_t* a, const std::uint8_t* b, __m512i input) {
-    before.add(a, b, input);
-    strip.add(a + 64 * (strips - 1), b + 64 * (strips - 1), input);
-  }
-  void store(std::int32_t* sums) const {
-    before.store(sums);
-    strip.store(sums + 64 * (strips - 1));
-  }
-};
-template <>
-struct Strips<0> {
-  void begin(std::uint32_t) {}
-  void add(const std::uint8_t*, const std::uint8_t*, __m512i) {}
-  void store(std::int32_t*) const {}
 };
 
 template <int strips>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::int32_t* sums) {
-  Strips<strips> sum;
-  sum.begin(*panel.initial_sums);
-  const std::uint32_t* index = panel.indices;
-  const std::int16_t* input = panel.values;
-  for (std::size_t k = 0; k < panel.count; k += 2, index += 2, input += 2)
-    sum.add(digits + column_panel_rows * index[0], digits + column_panel_rows * index[1], broadcast_pair(input));
-  sum.store(sums);
+void add_columns(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  Strip sum[strips];
+  for (Strip& strip : sum) strip.begin(*inputs.initial_sums);
+  const std::uint32_t* index = inputs.indices;
+  const std::int16_t* input = inputs.values;
+  for (std::size_t k = 0; k < inputs.count; k += 2, index += 2, input += 2) {
+    const std::uint8_t *const a = panel.digits + panel.stride * index[0], *const b =
+                                                                              panel.digits + panel.stride * index[1];
+    const __m512i pair = broadcast_pair(input);
+    for (int s = 0; s < strips; ++s) sum[s].add(a + 64 * s, b + 64 * s, pair);
+  }
+  for (int s = 0; s < strips; ++s) sum[s].finish(panel, output, 0, 64 * static_cast<std::size_t>(s));
 }
 
-// Sums of 64 rows in four poses of a block.
-void sum_columns_of_four(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
-                         std::int32_t* sums) {
+// 64 rows in four poses of a block.
+void add_columns_of_four(const Panel& panel, std::size_t row, const PanelInputs& inputs, std::size_t first_pose,
+                         const PanelOutput& output) {
   Strip sum[4];
-  for (int p = 0; p < 4; ++p) sum[p].begin(panel.initial_sums[first_pose + p]);
-  const std::uint32_t* index = panel.indices;
-  const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, index += 4, inputs += 4 * poses_per_block)
+  for (int p = 0; p < 4; ++p) sum[p].begin(inputs.initial_sums[first_pose + p]);
+  const std::uint8_t* const digits = panel.digits + row;
+  const std::uint32_t* index = inputs.indices;
+  const std::int16_t* values = inputs.values + 4 * first_pose;
+  for (std::size_t k = 0; k < inputs.count; k += 4, index += 4, values += 4 * poses_per_block)
     for (int pair = 0; pair < 4; pair += 2)
       for (int p = 0; p < 4; ++p)
-        sum[p].add(digits + column_panel_rows * index[pair], digits + column_panel_rows * index[pair + 1],
-                   broadcast_pair(inputs + 4 * p + pair));
-  for (int p = 0; p < 4; ++p) sum[p].store(sums + max_panel_rows * (first_pose + p));
+        sum[p].add(digits + panel.stride * index[pair], digits + panel.stride * index[pair + 1],
+                   broadcast_pair(values + 4 * p + pair));
+  for (std::size_t p = 0; p < 4; ++p) sum[p].finish(panel, output, first_pose + p, row);
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  if (panel.poses == 1) {
-    if (rows > 128) return sum_columns<3>(digits, panel, sums);
-    if (rows > 64) return sum_columns<2>(digits, panel, sums);
-    return sum_columns<1>(digits, panel, sums);
+void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  if (inputs.poses == 1) {
+    if (panel.rows > 128) return add_columns<3>(panel, inputs, output);
+    if (panel.rows > 64) return add_columns<2>(panel, inputs, output);
+    return add_columns<1>(panel, inputs, output);
   }
-  for (std::size_t row = 0; row < rows; row += 64)
-    for (std::size_t pose = 0; pose < poses_per_block; pose += 4)
-      sum_columns_of_four(digits + row, panel, pose, sums + row);
+  for (std::size_t row = 0; row < panel.rows; row += 64)
+    for (std::size_t pose = 0; pose < poses_per_block; pose += 4) add_columns_of_four(panel, row, inputs, pose, output);
 }
 
-// Sums of 16 * vectors rows, with the low and high digits of the inputs apart.
+// 16 * vectors rows, with the low and high digits of the inputs apart.
 template <int vectors>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+void add_quads(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
   const __m512i low_digits = _mm512_set1_epi32(0x06020400), high_digits = _mm512_set1_epi32(0x07030501);
   const __m512i carry = _mm512_set1_epi16(128);
   __m512i low[vectors], high[vectors];
+#pragma GCC unroll 8
   for (int v = 0; v < vectors; ++v) low[v] = high[v] = _mm512_setzero_si512();
-  const std::int16_t* inputs = panel.values;
-  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4, quads += 4 * rows) {
+  const std::int16_t* values = inputs.values;
+  const std::uint8_t* quads = panel.digits;
+  for (std::size_t k = 0; k < inputs.count; k += 4, values += 4, quads += panel.stride) {
     long long numbers;
-    __builtin_memcpy(&numbers, inputs, sizeof numbers);
+    __builtin_memcpy(&numbers, values, sizeof numbers);
     const __m512i four = _mm512_set1_epi64(numbers);
     const __m512i x = _mm512_shuffle_epi8(four, low_digits);
     const __m512i y = _mm512_shuffle_epi8(_mm512_add_epi16(four, carry), high_digits);
+#pragma GCC unroll 8
     for (int v = 0; v < vectors; ++v) {
       const __m512i weights = _mm512_loadu_si512(quads + 64 * v);
       low[v] = add_fours(low[v], weights, x);
       high[v] = add_fours(high[v], weights, y);
     }
   }
-  const __m512i start = _mm512_set1_epi32(static_cast<int>(*panel.initial_sums));
+  const __m512i start = _mm512_set1_epi32(static_cast<int>(*inputs.initial_sums));
+#pragma GCC unroll 8
   for (int v = 0; v < vectors; ++v) {
     const __m512i sum = _mm512_add_epi32(low[v], _mm512_slli_epi32(high[v], 8));
-    _mm512_storeu_si512(sums + 16 * v, _mm512_add_epi32(sum, start));
+    finish_sixteen(panel, output, 0, 16 * static_cast<std::size_t>(v), _mm512_add_epi32(sum, start));
   }
 }
 
-// Sums of 16 * vectors rows in a block of poses.
+// 16 * vectors rows, from `row` on, in a block of poses.
 template <int vectors>
-void sum_quads_of_block(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
+void add_quads_of_block(const Panel& panel, std::size_t row, const PanelInputs& inputs, const PanelOutput& output) {
   const __m512i even = _mm512_set1_epi16(255);
-  __m512i sum[vectors * poses_per_block];
+  __m512i sum[poses_per_block][vectors];
   for (std::size_t p = 0; p < poses_per_block; ++p)
-    for (int v = 0; v < vectors; ++v) sum[vectors * p + v] = _mm512_set1_epi32(static_cast<int>(panel.initial_sums[p]));
-  const std::int16_t* inputs = panel.values;
-  for (std::size_t k = 0; k < panel.count; k += 4, quads += 4 * rows) {
+    for (__m512i& s : sum[p]) s = _mm512_set1_epi32(static_cast<int>(inputs.initial_sums[p]));
+  const std::int16_t* values = inputs.values;
+  const std::uint8_t* quads = panel.digits + 4 * row;
+  for (std::size_t k = 0; k < inputs.count; k += 4, quads += panel.stride) {
     __m512i first[vectors], last[vectors];
     for (int v = 0; v < vectors; ++v) {
       const __m512i weights = _mm512_loadu_si512(quads + 64 * v);
       first[v] = _mm512_and_si512(weights, even);
       last[v] = _mm512_srli_epi16(weights, 8);
     }
-    for (std::size_t p = 0; p < poses_per_block; ++p, inputs += 4) {
-      const __m512i x = broadcast_pair(inputs), y = broadcast_pair(inputs + 2);
+    for (std::size_t p = 0; p < poses_per_block; ++p, values += 4) {
+      const __m512i x = broadcast_pair(values), y = broadcast_pair(values + 2);
       for (int v = 0; v < vectors; ++v) {
-        sum[vectors * p + v] = add_pairs(sum[vectors * p + v], first[v], x);
-        sum[vectors * p + v] = add_pairs(sum[vectors * p + v], last[v], y);
+        sum[p][v] = add_pairs(sum[p][v], first[v], x);
+        sum[p][v] = add_pairs(sum[p][v], last[v], y);
       }
     }
   }
   for (std::size_t p = 0; p < poses_per_block; ++p)
-    for (int v = 0; v < vectors; ++v) _mm512_storeu_si512(sums + max_panel_rows * p + 16 * v, sum[vectors * p + v]);
+    for (std::size_t v = 0; v < vectors; ++v) finish_sixteen(panel, output, p, row + 16 * v, sum[p][v]);
 }
 
-void quad_sums(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  if (panel.poses == 1) switch (rows / 16) {
-      case 8:
-        return sum_quads<8>(quads, rows, panel, sums);
-      case 7:
-        return sum_quads<7>(quads, rows, panel, sums);
-      case 6:
-        return sum_quads<6>(quads, rows, panel, sums);
-      case 5:
-        return sum_quads<5>(quads, rows, panel, sums);
-      case 4:
-        return sum_quads<4>(quads, rows, panel, sums);
-      case 3:
-        return sum_quads<3>(quads, rows, panel, sums);
-      case 2:
-        return sum_quads<2>(quads, rows, panel, sums);
-      default:
-        return sum_quads<1>(quads, rows, panel, sums);
-    }
+void quad_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  if (inputs.poses == 1) {
+    static constexpr PanelProduct by_vectors[] = {add_quads<1>, add_quads<2>, add_quads<3>, add_quads<4>,
+                                                  add_quads<5>, add_quads<6>, add_quads<7>, add_quads<8>};
+    return by_vectors[(panel.rows - 1) / 16](panel, inputs, output);
+  }
   std::size_t row = 0;
-  for (; row + 32 <= rows; row += 32) sum_quads_of_block<2>(quads + 4 * row, rows, panel, sums + row);
-  if (row < rows) sum_quads_of_block<1>(quads + 4 * row, rows, panel, sums + row);
+  for (; row + 16 < panel.rows; row += 32) add_quads_of_block<2>(panel, row, inputs, output);
+  if (row < panel.rows) add_quads_of_block<1>(panel, row, inputs, output);
 }
 
 // SIMDe lacks some of these intrinsics.
@@ -244,7 +232,7 @@ Quantisation quantise_masked(const float* x, std::size_t count, float limit, std
 #endif
 
 constexpr PoseKernels kernels() {
-  PoseKernels kernels = make_kernels("avx512-vnni", column_sums, quad_sums);
+  PoseKernels kernels = make_kernels("avx512-vnni", column_product, quad_product, rows_by_lane.position);
 #if !defined(FB_EMULATED)
   kernels.compact_nonzeros = compact_nonzeros_masked;
   kernels.quantise = quantise_masked;

@@ -151,9 +151,23 @@ void quantise_block(float* __restrict x, std::size_t count, float limit, std::in
   for (std::size_t p = 0; p < poses_per_block; ++p) results[p].sum = sums[p];
 }
 
-void displace_rows(const std::int32_t* __restrict sums, float step, const float* __restrict rest,
-                   float* __restrict rows, std::size_t count) {
-  for (std::size_t r = 0; r < count; ++r) rows[r] = rest[r] + step * static_cast<float>(sums[r]);
+// Rows first..first + count - 1 of a pose of a panel, from their sums; `count` is a multiple of 16.
+[[gnu::always_inline]] inline void finish_rows(const Panel& panel, const PanelOutput& output, std::size_t pose,
+                                               std::size_t first, std::size_t count, const std::int32_t* sums) {
+  const float step = output.steps[pose];
+  for (const std::size_t end = first + count; first < end; first += 16, sums += 16) {
+    float y[16];
+    const float* const bias = output.bias + first;
+    if (output.scales)
+      for (std::size_t i = 0; i < 16; ++i)
+        y[i] = (output.scales[first + i] * step) * static_cast<float>(sums[i]) + bias[i];
+    else
+      for (std::size_t i = 0; i < 16; ++i) y[i] = step * static_cast<float>(sums[i]) + bias[i];
+    if (first + 16 <= panel.rows)
+      __builtin_memcpy(output.rows[pose] + first, y, sizeof y);
+    else if (first < panel.rows)
+      __builtin_memcpy(output.rows[pose] + first, y, (panel.rows - first) * sizeof *y);
+  }
 }
 
 void activate(Activation activation, float* y, std::size_t count) {
@@ -172,14 +186,9 @@ void activate(Activation activation, float* y, std::size_t count) {
   }
 }
 
-void finish_layer(const std::int32_t* low, const std::int32_t* high, const float* scales, float step, const float* bias,
-                  Activation activation, float* y, std::size_t count) {
-  if (high)
-    for (std::size_t r = 0; r < count; ++r)
-      y[r] = (scales[r] * step) * (256 * static_cast<float>(high[r]) + static_cast<float>(low[r])) + bias[r];
-  else
-    for (std::size_t r = 0; r < count; ++r) y[r] = (scales[r] * step) * static_cast<float>(low[r]) + bias[r];
-  activate(activation, y, count);
+void join_digits(const float* low, const float* high, const float* scales, float step, const float* bias, float* y,
+                 std::size_t count) {
+  for (std::size_t r = 0; r < count; ++r) y[r] = (scales[r] * step) * (256 * high[r] + low[r]) + bias[r];
 }
 
 // Rounds to nearest even. Below 2^-14 (denormal halves), adding 0.5 aligns the last bit of a half with that of the
@@ -203,9 +212,19 @@ void convert_to_half(const float* __restrict numbers, std::uint16_t* __restrict 
 
 #include "runtime/kernels/vertex_kernels.h"
 
-constexpr PoseKernels make_kernels(const char* name, PanelSums column_sums, PanelSums quad_sums) {
-  return {name,           column_sums,      quad_sums,        any_nan,
-          clamp_controls, control_features, compact_nonzeros, quantise,
-          quantise_block, displace_rows,    finish_layer,     convert_to_half,
-          quad_areas,     quad_integrals,   vertex_normals,   vertex_tangents};
+// The rows of columns as they are.
+struct RowsInOrder {
+  constexpr RowsInOrder() {
+    for (std::size_t row = 0; row < column_group; ++row) position[row] = static_cast<std::uint8_t>(row);
+  }
+  std::uint8_t position[column_group] = {};
+};
+[[maybe_unused]] constexpr RowsInOrder rows_in_order;
+
+constexpr PoseKernels make_kernels(const char* name, PanelProduct column_product, PanelProduct quad_product,
+                                   const std::uint8_t* column_rows = rows_in_order.position) {
+  return {name,           column_product,   quad_product,     column_rows, any_nan,
+          clamp_controls, control_features, compact_nonzeros, quantise,    quantise_block,
+          join_digits,    activate,         convert_to_half,  quad_areas,  quad_integrals,
+          vertex_normals, vertex_tangents};
 }

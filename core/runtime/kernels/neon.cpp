@@ -9,14 +9,15 @@ namespace {
 
 // Sums of 16 rows, one column at a time: digits + 128 fit signed 16-bit numbers.
 template <int poses>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+                 std::int32_t (*sums)[16]) {
   int32x4_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(panel.initial_sums[first_pose + p]));
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int i = 0; i < 4; ++i) {
-      const uint8x16_t column = vld1q_u8(digits + panel.indices[k + i] * column_panel_rows);
+      const uint8x16_t column = vld1q_u8(digits + panel.indices[k + i] * stride);
       const int16x8_t first = vreinterpretq_s16_u16(vmovl_u8(vget_low_u8(column)));
       const int16x8_t last = vreinterpretq_s16_u16(vmovl_u8(vget_high_u8(column)));
       for (int p = 0; p < poses; ++p) {
@@ -28,18 +29,18 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i) vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4; ++i) vst1q_s32(sums[p] + 4 * i, sum[p][i]);
 }
 
 // Sums of 16 rows: four vectors of a quad. The sums of a row's columns are added pairwise at the end.
 template <int poses>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t (*sums)[16]) {
   int32x4_t sum[poses][8];
   for (int p = 0; p < poses; ++p)
     for (int32x4_t& s : sum[p]) s = vdupq_n_s32(0);
   const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += stride)
     for (int v = 0; v < 4; ++v) {
       const uint16x8_t weights = vreinterpretq_u16_u8(vld1q_u8(quads + 16 * v));
       const int16x8_t first = vreinterpretq_s16_u16(vandq_u16(weights, vdupq_n_u16(255)));
@@ -56,8 +57,7 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
   for (int p = 0; p < poses; ++p) {
     const int32x4_t start = vreinterpretq_s32_u32(vdupq_n_u32(panel.initial_sums[first_pose + p]));
     for (int v = 0; v < 4; ++v)
-      vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * v,
-                vaddq_s32(start, vpaddq_s32(sum[p][2 * v], sum[p][2 * v + 1])));
+      vst1q_s32(sums[p] + 4 * v, vaddq_s32(start, vpaddq_s32(sum[p][2 * v], sum[p][2 * v + 1])));
   }
 }
 
@@ -65,6 +65,6 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
 
 }  // namespace
 
-const PoseKernels neon_kernels = make_kernels("neon", column_sums<4>, quad_sums<2>);
+const PoseKernels neon_kernels = make_kernels("neon", column_product<4>, quad_product<2>);
 
 }  // namespace fb::runtime

@@ -15,15 +15,16 @@ int8x16_t load(const std::uint8_t* bytes) {
 // and once with the high digits of four inputs. It takes signed bytes, so the offset of the digits is removed and
 // initial_sums is not needed.
 template <int poses>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+                 std::int32_t (*sums)[16]) {
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4; ++i) low_sum[p][i] = high_sum[p][i] = vdupq_n_s32(0);
   const std::int16_t* numbers = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses) {
     const std::uint32_t* index = panel.indices + k;
-    const int8x16_t a = load(digits + index[0] * column_panel_rows), b = load(digits + index[1] * column_panel_rows);
-    const int8x16_t c = load(digits + index[2] * column_panel_rows), d = load(digits + index[3] * column_panel_rows);
+    const int8x16_t a = load(digits + index[0] * stride), b = load(digits + index[1] * stride);
+    const int8x16_t c = load(digits + index[2] * stride), d = load(digits + index[3] * stride);
     const int16x8_t ab[2] = {vreinterpretq_s16_s8(vzip1q_s8(a, b)), vreinterpretq_s16_s8(vzip2q_s8(a, b))};
     const int16x8_t cd[2] = {vreinterpretq_s16_s8(vzip1q_s8(c, d)), vreinterpretq_s16_s8(vzip2q_s8(c, d))};
     const int8x16_t fours[4] = {
@@ -41,21 +42,19 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
     }
   }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4; ++i)
-      vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * i,
-                vaddq_s32(low_sum[p][i], vshlq_n_s32(high_sum[p][i], 8)));
+    for (int i = 0; i < 4; ++i) vst1q_s32(sums[p] + 4 * i, vaddq_s32(low_sum[p][i], vshlq_n_s32(high_sum[p][i], 8)));
 }
 
 // Sums of 16 rows: a vector holds four rows of a quad.
 template <int poses>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t (*sums)[16]) {
   static constexpr std::uint8_t low_digits[8] = {0, 4, 2, 6, 0, 4, 2, 6}, high_digits[8] = {1, 5, 3, 7, 1, 5, 3, 7};
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int v = 0; v < 4; ++v) low_sum[p][v] = high_sum[p][v] = vdupq_n_s32(0);
   const std::int16_t* numbers = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses, quads += 4 * rows) {
+  for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses, quads += stride) {
     const int8x16_t weights[4] = {load(quads), load(quads + 16), load(quads + 32), load(quads + 48)};
     for (int p = 0; p < poses; ++p) {
       const int16x4_t inputs = vld1_s16(numbers + 4 * p);
@@ -69,15 +68,13 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
     }
   }
   for (int p = 0; p < poses; ++p)
-    for (int v = 0; v < 4; ++v)
-      vst1q_s32(sums + max_panel_rows * (first_pose + p) + 4 * v,
-                vaddq_s32(low_sum[p][v], vshlq_n_s32(high_sum[p][v], 8)));
+    for (int v = 0; v < 4; ++v) vst1q_s32(sums[p] + 4 * v, vaddq_s32(low_sum[p][v], vshlq_n_s32(high_sum[p][v], 8)));
 }
 
 #include "runtime/kernels/sixteen_rows.h"
 
 }  // namespace
 
-const PoseKernels neon_dot_kernels = make_kernels("neon-dot", column_sums<2>, quad_sums<2>);
+const PoseKernels neon_dot_kernels = make_kernels("neon-dot", column_product<2>, quad_product<2>);
 
 }  // namespace fb::runtime

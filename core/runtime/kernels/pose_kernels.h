@@ -14,9 +14,10 @@ namespace fb::runtime {
 // Poses of a batch that are evaluated together, so that matrix digits are read and unpacked once for all of them.
 inline constexpr std::size_t poses_per_block = 8;
 
-// The most rows of a panel of columns (columns are always stored with so many) and of a panel of quads.
+// The most rows of a panel of columns and of a panel of quads.
 inline constexpr std::size_t column_panel_rows = 192, quad_panel_rows = 128;
 inline constexpr std::size_t max_panel_rows = column_panel_rows;
+inline constexpr std::size_t column_group = 64;  // stored columns are a multiple of so many rows long
 
 // A quad is four columns interleaved row by row, in the order 0, 2, 1, 3: the even bytes of a row belong to the first
 // two columns and the odd bytes to the last two.
@@ -35,12 +36,26 @@ struct PanelInputs {
   const std::uint32_t* initial_sums;  // by pose: -128 x the sum of its inputs, modulo 2^32; corrects the digits' offset
 };
 
-// sums[max_panel_rows * p + r] = sum over the columns of (input of pose p) x (digit of row r), for r < rows, a multiple
-// of
-// 16. A byte of `digits` is a digit + 128; accumulators start at initial_sums. Columns are column_panel_rows bytes
-// each; quads are 4 x rows bytes each. The caller guarantees that final sums fit 32 bits; partial sums may wrap modulo
-// 2^32.
-using PanelSums = void (*)(const std::uint8_t* digits, std::size_t rows, const PanelInputs& inputs, std::int32_t* sums);
+// Rows of a matrix. A byte of `digits` is a digit + 128. Columns and quads are `stride` bytes apart; those of columns
+// are in an order of their own, see PoseKernels::column_rows.
+struct Panel {
+  const std::uint8_t* digits;
+  std::size_t rows;
+  std::size_t stride;
+};
+
+// Where the products of a panel go: row r of pose p becomes (scales[r] * steps[p]) * f32(sum) + bias[r], where sum is
+// that of the columns' (input of pose p) x (digit of row r). Arrays by row are readable up to the next multiple of
+// `padding`; no more than the panel's rows are written.
+struct PanelOutput {
+  const float* scales;  // null: all are 1
+  const float* bias;
+  const float* steps;
+  float* const* rows;
+};
+
+// The caller guarantees that final sums fit 32 bits; partial sums may wrap modulo 2^32.
+using PanelProduct = void (*)(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output);
 
 // Arrays of floats have room up to the next multiple of this.
 inline constexpr std::size_t padding = 16;
@@ -89,7 +104,9 @@ struct PolygonsAround {
 
 struct PoseKernels {
   const char* name;
-  PanelSums column_sums, quad_sums;
+  PanelProduct column_product, quad_product;
+  // Where in each column_group rows of a column each of them is stored.
+  const std::uint8_t* column_rows;
   // The loops of float_kernels.h.
   bool (*any_nan)(const float* x, std::size_t count);
   // offsets[i * stride] = control i, clamped to its range, minus its rest value. Returns how many were out of range.
@@ -105,11 +122,10 @@ struct PoseKernels {
   // The same for poses_per_block poses, input i of pose p at x[i * poses_per_block + p]. `quantised` is in the order of
   // PanelInputs::values, and poses of zeros are written too. Pads x with zeros to a multiple of 4 inputs.
   void (*quantise_block)(float* x, std::size_t count, float limit, std::int16_t* quantised, Quantisation* results);
-  // rows = rest + step * sums
-  void (*displace_rows)(const std::int32_t* sums, float step, const float* rest, float* rows, std::size_t count);
-  // y = activation((scales * step) * sums + bias), where sums = 256 * high + low, or low if high is null
-  void (*finish_layer)(const std::int32_t* low, const std::int32_t* high, const float* scales, float step,
-                       const float* bias, Activation activation, float* y, std::size_t count);
+  // y = (scales * step) * (256 * high + low) + bias
+  void (*join_digits)(const float* low, const float* high, const float* scales, float step, const float* bias, float* y,
+                      std::size_t count);
+  void (*activate)(Activation activation, float* y, std::size_t count);
   // IEEE 754 binary16, rounded to nearest even.
   void (*convert_to_half)(const float* numbers, std::uint16_t* halves, std::size_t count);
   // `count` of quads is even. vectors[4 i ..]: twice the area vector of quad i in units of 1 / scale squared, as z, x,

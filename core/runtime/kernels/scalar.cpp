@@ -7,32 +7,34 @@ namespace {
 
 // at(k, r): the position of the digit of input k in row r.
 template <class At>
-void sum_columns(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums,
-                 const At& at) {
-  for (std::size_t pose = 0; pose < panel.poses; ++pose)
-    for (std::size_t r = 0; r < rows; ++r) {
-      std::uint32_t sum = panel.initial_sums[pose];
-      for (std::size_t k = 0; k < panel.count; ++k) {
-        const std::int16_t input = panel.values[(k / 4 * panel.poses + pose) * 4 + k % 4];
-        sum += static_cast<std::uint32_t>(input * digits[at(k, r)]);
+void product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output, const At& at) {
+  for (std::size_t pose = 0; pose < inputs.poses; ++pose)
+    for (std::size_t first = 0; first < panel.rows; first += 16) {
+      std::int32_t sums[16] = {};
+      for (std::size_t r = 0; r < 16 && first + r < panel.rows; ++r) {
+        std::uint32_t sum = inputs.initial_sums[pose];
+        for (std::size_t k = 0; k < inputs.count; ++k) {
+          const std::int16_t input = inputs.values[(k / 4 * inputs.poses + pose) * 4 + k % 4];
+          sum += static_cast<std::uint32_t>(input * panel.digits[at(k, first + r)]);
+        }
+        sums[r] = static_cast<std::int32_t>(sum);
       }
-      sums[max_panel_rows * pose + r] = static_cast<std::int32_t>(sum);
+      finish_rows(panel, output, pose, first, 16, sums);
     }
 }
 
-void column_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  sum_columns(digits, rows, panel, sums,
-              [&](std::size_t k, std::size_t r) { return panel.indices[k] * column_panel_rows + r; });
+void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  product(panel, inputs, output, [&](std::size_t k, std::size_t r) { return inputs.indices[k] * panel.stride + r; });
 }
 
-void quad_sums(const std::uint8_t* digits, std::size_t rows, const PanelInputs& panel, std::int32_t* sums) {
-  sum_columns(digits, rows, panel, sums, [&](std::size_t k, std::size_t r) {
-    return (k / quad_columns * rows + r) * quad_columns + quad_position(k);
+void quad_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
+  product(panel, inputs, output, [&](std::size_t k, std::size_t r) {
+    return k / quad_columns * panel.stride + quad_columns * r + quad_position(k);
   });
 }
 
 }  // namespace
 
-const PoseKernels scalar_kernels = make_kernels("scalar", column_sums, quad_sums);
+const PoseKernels scalar_kernels = make_kernels("scalar", column_product, quad_product);
 
 }  // namespace fb::runtime

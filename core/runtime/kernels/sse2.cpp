@@ -13,7 +13,8 @@ __m128i load(const std::uint8_t* bytes) {
 
 // Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the multiply-add instruction.
 template <int blocks, int poses>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+                 std::int32_t (*sums)[32]) {
   const __m128i zero = _mm_setzero_si128();
   __m128i sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
@@ -21,8 +22,8 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const std::uint8_t* a = digits + panel.indices[k + pair] * column_panel_rows;
-      const std::uint8_t* b = digits + panel.indices[k + pair + 1] * column_panel_rows;
+      const std::uint8_t* a = digits + panel.indices[k + pair] * stride;
+      const std::uint8_t* b = digits + panel.indices[k + pair + 1] * stride;
       for (int block = 0; block < blocks; ++block) {
         const __m128i first = _mm_unpacklo_epi8(load(a + 16 * block), load(b + 16 * block));
         const __m128i last = _mm_unpackhi_epi8(load(a + 16 * block), load(b + 16 * block));
@@ -38,20 +39,19 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4 * blocks; ++i)
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + max_panel_rows * (first_pose + p) + 4 * i), sum[p][i]);
+    for (int i = 0; i < 4 * blocks; ++i) _mm_storeu_si128(reinterpret_cast<__m128i*>(sums[p] + 4 * i), sum[p][i]);
 }
 
 // Four rows of a quad are a vector.
 template <int vectors, int poses>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t (*sums)[32]) {
   const __m128i even = _mm_set1_epi16(255);
   __m128i sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
     for (__m128i& s : sum[p]) s = _mm_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
   const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += stride)
     for (int v = 0; v < vectors; ++v) {
       const __m128i weights = load(quads + 16 * v);
       const __m128i first = _mm_and_si128(weights, even), last = _mm_srli_epi16(weights, 8);
@@ -63,14 +63,13 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int v = 0; v < vectors; ++v)
-      _mm_storeu_si128(reinterpret_cast<__m128i*>(sums + max_panel_rows * (first_pose + p) + 4 * v), sum[p][v]);
+    for (int v = 0; v < vectors; ++v) _mm_storeu_si128(reinterpret_cast<__m128i*>(sums[p] + 4 * v), sum[p][v]);
 }
 
 #include "runtime/kernels/thirty_two_rows.h"
 
 }  // namespace
 
-const PoseKernels sse2_kernels = make_kernels("sse2", column_sums, quad_sums);
+const PoseKernels sse2_kernels = make_kernels("sse2", column_product, quad_product);
 
 }  // namespace fb::runtime

@@ -9,15 +9,16 @@ namespace {
 
 // Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the dot product instruction.
 template <int blocks, int poses>
-void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose, std::int32_t* sums) {
+void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+                 std::int32_t (*sums)[32]) {
   v128_t sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
     for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.initial_sums[first_pose + p]));
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const std::uint8_t* column_a = digits + panel.indices[k + pair] * column_panel_rows;
-      const std::uint8_t* column_b = digits + panel.indices[k + pair + 1] * column_panel_rows;
+      const std::uint8_t* column_a = digits + panel.indices[k + pair] * stride;
+      const std::uint8_t* column_b = digits + panel.indices[k + pair + 1] * stride;
       for (int block = 0; block < blocks; ++block) {
         const v128_t a = wasm_v128_load(column_a + 16 * block), b = wasm_v128_load(column_b + 16 * block);
         const v128_t first = wasm_i8x16_shuffle(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
@@ -32,19 +33,19 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 4 * blocks; ++i) wasm_v128_store(sums + max_panel_rows * (first_pose + p) + 4 * i, sum[p][i]);
+    for (int i = 0; i < 4 * blocks; ++i) wasm_v128_store(sums[p] + 4 * i, sum[p][i]);
 }
 
 // Four rows of a quad are a vector.
 template <int vectors, int poses>
-void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t* sums) {
+void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+               std::int32_t (*sums)[32]) {
   const v128_t even = wasm_i16x8_const_splat(255);
   v128_t sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
     for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.initial_sums[first_pose + p]));
   const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += 4 * rows)
+  for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses, quads += stride)
     for (int v = 0; v < vectors; ++v) {
       const v128_t weights = wasm_v128_load(quads + 16 * v);
       const v128_t first = wasm_v128_and(weights, even), last = wasm_u16x8_shr(weights, 8);
@@ -55,13 +56,13 @@ void sum_quads(const std::uint8_t* quads, std::size_t rows, const PanelInputs& p
       }
     }
   for (int p = 0; p < poses; ++p)
-    for (int v = 0; v < vectors; ++v) wasm_v128_store(sums + max_panel_rows * (first_pose + p) + 4 * v, sum[p][v]);
+    for (int v = 0; v < vectors; ++v) wasm_v128_store(sums[p] + 4 * v, sum[p][v]);
 }
 
 #include "runtime/kernels/thirty_two_rows.h"
 
 }  // namespace
 
-const PoseKernels wasm_simd_kernels = make_kernels("wasm-simd", column_sums, quad_sums);
+const PoseKernels wasm_simd_kernels = make_kernels("wasm-simd", column_product, quad_product);
 
 }  // namespace fb::runtime
