@@ -46,17 +46,18 @@ class PanelMatrix {
         lines_((columns + width() - 1) / width()),
         blocks_(&memory) {
     const std::uint32_t last = rows > 0 ? (rows - 1) / panel_rows() * panel_rows() : 0;
-    const std::size_t stored = last + stored_rows(last);
-    const std::size_t bytes = checked_multiply(checked_multiply(stored, lines_, "a matrix"), width(), "a matrix");
+    const std::size_t all_rows = last + stored_rows(last);
+    const std::size_t bytes = checked_multiply(checked_multiply(all_rows, lines_, "a matrix"), width(), "a matrix");
     Block zeros;
-    std::fill(std::begin(zeros.digit), std::end(zeros.digit), std::uint8_t(128));
+    for (std::size_t i = 0; i < sizeof(Block); ++i) zeros.digit[i] = stored(0, &zeros.digit[i]);
     blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
   }
 
   // Sets a column to a digit of `values`, one a row.
   void set_column(std::size_t column, const std::int16_t* values, Digit digit) {
-    for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
-      for (std::uint32_t r = first; r < first + rows_at(first); ++r) *at(r, column) = stored(values[r], digit);
+    for (std::uint32_t r = 0; r < rows_; ++r) {
+      std::uint8_t* const to = at(r, column);
+      *to = stored(number(values[r], digit), to);
     }
   }
   // Sets a row to a digit of `values`, one a column.
@@ -64,7 +65,7 @@ class PanelMatrix {
     const std::size_t step = stored_rows(row / panel_rows() * panel_rows()) * width();
     for (std::size_t within = 0; within < std::min(width(), columns_); ++within) {
       std::uint8_t* to = at(row, within);
-      for (std::size_t c = within; c < columns_; c += width(), to += step) *to = stored(values[c], digit);
+      for (std::size_t c = within; c < columns_; c += width(), to += step) *to = stored(number(values[c], digit), to);
     }
   }
 
@@ -80,7 +81,8 @@ class PanelMatrix {
         std::uint16_t partial[max_length] = {};
         for (std::size_t l = begin; l < std::min(lines_, begin + lines_at_once); ++l) {
           const std::uint8_t* const line = panel(first) + l * length;
-          for (std::size_t i = 0; i < length; ++i) partial[i] += static_cast<std::uint16_t>(std::abs(line[i] - 128));
+          for (std::size_t i = 0; i < length; ++i)
+            partial[i] += static_cast<std::uint16_t>(std::abs(digit_at(line + i)));
         }
         for (std::size_t i = 0; i < length; ++i) sums[i] += partial[i];
       }
@@ -120,16 +122,26 @@ class PanelMatrix {
   }
 
   int digit(std::uint32_t row, std::size_t column) const {
-    return *const_cast<PanelMatrix*>(this)->at(row, column) - 128;
+    return digit_at(const_cast<PanelMatrix*>(this)->at(row, column));
   }
 
  private:
   struct alignas(64) Block {
     std::uint8_t digit[64];
   };
-  static std::uint8_t stored(std::int16_t value, Digit digit) {
-    const int number = digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
-    return static_cast<std::uint8_t>(number + 128);
+  static int number(std::int16_t value, Digit digit) {
+    return digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
+  }
+  // What is stored where.
+  std::uint8_t stored(int digit, const std::uint8_t* at) const { return static_cast<std::uint8_t>(digit + offset(at)); }
+  int digit_at(const std::uint8_t* at) const {
+    const int offset_here = offset(at);
+    return offset_here == 0 ? static_cast<std::int8_t>(*at) : *at - offset_here;
+  }
+  // Blocks are aligned, so that an address is odd where its place in a column is.
+  int offset(const std::uint8_t* at) const {
+    const bool odd = (reinterpret_cast<std::uintptr_t>(at) & 1) != 0;
+    return odd && form_ == Form::columns && kernels_->signed_odd_digits ? 0 : 128;
   }
   // Columns of a line, which is a column or a quad.
   std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }

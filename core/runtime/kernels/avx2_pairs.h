@@ -14,15 +14,17 @@ struct RowsByPiece {
 };
 constexpr RowsByPiece rows_by_piece;
 
-// Sums of 16 * pieces rows, starting at piece `first` of a group of 32 rows.
+// Sums of 16 * pieces rows, starting at piece `first` of a group of 32 rows. Even rows are summed with 256 times the
+// odd ones behind them.
 template <int first, int pieces, int poses>
 void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[64]) {
-  const __m256i even = _mm256_set1_epi16(255);
   __m256i sum[poses][pieces][2];
   for (int p = 0; p < poses; ++p)
-    for (auto& piece : sum[p])
-      for (__m256i& s : piece) s = _mm256_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
+    for (auto& [both, odd] : sum[p]) {
+      both = _mm256_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
+      odd = _mm256_setzero_si256();
+    }
   const std::uint32_t* index = panel.indices;
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, index += 4, inputs += 4 * panel.poses) {
@@ -34,20 +36,24 @@ void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInpu
         const __m256i x = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(a + 32 * (piece / 2)));
         const __m256i y = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b + 32 * (piece / 2)));
         const __m256i both = piece % 2 == 0 ? _mm256_unpacklo_epi16(x, y) : _mm256_unpackhi_epi16(x, y);
-        const __m256i even_rows = _mm256_and_si256(both, even), odd_rows = _mm256_srli_epi16(both, 8);
+        const __m256i odd = _mm256_srai_epi16(both, 8);
         for (int p = 0; p < poses; ++p) {
           int numbers;
           __builtin_memcpy(&numbers, inputs + 4 * p + pair, sizeof numbers);
           const __m256i input = _mm256_set1_epi32(numbers);
-          sum[p][i][0] = multiply_add(sum[p][i][0], even_rows, input);
-          sum[p][i][1] = multiply_add(sum[p][i][1], odd_rows, input);
+          sum[p][i][0] = multiply_add(sum[p][i][0], both, input);
+          sum[p][i][1] = multiply_add(sum[p][i][1], odd, input);
         }
       }
     }
   }
   for (int p = 0; p < poses; ++p)
-    for (int i = 0; i < 2 * pieces; ++i)
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(sums[p]) + i, sum[p][i / 2][i % 2]);
+    for (int i = 0; i < pieces; ++i) {
+      const auto& [both, odd] = sum[p][i];
+      auto* const to = reinterpret_cast<__m256i*>(sums[p]) + 2 * i;
+      _mm256_storeu_si256(to, _mm256_sub_epi32(both, _mm256_slli_epi32(odd, 8)));
+      _mm256_storeu_si256(to + 1, odd);
+    }
 }
 
 // Sums of 8 * vectors rows: a vector holds eight rows of a quad.

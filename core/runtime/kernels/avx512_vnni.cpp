@@ -32,16 +32,33 @@ __m512i add_fours(__m512i sum, __m512i weights, __m512i inputs) {
 #endif
 }
 
-// Rows row..row + 15 of a pose of a panel, from their sums.
-void finish_sixteen(const Panel& panel, const PanelOutput& output, std::size_t pose, std::size_t row, __m512i sums) {
-  if (row >= panel.rows) return;
-  const std::size_t left = panel.rows - row;
-  const auto present = static_cast<__mmask16>(left < 16 ? (1u << left) - 1 : 0xffff);
-  const __m512 step = _mm512_set1_ps(output.steps[pose]);
-  const __m512 factor = output.scales ? _mm512_mul_ps(_mm512_loadu_ps(output.scales + row), step) : step;
-  const __m512 product = _mm512_mul_ps(factor, _mm512_cvtepi32_ps(sums));
-  _mm512_mask_storeu_ps(output.rows[pose] + row, present, _mm512_add_ps(product, _mm512_loadu_ps(output.bias + row)));
-}
+// Writes rows of a pose of a panel from their sums, 16 at a time.
+class RowWriter {
+ public:
+  RowWriter(const Panel& panel, const PanelOutput& output, std::size_t pose)
+      : scales_(output.scales),
+        bias_(output.bias),
+        rows_(output.rows[pose]),
+        count_(panel.rows),
+        step_(_mm512_set1_ps(output.steps[pose])) {}
+
+  [[gnu::always_inline]] void write(std::size_t row, __m512i sums) const {
+    if (row >= count_) return;
+    const __m512 factor = scales_ ? _mm512_mul_ps(_mm512_loadu_ps(scales_ + row), step_) : step_;
+    const __m512 product = _mm512_mul_ps(factor, _mm512_cvtepi32_ps(sums));
+    const __m512 result = _mm512_add_ps(product, _mm512_loadu_ps(bias_ + row));
+    if (row + 16 <= count_)
+      _mm512_storeu_ps(rows_ + row, result);
+    else
+      _mm512_mask_storeu_ps(rows_ + row, static_cast<__mmask16>((1u << (count_ - row)) - 1), result);
+  }
+
+ private:
+  const float *scales_, *bias_;
+  float* rows_;
+  std::size_t count_;
+  __m512 step_;
+};
 
 // Where rows of a column are stored. Interleaving two columns two rows at a time leaves four groups of 16 rows: the
 // even and the odd rows of the low and of the high halves of the 128-bit lanes. So that a group has consecutive rows,
@@ -55,26 +72,27 @@ struct RowsByLane {
 };
 constexpr RowsByLane rows_by_lane;
 
-// Accumulators of 64 rows of a pose.
+// Accumulators of 64 rows of a pose. Even rows are summed with 256 times the odd ones behind them.
 struct Strip {
-  __m512i first_even, first_odd, last_even, last_odd;
+  __m512i first_both, first_odd, last_both, last_odd;
 
   void begin(std::uint32_t start) {
-    first_even = first_odd = last_even = last_odd = _mm512_set1_epi32(static_cast<int>(start));
+    first_both = last_both = _mm512_set1_epi32(static_cast<int>(start));
+    first_odd = last_odd = _mm512_setzero_si512();
   }
   void add(const std::uint8_t* a, const std::uint8_t* b, __m512i input) {
-    const __m512i x = _mm512_loadu_si512(a), y = _mm512_loadu_si512(b), even = _mm512_set1_epi16(255);
+    const __m512i x = _mm512_loadu_si512(a), y = _mm512_loadu_si512(b);
     const __m512i first = _mm512_unpacklo_epi16(x, y), last = _mm512_unpackhi_epi16(x, y);
-    first_even = add_pairs(first_even, _mm512_and_si512(first, even), input);
-    first_odd = add_pairs(first_odd, _mm512_srli_epi16(first, 8), input);
-    last_even = add_pairs(last_even, _mm512_and_si512(last, even), input);
-    last_odd = add_pairs(last_odd, _mm512_srli_epi16(last, 8), input);
+    first_both = add_pairs(first_both, first, input);
+    first_odd = add_pairs(first_odd, _mm512_srai_epi16(first, 8), input);
+    last_both = add_pairs(last_both, last, input);
+    last_odd = add_pairs(last_odd, _mm512_srai_epi16(last, 8), input);
   }
-  void finish(const Panel& panel, const PanelOutput& output, std::size_t pose, std::size_t row) const {
-    finish_sixteen(panel, output, pose, row, first_even);
-    finish_sixteen(panel, output, pose, row + 16, first_odd);
-    finish_sixteen(panel, output, pose, row + 32, last_even);
-    finish_sixteen(panel, output, pose, row + 48, last_odd);
+  void finish(const RowWriter& writer, std::size_t row) const {
+    writer.write(row, _mm512_sub_epi32(first_both, _mm512_slli_epi32(first_odd, 8)));
+    writer.write(row + 16, first_odd);
+    writer.write(row + 32, _mm512_sub_epi32(last_both, _mm512_slli_epi32(last_odd, 8)));
+    writer.write(row + 48, last_odd);
   }
 };
 
@@ -90,7 +108,8 @@ void add_columns(const Panel& panel, const PanelInputs& inputs, const PanelOutpu
     const __m512i pair = broadcast_pair(input);
     for (int s = 0; s < strips; ++s) sum[s].add(a + 64 * s, b + 64 * s, pair);
   }
-  for (int s = 0; s < strips; ++s) sum[s].finish(panel, output, 0, 64 * static_cast<std::size_t>(s));
+  const RowWriter writer(panel, output, 0);
+  for (int s = 0; s < strips; ++s) sum[s].finish(writer, 64 * static_cast<std::size_t>(s));
 }
 
 // 64 rows in four poses of a block.
@@ -106,7 +125,7 @@ void add_columns_of_four(const Panel& panel, std::size_t row, const PanelInputs&
       for (int p = 0; p < 4; ++p)
         sum[p].add(digits + panel.stride * index[pair], digits + panel.stride * index[pair + 1],
                    broadcast_pair(values + 4 * p + pair));
-  for (std::size_t p = 0; p < 4; ++p) sum[p].finish(panel, output, first_pose + p, row);
+  for (std::size_t p = 0; p < 4; ++p) sum[p].finish({panel, output, first_pose + p}, row);
 }
 
 void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
@@ -143,10 +162,11 @@ void add_quads(const Panel& panel, const PanelInputs& inputs, const PanelOutput&
     }
   }
   const __m512i start = _mm512_set1_epi32(static_cast<int>(*inputs.initial_sums));
+  const RowWriter writer(panel, output, 0);
 #pragma GCC unroll 8
   for (int v = 0; v < vectors; ++v) {
     const __m512i sum = _mm512_add_epi32(low[v], _mm512_slli_epi32(high[v], 8));
-    finish_sixteen(panel, output, 0, 16 * static_cast<std::size_t>(v), _mm512_add_epi32(sum, start));
+    writer.write(16 * static_cast<std::size_t>(v), _mm512_add_epi32(sum, start));
   }
 }
 
@@ -174,8 +194,10 @@ void add_quads_of_block(const Panel& panel, std::size_t row, const PanelInputs& 
       }
     }
   }
-  for (std::size_t p = 0; p < poses_per_block; ++p)
-    for (std::size_t v = 0; v < vectors; ++v) finish_sixteen(panel, output, p, row + 16 * v, sum[p][v]);
+  for (std::size_t p = 0; p < poses_per_block; ++p) {
+    const RowWriter writer(panel, output, p);
+    for (std::size_t v = 0; v < vectors; ++v) writer.write(row + 16 * v, sum[p][v]);
+  }
 }
 
 void quad_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
@@ -232,7 +254,7 @@ Quantisation quantise_masked(const float* x, std::size_t count, float limit, std
 #endif
 
 constexpr PoseKernels kernels() {
-  PoseKernels kernels = make_kernels("avx512-vnni", column_product, quad_product, rows_by_lane.position);
+  PoseKernels kernels = make_kernels("avx512-vnni", column_product, quad_product, rows_by_lane.position, true);
 #if !defined(FB_EMULATED)
   kernels.compact_nonzeros = compact_nonzeros_masked;
   kernels.quantise = quantise_masked;

@@ -21,6 +21,7 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 
 }  // namespace
 
-const PoseKernels avx_vnni_kernels = make_kernels("avx-vnni", column_product, quad_product, rows_by_piece.position);
+const PoseKernels avx_vnni_kernels =
+    make_kernels("avx-vnni", column_product, quad_product, rows_by_piece.position, true);
 
 }  // namespace fb::runtime

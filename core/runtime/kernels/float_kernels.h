@@ -1,6 +1,15 @@
 // Loops over floats, vectorised by the compiler for each instruction set: included by each kernel file inside an
 // unnamed namespace, after pose_kernels.h. Arrays have room up to the next multiple of `padding`.
 
+// Vectors as wide as registers: one or two of four numbers.
+#if defined(__AVX__)
+constexpr std::size_t lanes = 8;
+#else
+constexpr std::size_t lanes = 4;
+#endif
+using Floats = float __attribute__((vector_size(4 * lanes)));
+using Integers = std::int32_t __attribute__((vector_size(4 * lanes)));
+
 // The bits of |x|: ordered like the floats, with NaN above infinity.
 std::int32_t magnitude_bits(float x) {
   std::int32_t bits;
@@ -151,22 +160,37 @@ void quantise_block(float* __restrict x, std::size_t count, float limit, std::in
   for (std::size_t p = 0; p < poses_per_block; ++p) results[p].sum = sums[p];
 }
 
+// A vector of rows from their sums: y = factor * f32(sums) + bias, where factor is scales * step.
+[[gnu::always_inline]] inline void finish_vector(const std::int32_t* sums, const float* scales, float step,
+                                                 const float* bias, float* y) {
+  Integers integers;
+  Floats added, factor = Floats{} + step;
+  __builtin_memcpy(&integers, sums, sizeof integers);
+  __builtin_memcpy(&added, bias, sizeof added);
+  if (scales) {
+    __builtin_memcpy(&factor, scales, sizeof factor);
+    factor *= step;
+  }
+  const Floats result = factor * __builtin_convertvector(integers, Floats) + added;
+  __builtin_memcpy(y, &result, sizeof result);
+}
+
 // Rows first..first + count - 1 of a pose of a panel, from their sums; `count` is a multiple of 16.
 [[gnu::always_inline]] inline void finish_rows(const Panel& panel, const PanelOutput& output, std::size_t pose,
                                                std::size_t first, std::size_t count, const std::int32_t* sums) {
-  const float step = output.steps[pose];
-  for (const std::size_t end = first + count; first < end; first += 16, sums += 16) {
-    float y[16];
-    const float* const bias = output.bias + first;
-    if (output.scales)
-      for (std::size_t i = 0; i < 16; ++i)
-        y[i] = (output.scales[first + i] * step) * static_cast<float>(sums[i]) + bias[i];
-    else
-      for (std::size_t i = 0; i < 16; ++i) y[i] = step * static_cast<float>(sums[i]) + bias[i];
-    if (first + 16 <= panel.rows)
-      __builtin_memcpy(output.rows[pose] + first, y, sizeof y);
-    else if (first < panel.rows)
-      __builtin_memcpy(output.rows[pose] + first, y, (panel.rows - first) * sizeof *y);
+  const float step = output.steps[pose], *const scales = output.scales, *const bias = output.bias;
+  float* const rows = output.rows[pose];
+  const std::size_t end = first + count, last = panel.rows;
+  for (; first < end; first += lanes, sums += lanes) {
+    const float* const factors = scales ? scales + first : nullptr;
+    if (first + lanes <= last) {
+      finish_vector(sums, factors, step, bias + first, rows + first);
+      continue;
+    }
+    float y[lanes];
+    finish_vector(sums, factors, step, bias + first, y);
+    for (std::size_t i = 0; first + i < last; ++i) rows[first + i] = y[i];
+    return;
   }
 }
 
@@ -222,9 +246,9 @@ struct RowsInOrder {
 [[maybe_unused]] constexpr RowsInOrder rows_in_order;
 
 constexpr PoseKernels make_kernels(const char* name, PanelProduct column_product, PanelProduct quad_product,
-                                   const std::uint8_t* column_rows = rows_in_order.position) {
-  return {name,           column_product,   quad_product,     column_rows, any_nan,
-          clamp_controls, control_features, compact_nonzeros, quantise,    quantise_block,
-          join_digits,    activate,         convert_to_half,  quad_areas,  quad_integrals,
-          vertex_normals, vertex_tangents};
+                                   const std::uint8_t* column_rows = rows_in_order.position,
+                                   bool signed_odd_digits = false) {
+  return {name,           column_product,   quad_product,     column_rows,    signed_odd_digits, any_nan,
+          clamp_controls, control_features, compact_nonzeros, quantise,       quantise_block,    join_digits,
+          activate,       convert_to_half,  quad_areas,       quad_integrals, vertex_normals,    vertex_tangents};
 }

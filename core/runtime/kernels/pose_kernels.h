@@ -36,8 +36,8 @@ struct PanelInputs {
   const std::uint32_t* initial_sums;  // by pose: -128 x the sum of its inputs, modulo 2^32; corrects the digits' offset
 };
 
-// Rows of a matrix. A byte of `digits` is a digit + 128. Columns and quads are `stride` bytes apart; those of columns
-// are in an order of their own, see PoseKernels::column_rows.
+// Rows of a matrix. A byte of `digits` is a digit + 128, but see PoseKernels::signed_odd_digits. Columns and quads are
+// `stride` bytes apart; those of columns are in an order of their own, see PoseKernels::column_rows.
 struct Panel {
   const std::uint8_t* digits;
   std::size_t rows;
@@ -107,6 +107,9 @@ struct PoseKernels {
   PanelProduct column_product, quad_product;
   // Where in each column_group rows of a column each of them is stored.
   const std::uint8_t* column_rows;
+  // Whether every second byte of a column is a signed digit, without 128 added. A pair of bytes is then a signed number
+  // of which the low byte need not be cut off: its product has 256 times that of the high byte too much.
+  bool signed_odd_digits;
   // The loops of float_kernels.h.
   bool (*any_nan)(const float* x, std::size_t count);
   // offsets[i * stride] = control i, clamped to its range, minus its rest value. Returns how many were out of range.
