@@ -117,7 +117,7 @@ void EvaluationLayout::find_scatter_table(const PackedModel& model, std::pmr::me
   for (std::uint32_t r = 0; r < model.regions.size(); ++r) {
     const PackedRegion& region = model.regions[r];
     for (std::uint32_t i = 0; i < region.features.size(); ++i)
-      entries.add(features.graph_index(region.features[i]), {r, i, 1});
+      entries.add(features.graph_index(region.features[i]), {r, networks[r].input_offset(i), 1});
     for (const std::uint32_t feature : region.gate.features)
       entries.add(features.graph_index(feature), {static_cast<std::uint32_t>(gate_list(r)), 0, 1});
   }
@@ -125,7 +125,8 @@ void EvaluationLayout::find_scatter_table(const PackedModel& model, std::pmr::me
     const RowBlockMatrix& block = row_blocks[b];
     for (std::uint32_t i = 0; i < block.input_count(); ++i)
       if (block.column(i) < direct.size())
-        entries.add(direct[block.column(i)], {static_cast<std::uint32_t>(row_block_list(b)), i, block.scale(i)});
+        entries.add(direct[block.column(i)],
+                    {static_cast<std::uint32_t>(row_block_list(b)), block.offset(i), block.scale(i)});
   }
   entries.build(scatter);
 }

@@ -38,7 +38,8 @@ struct EvaluationMemory {
 //   0 .. R - 1       the inputs of each region's network
 //   R .. 2 R - 1     the features of each region's gate
 //   2 R ..           the inputs of each row block's matrix
-// The scatter table says for every feature to which lists, at which index and with which factor its value goes.
+// The scatter table says for every feature to which lists, at which column and with
+// which factor its value goes.
 struct EvaluationLayout {
   // Lays out a model that check() accepts. `model` is not needed afterwards. Fails with not_finite if a network
   // overflows at rest.
@@ -51,7 +52,7 @@ struct EvaluationLayout {
   static constexpr std::size_t row_blocks_per_pass = 16;
 
   struct ScatterEntry {
-    std::uint32_t list, index;
+    std::uint32_t list, offset;  // see MatrixInputs::offsets
     float scale;
   };
 

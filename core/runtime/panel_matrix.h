@@ -48,6 +48,8 @@ class PanelMatrix {
     const std::uint32_t last = rows > 0 ? (rows - 1) / panel_rows() * panel_rows() : 0;
     const std::size_t all_rows = last + stored_rows(last);
     const std::size_t bytes = checked_multiply(checked_multiply(all_rows, lines_, "a matrix"), width(), "a matrix");
+    if (form == Form::columns)
+      checked_u32(checked_multiply(columns, stored_rows(0), "a matrix"), "a panel of a matrix");
     Block zeros;
     for (std::size_t i = 0; i < sizeof(Block); ++i) zeros.digit[i] = stored(0, &zeros.digit[i]);
     blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
@@ -113,12 +115,15 @@ class PanelMatrix {
                                                                                inputs, output);
   }
 
-  // Prefetches a column of a matrix of Form::columns.
-  void prefetch(std::size_t column) const {
+  // Where a column of a matrix of Form::columns begins in every panel, and which column that is.
+  std::uint32_t offset(std::size_t column) const { return static_cast<std::uint32_t>(column * stored_rows(0)); }
+  std::size_t column_at(std::uint32_t offset) const { return offset / stored_rows(0); }
+
+  // Prefetches the column at an offset.
+  void prefetch(std::uint32_t offset) const {
     if (!has_prefetch) return;
     for (std::uint32_t first = 0; first < rows_; first += column_panel_rows)
-      for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block))
-        __builtin_prefetch(panel(first) + stored_rows(first) * column + r);
+      for (std::uint32_t r = 0; r < rows_at(first); r += sizeof(Block)) __builtin_prefetch(panel(first) + offset + r);
   }
 
   int digit(std::uint32_t row, std::size_t column) const {
@@ -133,21 +138,25 @@ class PanelMatrix {
     return digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
   }
   // What is stored where.
-  std::uint8_t stored(int digit, const std::uint8_t* at) const { return static_cast<std::uint8_t>(digit + offset(at)); }
+  std::uint8_t stored(int digit, const std::uint8_t* at) const {
+    return static_cast<std::uint8_t>(digit + added_at(at));
+  }
   int digit_at(const std::uint8_t* at) const {
-    const int offset_here = offset(at);
-    return offset_here == 0 ? static_cast<std::int8_t>(*at) : *at - offset_here;
+    const int added = added_at(at);
+    return added == 0 ? static_cast<std::int8_t>(*at) : *at - added;
   }
   // Blocks are aligned, so that an address is odd where its place in a column is.
-  int offset(const std::uint8_t* at) const {
+  int added_at(const std::uint8_t* at) const {
     const bool odd = (reinterpret_cast<std::uintptr_t>(at) & 1) != 0;
     return odd && form_ == Form::columns && kernels_->signed_odd_digits ? 0 : 128;
   }
   // Columns of a line, which is a column or a quad.
   std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }
+  // Columns are as long in every panel.
   std::size_t stored_rows(std::uint32_t first) const {
+    const std::size_t rows = form_ == Form::quads ? rows_at(first) : std::min<std::size_t>(rows_, column_panel_rows);
     const std::size_t group = form_ == Form::quads ? 16 : column_group;
-    return (rows_at(first) + group - 1) / group * group;
+    return (rows + group - 1) / group * group;
   }
   // All panels before this one are full.
   const std::uint8_t* panel(std::uint32_t first) const {

@@ -16,7 +16,7 @@ void PoseExecution::scatter_features() {
   std::uint32_t* const ends = workspace_.list_ends_.data();
   std::copy_n(layout_.list_offsets.begin(), workspace_.list_ends_.size(), ends);
   float* const values = workspace_.list_values_.data();
-  std::uint32_t* const indices = workspace_.list_indices_.data();
+  std::uint32_t* const columns = workspace_.list_columns_.data();
   const std::uint32_t* const offsets = layout_.scatter.row_offsets.data();
   const Entry* const entries = layout_.scatter.entries.data();
   const std::span<const std::uint32_t> active = workspace_.features_.active();
@@ -31,7 +31,7 @@ void PoseExecution::scatter_features() {
     for (const Entry* entry = entries + offsets[active[i]]; entry < end; ++entry) {
       if (at_level && entry->list >= left_out && entry->list < left_out_end) continue;
       const std::uint32_t at = ends[entry->list]++;
-      indices[at] = entry->index;
+      columns[at] = entry->offset;
       for (std::size_t p = 0; p < poses; ++p) values[at * poses + p] = value[p] * entry->scale;
     }
   }
@@ -97,10 +97,10 @@ void PoseExecution::quantise_inputs(std::size_t b, std::int16_t* to, QuantisedIn
        (detail_.level ? detail_.level->block_regions : layout_.row_block_regions).row(b)) {
     if (!workspace_.active_regions_[region]) continue;
     block.scale_coefficients<poses>({begin, end}, workspace_.coefficients_.data(), list.values + list.count * poses);
-    for (std::uint32_t i = begin; i < end; ++i) list.indices[list.count++] = i;
+    for (std::uint32_t i = begin; i < end; ++i) list.offsets[list.count++] = block.offset(i);
   }
   inputs.count = 0;
-  block.prefetch(list.indices, list.count);
+  block.prefetch(list.offsets, list.count);
   if (list.count > 0) quantise(layout_.kernels, list, block.limit(), poses, to, nullptr, inputs);
 }
 

@@ -43,9 +43,9 @@ void quantise(const PoseKernels& kernels, const MatrixInputs& x, float limit, st
     any = quantise_rows(kernels, x, limit, to, row, quantised);
   }
   quantised.count = any ? (x.count + 3) / 4 * 4 : 0;
-  if (x.indices)
-    for (std::size_t i = x.count; i < quantised.count; ++i) x.indices[i] = x.indices[0];
-  quantised.indices = x.indices;
+  if (x.offsets)
+    for (std::size_t i = x.count; i < quantised.count; ++i) x.offsets[i] = x.offsets[0];
+  quantised.offsets = x.offsets;
   quantised.values = to;
   quantised.poses = poses;
 }

@@ -16,19 +16,20 @@ struct MatrixInputs {
   std::size_t count;
   // 0: input i of pose p is values[i * poses + p]. Otherwise it is values[p * pose_stride + i].
   std::size_t pose_stride = 0;
-  std::uint32_t* indices = nullptr;  // the matrix column of each input; null: all columns, in order
+  // PanelMatrix::offset of the column of each input; null: all columns, in order
+  std::uint32_t* offsets = nullptr;
 };
 
 // Quantised inputs: an input is about its integer times the pose's step. Refers to the buffers it was made in.
 struct QuantisedInputs {
-  const std::uint32_t* indices = nullptr;  // see MatrixInputs
+  const std::uint32_t* offsets = nullptr;  // see MatrixInputs
   const std::int16_t* values = nullptr;    // in the order of PanelInputs::values
   std::size_t count = 0;                   // a multiple of 4; 0 if all inputs of all poses are 0
   std::size_t poses = 1;
   float steps[poses_per_block] = {};                 // by pose; 0 if all inputs of the pose are 0
   std::uint32_t initial_sums[poses_per_block] = {};  // see PanelInputs
 
-  PanelInputs panel_inputs() const { return {indices, values, count, poses, initial_sums}; }
+  PanelInputs panel_inputs() const { return {offsets, values, count, poses, initial_sums}; }
 };
 
 // Buffers for the quantised inputs of one layer after the other.

@@ -91,7 +91,7 @@ void RegionNetwork::run(const PoseKernels& kernels, const MatrixInputs& input, s
     for (std::size_t pose = 0; pose < poses; ++pose) {
       std::fill_n(before + pose * stride, input_count(), 0.0f);
       for (std::size_t i = 0; i < input.count; ++i)
-        before[pose * stride + input.indices[i]] = input.values[i * poses + pose];
+        before[pose * stride + layers_.front().low.column_at(input.offsets[i])] = input.values[i * poses + pose];
     }
   QuantisedInputs x;
   for (const Layer& layer : layers_) {

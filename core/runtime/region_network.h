@@ -22,6 +22,8 @@ class RegionNetwork {
   void find_rest(const PoseKernels& kernels, const char* name, std::pmr::memory_resource& heap);
 
   std::size_t input_count() const { return layers_.front().inputs; }
+  // Of an input of the first layer, see PanelMatrix::offset.
+  std::uint32_t input_offset(std::size_t input) const { return layers_.front().low.offset(input); }
   std::size_t output_count() const { return layers_.back().outputs; }
   std::size_t max_width() const;  // of any layer's input or output
   // Floats of `work` that run() needs for each pose.

@@ -42,9 +42,12 @@ class RowBlockMatrix {
       for (std::size_t p = 0; p < poses; ++p) inputs[p] = coefficients[columns_[i] * poses + p] * scales_[i];
   }
 
+  // See PanelMatrix::offset.
+  std::uint32_t offset(std::size_t input) const { return digits_.offset(input); }
+
   // Prefetches matrix columns: which ones a pose uses is unpredictable to the hardware.
-  void prefetch(const std::uint32_t* indices, std::size_t count) const {
-    for (std::size_t i = 0; i < count; ++i) digits_.prefetch(indices[i]);
+  void prefetch(const std::uint32_t* offsets, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) digits_.prefetch(offsets[i]);
   }
 
   // See PanelMatrix::limit.

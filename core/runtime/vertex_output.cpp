@@ -59,7 +59,9 @@ void VertexWriter::write_chunks(VertexRange range, const IndexOf& index_of) cons
   for (std::size_t first = range.begin; first < range.end; first += chunk) {
     const std::size_t count = range.end - first < chunk ? range.end - first : chunk;
     const auto collect = [&](const float* from, float* to) {
-      copy(from, {0, static_cast<std::uint32_t>(count)}, 3, to, [&](std::size_t i) { return index_of(first + i); });
+#pragma GCC unroll 4
+      for (std::size_t i = 0; i < count; ++i, to += 3)
+        std::memcpy(to, from + 3 * index_of(first + i), 4 * sizeof(float));
     };
     collect(rows_, floats);
     if (rest_) {

@@ -12,7 +12,7 @@ Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memo
 Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& memory)
     : features_(layout.features, memory),
       list_values_(layout.list_offsets.back() * poses_per_block, &memory),
-      list_indices_(layout.list_offsets.back(), &memory),
+      list_columns_(layout.list_offsets.back(), &memory),
       list_ends_(layout.list_offsets.size() - 1, &memory),
       quantised_(layout.max_pass_entries * poses_per_block, &memory),
       active_regions_(layout.networks.size(), &memory),

@@ -34,12 +34,12 @@ class Workspace {
   // An input list, see EvaluationLayout. Poses are interleaved.
   MatrixInputs list(const EvaluationLayout& layout, std::size_t number, std::size_t poses) {
     const std::uint32_t first = layout.list_offsets[number];
-    return {list_values_.data() + first * poses, list_ends_[number] - first, 0, list_indices_.data() + first};
+    return {list_values_.data() + first * poses, list_ends_[number] - first, 0, list_columns_.data() + first};
   }
 
   FeatureState features_;
   std::pmr::vector<float> list_values_;
-  std::pmr::vector<std::uint32_t> list_indices_, list_ends_;
+  std::pmr::vector<std::uint32_t> list_columns_, list_ends_;
   std::pmr::vector<std::int16_t> quantised_;       // inputs of the row blocks of a pass
   std::pmr::vector<std::uint8_t> active_regions_;  // by region: whether its coefficients differ from 0 in any pose
   std::pmr::vector<float> coefficients_;           // poses interleaved

@@ -1,5 +1,5 @@
-// Panel sums of kernels for instruction sets that this processor may not have, emulated with SIMDe, on memory that ends
-// with the panel.
+// Panel products of kernels for instruction sets that this processor may not have, emulated with SIMDe, on memory that
+// ends with the panel.
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -13,32 +13,46 @@ namespace {
 using namespace fb;
 using namespace fb::runtime;
 
+// The digits of `lines` columns or quads as the kernels store them.
+std::unique_ptr<std::uint8_t[]> stored_for(const PoseKernels& kernels, const std::vector<std::uint8_t>& digits,
+                                           bool quads) {
+  auto stored = std::make_unique<std::uint8_t[]>(digits.size());
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    const std::size_t to = quads ? i : i / column_group * column_group + kernels.column_rows[i % column_group];
+    stored[to] = static_cast<std::uint8_t>(digits[i] + (!quads && kernels.signed_odd_digits && to % 2 != 0 ? 128 : 0));
+  }
+  return stored;
+}
+
 bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t poses, std::size_t rows,
            std::size_t columns, std::size_t count, bool extreme) {
-  const std::size_t bytes = (quads ? rows : column_panel_rows) * columns;
-  const auto digits = std::make_unique<std::uint8_t[]>(bytes);
-  for (std::size_t i = 0; i < bytes; ++i)
-    digits[i] = static_cast<std::uint8_t>(extreme ? 255 * random.below(2) : random.below(256));
+  const std::size_t column = (rows + column_group - 1) / column_group * column_group;
+  const std::size_t quad_rows = (rows + 15) / 16 * 16;
+  std::vector<std::uint8_t> digits((quads ? quad_rows : column) * columns);
+  for (std::uint8_t& digit : digits)
+    digit = static_cast<std::uint8_t>(extreme ? 255 * random.below(2) : random.below(256));
   if (quads) count = columns;
-  std::vector<std::uint32_t> indices, initial_sums(poses);
-  for (std::size_t i = 0; i < count; ++i) indices.push_back(random.below(static_cast<std::uint32_t>(columns)));
+  std::vector<std::uint32_t> offsets, initial_sums(poses);
+  for (std::size_t i = 0; i < count; ++i)
+    offsets.push_back(static_cast<std::uint32_t>(column) * random.below(static_cast<std::uint32_t>(columns)));
   std::vector<std::int16_t> values;
   for (std::size_t i = 0; i < count * poses; ++i) {
     const int any = int(random.below(65025)) - 32512;
     values.push_back(static_cast<std::int16_t>(extreme ? (any < 0 ? -32512 : 32512) : any));
     initial_sums[i / 4 % poses] -= 128 * static_cast<std::uint32_t>(values.back());
   }
-  const PanelInputs inputs = {indices.data(), values.data(), count, poses, initial_sums.data()};
-  std::int32_t expected[poses_per_block * max_panel_rows] = {}, found[poses_per_block * max_panel_rows] = {};
-  const auto sum = [&](const PoseKernels& with, std::int32_t* sums) {
-    (quads ? with.quad_sums : with.column_sums)(digits.get(), rows, inputs, sums);
+  const PanelInputs inputs = {offsets.data(), values.data(), count, poses, initial_sums.data()};
+  const std::vector<float> bias(rows + padding), steps(poses, 1);
+  const auto multiply = [&](const PoseKernels& with) {
+    std::vector<float> found(poses * rows);
+    float* to[poses_per_block];
+    for (std::size_t pose = 0; pose < poses; ++pose) to[pose] = found.data() + pose * rows;
+    const auto stored = stored_for(with, digits, quads);
+    (quads ? with.quad_product : with.column_product)({stored.get(), rows, quad_columns * quad_rows}, inputs,
+                                                      {nullptr, bias.data(), steps.data(), to});
+    return found;
   };
-  sum(scalar_kernels, expected);
-  sum(kernels, found);
-  for (std::size_t pose = 0; pose < poses; ++pose)
-    if (std::memcmp(expected + max_panel_rows * pose, found + max_panel_rows * pose, rows * sizeof(std::int32_t)) != 0)
-      return false;
-  return true;
+  return multiply(scalar_kernels) == multiply(kernels);
 }
 
 }  // namespace
@@ -49,7 +63,7 @@ int main() {
   for (const PoseKernels* kernels : {&avx_vnni_kernels, &avx512_vnni_kernels})
     for (const bool quads : {false, true})
       for (const std::size_t poses : {std::size_t{1}, poses_per_block})
-        for (std::size_t rows = 16; rows <= (quads ? quad_panel_rows : max_panel_rows); rows += 16)
+        for (std::size_t rows = 8; rows <= (quads ? quad_panel_rows : max_panel_rows); rows += 8)
           for (const std::size_t columns : {4, 40})
             for (const std::size_t count : {0, 4, 8, 60})
               for (const bool extreme : {false, true}) {

@@ -22,11 +22,11 @@ namespace {
 
 struct Inputs {
   std::size_t poses;
-  std::vector<std::uint32_t> indices = {};
+  std::vector<std::uint32_t> indices = {}, offsets = {};
   std::vector<std::int16_t> values = {};
   std::vector<std::uint32_t> initial_sums = {};
   PanelInputs panel_inputs() const {
-    return {indices.data(), values.data(), indices.size(), poses, initial_sums.data()};
+    return {offsets.data(), values.data(), indices.size(), poses, initial_sums.data()};
   }
   std::int16_t at(std::size_t column, std::size_t pose) const {
     return values[(column / 4 * poses + pose) * 4 + column % 4];
@@ -35,14 +35,15 @@ struct Inputs {
 
 // Inputs of `count` random columns, or of all columns for quads, padded to a multiple of 4. kind 0: the largest values,
 // 1: the smallest, 2: values near 0, else any.
-Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::uint32_t columns, PanelMatrix::Form form,
+Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, const PanelMatrix& matrix, bool quads,
                    int kind) {
-  const bool quads = form == PanelMatrix::Form::quads;
+  const auto columns = static_cast<std::uint32_t>(matrix.columns());
   if (quads) count = columns;
   Inputs inputs{poses};
   inputs.values.reserve(4 * poses);
   for (std::uint32_t i = 0; i < (count + 3) / 4 * 4; ++i)
     inputs.indices.push_back(i >= count ? 0 : quads ? i : random.below(columns));
+  for (const std::uint32_t i : inputs.indices) inputs.offsets.push_back(quads ? 0 : matrix.offset(i));
   inputs.values.resize(inputs.indices.size() * poses);
   for (std::size_t pose = 0; pose < poses; ++pose) {
     std::uint32_t sum = 0;
@@ -62,8 +63,9 @@ Inputs some_inputs(Random& random, std::size_t poses, std::size_t count, std::ui
 
 }  // namespace
 
-TEST_CASE("panel sums are exact, for matrices of both forms, all sizes and all kinds of inputs") {
+TEST_CASE("panel products are exact, for matrices of both forms, all sizes and all kinds of inputs") {
   using enum PanelMatrix::Form;
+  constexpr float mark = 12345;
   Random random(4);
   for (const PanelMatrix::Form form : {columns, quads})
     for (const std::uint32_t rows : {1u, 16u, 17u, 32u, 40u, 48u, 63u, 64u, 65u, 96u, 112u, 150u, 192u, 250u, 300u})
@@ -72,41 +74,51 @@ TEST_CASE("panel sums are exact, for matrices of both forms, all sizes and all k
         for (int& digit : digits) digit = int(random.below(256)) - 128;
         digits[0] = -128;
         digits[digits.size() - 1] = 127;
-        PanelMatrix matrix(form, rows, width, *std::pmr::get_default_resource());
-        for (std::uint32_t r = 0; r < rows; ++r) {
-          const std::vector<std::int16_t> row(digits.begin() + r * width, digits.begin() + (r + 1) * width);
-          matrix.set_row(r, row.data(), {});
+        std::vector<PanelMatrix> matrices;
+        for (const PoseKernels* kernels : runnable_kernels()) {
+          PanelMatrix& matrix = matrices.emplace_back(*kernels, form, rows, width, *std::pmr::get_default_resource());
+          for (std::uint32_t r = 0; r < rows; ++r) {
+            const std::vector<std::int16_t> row(digits.begin() + r * width, digits.begin() + (r + 1) * width);
+            matrix.set_row(r, row.data(), {});
+          }
+          matrix.find_limit();
+          bool kept = matrix.limit() == matrices.front().limit();
+          for (std::uint32_t r = 0; r < rows; ++r)
+            for (std::uint32_t c = 0; c < width; ++c) kept = kept && matrix.digit(r, c) == digits[r * width + c];
+          CHECK_MESSAGE(kept, kernels->name);
         }
-        matrix.find_limit();
-        bool kept = true;
+        std::vector<float> scales(rows + padding), bias(rows + padding);
         for (std::uint32_t r = 0; r < rows; ++r)
-          for (std::uint32_t c = 0; c < width; ++c) kept = kept && matrix.digit(r, c) == digits[r * width + c];
-        CHECK(kept);
+          scales[r] = 1 / float(1 + random.below(1000)), bias[r] = float(random.below(100));
         for (int kind = 0; kind < 4; ++kind)
           for (const std::size_t count : {0u, 1u, 2u, 3u, 7u, 30u})
             for (const std::size_t poses : {std::size_t{1}, poses_per_block}) {
               if (form == quads && count > 0) continue;
-              const Inputs inputs = some_inputs(random, poses, count, width, form, kind);
-              for (std::uint32_t first = 0; first < rows; first += matrix.panel_rows()) {
-                const std::uint32_t panel_rows = matrix.rows_at(first);
-                std::vector<std::int32_t> expected(poses * max_panel_rows);
-                for (std::size_t pose = 0; pose < poses; ++pose)
-                  for (std::uint32_t r = 0; r < panel_rows; ++r) {
-                    std::int64_t sum = 0;
-                    for (std::size_t k = 0; k < inputs.indices.size(); ++k)
-                      sum += std::int64_t(inputs.at(k, pose)) * digits[(first + r) * width + inputs.indices[k]];
-                    expected[max_panel_rows * pose + r] = static_cast<std::int32_t>(sum);
-                  }
-                for (const PoseKernels* kernels : runnable_kernels()) {
-                  std::int32_t sums[poses_per_block * max_panel_rows];
-                  matrix.sum(*kernels, first, inputs.panel_inputs(), sums);
-                  bool same = true;
-                  for (std::size_t pose = 0; pose < poses; ++pose)
-                    same = same && std::memcmp(sums + max_panel_rows * pose, expected.data() + max_panel_rows * pose,
-                                               panel_rows * sizeof(int)) == 0;
-                  CHECK_MESSAGE(same, kernels->name << (form == quads ? ", quads: " : ", columns: ") << rows << " x "
-                                                    << width << ", kind " << kind << ", " << poses << " poses");
+              const Inputs inputs = some_inputs(random, poses, count, matrices.front(), form == quads, kind);
+              const std::vector<float> steps(poses, 1 / float(1 + random.below(1000)));
+              const bool scaled = random.below(2) != 0;
+              // Only kinds that keep sums small show every bit of them.
+              std::vector<std::vector<float>> expected(poses, std::vector<float>(rows + 1, mark));
+              for (std::size_t pose = 0; pose < poses; ++pose)
+                for (std::uint32_t r = 0; r < rows; ++r) {
+                  std::int64_t sum = 0;
+                  for (std::size_t k = 0; k < inputs.indices.size(); ++k)
+                    sum += std::int64_t(inputs.at(k, pose)) * digits[r * width + inputs.indices[k]];
+                  const float factor = (scaled ? scales[r] : 1) * steps[pose];
+                  expected[pose][r] = factor * static_cast<float>(static_cast<std::int32_t>(sum)) + bias[r];
                 }
+              for (std::size_t m = 0; m < matrices.size(); ++m) {
+                std::vector<std::vector<float>> found(poses, std::vector<float>(rows + 1, mark));
+                const PanelMatrix& matrix = matrices[m];
+                for (std::uint32_t first = 0; first < rows; first += matrix.panel_rows()) {
+                  float* to[poses_per_block];
+                  for (std::size_t pose = 0; pose < poses; ++pose) to[pose] = found[pose].data() + first;
+                  matrix.multiply(first, inputs.panel_inputs(),
+                                  {scaled ? scales.data() + first : nullptr, bias.data() + first, steps.data(), to});
+                }
+                CHECK_MESSAGE(found == expected, runnable_kernels()[m]->name
+                                                     << (form == quads ? ", quads: " : ", columns: ") << rows << " x "
+                                                     << width << ", kind " << kind << ", " << poses << " poses");
               }
             }
       }

@@ -17,7 +17,7 @@ constexpr RowsByPiece rows_by_piece;
 // Sums of 16 * pieces rows, starting at piece `first` of a group of 32 rows. Even rows are summed with 256 times the
 // odd ones behind them.
 template <int first, int pieces, int poses>
-void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[64]) {
   __m256i sum[poses][pieces][2];
   for (int p = 0; p < poses; ++p)
@@ -25,10 +25,9 @@ void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInpu
       both = _mm256_set1_epi32(static_cast<int>(panel.initial_sums[first_pose + p]));
       odd = _mm256_setzero_si256();
     }
-  const std::uint32_t* index = panel.indices;
+  const std::uint32_t* at = panel.offsets;
   const std::int16_t* inputs = panel.values + 4 * first_pose;
-  for (std::size_t k = 0; k < panel.count; k += 4, index += 4, inputs += 4 * panel.poses) {
-    const std::size_t at[4] = {index[0] * stride, index[1] * stride, index[2] * stride, index[3] * stride};
+  for (std::size_t k = 0; k < panel.count; k += 4, at += 4, inputs += 4 * panel.poses) {
     for (int pair = 0; pair < 4; pair += 2) {
       const std::uint8_t *a = digits + at[pair], *b = digits + at[pair + 1];
       for (int i = 0; i < pieces; ++i) {
@@ -89,19 +88,19 @@ void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOu
     const std::uint8_t* const digits = panel.digits + r;
     if (inputs.poses == 1) {
       if (r + 32 < panel.rows) {
-        sum_columns<0, 4, 1>(digits, panel.stride, inputs, 0, sums);
+        sum_columns<0, 4, 1>(digits, inputs, 0, sums);
         finish_rows(panel, output, 0, r, 64, sums[0]);
       } else {
-        sum_columns<0, 2, 1>(digits, panel.stride, inputs, 0, sums);
+        sum_columns<0, 2, 1>(digits, inputs, 0, sums);
         finish_rows(panel, output, 0, r, 32, sums[0]);
       }
       continue;
     }
     for (std::size_t group = 0; group < 64 && r + group < panel.rows; group += 32)
       for (std::size_t pose = 0; pose < poses_per_block; pose += 4) {
-        sum_columns<0, 1, 4>(digits + group, panel.stride, inputs, pose, sums);
+        sum_columns<0, 1, 4>(digits + group, inputs, pose, sums);
         for (std::size_t p = 0; p < 4; ++p) finish_rows(panel, output, pose + p, r + group, 16, sums[p]);
-        sum_columns<1, 1, 4>(digits + group, panel.stride, inputs, pose, sums);
+        sum_columns<1, 1, 4>(digits + group, inputs, pose, sums);
         for (std::size_t p = 0; p < 4; ++p) finish_rows(panel, output, pose + p, r + group + 16, 16, sums[p]);
       }
   }

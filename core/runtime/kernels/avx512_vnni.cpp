@@ -60,6 +60,15 @@ class RowWriter {
   __m512 step_;
 };
 
+// GCC would load again for each use.
+__m512i load_once(const std::uint8_t* bytes) {
+  __m512i loaded = _mm512_loadu_si512(bytes);
+#if !defined(FB_EMULATED)
+  asm("" : "+v"(loaded));
+#endif
+  return loaded;
+}
+
 // Where rows of a column are stored. Interleaving two columns two rows at a time leaves four groups of 16 rows: the
 // even and the odd rows of the low and of the high halves of the 128-bit lanes. So that a group has consecutive rows,
 // these are stored apart.
@@ -81,7 +90,7 @@ struct Strip {
     first_odd = last_odd = _mm512_setzero_si512();
   }
   void add(const std::uint8_t* a, const std::uint8_t* b, __m512i input) {
-    const __m512i x = _mm512_loadu_si512(a), y = _mm512_loadu_si512(b);
+    const __m512i x = load_once(a), y = load_once(b);
     const __m512i first = _mm512_unpacklo_epi16(x, y), last = _mm512_unpackhi_epi16(x, y);
     first_both = add_pairs(first_both, first, input);
     first_odd = add_pairs(first_odd, _mm512_srai_epi16(first, 8), input);
@@ -100,11 +109,10 @@ template <int strips>
 void add_columns(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
   Strip sum[strips];
   for (Strip& strip : sum) strip.begin(*inputs.initial_sums);
-  const std::uint32_t* index = inputs.indices;
+  const std::uint32_t* at = inputs.offsets;
   const std::int16_t* input = inputs.values;
-  for (std::size_t k = 0; k < inputs.count; k += 2, index += 2, input += 2) {
-    const std::uint8_t *const a = panel.digits + panel.stride * index[0], *const b =
-                                                                              panel.digits + panel.stride * index[1];
+  for (std::size_t k = 0; k < inputs.count; k += 2, at += 2, input += 2) {
+    const std::uint8_t *const a = panel.digits + at[0], *const b = panel.digits + at[1];
     const __m512i pair = broadcast_pair(input);
     for (int s = 0; s < strips; ++s) sum[s].add(a + 64 * s, b + 64 * s, pair);
   }
@@ -118,13 +126,12 @@ void add_columns_of_four(const Panel& panel, std::size_t row, const PanelInputs&
   Strip sum[4];
   for (int p = 0; p < 4; ++p) sum[p].begin(inputs.initial_sums[first_pose + p]);
   const std::uint8_t* const digits = panel.digits + row;
-  const std::uint32_t* index = inputs.indices;
+  const std::uint32_t* at = inputs.offsets;
   const std::int16_t* values = inputs.values + 4 * first_pose;
-  for (std::size_t k = 0; k < inputs.count; k += 4, index += 4, values += 4 * poses_per_block)
+  for (std::size_t k = 0; k < inputs.count; k += 4, at += 4, values += 4 * poses_per_block)
     for (int pair = 0; pair < 4; pair += 2)
       for (int p = 0; p < 4; ++p)
-        sum[p].add(digits + panel.stride * index[pair], digits + panel.stride * index[pair + 1],
-                   broadcast_pair(values + 4 * p + pair));
+        sum[p].add(digits + at[pair], digits + at[pair + 1], broadcast_pair(values + 4 * p + pair));
   for (std::size_t p = 0; p < 4; ++p) sum[p].finish({panel, output, first_pose + p}, row);
 }
 
@@ -251,6 +258,19 @@ Quantisation quantise_masked(const float* x, std::size_t count, float limit, std
   }
   return {m / limit, static_cast<std::uint32_t>(_mm512_reduce_add_epi32(sum))};
 }
+
+// The instruction keeps what a NaN carries; the definition has one NaN of each sign.
+void convert_to_half_at_once(const float* numbers, std::uint16_t* halves, std::size_t count) {
+  for (std::size_t i = 0; i < count; i += 16) {
+    const auto present = static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xffff);
+    const __m512 x = _mm512_maskz_loadu_ps(present, numbers + i);
+    const __m512i nan = _mm512_set1_epi32(0x7fc00000), sign = _mm512_castps_si512(x);
+    const __m512i signed_nan = _mm512_or_si512(nan, _mm512_and_si512(sign, _mm512_set1_epi32(INT32_MIN)));
+    const __m512 known = _mm512_mask_mov_ps(x, _mm512_cmp_ps_mask(x, x, _CMP_UNORD_Q), _mm512_castsi512_ps(signed_nan));
+    const __m256i converted = _mm512_cvtps_ph(known, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+    _mm256_mask_storeu_epi16(halves + i, present, converted);
+  }
+}
 #endif
 
 constexpr PoseKernels kernels() {
@@ -258,6 +278,7 @@ constexpr PoseKernels kernels() {
 #if !defined(FB_EMULATED)
   kernels.compact_nonzeros = compact_nonzeros_masked;
   kernels.quantise = quantise_masked;
+  kernels.convert_to_half = convert_to_half_at_once;
 #endif
   return kernels;
 }

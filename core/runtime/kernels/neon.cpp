@@ -9,7 +9,7 @@ namespace {
 
 // Sums of 16 rows, one column at a time: digits + 128 fit signed 16-bit numbers.
 template <int poses>
-void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[16]) {
   int32x4_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
@@ -17,7 +17,7 @@ void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInpu
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int i = 0; i < 4; ++i) {
-      const uint8x16_t column = vld1q_u8(digits + panel.indices[k + i] * stride);
+      const uint8x16_t column = vld1q_u8(digits + panel.offsets[k + i]);
       const int16x8_t first = vreinterpretq_s16_u16(vmovl_u8(vget_low_u8(column)));
       const int16x8_t last = vreinterpretq_s16_u16(vmovl_u8(vget_high_u8(column)));
       for (int p = 0; p < poses; ++p) {

@@ -15,16 +15,16 @@ int8x16_t load(const std::uint8_t* bytes) {
 // and once with the high digits of four inputs. It takes signed bytes, so the offset of the digits is removed and
 // initial_sums is not needed.
 template <int poses>
-void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[16]) {
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4; ++i) low_sum[p][i] = high_sum[p][i] = vdupq_n_s32(0);
   const std::int16_t* numbers = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, numbers += 4 * panel.poses) {
-    const std::uint32_t* index = panel.indices + k;
-    const int8x16_t a = load(digits + index[0] * stride), b = load(digits + index[1] * stride);
-    const int8x16_t c = load(digits + index[2] * stride), d = load(digits + index[3] * stride);
+    const std::uint32_t* at = panel.offsets + k;
+    const int8x16_t a = load(digits + at[0]), b = load(digits + at[1]);
+    const int8x16_t c = load(digits + at[2]), d = load(digits + at[3]);
     const int16x8_t ab[2] = {vreinterpretq_s16_s8(vzip1q_s8(a, b)), vreinterpretq_s16_s8(vzip2q_s8(a, b))};
     const int16x8_t cd[2] = {vreinterpretq_s16_s8(vzip1q_s8(c, d)), vreinterpretq_s16_s8(vzip2q_s8(c, d))};
     const int8x16_t fours[4] = {

@@ -28,7 +28,8 @@ inline constexpr std::size_t quad_columns = 4;
 
 // The quantised inputs of a panel in 1 or poses_per_block poses.
 struct PanelInputs {
-  const std::uint32_t* indices;  // the column of each input; unused for quads, whose inputs are all columns in order
+  // Where the column of each input is in the panel's digits; unused for quads, whose inputs are all columns in order.
+  const std::uint32_t* offsets;
   // -32512..32512: by four inputs, then by pose. Not null.
   const std::int16_t* values;
   std::size_t count;                  // a multiple of 4: padded with zeros, for existing columns
@@ -36,12 +37,12 @@ struct PanelInputs {
   const std::uint32_t* initial_sums;  // by pose: -128 x the sum of its inputs, modulo 2^32; corrects the digits' offset
 };
 
-// Rows of a matrix. A byte of `digits` is a digit + 128, but see PoseKernels::signed_odd_digits. Columns and quads are
-// `stride` bytes apart; those of columns are in an order of their own, see PoseKernels::column_rows.
+// Rows of a matrix. A byte of `digits` is a digit + 128, but see PoseKernels::signed_odd_digits. The rows of
+// columns are in an order of their own, see PoseKernels::column_rows.
 struct Panel {
   const std::uint8_t* digits;
   std::size_t rows;
-  std::size_t stride;
+  std::size_t stride;  // bytes from quad to quad
 };
 
 // Where the products of a panel go: row r of pose p becomes (scales[r] * steps[p]) * f32(sum) + bias[r], where sum is

@@ -24,7 +24,7 @@ void product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& o
 }
 
 void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
-  product(panel, inputs, output, [&](std::size_t k, std::size_t r) { return inputs.indices[k] * panel.stride + r; });
+  product(panel, inputs, output, [&](std::size_t k, std::size_t r) { return inputs.offsets[k] + r; });
 }
 
 void quad_product(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {

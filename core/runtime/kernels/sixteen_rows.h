@@ -7,11 +7,11 @@ void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOu
   std::int32_t sums[poses_at_once][16];
   for (std::size_t r = 0; r < panel.rows; r += 16)
     if (inputs.poses == 1) {
-      sum_columns<1>(panel.digits + r, panel.stride, inputs, 0, sums);
+      sum_columns<1>(panel.digits + r, inputs, 0, sums);
       finish_rows(panel, output, 0, r, 16, sums[0]);
     } else {
       for (std::size_t pose = 0; pose < poses_per_block; pose += poses_at_once) {
-        sum_columns<poses_at_once>(panel.digits + r, panel.stride, inputs, pose, sums);
+        sum_columns<poses_at_once>(panel.digits + r, inputs, pose, sums);
         for (std::size_t p = 0; p < poses_at_once; ++p) finish_rows(panel, output, pose + p, r, 16, sums[p]);
       }
     }

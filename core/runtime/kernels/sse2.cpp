@@ -13,7 +13,7 @@ __m128i load(const std::uint8_t* bytes) {
 
 // Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the multiply-add instruction.
 template <int blocks, int poses>
-void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[32]) {
   const __m128i zero = _mm_setzero_si128();
   __m128i sum[poses][4 * blocks];
@@ -22,8 +22,8 @@ void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInpu
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const std::uint8_t* a = digits + panel.indices[k + pair] * stride;
-      const std::uint8_t* b = digits + panel.indices[k + pair + 1] * stride;
+      const std::uint8_t* a = digits + panel.offsets[k + pair];
+      const std::uint8_t* b = digits + panel.offsets[k + pair + 1];
       for (int block = 0; block < blocks; ++block) {
         const __m128i first = _mm_unpacklo_epi8(load(a + 16 * block), load(b + 16 * block));
         const __m128i last = _mm_unpackhi_epi8(load(a + 16 * block), load(b + 16 * block));

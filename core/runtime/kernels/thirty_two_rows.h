@@ -9,16 +9,16 @@ void column_product(const Panel& panel, const PanelInputs& inputs, const PanelOu
   std::size_t r = 0;
   if (inputs.poses == 1)
     for (; r + 16 < panel.rows; r += 32) {
-      sum_columns<2, 1>(panel.digits + r, panel.stride, inputs, 0, sums);
+      sum_columns<2, 1>(panel.digits + r, inputs, 0, sums);
       finish_rows(panel, output, 0, r, 32, sums[0]);
     }
   for (; r < panel.rows; r += 16)
     if (inputs.poses == 1) {
-      sum_columns<1, 1>(panel.digits + r, panel.stride, inputs, 0, sums);
+      sum_columns<1, 1>(panel.digits + r, inputs, 0, sums);
       finish_rows(panel, output, 0, r, 16, sums[0]);
     } else {
       for (std::size_t pose = 0; pose < poses_per_block; pose += 2) {
-        sum_columns<1, 2>(panel.digits + r, panel.stride, inputs, pose, sums);
+        sum_columns<1, 2>(panel.digits + r, inputs, pose, sums);
         for (std::size_t p = 0; p < 2; ++p) finish_rows(panel, output, pose + p, r, 16, sums[p]);
       }
     }

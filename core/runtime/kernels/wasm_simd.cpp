@@ -9,7 +9,7 @@ namespace {
 
 // Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the dot product instruction.
 template <int blocks, int poses>
-void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
+void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
                  std::int32_t (*sums)[32]) {
   v128_t sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
@@ -17,8 +17,8 @@ void sum_columns(const std::uint8_t* digits, std::size_t stride, const PanelInpu
   const std::int16_t* inputs = panel.values + 4 * first_pose;
   for (std::size_t k = 0; k < panel.count; k += 4, inputs += 4 * panel.poses)
     for (int pair = 0; pair < 4; pair += 2) {
-      const std::uint8_t* column_a = digits + panel.indices[k + pair] * stride;
-      const std::uint8_t* column_b = digits + panel.indices[k + pair + 1] * stride;
+      const std::uint8_t* column_a = digits + panel.offsets[k + pair];
+      const std::uint8_t* column_b = digits + panel.offsets[k + pair + 1];
       for (int block = 0; block < blocks; ++block) {
         const v128_t a = wasm_v128_load(column_a + 16 * block), b = wasm_v128_load(column_b + 16 * block);
         const v128_t first = wasm_i8x16_shuffle(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
