@@ -48,13 +48,14 @@ thread_local char last_error[2048];
 }  // namespace
 
 struct fb_scratch {
-  fb_scratch(const fb_model* model, std::uint32_t workers)
+  fb_scratch(const fb_model* model, std::uint32_t workers, std::size_t poses)
       : owner(model),
         workspaces(&model->memory),
         regions(model->evaluator.region_names().size(), &model->memory),
         meshes(model->evaluator.mesh_count(), &model->memory) {
     workspaces.reserve(workers);
-    for (std::uint32_t worker = 0; worker < workers; ++worker) workspaces.emplace_back(model->evaluator, model->memory);
+    for (std::uint32_t worker = 0; worker < workers; ++worker)
+      workspaces.emplace_back(model->evaluator, poses, model->memory);
   }
 
   std::atomic<bool> busy = false;
@@ -507,13 +508,21 @@ fb_status fb_row_block_digits(const fb_model* model, uint32_t index, uint32_t* c
 
 // ---- Posing ----
 
-fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
+static fb_status create_scratch(const fb_model* model, uint32_t workers, std::size_t poses, fb_scratch** scratch) {
   return abi_guard([&] {
     require(model, "model");
     require(scratch, "scratch");
     if (workers == 0) fail(Status::invalid_argument, "workers is 0");
-    *scratch = new fb_scratch(model, workers);
+    *scratch = new fb_scratch(model, workers, poses);
   });
+}
+
+fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
+  return create_scratch(model, workers, fb::runtime::poses_per_block, scratch);
+}
+
+fb_status fb_scratch_create_single(const fb_model* model, uint32_t workers, fb_scratch** scratch) {
+  return create_scratch(model, workers, 1, scratch);
 }
 
 void fb_scratch_destroy(fb_scratch* scratch) {

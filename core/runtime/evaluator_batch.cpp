@@ -153,8 +153,10 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
                       floats_of(batch.bounds, pose, bounds_floats),
                       batch.displacements};
   };
-  // Whole blocks first, if there are enough for all workers; then the remaining poses.
-  const std::size_t blocks = batch.poses / poses_per_block >= workers ? batch.poses / poses_per_block : 0;
+  // Whole blocks first, if there are enough for all workers and all have room for them; then the remaining poses.
+  const bool in_blocks = std::all_of(workspaces.begin(), workspaces.end(),
+                                     [](const Workspace& workspace) { return workspace.block_ == poses_per_block; });
+  const std::size_t whole = in_blocks ? batch.poses / poses_per_block : 0, blocks = whole >= workers ? whole : 0;
   const std::size_t tasks = blocks + batch.poses - blocks * poses_per_block;
   parallel_for(within, tasks, [&](std::size_t task, std::size_t worker) {
     if (task >= tasks || worker >= workspaces.size())

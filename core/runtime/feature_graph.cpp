@@ -11,11 +11,11 @@
 
 namespace fb::runtime {
 
-FeatureState::FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory)
-    : values_(graph.feature_count() * poses_per_block, &memory),
+FeatureState::FeatureState(const FeatureGraph& graph, std::size_t poses, std::pmr::memory_resource& memory)
+    : values_(graph.feature_count() * poses, &memory),
       active_(graph.feature_count() + 16, &memory),
       candidates_(graph.feature_count() + 1, &memory),
-      offsets_(graph.control_count() * poses_per_block, &memory) {}
+      offsets_(graph.control_count() * poses, &memory) {}
 
 FeatureGraph::FeatureGraph(const PackedModel& model, std::pmr::memory_resource& memory, std::pmr::memory_resource& heap)
     : graph_index_(model.features.size(), &memory),

@@ -18,7 +18,8 @@ class FeatureGraph;
 // The feature values of one pose or of a block of poses, by graph index.
 class FeatureState {
  public:
-  FeatureState(const FeatureGraph& graph, std::pmr::memory_resource& memory);
+  // For up to `poses` poses: 1 or poses_per_block.
+  FeatureState(const FeatureGraph& graph, std::size_t poses, std::pmr::memory_resource& memory);
   // The features that are not 0 in at least one pose. All others are 0.
   std::span<const std::uint32_t> active() const { return {active_.data(), active_count_}; }
   // The values of a feature, one a pose.

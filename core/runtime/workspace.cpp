@@ -6,28 +6,29 @@
 
 namespace fb::runtime {
 
-Workspace::Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memory)
-    : Workspace(evaluator.layout(), memory) {}
+Workspace::Workspace(const Evaluator& evaluator, std::size_t poses, std::pmr::memory_resource& memory)
+    : Workspace(evaluator.layout(), poses, memory) {}
 
-Workspace::Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& memory)
-    : features_(layout.features, memory),
-      list_values_(layout.list_offsets.back() * poses_per_block, &memory),
+Workspace::Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr::memory_resource& memory)
+    : block_(poses),
+      features_(layout.features, poses, memory),
+      list_values_(layout.list_offsets.back() * poses, &memory),
       list_columns_(layout.list_offsets.back(), &memory),
       list_ends_(layout.list_offsets.size() - 1, &memory),
-      quantised_(layout.max_pass_entries * poses_per_block, &memory),
+      quantised_(layout.max_pass_entries * poses, &memory),
       active_regions_(layout.networks.size(), &memory),
-      coefficients_(layout.coefficient_count * poses_per_block, &memory),
-      layers_(layout.max_work_size * poses_per_block, &memory),
-      rows_(layout.row_stride() * poses_per_block, &memory),
-      moved_(layout.row_blocks.size() * poses_per_block, &memory),
-      layer_inputs_(layout.max_width, poses_per_block, memory),
+      coefficients_(layout.coefficient_count * poses, &memory),
+      layers_(layout.max_work_size * poses, &memory),
+      rows_(layout.row_stride() * poses, &memory),
+      moved_(layout.row_blocks.size() * poses, &memory),
+      layer_inputs_(layout.max_width, poses, memory),
       normals_(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory),
       errors_(layout.errors, memory),
-      exact_(layout.exact, poses_per_block, memory),
+      exact_(layout.exact, poses, memory),
       level_vectors_(layout.details.levels.empty() ? 0 : layout.row_stride(), &memory) {
   if (!layout.tangents.signs().empty())
     tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);
-  for (std::size_t p = 0; p < poses_per_block; ++p)
+  for (std::size_t p = 0; p < poses; ++p)
     std::copy_n(layout.rest_rows.begin(), layout.rest_positions.size(), rows_.begin() + p * layout.row_stride());
 }
 

@@ -17,11 +17,13 @@ namespace fb::runtime {
 
 class Evaluator;
 
-// Working memory of one worker, for a block of poses_per_block poses. It fits the evaluator it was made for, and does
+// Working memory of one worker, for a block of poses. It fits the evaluator it was made for, and does
 // not refer to it.
 class Workspace {
  public:
-  explicit Workspace(const Evaluator& evaluator, std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
+  // poses: poses_per_block, or 1 for a workspace that evaluates batches pose after pose and is much smaller.
+  explicit Workspace(const Evaluator& evaluator, std::size_t poses = poses_per_block,
+                     std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
   // Control values that the last evaluation clamped; after a batch, in all poses of this worker.
   std::uint64_t clamped() const { return clamped_; }
@@ -29,7 +31,7 @@ class Workspace {
  private:
   friend class Evaluator;
   friend class PoseExecution;
-  Workspace(const EvaluationLayout& layout, std::pmr::memory_resource& memory);
+  Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr::memory_resource& memory);
 
   // An input list, see EvaluationLayout. Poses are interleaved.
   MatrixInputs list(const EvaluationLayout& layout, std::size_t number, std::size_t poses) {
@@ -37,6 +39,7 @@ class Workspace {
     return {list_values_.data() + first * poses, list_ends_[number] - first, 0, list_columns_.data() + first};
   }
 
+  std::size_t block_;  // poses that are evaluated together, at most
   FeatureState features_;
   std::pmr::vector<float> list_values_;
   std::pmr::vector<std::uint32_t> list_columns_, list_ends_;

@@ -22,6 +22,20 @@ static void batches_equal_single_poses(void** state) {
   }
 }
 
+static void a_scratch_for_single_poses_gives_the_same_batches(void** state) {
+  (void)state;
+  float positions[POSES * FLOATS] = {0}, one[FLOATS];
+  fb_scratch* single = NULL;
+  assert_int_equal(fb_scratch_create_single(model, 0, &single), FB_ERROR_INVALID_ARGUMENT);
+  assert_ok(fb_scratch_create_single(model, 2, &single));
+  fb_batch_desc desc = describe(positions, POSES * FLOATS);
+  assert_ok(fb_evaluate_batch(model, single, &desc));
+  assert_memory_equal(positions, expected, sizeof positions);
+  assert_ok(fb_evaluate(model, single, controls, one));
+  assert_memory_equal(one, expected, sizeof one);
+  fb_scratch_destroy(single);
+}
+
 static void a_host_may_schedule(void** state) {
   (void)state;
   float positions[POSES * FLOATS] = {0};
@@ -142,6 +156,7 @@ static void an_empty_batch_does_nothing(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(batches_equal_single_poses),
+      cmocka_unit_test(a_scratch_for_single_poses_gives_the_same_batches),
       cmocka_unit_test(a_host_may_schedule),
       cmocka_unit_test(strides_are_honoured),
       cmocka_unit_test(clamping_is_counted_over_the_batch),

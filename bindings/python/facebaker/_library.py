@@ -115,6 +115,7 @@ _FUNCTIONS: Functions = {
     "fb_tangent_signs": (POINTER(c_float), [c_void_p]),
     "fb_runtime_bytes": (c_uint64, [c_void_p]),
     "fb_scratch_create": (c_int32, [c_void_p, c_uint32, POINTER(c_void_p)]),
+    "fb_scratch_create_single": (c_int32, [c_void_p, c_uint32, POINTER(c_void_p)]),
     "fb_scratch_destroy": (None, [c_void_p]),
     "fb_evaluate": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "fb_clamped_count": (c_uint64, [c_void_p]),
