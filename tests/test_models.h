@@ -28,6 +28,45 @@ inline Mesh grid_mesh(std::uint32_t columns, std::uint32_t rows, std::uint64_t s
   return mesh;
 }
 
+// A closed surface of two handles with holes, in quads and triangles: a grid whose ends meet, with a tunnel, flipped
+// polygons, a triangle and its back, three triangles on an edge, two fans on one vertex, and two vertices of no
+// polygon.
+inline Mesh odd_surface(std::uint32_t columns, std::uint32_t rows, std::uint64_t seed = 1) {
+  Mesh mesh = grid_mesh(columns, rows, seed);
+  mesh.polygon_sizes.clear();
+  mesh.polygon_corners.clear();
+  const auto add = [&](std::vector<std::uint32_t> corners) {
+    mesh.polygon_sizes.push_back(static_cast<std::uint32_t>(corners.size()));
+    mesh.polygon_corners.insert(mesh.polygon_corners.end(), corners.begin(), corners.end());
+  };
+  for (std::uint32_t y = 0; y < rows; ++y)
+    for (std::uint32_t x = 0; x < columns; ++x) {
+      const std::uint32_t right = (x + 1) % columns, up = (y + 1) % rows;
+      if ((x == 1 && y == 1) || (x == columns - 2 && y == rows - 2)) continue;
+      const std::uint32_t a = y * columns + x, b = y * columns + right, c = up * columns + right, d = up * columns + x;
+      if (x == 3 && y == 2)
+        add({a, d, c, b});
+      else if (x == 0)
+        add({a, b, c}), add({a, c, d});
+      else
+        add({a, b, c, d});
+    }
+  const auto corner = [&](std::uint32_t x, std::uint32_t y) { return y * columns + x; };
+  const std::uint32_t near[] = {corner(1, 1), corner(2, 1), corner(2, 2), corner(1, 2)},
+                      far[] = {corner(columns - 2, rows - 2), corner(columns - 1, rows - 2),
+                               corner(columns - 1, rows - 1), corner(columns - 2, rows - 1)};
+  for (std::size_t k = 0; k < 4; ++k) add({near[k], near[(k + 1) % 4], far[(5 - k) % 4], far[(6 - k) % 4]});
+  const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
+  for (std::uint32_t v = 0; v < 9; ++v)
+    mesh.points.insert(mesh.points.end(), {float(v), -3.0f, v % 2 == 0 ? 1.0f : 2.0f});
+  add({first, first + 1, first + 2});
+  add({first, first + 2, first + 1});
+  add({0, 1, first + 3});
+  add({5, first + 4, first + 5});
+  add({first + 6, first + 6, first + 5});
+  return mesh;
+}
+
 // Texture coordinates for a mesh: one pair a vertex, and another for the corners of the latter half of the polygons, so
 // that a seam lies between.
 inline void give_uvs(Mesh& mesh) {

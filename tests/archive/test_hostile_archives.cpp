@@ -25,8 +25,10 @@ Bytes tiny_archive() {
   return write_archive(model, proof);
 }
 
-// An archive whose rest mesh is an edgebreaker mesh (the tiny model's is a point cloud), its positions multiples of
-// `step`.
+// Where the Draco data of section "geometry" begins in tiny_archive(), whose mesh has 30 vertices and 34 points.
+constexpr std::size_t draco_at = 12 + 4 * 34;
+
+// An archive whose rest mesh is a manifold (the tiny model's is none), its positions multiples of `step`.
 Bytes manifold_archive(float step = 0) {
   PackedModel model = tiny_packed_model();
   model.rest = grid_mesh(6, 5);
@@ -228,14 +230,19 @@ TEST_CASE("forged contents are refused by section") {
   lie("definition", 23, UINT32_MAX, Status::corrupt, "controls need more than");
   lie("polygons", 0, UINT32_MAX, Status::corrupt, "polygon sizes needs 17179869180 bytes");
   lie("polygons", 4, std::uint32_t(7), Status::corrupt, "do not add up");
-  lie("geometry", 0, std::uint32_t(2), Status::unsupported, "unknown order 2");
-  lie("geometry", 4, UINT32_MAX, Status::limit, "rest triangles");
+  lie("geometry", 0, std::uint32_t(29), Status::corrupt, "fewer points than vertices");
+  lie("geometry", 0, UINT32_MAX, Status::corrupt, "vertices of points needs");
+  lie("geometry", 4, UINT32_MAX, Status::corrupt, "more triangles than the format allows");
+  lie("geometry", 4, std::uint32_t(9), Status::corrupt, "more points than corners");
   lie("geometry", 8, 0.75f, Status::corrupt, "no power of two");
   lie("geometry", 8, std::uint32_t(0x7f800000), Status::corrupt, "no power of two");
-  lie("geometry", 8, 0.5f, Status::corrupt, "cannot be decoded");
-  lie("geometry", 12, std::uint8_t(0), Status::corrupt, "not of the type");
-  lie("geometry", 23, std::int32_t(0x7fffffff), Status::corrupt, "cannot be decoded");
-  lie("polygons", 8 + 4 * 21, std::uint32_t(2), Status::unsupported, "unknown coding 2");
+  lie("geometry", 8, 0.5f, Status::corrupt, "of another kind than the format allows");
+  lie("geometry", 12, std::uint8_t(61), Status::corrupt, "a vertex that does not exist");
+  lie("geometry", draco_at, std::uint8_t(0), Status::corrupt, "of another kind than the format allows");
+  lie("geometry", draco_at + 12, std::uint8_t(33), Status::corrupt, "another number of points or faces");
+  lie("geometry", draco_at + 14, std::uint8_t(1), Status::corrupt, "seams");
+  lie("geometry", draco_at + 15, std::uint8_t(1), Status::corrupt, "the number of symbols");
+  lie("polygons", 8 + 4 * 21, std::uint8_t(200), Status::corrupt, "no edge of a triangle");
   lie("network", 0, UINT32_MAX, Status::corrupt, "features need more than");
   lie("network", 4, std::uint8_t(17), Status::unsupported, "unknown kind 17");
   lie("network", 5, std::uint32_t(5), Status::corrupt, "names control 5 of 5");

@@ -97,20 +97,12 @@ Bytes with_polygons(const PackedModel& model, std::uint32_t count, std::uint32_t
   sizes.insert(sizes.end(), count, 4 * turns);
   for (std::uint32_t turn = 0; turn < count * turns; ++turn)
     corners.insert(corners.end(), quad.begin(), quad.begin() + 4);
-  std::vector<std::uint32_t> deltas;
-  std::size_t at = 0;
-  std::uint32_t previous = 0;
-  for (const std::uint32_t size : sizes) {
-    for (std::uint32_t k = 0; k < size; ++k, ++at)
-      deltas.push_back(archive::to_zigzag(corners[at] - archive::predicted_corner(corners, at, k, previous)));
-    previous = size;
-  }
   archive::ByteWriter out;
   out.count(sizes.size(), "polygons");
   out.count(corners.size(), "corners");
   out.planes(sizes);
-  out.number(static_cast<std::uint32_t>(archive::CornerCoding::deltas));
-  out.planes(deltas);
+  out.numbers(std::vector<std::uint8_t>(sizes.size(), archive::no_edge));
+  out.planes(archive::corner_deltas(sizes, corners));
   archive["polygons"].set(out.bytes);
   deflate(archive["polygons"]);
   return archive.bytes();

@@ -1,5 +1,6 @@
 """The conventions of FORMAT.md: numbers, checksums and coded symbols. For fbk_read.py."""
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +9,7 @@ class Corrupt(Exception):
     pass
 
 
-def require(condition, message):
+def require(condition: object, message: str) -> None:
     if not condition:
         raise Corrupt(message)
 
@@ -49,26 +50,26 @@ def xxh64(data):
     return h ^ h >> 32
 
 
-def unzigzag(z):
+def unzigzag(z: Any) -> Any:
     return z >> 1 ^ -(z & 1)
 
 
 class Contents:
     """The decompressed bytes of one section, read from front to back."""
 
-    def __init__(self, name, data):
+    def __init__(self, name: str, data: bytes) -> None:
         self.name, self.data, self.at = name, data, 0
 
-    def take(self, count):
+    def take(self, count: int) -> bytes:
         require(0 <= count <= len(self.data) - self.at, f"{self.name}: too short")
         self.at += count
         return self.data[self.at - count : self.at]
 
-    def number(self, kind):
+    def number(self, kind: str) -> Any:
         return struct.unpack("<" + kind, self.take(struct.calcsize("<" + kind)))[0]
 
-    def u32(self):
-        return self.number("I")
+    def u32(self) -> int:
+        return int(self.number("I"))
 
     def array(self, kind, count):
         kind = np.dtype(kind).newbyteorder("<")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An independent reader of .fbk archives, written from core/archive/FORMAT.md and EVALUATION.md alone.
+"""An independent reader of .fbk archives, written from the documents in core/archive alone.
 
     fbk_read.py FILE...
 
@@ -7,21 +7,18 @@ reads every file, evaluates the poses of its proof and compares them with what w
 if all agree, 1 at the first difference or corrupt archive, 2 on wrong use. With --positions it prints the positions of the
 proof's poses as hexadecimal bits instead of comparing them, for other programs to compare.
 
-Needs Python 3.8, NumPy, and for the rest mesh a Draco decoder: the module DracoPy, or a program named by the variable
-FB_DRACO_POINTS that reads Draco data from its standard input and writes, little-endian: u32 points, u32 faces, u32 0 or
-1, x, y, z of each point as f32 (0) or i32 (1), and, if there are faces, the u32 index of each point and three points,
-u32, of each face. It is slow and meant to be read.
+Needs Python 3.8 and NumPy. It is slow and meant to be read.
 """
 import heapq
-import os
 import struct
-import subprocess
 import sys
 import zlib
+from typing import Dict, Tuple
 
 import numpy as np
 
 import fbk_character
+import fbk_draco
 import fbk_errors
 import fbk_evaluate
 import fbk_exact
@@ -32,10 +29,13 @@ from fbk_bytes import Contents, Corrupt, RansDecoder, require, unzigzag, xxh64
 F = np.float32
 
 
+NO_EDGE = 255  # the edge index of a polygon whose corners are coded as differences
+
+
 # ---- File
 
 
-def read_sections(data):
+def read_sections(data: bytes) -> Dict[str, Tuple[int, int, int, bytes]]:
     require(data[:8] == bytes.fromhex("8946424b0d0a1a0a"), "not an .fbk archive")
     require(len(data) >= 24, "truncated within the header")
     major, _, count, size = struct.unpack_from("<HHIQ", data, 8)
@@ -62,7 +62,7 @@ def read_sections(data):
     return sections
 
 
-def decompress(sections, name):
+def decompress(sections: Dict[str, Tuple[int, int, int, bytes]], name: str) -> Contents:
     require(name in sections, f"no section {name}")
     _, codec, raw, stored = sections[name]
     require(codec in (0, 1), f"{name}: unsupported codec {codec}")
@@ -103,14 +103,19 @@ def read_polygons(c, face):
     count, corners = c.u32(), c.u32()
     sizes = c.planes(count).tolist()
     require(all(size >= 3 for size in sizes) and sum(sizes) == corners, "polygons: sizes")
-    coding = c.u32()
-    require(coding in (0, 1), f"polygons: unsupported coding {coding}")
-    face.polygons = []
-    if coding == 0:
-        face.polygons = read_corner_deltas(c, sizes, c.planes(corners).tolist(), face.vertices)
-    else:
-        read_along_triangles(face, sizes, c.deltas(count).tolist(), c.take(count))
+    edge_indices = c.take(count)
+    others = [size for size, edge in zip(sizes, edge_indices) if edge == NO_EDGE]
+    firsts = iter(c.deltas(count - len(others)).tolist())
+    others = iter(read_corner_deltas(c, others, c.planes(sum(others)).tolist(), face.vertices))
     c.end()
+    edges, previous = edges_from(face.triangles), None
+    face.polygons = []
+    for size, edge in zip(sizes, edge_indices):
+        if edge == NO_EDGE:
+            face.polygons.append(next(others))
+        else:
+            previous = polygon_along_triangles(face, edges, size, next(firsts), edge, previous)
+            face.polygons.append(previous)
 
 
 def read_corner_deltas(c, sizes, deltas, limit):
@@ -126,74 +131,51 @@ def read_corner_deltas(c, sizes, deltas, limit):
     return polygons
 
 
-def read_along_triangles(face, sizes, first_corners, edge_indices):
+def edges_from(triangles):
+    """For each vertex, the edges from it: the vertex each leads to, and the vertex opposite."""
     edges = {}
-    for triangle in face.triangles:
+    for triangle in triangles:
         for k in range(3):
             v, to, opposite = (triangle[(k + i) % 3] for i in range(3))
             edges.setdefault(v, []).append((to, opposite))
-    previous = None
-    for size, v, edge_index in zip(sizes, first_corners, edge_indices):
-        require(v < face.vertices, "polygons: no such vertex")
-        prediction = v + previous[1] - previous[0] if previous else v
-        from_v = edges.get(v, [])
-        opposite = dict(from_v)
-        require(len(from_v) <= 64 and len(opposite) == len(from_v), "polygons: not coded along these triangles")
-
-        def zigzag_distance(w):
-            d = (w - prediction) % 2**32
-            return 2 * d if d < 2**31 else 2 * (2**32 - d) - 1
-
-        require(edge_index < len(from_v), "polygons: no such edge")
-        polygon = [v, sorted(opposite, key=zigzag_distance)[edge_index]]
-        while len(polygon) < size:
-            require(polygon[-1] in opposite, "polygons: no fan of triangles")
-            polygon.append(opposite[polygon[-1]])
-        face.polygons.append(polygon)
-        previous = polygon
+    return edges
 
 
-def draco_points(data):
-    """Points (n x 3, f32 or i32), indices (n) and faces (m x 3) of Draco data, by a stock decoder."""
-    program = os.environ.get("FB_DRACO_POINTS")
-    if program:
-        done = subprocess.run([program], input=data, capture_output=True)
-        require(done.returncode == 0, "geometry: the Draco data cannot be decoded")
-        count, faces, integers = struct.unpack_from("<III", done.stdout)
-        points = np.frombuffer(done.stdout, "<i4" if integers else "<f4", 3 * count, 12).reshape(count, 3)
-        rest = np.frombuffer(done.stdout, "<u4", -1, 12 + 12 * count)
-        return points, rest[:count], rest[count:].reshape(faces, 3)
-    import DracoPy
+def polygon_along_triangles(face, edges, size, v, edge_index, previous):
+    require(v < face.vertices, "polygons: no such vertex")
+    require(size <= 66, "polygons: too many corners along triangles")
+    prediction = v + previous[1] - previous[0] if previous else v
+    from_v = edges.get(v, [])
+    opposite = dict(from_v)
+    require(len(from_v) <= 64 and len(opposite) == len(from_v), "polygons: not coded along these triangles")
 
-    mesh = DracoPy.decode(data)
-    attributes = {a["attribute_type"]: np.asarray(a["data"]) for a in getattr(mesh, "attributes", [])}
-    points = attributes.get(0, np.asarray(mesh.points, F))
-    faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), np.int64)
-    return points, attributes.get(4, np.zeros(0, np.uint32)).ravel(), faces
+    def zigzag_distance(w):
+        d = (w - prediction) % 2**32
+        return 2 * d if d < 2**31 else 2 * (2**32 - d) - 1
+
+    require(edge_index < len(from_v), "polygons: no such edge")
+    polygon = [v, sorted(opposite, key=zigzag_distance)[edge_index]]
+    while len(polygon) < size:
+        require(polygon[-1] in opposite, "polygons: no fan of triangles")
+        polygon.append(opposite[polygon[-1]])
+    return polygon
 
 
 def read_geometry(c, face):
-    order, triangles, grid_step = c.u32(), c.u32(), c.array("f4", 1)[0]
-    require(order in (0, 1), f"geometry: unsupported order {order}")
+    points, triangles, grid_step = c.u32(), c.u32(), c.array("f4", 1)[0]
     power_of_two = grid_step > 0 and np.isfinite(grid_step) and np.frexp(grid_step)[0] == 0.5
     require(grid_step == 0 or power_of_two, "geometry: the grid step")
-    points, index, faces = draco_points(c.take(len(c.data) - c.at))
-    require(len(points) == face.vertices and len(faces) == triangles, "geometry: points or triangles")
-    require((points.dtype.kind == "f") == bool(grid_step == 0), "geometry: a grid without integers, or integers without a grid")
-    if grid_step > 0:
-        require((abs(points.astype(np.int64)) <= 16777215).all(), "geometry: beyond the grid")
-        points = points.astype(F) * grid_step
-    require(np.isfinite(points).all(), "geometry: points")
-    if order == 1:
-        require(sorted(index.tolist()) == list(range(face.vertices)), "geometry: indices")
-        rest = np.empty_like(points)
-        rest[index] = points
-        points = rest
-    else:
-        require(triangles == 0, "geometry: triangles without a mesh")
-    face.triangles = [[int(index[p]) for p in f] for f in faces]
-    require((points.max(0) > points.min(0)).any(), "geometry: the bounding box is a point")
-    face.rest = points.astype(F).ravel()
+    vertices = c.deltas(points).tolist()
+    require(set(vertices) == set(range(face.vertices)), "geometry: vertices of points")
+    positions, faces = fbk_draco.decode(c.take(len(c.data) - c.at), points, triangles, bool(grid_step > 0))
+    found = np.array(positions, np.int32 if grid_step > 0 else F).astype(F) * (grid_step if grid_step > 0 else F(1))
+    require(np.isfinite(found).all(), "geometry: points")
+    rest = np.empty((face.vertices, 3), F)
+    rest[vertices] = found
+    require(rest[vertices].tobytes() == found.tobytes(), "geometry: points of one vertex have different positions")
+    require((rest.max(0) > rest.min(0)).any(), "geometry: the bounding box is a point")
+    face.triangles = [[vertices[p] for p in f] for f in faces]
+    face.rest = rest.ravel()
 
 
 def read_uvs(c, face):

@@ -151,6 +151,20 @@ PackedModel odd_mesh() {
   return model;
 }
 
+// A surface with everything that Edgebreaker and polygons along triangles have rules for; on a grid or not.
+PackedModel odd_model(float grid_step) {
+  PackedModel model = smallest();
+  model.rest = odd_surface(12, 9);
+  if (grid_step > 0)
+    for (float& x : model.rest.points) x = std::round(x / grid_step) * grid_step;
+  const auto rows = static_cast<std::uint32_t>(model.rest.points.size());
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct = {0};
+  model.columns = 1;
+  model.row_blocks = {{0, rows, {{0, false, 0.01f}}, std::vector<std::int16_t>(rows, 3)}};
+  return model;
+}
+
 // Sums that overflow in every pose but the rest pose.
 PackedModel overflowing() {
   PackedModel model = tiny_packed_model();
@@ -181,6 +195,9 @@ void write_accepted(const std::filesystem::path& folder) {
   write("tiny.fbk", with_proof(tiny_packed_model()));
   write("manifold.fbk", with_proof(odd_mesh()));
   write("smallest.fbk", with_proof(smallest()));
+  write("surface.fbk", with_proof(odd_model(0)));
+  write("surface-grid.fbk", with_proof(odd_model(0x1p-10f)));
+  write("surface-coarse.fbk", with_proof(odd_model(1)));
   write("regular.fbk", with_proof(regular(true)));
   write("regular-points.fbk", with_proof(regular(false)));
   write("uvs.fbk", with_proof(with_uvs(give_uvs)));
@@ -285,15 +302,21 @@ void write_rejected_geometry(const RejectedWriter& out) {
   out.patched("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
   out.patched("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
   out.patched("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
-  out.patched("unsupported-point-order.fbk", "geometry", 0, std::uint32_t(2));
-  out.patched("corrupt-draco.fbk", "geometry", 12, std::uint8_t(0));
+  // The tiny model's mesh of 30 vertices has 34 points, after which the Draco data begins.
+  constexpr std::size_t draco = 12 + 4 * 34;
+  out.patched("corrupt-points.fbk", "geometry", 0, std::uint32_t(29));
+  out.patched("corrupt-point-vertex.fbk", "geometry", 12, std::uint8_t(61));
+  out.patched("corrupt-draco.fbk", "geometry", draco, std::uint8_t(0));
+  out.patched("corrupt-draco-points.fbk", "geometry", draco + 12, std::uint8_t(33));
+  out.patched("corrupt-draco-seams.fbk", "geometry", draco + 14, std::uint8_t(1));
+  out.patched("corrupt-draco-symbols.fbk", "geometry", draco + 15, std::uint8_t(1));
   out.patched("corrupt-triangles.fbk", "geometry", 4, std::uint32_t(1));
   out.patched("corrupt-grid.fbk", "geometry", 8, 0.75f);
   out.patched("corrupt-floats-on-grid.fbk", "geometry", 8, 0.5f);
-  out.patched("unsupported-corners.fbk", "polygons", 8 + 4 * 21, std::uint32_t(2));
   const PackedModel on_grid = regular(true);
-  out.patched("corrupt-edge-index.fbk", "polygons", 8 + 4 * 20 + 4 + 4 * 20 + 7, std::uint8_t(6), on_grid);
-  out.patched("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 4, std::uint8_t(60), on_grid);
+  out.patched("corrupt-edge-index.fbk", "polygons", 8 + 4 * 20 + 7, std::uint8_t(6), on_grid);
+  out.patched("corrupt-first-corner.fbk", "polygons", 8 + 4 * 20 + 20, std::uint8_t(60), on_grid);
+  out.patched("corrupt-corner-missing.fbk", "polygons", 8 + 4 * 20 + 7, std::uint8_t(255), on_grid);
   out.patched("corrupt-coarse-grid.fbk", "geometry", 8, 0x1p126f, on_grid);
   out.patched("corrupt-grid-for-floats.fbk", "geometry", 8, 0.0f, on_grid);
   const PackedModel seam = with_uvs(give_uvs), by_vertex = with_uvs(give_uvs_by_vertex);

@@ -19,7 +19,7 @@ std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes
   return deltas;
 }
 
-void restore_corners(const std::vector<std::uint32_t>& sizes, std::vector<std::uint32_t>& deltas) {
+void restore_corners(std::span<const std::uint32_t> sizes, std::span<std::uint32_t> deltas) {
   std::size_t at = 0;
   std::uint32_t previous_size = 0;
   for (const std::uint32_t size : sizes) {

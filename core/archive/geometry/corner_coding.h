@@ -1,5 +1,5 @@
 // Coding of polygon corners, shared by reader and writer: as differences from an earlier corner, or along the triangles
-// that Draco holds, where the first edge of a polygon determines its other corners. See FORMAT.md, "polygons".
+// of section "geometry", where the first edge of a polygon determines its other corners. See FORMAT.md, "polygons".
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace fb::archive {
 
 // The prediction of corner k of a polygon, at index `at` of all corners: corner k of the previous polygon, which has
 // `previous_size` corners, or else the corner before it.
-inline std::uint32_t predicted_corner(const std::vector<std::uint32_t>& corners, std::size_t at, std::uint32_t k,
+inline std::uint32_t predicted_corner(std::span<const std::uint32_t> corners, std::size_t at, std::uint32_t k,
                                       std::uint32_t previous_size) {
   if (k < previous_size) return corners[at - previous_size];
   return at > 0 ? corners[at - 1] : 0;
@@ -22,7 +22,7 @@ inline std::uint32_t predicted_corner(const std::vector<std::uint32_t>& corners,
 std::vector<std::uint32_t> corner_deltas(const std::vector<std::uint32_t>& sizes,
                                          const std::vector<std::uint32_t>& corners);
 // Its inverse, in place.
-void restore_corners(const std::vector<std::uint32_t>& sizes, std::vector<std::uint32_t>& deltas);
+void restore_corners(std::span<const std::uint32_t> sizes, std::span<std::uint32_t> deltas);
 
 // The half-edges of triangles, by the vertex they start from.
 class TriangleEdges {
@@ -47,6 +47,7 @@ class TriangleEdges {
 // The edges from a vertex, sorted by the zigzag distance of their end from `prediction`. Empty if two edges end at one
 // vertex or there are more than max_edges: polygons cannot be coded along these.
 inline constexpr std::size_t max_edges = 64;
+inline constexpr std::size_t max_fan_corners = max_edges + 2;  // of a polygon along triangles
 std::vector<TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
                                               std::uint32_t prediction);
 

@@ -14,7 +14,7 @@ struct WrittenGeometry {
   ByteWriter section;
   std::vector<std::uint32_t> triangles;  // as a reader decodes them, see RestPoints
 };
-// Fails with `internal` if no encoding restores the points bit for bit.
+// Fails with `internal` if Draco does not restore the points bit for bit.
 WrittenGeometry write_geometry(const Mesh& mesh);
 // `triangles`: those of WrittenGeometry.
 ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles);

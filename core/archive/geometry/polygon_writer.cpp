@@ -1,6 +1,7 @@
 #include <algorithm>
+#include <span>
 
-#include "archive/container/byte_reader.h"
+#include "archive/container/byte_writer.h"
 #include "archive/geometry/corner_coding.h"
 #include "archive/geometry/geometry_reader.h"
 #include "archive/geometry/geometry_writer.h"
@@ -8,63 +9,50 @@
 namespace fb::archive {
 namespace {
 
-void write_sizes(ByteWriter& out, const Mesh& mesh, CornerCoding coding) {
-  out.count(mesh.polygon_sizes.size(), "polygons");
-  out.count(mesh.polygon_corners.size(), "polygon corners");
-  out.planes(mesh.polygon_sizes);
-  out.number(static_cast<std::uint32_t>(coding));
-}
-
-ByteWriter write_deltas(const Mesh& mesh) {
-  ByteWriter out;
-  write_sizes(out, mesh, CornerCoding::deltas);
-  out.planes(corner_deltas(mesh.polygon_sizes, mesh.polygon_corners));
-  return out;
-}
-
-// Not every mesh can be coded so: the result must be checked.
-ByteWriter write_along_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
-  ByteWriter out;
-  write_sizes(out, mesh, CornerCoding::along_triangles);
-  const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.surface_vertex_count()));
-  std::vector<std::uint32_t> deltas;
-  std::vector<std::uint8_t> edge_indices;
-  const std::uint32_t* polygon = mesh.polygon_corners.data();
-  std::span<const std::uint32_t> previous;
-  for (const std::uint32_t size : mesh.polygon_sizes) {
-    deltas.push_back(to_zigzag(polygon[0] - (previous.empty() ? 0 : previous[0])));
-    const auto from = sorted_edges(edges, polygon[0], predicted_second_corner(previous, polygon[0]));
-    const auto edge = std::find_if(from.begin(), from.end(), [&](const auto& e) { return e.to == polygon[1]; });
-    edge_indices.push_back(static_cast<std::uint8_t>(edge - from.begin()));
-    previous = {polygon, size};
-    polygon += size;
+// The edge index of a polygon, if its other corners follow from it; else no_edge. `previous`: the polygon before it
+// that has one.
+std::uint8_t edge_index_of(std::span<const std::uint32_t> polygon, const TriangleEdges& edges,
+                           std::span<const std::uint32_t> previous) {
+  if (polygon.size() > max_fan_corners) return no_edge;
+  const auto from = sorted_edges(edges, polygon[0], predicted_second_corner(previous, polygon[0]));
+  const auto edge_to = [&](std::uint32_t vertex) {
+    return std::find_if(from.begin(), from.end(), [&](const auto& e) { return e.to == vertex; });
+  };
+  for (std::size_t k = 1; k < polygon.size(); ++k) {
+    const auto edge = edge_to(polygon[k]);
+    const bool is_last = k + 1 == polygon.size();
+    if (!is_last && (edge == from.end() || edge->opposite != polygon[k + 1])) return no_edge;
   }
-  out.planes(deltas);
-  out.numbers(edge_indices);
-  return out;
-}
-
-// Whether the archive's own reader restores every corner.
-bool is_lossless(const ByteWriter& section, const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
-  try {
-    MemoryBudget budget;
-    ByteReader in(section.bytes, "polygons", budget);
-    Mesh read;
-    read_polygons(in, static_cast<std::uint32_t>(mesh.surface_vertex_count()), triangles, read);
-    return read.polygon_corners == mesh.polygon_corners;
-  } catch (const Error&) {
-    return false;
-  }
+  return static_cast<std::uint8_t>(edge_to(polygon[1]) - from.begin());
 }
 
 }  // namespace
 
 ByteWriter write_polygons(const Mesh& mesh, const std::vector<std::uint32_t>& triangles) {
-  // Triangles determine the polygons only where each half-edge belongs to one triangle.
-  if (!triangles.empty())
-    if (ByteWriter section = write_along_triangles(mesh, triangles); is_lossless(section, mesh, triangles))
-      return section;
-  return write_deltas(mesh);
+  ByteWriter out;
+  out.count(mesh.polygon_sizes.size(), "polygons");
+  out.count(mesh.polygon_corners.size(), "polygon corners");
+  out.planes(mesh.polygon_sizes);
+  const TriangleEdges edges(triangles, static_cast<std::uint32_t>(mesh.surface_vertex_count()));
+  std::vector<std::uint8_t> edge_indices;
+  std::vector<std::uint32_t> firsts, other_sizes, other_corners;
+  std::span<const std::uint32_t> previous, left = mesh.polygon_corners;
+  for (const std::uint32_t size : mesh.polygon_sizes) {
+    const auto polygon = left.first(size);
+    left = left.subspan(size);
+    edge_indices.push_back(edge_index_of(polygon, edges, previous));
+    if (edge_indices.back() == no_edge) {
+      other_sizes.push_back(size);
+      other_corners.insert(other_corners.end(), polygon.begin(), polygon.end());
+      continue;
+    }
+    firsts.push_back(to_zigzag(polygon[0] - (previous.empty() ? 0 : previous[0])));
+    previous = polygon;
+  }
+  out.numbers(edge_indices);
+  out.planes(firsts);
+  out.planes(corner_deltas(other_sizes, other_corners));
+  return out;
 }
 
 ByteWriter write_uvs(const Mesh& mesh) {
