@@ -52,8 +52,7 @@ def horner(coefficients, s):
 
 
 def tanh(y):
-    y = np.where(y > -TANH_MOST, y, -TANH_MOST)
-    y = np.where(y < TANH_MOST, y, TANH_MOST)
+    y = np.where(y < -TANH_MOST, -TANH_MOST, np.where(y > TANH_MOST, TANH_MOST, y))  # NaN stays
     s = y * y
     return y * horner(TANH_P, s) / horner(TANH_Q, s)
 

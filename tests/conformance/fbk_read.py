@@ -84,6 +84,7 @@ OPTIONAL = ("provenance", "licence", "certificate", "proof", "uvs", "meshes", "m
 
 def read_definition(c, face):
     face.name, face.units, face.up = c.string(), c.string(), c.string()
+    require(face.up in ("y", "z"), "definition: up axis")
     face.vertices = c.u32()
     require(1 <= face.vertices <= 268435456, "definition: number of vertices")
     count = c.u32()

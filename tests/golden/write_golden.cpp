@@ -175,6 +175,16 @@ PackedModel overflowing() {
   return model;
 }
 
+// The same with a last layer of tanh, which gets infinities, and in its first row infinity times 0.
+PackedModel overflowing_tanh() {
+  PackedModel model = overflowing();
+  PackedLayer& last = model.regions[0].layers.back();
+  last.activation = Activation::tanh;
+  for (float& scale : last.scales) scale = 1e38f;
+  std::fill_n(last.weights.begin(), last.inputs, std::int16_t(0));
+  return model;
+}
+
 PackedModel long_names() {
   PackedModel model = tiny_packed_model();
   model.schema.name = std::string(65535, 'n');
@@ -211,6 +221,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("rows-5.fbk", with_proof(split_model(5, true)));
   write("rows-5-points.fbk", with_proof(split_model(5, false)));
   write("overflow.fbk", with_proof(overflowing()));
+  write("overflow-tanh.fbk", with_proof(overflowing_tanh()));
   write("long-names.fbk", with_proof(long_names()));
   write("unproven.fbk", write_archive(tiny_packed_model(2), {}));
   write("sections-64.fbk", many_sections());
@@ -300,6 +311,7 @@ void write_rejected_sections(const RejectedWriter& out) {
 
 void write_rejected_geometry(const RejectedWriter& out) {
   out.patched("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
+  out.write("corrupt-up-axis.fbk", changed("definition", [](Bytes& b) { b[18] = std::byte('x'); }));
   out.patched("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
   out.patched("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
   // The tiny model's mesh of 30 vertices has 34 points, after which the Draco data begins.
@@ -482,9 +494,11 @@ void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
   out.patched("corrupt-feature-loop.fbk", "network", 84, std::uint32_t(7));
   out.patched("corrupt-gate-slope.fbk", "network", 157, 0.0f);
+  out.patched("corrupt-gate-slope-infinite.fbk", "network", 157, std::uint32_t(0x7f800000));
   out.patched("unsupported-activation.fbk", "network", 173, std::uint8_t(9));
   out.patched("unsupported-layer-flags.fbk", "network", 174, std::uint8_t(4));
   out.patched("corrupt-columns.fbk", "basis", 0, std::uint32_t(3));
+  out.patched("corrupt-ordered.fbk", "basis", 4, std::uint32_t(2));
   out.patched("corrupt-order.fbk", "basis", 8, std::uint8_t(0));
   out.patched("corrupt-rows.fbk", "basis", 132, std::uint8_t(64));
   out.patched("corrupt-segment-block.fbk", "basis", 160, std::uint8_t(9));
