@@ -155,7 +155,7 @@ class PanelMatrix {
   // Columns are as long in every panel.
   std::size_t stored_rows(std::uint32_t first) const {
     const std::size_t rows = form_ == Form::quads ? rows_at(first) : std::min<std::size_t>(rows_, column_panel_rows);
-    const std::size_t group = form_ == Form::quads ? 16 : column_group;
+    const std::size_t group = form_ == Form::quads ? quad_group : column_group;
     return (rows + group - 1) / group * group;
   }
   // All panels before this one are full.

@@ -27,7 +27,7 @@ std::unique_ptr<std::uint8_t[]> stored_for(const PoseKernels& kernels, const std
 bool agree(const PoseKernels& kernels, Random& random, bool quads, std::size_t poses, std::size_t rows,
            std::size_t columns, std::size_t count, bool extreme) {
   const std::size_t column = (rows + column_group - 1) / column_group * column_group;
-  const std::size_t quad_rows = (rows + 15) / 16 * 16;
+  const std::size_t quad_rows = (rows + quad_group - 1) / quad_group * quad_group;
   std::vector<std::uint8_t> digits((quads ? quad_rows : column) * columns);
   for (std::uint8_t& digit : digits)
     digit = static_cast<std::uint8_t>(extreme ? 255 * random.below(2) : random.below(256));

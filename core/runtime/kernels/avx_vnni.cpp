@@ -22,6 +22,6 @@ __m256i multiply_add(__m256i sum, __m256i weights, __m256i input) {
 }  // namespace
 
 const PoseKernels avx_vnni_kernels =
-    make_kernels("avx-vnni", column_product, quad_product, rows_by_piece.position, true);
+    make_kernels("avx-vnni", column_product<64, 32, 4>, quad_product<32, 16, 4>, rows_by_piece.position, true);
 
 }  // namespace fb::runtime

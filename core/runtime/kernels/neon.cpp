@@ -8,9 +8,9 @@ namespace {
 #include "runtime/kernels/float_kernels.h"
 
 // Sums of 16 rows, one column at a time: digits + 128 fit signed 16-bit numbers.
-template <int poses>
+template <int rows, int poses>
 void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
-                 std::int32_t (*sums)[16]) {
+                 std::int32_t (&sums)[poses][rows]) {
   int32x4_t sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int32x4_t& s : sum[p]) s = vreinterpretq_s32_u32(vdupq_n_u32(panel.initial_sums[first_pose + p]));
@@ -33,9 +33,9 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
 }
 
 // Sums of 16 rows: four vectors of a quad. The sums of a row's columns are added pairwise at the end.
-template <int poses>
+template <int rows, int poses>
 void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t (*sums)[16]) {
+               std::int32_t (&sums)[poses][rows]) {
   int32x4_t sum[poses][8];
   for (int p = 0; p < poses; ++p)
     for (int32x4_t& s : sum[p]) s = vdupq_n_s32(0);
@@ -61,10 +61,10 @@ void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs&
   }
 }
 
-#include "runtime/kernels/sixteen_rows.h"
+#include "runtime/kernels/strips.h"
 
 }  // namespace
 
-const PoseKernels neon_kernels = make_kernels("neon", column_product<4>, quad_product<2>);
+const PoseKernels neon_kernels = make_kernels("neon", column_product<16, 16, 4>, quad_product<16, 16, 2>);
 
 }  // namespace fb::runtime

@@ -14,9 +14,9 @@ int8x16_t load(const std::uint8_t* bytes) {
 // Sums of 16 rows: four columns are interleaved to fours of bytes for the dot product instruction, once with the low
 // and once with the high digits of four inputs. It takes signed bytes, so the offset of the digits is removed and
 // initial_sums is not needed.
-template <int poses>
+template <int rows, int poses>
 void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
-                 std::int32_t (*sums)[16]) {
+                 std::int32_t (&sums)[poses][rows]) {
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
     for (int i = 0; i < 4; ++i) low_sum[p][i] = high_sum[p][i] = vdupq_n_s32(0);
@@ -46,9 +46,9 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
 }
 
 // Sums of 16 rows: a vector holds four rows of a quad.
-template <int poses>
+template <int rows, int poses>
 void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t (*sums)[16]) {
+               std::int32_t (&sums)[poses][rows]) {
   static constexpr std::uint8_t low_digits[8] = {0, 4, 2, 6, 0, 4, 2, 6}, high_digits[8] = {1, 5, 3, 7, 1, 5, 3, 7};
   int32x4_t low_sum[poses][4], high_sum[poses][4];
   for (int p = 0; p < poses; ++p)
@@ -71,10 +71,10 @@ void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs&
     for (int v = 0; v < 4; ++v) vst1q_s32(sums[p] + 4 * v, vaddq_s32(low_sum[p][v], vshlq_n_s32(high_sum[p][v], 8)));
 }
 
-#include "runtime/kernels/sixteen_rows.h"
+#include "runtime/kernels/strips.h"
 
 }  // namespace
 
-const PoseKernels neon_dot_kernels = make_kernels("neon-dot", column_product<2>, quad_product<2>);
+const PoseKernels neon_dot_kernels = make_kernels("neon-dot", column_product<16, 16, 2>, quad_product<16, 16, 2>);
 
 }  // namespace fb::runtime

@@ -17,7 +17,8 @@ inline constexpr std::size_t poses_per_block = 8;
 // The most rows of a panel of columns and of a panel of quads.
 inline constexpr std::size_t column_panel_rows = 192, quad_panel_rows = 128;
 inline constexpr std::size_t max_panel_rows = column_panel_rows;
-inline constexpr std::size_t column_group = 64;  // stored columns are a multiple of so many rows long
+// Stored columns and quads are a multiple of so many rows long.
+inline constexpr std::size_t column_group = 64, quad_group = 32;
 
 // A quad is four columns interleaved row by row, in the order 0, 2, 1, 3: the even bytes of a row belong to the first
 // two columns and the odd bytes to the last two.

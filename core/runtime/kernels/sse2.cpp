@@ -11,10 +11,11 @@ __m128i load(const std::uint8_t* bytes) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
 }
 
-// Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the multiply-add instruction.
-template <int blocks, int poses>
+// Two columns are interleaved to pairs of 16-bit numbers for the multiply-add instruction.
+template <int rows, int poses>
 void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
-                 std::int32_t (*sums)[32]) {
+                 std::int32_t (&sums)[poses][rows]) {
+  constexpr int blocks = rows / 16;
   const __m128i zero = _mm_setzero_si128();
   __m128i sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
@@ -43,9 +44,10 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
 }
 
 // Four rows of a quad are a vector.
-template <int vectors, int poses>
+template <int rows, int poses>
 void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t (*sums)[32]) {
+               std::int32_t (&sums)[poses][rows]) {
+  constexpr int vectors = rows / 4;
   const __m128i even = _mm_set1_epi16(255);
   __m128i sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
@@ -66,10 +68,10 @@ void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs&
     for (int v = 0; v < vectors; ++v) _mm_storeu_si128(reinterpret_cast<__m128i*>(sums[p] + 4 * v), sum[p][v]);
 }
 
-#include "runtime/kernels/thirty_two_rows.h"
+#include "runtime/kernels/strips.h"
 
 }  // namespace
 
-const PoseKernels sse2_kernels = make_kernels("sse2", column_product, quad_product);
+const PoseKernels sse2_kernels = make_kernels("sse2", column_product<32, 16, 2>, quad_product<32, 16, 2>);
 
 }  // namespace fb::runtime

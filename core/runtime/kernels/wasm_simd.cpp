@@ -7,10 +7,11 @@ namespace {
 
 #include "runtime/kernels/float_kernels.h"
 
-// Sums of 16 * blocks rows: two columns are interleaved to pairs of 16-bit numbers for the dot product instruction.
-template <int blocks, int poses>
+// Two columns are interleaved to pairs of 16-bit numbers for the dot product instruction.
+template <int rows, int poses>
 void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size_t first_pose,
-                 std::int32_t (*sums)[32]) {
+                 std::int32_t (&sums)[poses][rows]) {
+  constexpr int blocks = rows / 16;
   v128_t sum[poses][4 * blocks];
   for (int p = 0; p < poses; ++p)
     for (v128_t& s : sum[p]) s = wasm_i32x4_splat(static_cast<std::int32_t>(panel.initial_sums[first_pose + p]));
@@ -37,9 +38,10 @@ void sum_columns(const std::uint8_t* digits, const PanelInputs& panel, std::size
 }
 
 // Four rows of a quad are a vector.
-template <int vectors, int poses>
+template <int rows, int poses>
 void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs& panel, std::size_t first_pose,
-               std::int32_t (*sums)[32]) {
+               std::int32_t (&sums)[poses][rows]) {
+  constexpr int vectors = rows / 4;
   const v128_t even = wasm_i16x8_const_splat(255);
   v128_t sum[poses][vectors];
   for (int p = 0; p < poses; ++p)
@@ -59,10 +61,10 @@ void sum_quads(const std::uint8_t* quads, std::size_t stride, const PanelInputs&
     for (int v = 0; v < vectors; ++v) wasm_v128_store(sums[p] + 4 * v, sum[p][v]);
 }
 
-#include "runtime/kernels/thirty_two_rows.h"
+#include "runtime/kernels/strips.h"
 
 }  // namespace
 
-const PoseKernels wasm_simd_kernels = make_kernels("wasm-simd", column_product, quad_product);
+const PoseKernels wasm_simd_kernels = make_kernels("wasm-simd", column_product<32, 16, 2>, quad_product<32, 16, 2>);
 
 }  // namespace fb::runtime
