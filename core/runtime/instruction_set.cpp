@@ -30,15 +30,20 @@ constexpr const PoseKernels* built[] = {&scalar_kernels,
 };
 
 #if defined(__x86_64__)
-// __builtin_cpu_supports also checks that the system saves the registers, but not all compilers know avxvnni.
+// __builtin_cpu_supports also checks that the system saves the registers, but not all compilers know f16c and avxvnni.
+bool has_avx2_and_f16c() {
+  unsigned a = 0, b = 0, c = 0, d = 0;
+  return __builtin_cpu_supports("avx2") && __get_cpuid(1, &a, &b, &c, &d) && (c & (1u << 29));
+}
 bool has_avx_vnni() {
   unsigned a = 0, b = 0, c = 0, d = 0;
   return __get_cpuid_count(7, 1, &a, &b, &c, &d) && (a & (1u << 4));
 }
 
 bool is_supported(const PoseKernels* kernels) {
-  if (kernels == &avx2_kernels) return __builtin_cpu_supports("avx2");
-  if (kernels == &avx_vnni_kernels) return __builtin_cpu_supports("avx2") && has_avx_vnni();
+  if (kernels == &scalar_kernels || kernels == &sse2_kernels) return true;
+  if (!has_avx2_and_f16c()) return false;
+  if (kernels == &avx_vnni_kernels) return has_avx_vnni();
   if (kernels == &avx512_vnni_kernels)
     return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
            __builtin_cpu_supports("avx512vnni");

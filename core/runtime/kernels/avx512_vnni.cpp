@@ -258,19 +258,6 @@ Quantisation quantise_masked(const float* x, std::size_t count, float limit, std
   }
   return {m / limit, static_cast<std::uint32_t>(_mm512_reduce_add_epi32(sum))};
 }
-
-// The instruction keeps what a NaN carries; the definition has one NaN of each sign.
-void convert_to_half_at_once(const float* numbers, std::uint16_t* halves, std::size_t count) {
-  for (std::size_t i = 0; i < count; i += 16) {
-    const auto present = static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xffff);
-    const __m512 x = _mm512_maskz_loadu_ps(present, numbers + i);
-    const __m512i nan = _mm512_set1_epi32(0x7fc00000), sign = _mm512_castps_si512(x);
-    const __m512i signed_nan = _mm512_or_si512(nan, _mm512_and_si512(sign, _mm512_set1_epi32(INT32_MIN)));
-    const __m512 known = _mm512_mask_mov_ps(x, _mm512_cmp_ps_mask(x, x, _CMP_UNORD_Q), _mm512_castsi512_ps(signed_nan));
-    const __m256i converted = _mm512_cvtps_ph(known, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
-    _mm256_mask_storeu_epi16(halves + i, present, converted);
-  }
-}
 #endif
 
 constexpr PoseKernels kernels() {
@@ -278,7 +265,6 @@ constexpr PoseKernels kernels() {
 #if !defined(FB_EMULATED)
   kernels.compact_nonzeros = compact_nonzeros_masked;
   kernels.quantise = quantise_masked;
-  kernels.convert_to_half = convert_to_half_at_once;
 #endif
   return kernels;
 }
