@@ -9,6 +9,10 @@ namespace fb::runtime {
 void PolygonSums::build(const CsrTable<std::uint32_t>& at_vertex) {
   vertices_ = static_cast<std::uint32_t>(at_vertex.row_offsets.size() - 1);
   first_.resize(vertices_ + 7);
+  std::size_t extra = 1;
+  for (std::uint32_t v = 0; v < vertices_; ++v) extra += std::max<std::size_t>(at_vertex.row(v).size(), 4) - 4;
+  extra_.reserve(extra);
+  extra_begin_.reserve((vertices_ + PolygonGraph::batch - 1) / PolygonGraph::batch);
   for (std::uint32_t v = 0; v < vertices_; ++v) {
     if (v % PolygonGraph::batch == 0)
       extra_begin_.push_back(checked_u32(extra_.size(), "the polygons around the vertices of the mesh"));

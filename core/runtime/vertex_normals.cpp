@@ -23,6 +23,9 @@ VertexNormals::VertexNormals(const Mesh& mesh, std::span<const std::uint32_t> ba
   const std::size_t polygons = mesh.polygon_sizes.size();
   CsrBuilder<Polygon> by_block(block_rows.size() - 1, polygons, heap);
   quads_.reserve(polygons + 1);
+  std::size_t fan_quads = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) fan_quads += (size - 3) / 2;
+  fan_quads_.reserve(fan_quads);
   std::uint32_t first = 0;
   for (std::uint32_t p = 0; p < polygons; ++p) {
     const std::uint32_t size = mesh.polygon_sizes[p];

@@ -15,6 +15,9 @@ VertexTangents::VertexTangents(const Mesh& mesh, std::span<const std::uint32_t> 
   std::pmr::vector<double> areas(vertices, &heap);
   CsrBuilder<std::uint32_t> at_vertex(vertices, mesh.polygon_corners.size(), heap);
   weights_.resize((polygons + 1) / 2 * 2);
+  std::size_t extra_corners = 0;
+  for (const std::uint32_t size : mesh.polygon_sizes) extra_corners += std::max(size, 4u) - 4;
+  extra_corners_.reserve(extra_corners);
   std::size_t first = 0;
   for (std::uint32_t p = 0; p < polygons; ++p) {
     const std::uint32_t size = mesh.polygon_sizes[p];
