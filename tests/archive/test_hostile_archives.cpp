@@ -96,7 +96,7 @@ TEST_CASE("damage is reported with its offset") {
   }
   Bytes damaged = bytes;
   damaged[table_at(2, 3)] ^= std::byte(1);
-  check_refused(damaged, Status::corrupt, "header and section table (bytes 0 to 528)");
+  check_refused(damaged, Status::corrupt, "header and section table (bytes 0 to 672)");
   damaged = bytes;
   damaged.back() ^= std::byte(1);
   check_refused(damaged, Status::corrupt, "the whole archive");
@@ -170,18 +170,18 @@ TEST_CASE("a forged section table is refused") {
     patch(patched, at, value);
     check_refused(sealed(patched), status, part);
   };
-  lie(table_at(1, 24), std::uint64_t(536), Status::corrupt, "overlaps the part before it");
-  lie(table_at(1, 24), std::uint64_t(1) << 40, Status::corrupt, "does not follow the part before it");
-  lie(table_at(0, 24), std::uint64_t(0), Status::corrupt, "overlaps the part before it");
-  lie(table_at(6, 32), UINT64_MAX, Status::corrupt, "runs past byte");
-  lie(table_at(0, 32), UINT64_MAX - 535, Status::corrupt, "runs past byte");
+  lie(table_at(1, 40), std::uint64_t(680), Status::corrupt, "overlaps the part before it");
+  lie(table_at(1, 40), std::uint64_t(1) << 40, Status::corrupt, "does not follow the part before it");
+  lie(table_at(0, 40), std::uint64_t(0), Status::corrupt, "overlaps the part before it");
+  lie(table_at(6, 48), UINT64_MAX, Status::corrupt, "runs past byte");
+  lie(table_at(0, 48), UINT64_MAX - 679, Status::corrupt, "runs past byte");
   lie(table_at(0, 0), std::uint64_t(0), Status::corrupt, "section name");
   lie(table_at(0, 8), std::uint64_t(0x0a), Status::corrupt, "not printable ASCII");
-  lie(table_at(0, 16), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
-  lie(table_at(1, 20), std::uint32_t(9), Status::unsupported, "unknown codec 9");
-  lie(table_at(1, 40), std::uint64_t(1) << 50, Status::limit, "larger than 4 GiB");
-  lie(table_at(1, 40), std::uint64_t(1) << 20, Status::corrupt, "does not decompress to the 1048576 bytes");
-  lie(table_at(1, 20), std::uint32_t(0), Status::corrupt, "not compressed, yet declares");
+  lie(table_at(0, 32), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
+  lie(table_at(1, 36), std::uint32_t(9), Status::unsupported, "unknown codec 9");
+  lie(table_at(1, 56), std::uint64_t(1) << 50, Status::limit, "larger than 4 GiB");
+  lie(table_at(1, 56), std::uint64_t(1) << 20, Status::corrupt, "does not decompress to the 1048576 bytes");
+  lie(table_at(1, 36), std::uint32_t(0), Status::corrupt, "not compressed, yet declares");
 
   Bytes many = bytes;
   patch(many, 12, std::uint32_t(65));

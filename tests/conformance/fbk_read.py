@@ -41,13 +41,13 @@ def read_sections(data: bytes) -> Dict[str, Tuple[int, int, int, bytes]]:
     major, _, count, size = struct.unpack_from("<HHIQ", data, 8)
     require(major == 2, f"unsupported: major version {major}")
     require(count <= 64, "too many sections")
-    table = 24 + 56 * count
+    table = 24 + 72 * count
     require(len(data) >= table + 16, "truncated within the section table")
     require(struct.unpack_from("<Q", data, table)[0] == xxh64(data[:table]), "header and section table are corrupt")
     require(len(data) == size, "truncated, or followed by other bytes")
     sections, end = {}, table + 8
     for row in range(count):
-        name, flags, codec, offset, stored, raw, checksum = struct.unpack_from("<16sIIQQQQ", data, 24 + 56 * row)
+        name, flags, codec, offset, stored, raw, checksum = struct.unpack_from("<32sIIQQQQ", data, 24 + 72 * row)
         text = name.rstrip(b"\0")
         require(text and all(0x21 <= c <= 0x7E for c in text), "a section's name is not printable")
         text = text.decode()

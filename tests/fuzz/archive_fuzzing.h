@@ -35,12 +35,12 @@ inline Bytes with_valid_checksums(Bytes bytes) {
   const std::size_t end = bytes.size() - checksum_bytes;
   for (std::size_t row = 0; row < count; ++row) {
     const std::size_t here = fb::table_at(row, 0);
-    std::uint64_t size = load<std::uint64_t>(bytes, here + 32);
+    std::uint64_t size = load<std::uint64_t>(bytes, here + 48);
     if (size > end - at || row + 1 == count) size = end - at;
-    patch(bytes, here + 24, std::uint64_t(at));
-    patch(bytes, here + 32, size);
-    if (load<std::uint32_t>(bytes, here + 20) == 0) patch(bytes, here + 40, size);
-    patch(bytes, here + 48, fb::hash64(std::span(bytes).subspan(at, size)));
+    patch(bytes, here + 40, std::uint64_t(at));
+    patch(bytes, here + 48, size);
+    if (load<std::uint32_t>(bytes, here + 36) == 0) patch(bytes, here + 56, size);
+    patch(bytes, here + 64, fb::hash64(std::span(bytes).subspan(at, size)));
     at += size;
   }
   return fb::sealed(std::move(bytes));

@@ -239,7 +239,7 @@ void write_accepted(const std::filesystem::path& folder) {
           archive["hair"].set(text("something newer"));
           archive["hair"].codec = 77;
           std::rotate(archive.sections.begin(), archive.sections.end() - 1, archive.sections.end());
-          archive["0123456789abcdef"].set({});
+          archive["org.example.hair_0123456789abcde"].set({});
         }));
 }
 
@@ -277,7 +277,7 @@ void write_rejected_containers(const RejectedWriter& out) {
   out.write("corrupt-bit.fbk", other);
   (other = whole).back() ^= std::byte(0x80);
   out.write("corrupt-checksum.fbk", other);
-  patch(other = whole, table_at(1, 24), std::uint64_t(0));
+  patch(other = whole, table_at(1, 40), std::uint64_t(0));
   out.write("corrupt-overlap.fbk", sealed(other));
 }
 

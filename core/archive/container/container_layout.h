@@ -9,7 +9,7 @@ namespace fb::archive {
 inline constexpr unsigned char archive_signature[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
 inline constexpr std::uint16_t archive_major = 2, archive_minor = 0;
 
-inline constexpr std::size_t header_bytes = 24, table_row_bytes = 56, checksum_bytes = 8, section_name_bytes = 16;
+inline constexpr std::size_t header_bytes = 24, table_row_bytes = 72, checksum_bytes = 8, section_name_bytes = 32;
 inline constexpr std::uint32_t max_sections = 64;
 inline constexpr std::uint32_t max_string_bytes = 0xffff;
 
