@@ -14,7 +14,7 @@ def require(condition: object, message: str) -> None:
         raise Corrupt(message)
 
 
-def xxh64(data):
+def xxh64(data: bytes) -> int:
     p = (11400714785074694791, 14029467366897019727, 1609587929392839161, 9650029242287828579, 2870177450012600261)
     mask = (1 << 64) - 1
 

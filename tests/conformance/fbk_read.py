@@ -488,9 +488,8 @@ def read_proof(c, face):
 
 
 class Face:
-    def __init__(self, path):
-        with open(path, "rb") as file:
-            sections = read_sections(file.read())
+    def __init__(self, data: bytes) -> None:
+        sections = read_sections(data)
         for name, (flags, *_) in sections.items():
             require(name in REQUIRED + OPTIONAL or not flags & 1, f"{name}: required and unknown")
         read_definition(decompress(sections, "definition"), self)
@@ -560,7 +559,8 @@ def main(arguments):
     for path in paths:
         try:
             with np.errstate(all="ignore"):
-                face = Face(path)
+                with open(path, "rb") as file:
+                    face = Face(file.read())
                 if show:
                     for controls in face.proof_controls:
                         print(fbk_evaluate.evaluate(face, controls)[0].astype(">f4").tobytes().hex())
