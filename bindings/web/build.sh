@@ -22,7 +22,7 @@ cp -r bindings/web/src bindings/web/tsconfig.json "$out"
 cp LICENSE bindings/web/README.md "$out"
 {
   echo "facebaker.wasm has these libraries in it:"
-  for package in zlib draco xxhash; do
+  for package in zlib xxhash; do
     printf '\n---- %s ----\n\n' "$package"
     cat "build/cross/wasm/$package.copyright"
   done

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds what the runtime links (zlib, Draco, headers of xxHash) for another machine, as static libraries, from Debian's
+# Builds what the runtime links (zlib, headers of xxHash) for another machine, as static libraries, from Debian's
 # source packages, which apt verifies.
 #   capi/platforms/build_dependencies.sh TARGET
 # TARGET is the name of a toolchain file beside this script, such as wasm. The libraries are installed into
@@ -19,10 +19,10 @@ sources=$cross/sources
 work=$cross/$target-work
 if [ -e "$prefix/complete" ]; then exit 0; fi
 
-# What a target needs beside its toolchain file: packages of its compiler, and options of Draco's build.
+# What a target needs beside its toolchain file: packages of its compiler.
 case $target in
   wasm)
-    packages=emscripten compiler=emcc draco_options=-DDRACO_JS_GLUE=OFF
+    packages=emscripten compiler=emcc
     export EMSCRIPTEN="${EMSCRIPTEN:-/usr/share/emscripten}" NODE_PATH=/usr/share/nodejs
     ;;
   windows-x64) packages=g++-mingw-w64-x86-64-posix compiler=x86_64-w64-mingw32-g++-posix tested=1 ;;
@@ -38,7 +38,7 @@ command -v ninja >/dev/null || missing="$missing ninja-build"
 [ -z "$missing" ] || apt-get -q install -y --no-install-recommends -o DPkg::Lock::Timeout=600 $missing
 
 # fetch PACKAGE: unpacks its source, with Debian's patches, into $sources/PACKAGE. Lists and cache of apt are our own,
-# because most machines do not list source packages. Without apt: unpack zlib, draco and xxhash there by hand.
+# because most machines do not list source packages. Without apt: unpack zlib and xxhash there by hand.
 fetch() {
   if [ -d "$sources/$1" ]; then return; fi
   mkdir -p "$sources/apt/lists/partial" "$sources/apt/cache" "$sources/download"
@@ -68,12 +68,10 @@ install_with_cmake() {
   cmake --build "$build" --target install
 }
 
-for package in zlib draco xxhash; do fetch $package; done
+for package in zlib xxhash; do fetch $package; done
 rm -rf "$prefix" "$work"
 mkdir -p "$prefix/include"
 install_with_cmake "$here/zlib" -DFB_ZLIB="$sources/zlib"
-# shellcheck disable=SC2086
-install_with_cmake "$sources/draco" -DBUILD_SHARED_LIBS=OFF -DDRACO_TESTS=OFF ${draco_options:-}
 if [ -n "${tested:-}" ]; then # what tests are made of
   for package in cmocka doctest; do fetch $package; done
   install_with_cmake "$sources/cmocka" -DWITH_STATIC_LIB=ON -DWITH_EXAMPLES=OFF
@@ -82,7 +80,7 @@ if [ -n "${tested:-}" ]; then # what tests are made of
   install_with_cmake "$sources/doctest" -DDOCTEST_WITH_TESTS=OFF
 fi
 cp "$sources/xxhash/xxhash.h" "$sources/xxhash/xxh3.h" "$prefix/include"
-for package in zlib draco xxhash; do
+for package in zlib xxhash; do
   [ ! -e "$sources/$package/debian" ] || cp "$sources/$package/debian/copyright" "$prefix/$package.copyright"
 done
 rm -rf "$work"
