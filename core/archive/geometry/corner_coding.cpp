@@ -40,11 +40,12 @@ TriangleEdges::TriangleEdges(const std::vector<std::uint32_t>& triangles, std::u
       edges_[--first_[triangles[t + k]]] = {triangles[t + (k + 1) % 3], triangles[t + (k + 2) % 3]};
 }
 
-std::vector<TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
-                                              std::uint32_t prediction) {
+std::span<const TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
+                                                  std::uint32_t prediction, SortedEdges& room) {
   const auto from = edges.from(vertex);
   if (from.size() > max_edges) return {};
-  std::vector<TriangleEdges::Edge> sorted(from.begin(), from.end());
+  const auto sorted = std::span(room).first(from.size());
+  std::copy(from.begin(), from.end(), sorted.begin());
   std::sort(sorted.begin(), sorted.end(),
             [&](const auto& a, const auto& b) { return to_zigzag(a.to - prediction) < to_zigzag(b.to - prediction); });
   const auto same = [](const auto& a, const auto& b) { return a.to == b.to; };

@@ -2,6 +2,7 @@
 // of section "geometry", where the first edge of a polygon determines its other corners. See FORMAT.md, "polygons".
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory_resource>
 #include <span>
@@ -44,12 +45,13 @@ class TriangleEdges {
   std::pmr::vector<Edge> edges_;
 };
 
-// The edges from a vertex, sorted by the zigzag distance of their end from `prediction`. Empty if two edges end at one
-// vertex or there are more than max_edges: polygons cannot be coded along these.
 inline constexpr std::size_t max_edges = 64;
 inline constexpr std::size_t max_fan_corners = max_edges + 2;  // of a polygon along triangles
-std::vector<TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
-                                              std::uint32_t prediction);
+using SortedEdges = std::array<TriangleEdges::Edge, max_edges>;
+// The edges from a vertex, in `room`, sorted by the zigzag distance of their end from `prediction`. Empty if two edges
+// end at one vertex or there are more than max_edges: polygons cannot be coded along these.
+std::span<const TriangleEdges::Edge> sorted_edges(const TriangleEdges& edges, std::uint32_t vertex,
+                                                  std::uint32_t prediction, SortedEdges& room);
 
 // The prediction of a polygon's second corner: the same distance from the first as in the previous polygon.
 inline std::uint32_t predicted_second_corner(std::span<const std::uint32_t> previous_polygon, std::uint32_t first) {

@@ -29,7 +29,7 @@ class TriangleWalk {
   void fill(std::span<std::uint32_t> polygon, std::uint32_t first, std::uint8_t edge_index) {
     first_ += from_zigzag(first);
     if (first_ >= vertices_) in_.corrupt(no_vertex);
-    const auto from = sorted_edges(edges_, first_, predicted_second_corner(previous_, first_));
+    const auto from = sorted_edges(edges_, first_, predicted_second_corner(previous_, first_), sorted_);
     if (edge_index >= from.size()) in_.corrupt("the first edge of a polygon is no edge of a triangle");
     polygon[0] = first_;
     polygon[1] = from[edge_index].to;
@@ -47,6 +47,7 @@ class TriangleWalk {
   ByteReader& in_;
   std::uint32_t vertices_;
   TriangleEdges edges_;
+  SortedEdges sorted_{};
   std::span<const std::uint32_t> previous_;
   std::uint32_t first_ = 0;
 };

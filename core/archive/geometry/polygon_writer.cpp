@@ -14,7 +14,8 @@ namespace {
 std::uint8_t edge_index_of(std::span<const std::uint32_t> polygon, const TriangleEdges& edges,
                            std::span<const std::uint32_t> previous) {
   if (polygon.size() > max_fan_corners) return no_edge;
-  const auto from = sorted_edges(edges, polygon[0], predicted_second_corner(previous, polygon[0]));
+  SortedEdges sorted;
+  const auto from = sorted_edges(edges, polygon[0], predicted_second_corner(previous, polygon[0]), sorted);
   const auto edge_to = [&](std::uint32_t vertex) {
     return std::find_if(from.begin(), from.end(), [&](const auto& e) { return e.to == vertex; });
   };
