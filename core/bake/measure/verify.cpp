@@ -93,20 +93,26 @@ void check_numbers(std::size_t pose, std::span<const float> now, std::span<const
 }  // namespace
 
 archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
-  archive::Proof proof;
+  std::vector<float> poses;
   const std::vector<Control>& controls = model.schema.controls;
-  for (const Control& control : controls) proof.controls.push_back(control.rest);
-  for (const Control& control : controls) proof.controls.push_back(control.maximum);
-  for (const Control& control : controls) proof.controls.push_back(control.minimum);
+  for (const Control& control : controls) poses.push_back(control.rest);
+  for (const Control& control : controls) poses.push_back(control.maximum);
+  for (const Control& control : controls) poses.push_back(control.minimum);
   for (std::size_t pose = 0; pose < dense_poses; ++pose) {
     Random random(seed, pose);
     for (const Control& control : controls) {
       const bool on = random.uniform() < 0.3f;
       const float share = float(random.below(range_steps + 1)) / float(range_steps);
-      proof.controls.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
+      poses.push_back(on ? control.minimum + (control.maximum - control.minimum) * share : control.rest);
     }
   }
-  add_exact_poses(model, proof.controls);
+  add_exact_poses(model, poses);
+  return prove_poses(model, std::move(poses));
+}
+
+archive::Proof prove_poses(const PackedModel& model, std::vector<float> controls) {
+  archive::Proof proof;
+  proof.controls = std::move(controls);
   const std::size_t vertices = model.rest.surface_vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
   for_each_pose(model, proof.controls, [&](std::size_t, const Posed& posed) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -25,6 +26,9 @@ struct VerifyReport {
 // Reference poses of a model and their positions: rest, all controls at their maximum, at their minimum, and seeded
 // dense poses. The archive carries them (FORMAT.md, "proof").
 archive::Proof make_proof(const PackedModel& model, std::uint64_t seed);
+
+// The same of these poses: poses x controls, in control order.
+archive::Proof prove_poses(const PackedModel& model, std::vector<float> controls);
 
 // Reads all of an archive, evaluates its reference poses and compares every bit. Fails with the reader's error if it is
 // damaged, with corrupt at the first pose that differs, naming the coordinate where that is known.
