@@ -10,11 +10,12 @@
 #include "archive/reader.h"
 #include "base/mapped_file.h"
 #include "base/memory_budget.h"
-#include "base/parallel.h"
 #include "base/shown_path.h"
+#include "batch_reader.h"
 #include "control_struct.h"
 #include "loaded_model.h"
 #include "runtime/float_mode.h"
+#include "scratch.h"
 #include "stream_reader.h"
 #include "version.h"
 
@@ -23,65 +24,14 @@ using fb::Status;
 using fb::capi::abi_guard;
 using fb::capi::fill_struct;
 using fb::capi::read_struct;
+using fb::capi::release;
 using fb::capi::require;
+using fb::capi::retain;
+using fb::capi::ScratchUse;
 
 namespace {
-
-void retain(const fb_model* model) {
-  model->references.fetch_add(1, std::memory_order_relaxed);
-}
-
-void release(const fb_model* model) {
-  if (model->references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete model;
-}
-
-struct Reference {
-  explicit Reference(const fb_model* counted) : model(counted) { retain(model); }
-  ~Reference() { release(model); }
-  Reference(const Reference&) = delete;
-  Reference& operator=(const Reference&) = delete;
-  const fb_model* model;
-};
 
 thread_local char last_error[2048];
-
-}  // namespace
-
-struct fb_scratch {
-  fb_scratch(const fb_model* model, std::uint32_t workers, std::size_t poses)
-      : owner(model),
-        workspaces(&model->memory),
-        regions(model->evaluator.region_names().size(), &model->memory),
-        meshes(model->evaluator.mesh_count(), &model->memory) {
-    workspaces.reserve(workers);
-    for (std::uint32_t worker = 0; worker < workers; ++worker)
-      workspaces.emplace_back(model->evaluator, poses, model->memory);
-  }
-
-  std::atomic<bool> busy = false;
-  Reference owner;  // before the members that use the model's memory
-  std::pmr::vector<fb::runtime::Workspace> workspaces;
-  std::pmr::vector<std::uint8_t> regions, meshes;  // the masks of a batch
-  std::uint64_t clamped = 0;
-};
-
-namespace {
-
-// A call's use of a scratch. Fails with invalid_argument if it belongs to another model or another call is using it.
-class Use {
- public:
-  Use(fb_scratch* scratch, const fb_model* model) : scratch_(*scratch) {
-    if (scratch_.owner.model != model) fail(Status::invalid_argument, "scratch was created for another model");
-    if (scratch_.busy.exchange(true, std::memory_order_acquire))
-      fail(Status::invalid_argument, "scratch is in use by another call; each thread needs its own");
-  }
-  ~Use() { scratch_.busy.store(false, std::memory_order_release); }
-  Use(const Use&) = delete;
-  Use& operator=(const Use&) = delete;
-
- private:
-  fb_scratch& scratch_;
-};
 
 // read(budget) returns the archive, in memory charged to the budget.
 template <class Read>
@@ -112,85 +62,6 @@ fb_load_desc read_load_desc(const fb_load_desc* given) {
   if (!desc.allocator.allocate != !desc.allocator.release)
     fail(Status::invalid_argument, "fb_load_desc: an allocator needs both functions or none");
   return desc;
-}
-
-std::size_t batch_threads(const fb_batch_desc& desc, std::size_t workers) {
-  if (desc.threads > workers)
-    fail(Status::invalid_argument, "fb_batch_desc: %u threads, but scratch has %zu workers", desc.threads, workers);
-  if (desc.threads > 0) return desc.threads;
-  return desc.parallel_for ? workers : std::min(workers, fb::worker_count({}));
-}
-
-// 1 for those that a list names, or for all without a list. `what`: "region".
-void fill_mask(std::pmr::vector<std::uint8_t>& mask, const std::uint32_t* list, std::uint64_t count, const char* what) {
-  for (std::uint64_t i = 0; list && i < count; ++i)
-    if (list[i] >= mask.size())
-      fail(Status::invalid_argument, "fb_batch_desc: %s %u of %zu", what, list[i], mask.size());
-  std::fill(mask.begin(), mask.end(), std::uint8_t(list ? 0 : 1));
-  for (std::uint64_t i = 0; list && i < count; ++i) mask[list[i]] = 1;
-}
-
-// Regions that move none of the meshes to be posed are left out, too.
-fb::runtime::PoseMasks read_masks(const fb_batch_desc& desc, fb_scratch& scratch) {
-  fb::runtime::PoseMasks masks;
-  if (desc.regions || desc.meshes) {
-    fill_mask(scratch.regions, desc.regions, desc.region_count, "region");
-    masks.regions = scratch.regions;
-  }
-  if (desc.meshes) {
-    fill_mask(scratch.meshes, desc.meshes, desc.mesh_count, "mesh");
-    masks.meshes = scratch.meshes;
-    scratch.owner.model->evaluator.leave_out_idle_regions(scratch.meshes, desc.channels, scratch.regions);
-  }
-  return masks;
-}
-
-// A size or stride, which may be more than 32-bit addresses reach.
-std::size_t size_of(std::uint64_t given) {
-  if (!std::in_range<std::size_t>(given))
-    fail(Status::invalid_argument, "fb_batch_desc: %llu numbers are more than memory can have",
-         static_cast<unsigned long long>(given));
-  return static_cast<std::size_t>(given);
-}
-
-fb::runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
-  if (desc.poses > 0) {
-    require(desc.controls, "fb_batch_desc: controls");
-    if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside &&
-        !desc.bounds)
-      require(desc.positions, "fb_batch_desc: positions");
-  }
-  if (desc.vertex_order > FB_ORDER_BAKED)
-    fail(Status::invalid_argument, "fb_batch_desc: vertex_order %u", desc.vertex_order);
-  if (desc.format > FB_FLOAT16) fail(Status::invalid_argument, "fb_batch_desc: format %u", desc.format);
-  fb::runtime::Batch batch;
-  batch.poses = size_of(desc.poses);
-  batch.controls = {desc.controls, size_of(desc.control_floats)};
-  batch.control_stride = size_of(desc.control_stride);
-  if (desc.positions)
-    batch.positions = {desc.positions, size_of(desc.position_floats), size_of(desc.pose_stride),
-                       size_of(desc.vertex_stride)};
-  if (desc.normals)
-    batch.normals = {desc.normals, size_of(desc.normal_numbers), size_of(desc.normal_pose_stride),
-                     size_of(desc.normal_vertex_stride)};
-  if (desc.tangents)
-    batch.tangents = {desc.tangents, size_of(desc.tangent_numbers), size_of(desc.tangent_pose_stride),
-                      size_of(desc.tangent_vertex_stride)};
-  batch.order = static_cast<fb::runtime::VertexOrder>(desc.vertex_order);
-  batch.format = static_cast<fb::runtime::NumberFormat>(desc.format);
-  batch.masks = read_masks(desc, scratch);
-  batch.masks.lod = desc.lod;
-  if (desc.level_only > 1) fail(Status::invalid_argument, "fb_batch_desc: level_only %u", desc.level_only);
-  batch.masks.level_only = desc.level_only != 0;
-  if (desc.sockets) batch.sockets = {desc.sockets, size_of(desc.socket_floats), size_of(desc.socket_pose_stride)};
-  if (desc.channels) batch.channels = {desc.channels, size_of(desc.channel_floats), size_of(desc.channel_pose_stride)};
-  batch.errors = {desc.expected_errors, desc.expected_errors ? size_of(desc.expected_error_floats) : 0,
-                  size_of(desc.expected_error_pose_stride), desc.outside};
-  if (desc.displacements > 1)
-    fail(Status::invalid_argument, "fb_batch_desc: displacements %u, neither 0 nor 1", desc.displacements);
-  batch.displacements = desc.displacements == 1;
-  if (desc.bounds) batch.bounds = {desc.bounds, size_of(desc.bounds_floats), size_of(desc.bounds_pose_stride)};
-  return batch;
 }
 
 [[noreturn]] void fail_unknown_control(const fb::RigSchema& schema, std::string_view name) {
@@ -535,7 +406,7 @@ fb_status fb_evaluate(const fb_model* model, fb_scratch* scratch, const float* c
     require(scratch, "scratch");
     require(controls, "controls");
     require(positions, "positions");
-    const Use use(scratch, model);
+    const ScratchUse use(scratch, model);
     model->evaluator.evaluate(controls, positions, scratch->workspaces[0]);
     scratch->clamped = scratch->workspaces[0].clamped();
   });
@@ -548,7 +419,7 @@ fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scratch, c
     require(scratch, "scratch");
     require(controls, "controls");
     require(coefficients, "coefficients");
-    const Use use(scratch, model);
+    const ScratchUse use(scratch, model);
     model->evaluator.coefficients(controls, coefficients, scratch->workspaces[0]);
     scratch->clamped = scratch->workspaces[0].clamped();
   });
@@ -560,7 +431,7 @@ fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const fl
     require(model, "model");
     require(scratch, "scratch");
     require(controls, "controls");
-    const Use use(scratch, model);
+    const ScratchUse use(scratch, model);
     model->evaluator.expected_errors(controls, errors, outside, scratch->workspaces[0]);
   });
 }
@@ -578,13 +449,8 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     require(model, "model");
     require(scratch, "scratch");
     require(desc, "desc");
-    const Use use(scratch, model);
-    const fb_batch_desc known = read_struct(*desc, fb_batch_desc_init, "fb_batch_desc");
-    const fb::Parallel parallel = {static_cast<int>(batch_threads(known, scratch->workspaces.size())),
-                                   known.parallel_for, known.parallel_user};
-    model->evaluator.evaluate_batch(read_batch(known, *scratch), scratch->workspaces, parallel);
-    scratch->clamped = 0;
-    for (const fb::runtime::Workspace& workspace : scratch->workspaces) scratch->clamped += workspace.clamped();
+    const ScratchUse use(scratch, model);
+    fb::capi::evaluate_batch(*scratch, read_struct(*desc, fb_batch_desc_init, "fb_batch_desc"));
   });
 }
 

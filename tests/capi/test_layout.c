@@ -91,6 +91,18 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_batch_desc, bounds_pose_stride, 296);
   assert_at(fb_batch_desc, lod, 304);
   assert_at(fb_batch_desc, level_only, 308);
+
+  assert_int_equal(sizeof(fb_many_item), 24);
+  assert_at(fb_many_item, model, 0);
+  assert_at(fb_many_item, scratch, 8);
+  assert_at(fb_many_item, batch, 16);
+
+  assert_int_equal(sizeof(fb_many_desc), 40);
+  assert_at(fb_many_desc, threads, 4);
+  assert_at(fb_many_desc, items, 8);
+  assert_at(fb_many_desc, item_count, 16);
+  assert_at(fb_many_desc, parallel_for, 24);
+  assert_at(fb_many_desc, parallel_user, 32);
 }
 
 static void layout_of_characters(void** state) {

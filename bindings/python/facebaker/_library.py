@@ -121,6 +121,8 @@ _FUNCTIONS: Functions = {
     "fb_clamped_count": (c_uint64, [c_void_p]),
     "fb_batch_desc_fill": (None, [POINTER(s.BatchDesc), c_uint32]),
     "fb_evaluate_batch": (c_int32, [c_void_p, c_void_p, POINTER(s.BatchDesc)]),
+    "fb_many_desc_fill": (None, [POINTER(s.ManyDesc), c_uint32]),
+    "fb_evaluate_many": (c_int32, [POINTER(s.ManyDesc), POINTER(c_uint32)]),
     "fb_evaluate_coefficients": (c_int32, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "fb_instruction_set": (c_char_p, [c_void_p]),
     "fb_region_count": (c_uint32, [c_void_p]),

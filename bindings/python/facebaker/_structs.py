@@ -121,6 +121,24 @@ class BatchDesc(Structure):
     ]
 
 
+class ManyItem(Structure):
+    c_name = "fb_many_item"
+    _fields_ = [("model", c_void_p), ("scratch", c_void_p), ("batch", POINTER(BatchDesc))]
+
+
+class ManyDesc(Structure):
+    c_name = "fb_many_desc"
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("items", POINTER(ManyItem)),
+        ("item_count", c_uint32),
+        ("reserved", c_uint32),
+        ("parallel_for", c_void_p),
+        ("parallel_user", c_void_p),
+    ]
+
+
 class RowBlockStruct(Structure):
     c_name = "fb_row_block"
     _fields_ = [
@@ -252,6 +270,6 @@ class LevelStruct(Structure):
 RUNTIME_STRUCTS = (
     AllocatorStruct,
     LoadDesc,
-    ControlStruct, BatchDesc, RowBlockStruct, MaterialRunStruct, MeshStruct, TextureStruct, MaterialStruct, ImageStruct,
-    SocketStruct, ChannelStruct, ExactPoseStruct, JointStruct, LevelStruct,
+    ControlStruct, BatchDesc, ManyItem, ManyDesc, RowBlockStruct, MaterialRunStruct, MeshStruct, TextureStruct,
+    MaterialStruct, ImageStruct, SocketStruct, ChannelStruct, ExactPoseStruct, JointStruct, LevelStruct,
 )  # fmt: skip

@@ -446,6 +446,43 @@ FB_API const uint32_t* fb_error_vertex_regions(const fb_model* model);
 FB_API fb_status fb_expected_error(const fb_model* model, fb_scratch* scratch, const float* controls, float* errors,
                                    uint32_t* outside);
 
+/* ---- Many faces ---------------------------------------------------------------------------------------------------
+ */
+
+/** One of the faces that fb_evaluate_many poses. Never grows. */
+typedef struct fb_many_item {
+  const fb_model* model;      /**< several items may have the same */
+  fb_scratch* scratch;        /**< of that model, and of no other item; one worker is enough */
+  const fb_batch_desc* batch; /**< its poses and where they are written; threads, parallel_for and parallel_user are not
+                                 read. fb_batch_desc_init must have filled it */
+} fb_many_item;
+
+/** The faces that fb_evaluate_many poses, and on how many threads. */
+typedef struct fb_many_desc {
+  uint32_t struct_size;
+  uint32_t threads;             /**< at most; 0: with a parallel_for one an item, else as many as OpenMP would use */
+  const fb_many_item* items;    /**< no two of them write to the same memory */
+  uint32_t item_count;          /**< may be 0 */
+  uint32_t reserved;            /**< 0 */
+  fb_parallel_for parallel_for; /**< as in fb_batch_desc: called once, with item_count tasks */
+  void* parallel_user;          /**< passed to parallel_for */
+} fb_many_desc;
+
+FB_API void fb_many_desc_fill(fb_many_desc* to, uint32_t struct_size);
+static inline void fb_many_desc_init(fb_many_desc* to) {
+  fb_many_desc_fill(to, (uint32_t)sizeof *to);
+}
+
+/** Poses faces of different models, each item on one thread, with the same bits as by fb_evaluate_batch one by one;
+ * then fb_clamped_count of each item's scratch is that item's. Threads take items in their order: those that take
+ * longest are best first. Fails with FB_ERROR_INVALID_ARGUMENT, before anything is written, where an item lacks model,
+ * scratch or batch, or its scratch is of another model, in use by another call or another item's too. Otherwise every
+ * item is posed, whether others fail or not; one that fails, as fb_evaluate_batch does, writes nothing, and the error
+ * of the first such item is returned. fb_last_error begins with "item I: ". *failed: that item, or item_count where
+ * none failed or the error is of no item; may be null. A parallel_for that calls too few, too many or invalid tasks
+ * fails with FB_ERROR_INVALID_ARGUMENT afterwards. Allocates nothing unless it fails. */
+FB_API fb_status fb_evaluate_many(const fb_many_desc* desc, uint32_t* failed);
+
 #ifdef __cplusplus
 }
 #endif

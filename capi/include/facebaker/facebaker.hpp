@@ -127,6 +127,11 @@ class Scratch {
   fb_scratch* handle_ = nullptr;
 };
 
+/** Poses faces of different models; see fb_evaluate_many. */
+inline void evaluate(const fb_many_desc& many) {
+  check(fb_evaluate_many(&many, nullptr));
+}
+
 }  // namespace facebaker
 
 #endif

@@ -1,0 +1,254 @@
+/* Poses of different faces by one call. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "capi_test.h"
+
+enum { faces = 8, poses = 5 };
+
+typedef struct Face {
+  fb_model* model;
+  fb_scratch* scratch;
+  float *controls, *positions, *normals, *expected, *expected_normals;
+  size_t control_floats, floats; /* of all poses */
+  fb_batch_desc batch;
+} Face;
+
+static Face crowd[faces];
+static fb_many_item items[faces];
+
+static int make_face(Face* face, const char* path, int seed) {
+  if (fb_load(path, NULL, &face->model) != FB_OK) return -1;
+  const size_t width = fb_control_count(face->model);
+  face->control_floats = poses * width;
+  face->floats = (size_t)poses * 3 * fb_vertex_count(face->model);
+  face->controls = malloc(face->control_floats * sizeof(float));
+  face->positions = malloc(face->floats * sizeof(float));
+  face->normals = malloc(face->floats * sizeof(float));
+  face->expected = malloc(face->floats * sizeof(float));
+  face->expected_normals = malloc(face->floats * sizeof(float));
+  for (size_t i = 0; i < face->control_floats; ++i)
+    face->controls[i] = (float)((i * 37 + seed * 11) % 101) / 80 - 0.125f;
+  fb_batch_desc_init(&face->batch);
+  face->batch.poses = poses;
+  face->batch.controls = face->controls;
+  face->batch.control_floats = face->control_floats;
+  face->batch.positions = face->expected;
+  face->batch.normals = face->expected_normals;
+  face->batch.position_floats = face->batch.normal_numbers = face->floats;
+  /* Half of the crowd has scratches for several poses at a time. */
+  if ((seed % 2 ? fb_scratch_create : fb_scratch_create_single)(face->model, 1, &face->scratch) != FB_OK) return -1;
+  return fb_evaluate_batch(face->model, face->scratch, &face->batch) == FB_OK ? 0 : -1;
+}
+
+static int make_crowd(void** state) {
+  static const char* const paths[] = {FB_FIXTURE, FB_CHARACTER, FB_LEVELS, FB_BODY};
+  (void)state;
+  for (int f = 0; f < faces; ++f)
+    if (make_face(&crowd[f], paths[f % 4], f)) return -1;
+  return 0;
+}
+
+static int free_crowd(void** state) {
+  (void)state;
+  for (int f = 0; f < faces; ++f) {
+    fb_scratch_destroy(crowd[f].scratch);
+    fb_release(crowd[f].model);
+    free(crowd[f].controls);
+    free(crowd[f].positions);
+    free(crowd[f].normals);
+    free(crowd[f].expected);
+    free(crowd[f].expected_normals);
+  }
+  return 0;
+}
+
+/* The whole crowd, whose outputs hold 7 everywhere. */
+static fb_many_desc describe(void) {
+  for (int f = 0; f < faces; ++f) {
+    Face* face = &crowd[f];
+    for (size_t i = 0; i < face->floats; ++i) face->positions[i] = face->normals[i] = 7;
+    face->batch.positions = face->positions;
+    face->batch.normals = face->normals;
+    items[f].model = face->model;
+    items[f].scratch = face->scratch;
+    items[f].batch = &face->batch;
+  }
+  fb_many_desc desc;
+  fb_many_desc_init(&desc);
+  desc.items = items;
+  desc.item_count = faces;
+  return desc;
+}
+
+static void assert_posed(int f) {
+  assert_memory_equal(crowd[f].positions, crowd[f].expected, crowd[f].floats * sizeof(float));
+  assert_memory_equal(crowd[f].normals, crowd[f].expected_normals, crowd[f].floats * sizeof(float));
+}
+
+static void assert_untouched(int f) {
+  for (size_t i = 0; i < crowd[f].floats; ++i) assert_true(crowd[f].positions[i] == 7 && crowd[f].normals[i] == 7);
+}
+
+static void many_faces_equal_each_by_itself(void** state) {
+  (void)state;
+  for (uint32_t threads = 0; threads <= 3; ++threads) {
+    fb_many_desc desc = describe();
+    desc.threads = threads;
+    uint32_t failed = 77;
+    assert_ok(fb_evaluate_many(&desc, &failed));
+    assert_int_equal(failed, faces);
+    for (int f = 0; f < faces; ++f) assert_posed(f);
+  }
+}
+
+typedef struct Schedule {
+  int calls;
+  uint32_t count, workers;
+  int left_out; /* tasks that it does not run */
+  int again;    /* whether it runs the first one twice */
+} Schedule;
+
+/* A host's scheduler, backwards and with all its workers. */
+static void backwards(void* user, uint32_t count, uint32_t workers, fb_task task, void* context) {
+  Schedule* schedule = user;
+  ++schedule->calls;
+  schedule->count = count;
+  schedule->workers = workers;
+  for (uint32_t i = count - (uint32_t)schedule->left_out; i-- > 0;) task(context, i, i % workers);
+  if (schedule->again) task(context, 0, 0);
+}
+
+static void a_host_may_schedule_items(void** state) {
+  (void)state;
+  Schedule schedule = {0, 0, 0, 0, 0};
+  fb_many_desc desc = describe();
+  desc.parallel_for = backwards;
+  desc.parallel_user = &schedule;
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  assert_int_equal(schedule.calls, 1);
+  assert_int_equal(schedule.count, faces);
+  assert_int_equal(schedule.workers, faces);
+  for (int f = 0; f < faces; ++f) assert_posed(f);
+
+  desc.threads = 3;
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  assert_int_equal(schedule.workers, 3);
+
+  schedule.left_out = 1;
+  uint32_t failed = 0;
+  assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(failed, faces);
+  assert_non_null(strstr(fb_last_error(), "ran 7 items of 8"));
+  schedule.left_out = 0;
+  schedule.again = 1;
+  assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(failed, faces);
+  schedule.again = 0;
+  assert_ok(fb_evaluate_many(&desc, &failed));
+}
+
+static void the_scheduler_of_a_batch_is_not_asked(void** state) {
+  (void)state;
+  Schedule schedule = {0, 0, 0, 0, 0};
+  const fb_many_desc desc = describe();
+  crowd[1].batch.parallel_for = backwards;
+  crowd[1].batch.parallel_user = &schedule;
+  crowd[1].batch.threads = 9; /* more than its scratch has */
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  crowd[1].batch.parallel_for = NULL;
+  crowd[1].batch.threads = 0;
+  assert_int_equal(schedule.calls, 0);
+  assert_posed(1);
+}
+
+static void clamping_is_counted_by_item(void** state) {
+  (void)state;
+  uint64_t expected[faces];
+  const fb_many_desc desc = describe();
+  for (int f = 0; f < faces; ++f) {
+    assert_ok(fb_evaluate_batch(crowd[f].model, crowd[f].scratch, &crowd[f].batch));
+    expected[f] = fb_clamped_count(crowd[f].scratch);
+  }
+  assert_true(expected[0] > 0);
+  assert_ok(fb_evaluate_many(&desc, NULL));
+  for (int f = 0; f < faces; ++f) assert_int_equal(fb_clamped_count(crowd[f].scratch), expected[f]);
+}
+
+static void items_that_fail_are_named_and_the_others_posed(void** state) {
+  (void)state;
+  const float saved = crowd[5].controls[1];
+  for (uint32_t threads = 1; threads <= 2; ++threads) {
+    fb_many_desc desc = describe();
+    desc.threads = threads;
+    crowd[5].controls[1] = NAN;
+    crowd[6].batch.position_floats -= 1;
+    uint32_t failed = 77;
+    assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_NOT_FINITE);
+    crowd[5].controls[1] = saved;
+    crowd[6].batch.position_floats += 1;
+    assert_int_equal(failed, 5);
+    assert_memory_equal(fb_last_error(), "item 5: ", 8);
+    assert_non_null(strstr(fb_last_error(), "pose 0"));
+    for (int f = 0; f < faces; ++f)
+      if (f == 5 || f == 6)
+        assert_untouched(f);
+      else
+        assert_posed(f);
+    assert_ok(fb_evaluate_many(&desc, NULL)); /* the scratches were given back */
+  }
+}
+
+static void items_that_lack_something_are_refused_before_anything_is_written(void** state) {
+  (void)state;
+  enum { kinds = 6 };
+  fb_batch_desc unfilled;
+  memset(&unfilled, 0, sizeof unfilled);
+  for (int kind = 0; kind < kinds; ++kind) {
+    const fb_many_desc desc = describe();
+    if (kind == 0) items[3].model = NULL;
+    if (kind == 1) items[3].scratch = NULL;
+    if (kind == 2) items[3].batch = NULL;
+    if (kind == 3) items[3].batch = &unfilled;
+    if (kind == 4) items[3].model = crowd[2].model;
+    if (kind == 5) items[3] = items[0];
+    uint32_t failed = 77;
+    assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_INVALID_ARGUMENT);
+    assert_int_equal(failed, 3);
+    assert_memory_equal(fb_last_error(), "item 3: ", 8);
+    for (int f = 0; f < faces; ++f) assert_untouched(f);
+    const fb_many_desc good = describe();
+    assert_ok(fb_evaluate_many(&good, NULL));
+  }
+}
+
+static void wrong_lists_are_refused(void** state) {
+  (void)state;
+  assert_int_equal(fb_evaluate_many(NULL, NULL), FB_ERROR_INVALID_ARGUMENT);
+  fb_many_desc desc;
+  memset(&desc, 0, sizeof desc);
+  assert_int_equal(fb_evaluate_many(&desc, NULL), FB_ERROR_INVALID_ARGUMENT);
+  assert_non_null(strstr(fb_last_error(), "fb_many_desc_init"));
+  fb_many_desc_init(&desc);
+  uint32_t failed = 77;
+  assert_ok(fb_evaluate_many(&desc, &failed)); /* of no faces */
+  assert_int_equal(failed, 0);
+  desc.item_count = 1;
+  assert_int_equal(fb_evaluate_many(&desc, &failed), FB_ERROR_INVALID_ARGUMENT);
+  assert_non_null(strstr(fb_last_error(), "items"));
+  assert_int_equal(failed, 1);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(many_faces_equal_each_by_itself),
+      cmocka_unit_test(a_host_may_schedule_items),
+      cmocka_unit_test(the_scheduler_of_a_batch_is_not_asked),
+      cmocka_unit_test(clamping_is_counted_by_item),
+      cmocka_unit_test(items_that_fail_are_named_and_the_others_posed),
+      cmocka_unit_test(items_that_lack_something_are_refused_before_anything_is_written),
+      cmocka_unit_test(wrong_lists_are_refused),
+  };
+  return cmocka_run_group_tests(tests, make_crowd, free_crowd);
+}
