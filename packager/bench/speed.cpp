@@ -13,41 +13,10 @@
 #include "base/status.h"
 #include "bench/float_networks.h"
 #include "bench/thread_time.h"
+#include "bench/timing.h"
 
 namespace fb::tool {
 namespace {
-
-// Time that one call of thread_time takes at least, which is subtracted from what is measured: of a busy machine any
-// other figure, such as the median, may be more than a short call takes.
-double clock_overhead() {
-  double least = 1e30;
-  for (int n = 0; n < 2000; ++n) {
-    const double start = thread_time();
-    least = std::min(least, thread_time() - start);
-  }
-  return least;
-}
-
-// One thing that is timed: a call of run(pose) evaluates poses_a_call poses.
-struct Timing {
-  std::string name;
-  std::function<void(std::size_t)> run;
-  double bytes = 0;
-  std::size_t poses_a_call = 1;
-  std::vector<double> times = {};  // microseconds a pose
-
-  void measure(std::size_t pose) {
-    static const double overhead = clock_overhead();
-    const double start = thread_time();
-    run(pose);
-    times.push_back(std::max(0.0, thread_time() - start - overhead) / double(poses_a_call));
-  }
-  SpeedLine line() {
-    std::sort(times.begin(), times.end());
-    const std::size_t p99 = (times.size() * 99 + 99) / 100 - 1;
-    return {name, times.front(), times[times.size() / 2], times[p99], bytes};
-  }
-};
 
 // Evicts everything else from the caches by reading 64 MB, more than any of them holds.
 class CacheFlusher {
@@ -76,6 +45,22 @@ void write_past_caches(float* to, std::size_t count) {
 #else
   std::fill_n(to, count, 1.0f);
 #endif
+}
+
+// Cold poses are measured one after another, without rounds.
+constexpr std::size_t parts_of_cold = 4;
+
+// Of warm poses. Shorter lines differ by what reading the clock takes.
+constexpr double least_told = 1;  // microseconds
+
+Noise noise_of(const std::vector<SpeedLine>& lines, double waited) {
+  Noise noise{"", 0, waited};
+  for (const SpeedLine& line : lines)
+    if (line.median >= least_told && line.spread >= noise.spread) {
+      noise.line = line.name;
+      noise.spread = line.spread;
+    }
+  return noise;
 }
 
 std::string processor_name() {
@@ -274,6 +259,7 @@ void SpeedBench::measure_batches(std::vector<Timing>& timings) {
 SpeedLine SpeedBench::read_line(const char* name, std::size_t bytes) const {
   std::vector<std::uint64_t> memory(bytes / sizeof(std::uint64_t), 1);
   volatile std::uint64_t result = 0;
+  constexpr std::size_t parts = 3;
   Timing timing{name,
                 [&](std::size_t) {
                   std::uint64_t sum[8] = {};
@@ -282,8 +268,8 @@ SpeedLine SpeedBench::read_line(const char* name, std::size_t bytes) const {
                   for (const std::uint64_t s : sum) result = result + s;
                 },
                 double(bytes)};
-  for (int n = 0; n < 30; ++n) timing.measure(0);
-  return timing.line();
+  for (std::size_t n = 0; n < 10 * parts; ++n) timing.measure(0);
+  return timing.line(parts);
 }
 
 Speed SpeedBench::run() {
@@ -291,14 +277,23 @@ Speed SpeedBench::run() {
   std::vector<Timing> cold = {warm[0], warm[6], warm[7]};
   for (Timing& timing : cold) timing.name = "cold: " + timing.name;
   std::vector<Timing> batches = batch_timings();
+  const double begin = thread_time(), begin_elapsed = elapsed_time();
   measure_warm(warm);
+  const double elapsed = elapsed_time() - begin_elapsed;
+  const double waited = std::max(0.0, 1 - (thread_time() - begin) / elapsed);
   measure_cold(cold);
   measure_batches(batches);
-  Speed speed{
-      processor_name(),    __VERSION__, FB_COMPILE_FLAGS, fb_instruction_set(model_.get()), affine_kernels().name,
-      load_time(archive_), {}};
-  for (std::vector<Timing>* timings : {&warm, &cold, &batches})
-    for (Timing& timing : *timings) speed.lines.push_back(timing.line());
+  Speed speed;
+  speed.processor = processor_name();
+  speed.compiler = __VERSION__;
+  speed.flags = FB_COMPILE_FLAGS;
+  speed.instruction_set = fb_instruction_set(model_.get());
+  speed.eigen = affine_kernels().name;
+  speed.load = load_time(archive_);
+  for (const Timing& timing : warm) speed.lines.push_back(timing.line(options_.rounds));
+  speed.noise = noise_of(speed.lines, waited);
+  for (const Timing& timing : cold) speed.lines.push_back(timing.line(parts_of_cold));
+  for (const Timing& timing : batches) speed.lines.push_back(timing.line(options_.rounds));
   speed.lines.push_back(read_line("reading as many bytes as a pose reads", static_cast<std::size_t>(pose_bytes_)));
   speed.lines.push_back(read_line("reading as many bytes as the paper's network has", paper_.bytes()));
   return speed;

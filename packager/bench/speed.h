@@ -11,16 +11,29 @@
 
 namespace fb::tool {
 
-// Microseconds of processor time a pose.
+// Microseconds a pose.
 struct SpeedLine {
   std::string name;
   double least, median, p99;
-  double bytes;  // of the model read a pose, or moved; 0: not known
+  double bytes;   // of the model read a pose, or moved; 0: not known
+  double spread;  // between rounds, see spread_between_rounds
+  bool elapsed;   // time that passed, of several threads; else processor time
+};
+
+// What others on the machine did to a run.
+struct Noise {
+  std::string line;   // the one whose rounds differ most, of warm poses
+  double spread = 0;  // of that line
+  double waited = 0;  // share of the time in which the measuring thread did not run
+
+  // Beyond a tenth of spread or a twentieth of waiting, figures of two runs differ by more than versions do.
+  bool believable() const { return spread <= 0.1 && waited <= 0.05; }
 };
 
 struct Speed {
   std::string processor, compiler, flags, instruction_set, eigen;
   double load = 0;  // microseconds from the archive's bytes in memory to a model that can be posed, checksums included
+  Noise noise;
   std::vector<SpeedLine> lines;
 
   const SpeedLine& line(const std::string& name) const;

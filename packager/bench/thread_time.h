@@ -5,6 +5,11 @@
 
 namespace fb::tool {
 
+// Time that passes, in microseconds.
+inline double elapsed_time() {
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 // Processor time of this thread in microseconds, where the system has such a clock, so that other programs on a shared
 // machine do not count; else wall time.
 inline double thread_time() {
@@ -13,7 +18,7 @@ inline double thread_time() {
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0)
     return double(time.tv_sec) * 1e6 + double(time.tv_nsec) * 1e-3;
 #endif
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return elapsed_time();
 }
 
 }  // namespace fb::tool

@@ -11,7 +11,6 @@
 #include "commands/commands.h"
 #include "commands/pose_controls.h"
 #include "commands/progress_bar.h"
-#include "commands/results.h"
 #include "commands/rig_options.h"
 #include "commands/speed_text.h"
 
@@ -24,8 +23,9 @@ struct BenchCommand {
   std::size_t poses = 400;
   SpeedOptions options;
   RigOptions rigs;
+  FigureOutputs outputs;
 
-  void run() const;
+  void run();
 
  private:
   std::vector<float> recorded_clip(const facebaker::Model& model) const;
@@ -66,10 +66,11 @@ std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) co
   return values;
 }
 
-void BenchCommand::run() const {
+void BenchCommand::run() {
   const facebaker::Archive face(archive);
   std::optional<OutputLock> lock;
   if (!csv.empty()) lock = OutputLock::of_file(csv);
+  outputs.claim();
   const fb_archive_info info = face.info();
   const facebaker::Model model(info.bytes, info.byte_count);
   const std::vector<float> controls = sources.empty() ? synthetic_clip(model, poses) : recorded_clip(model);
@@ -79,7 +80,7 @@ void BenchCommand::run() const {
     speed = measure_speed(face, controls, options, progress);
   }
   if (!csv.empty()) write_file(csv, speed_csv(speed));
-  print_result(speed_text(speed).c_str());
+  outputs.write("bench", speed_json(speed), speed_text(speed));
 }
 
 }  // namespace
@@ -100,6 +101,7 @@ void add_bench(CLI::App& tool) {
   add_count("--batch", command->options.batch, "Poses of a batch");
   command->rigs.add_to(*app);
   app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
+  command->outputs.add_json_to(*app);
   app->callback([command] { command->run(); });
 }
 

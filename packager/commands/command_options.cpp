@@ -162,9 +162,13 @@ std::vector<std::string> recipe_names() {
   return names;
 }
 
-void FigureOutputs::add_to(CLI::App& command) {
+void FigureOutputs::add_json_to(CLI::App& command) {
   command.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
       ->type_name("FILE");
+}
+
+void FigureOutputs::add_to(CLI::App& command) {
+  add_json_to(command);
   add_report(command, report, ", and a page of pictures, curves and tables (index.html)");
 }
 

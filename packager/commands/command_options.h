@@ -55,6 +55,7 @@ struct FigureOutputs {
   std::string json, report;
 
   void add_to(CLI::App& command);
+  void add_json_to(CLI::App& command);  // for commands without a report
   // Locks both, before the work begins. Fails if either could not be written.
   void claim();
   // Writes the JSON and the report's NAME.json and NAME.md; prints the table, or with --json - the JSON.

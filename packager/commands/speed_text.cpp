@@ -1,5 +1,9 @@
 #include "commands/speed_text.h"
 
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
 #include "base/status.h"
 #include "report/table.h"
 
@@ -14,27 +18,83 @@ std::string ratio(const Speed& speed, const SpeedLine& line) {
   return format("%.1f", speed.line(condition + "paper's network, Eigen").median / line.median);
 }
 
+// Whether to believe the figures, and why.
+std::string noise_text(const Noise& noise) {
+  const std::string differ = format("rounds of \"%s\" differ by %.0f %%, and the thread waited for %.0f %% of the time",
+                                    noise.line.c_str(), 100 * noise.spread, 100 * noise.waited);
+  if (noise.believable()) return "The machine was quiet: " + differ + ".\n";
+  return "DO NOT BELIEVE THIS RUN: " + differ +
+         "; other programs were at work. Measure again when they rest, or compare ratios within this run only.\n";
+}
+
+// The figure "batch of N: what".
+const SpeedLine& batch_line(const Speed& speed, const std::string& what) {
+  const auto found = std::find_if(speed.lines.begin(), speed.lines.end(), [&](const SpeedLine& line) {
+    return line.name.find("batch of ") == 0 && line.name.substr(line.name.find(": ") + 2) == what;
+  });
+  if (found == speed.lines.end()) fail(Status::not_found, "no figure of batches \"%s\"", what.c_str());
+  return *found;
+}
+
+// To a tenth of a nanosecond.
+double rounded(double microseconds) {
+  return std::round(microseconds * 1e4) / 1e4;
+}
+
 }  // namespace
 
 std::string speed_text(const Speed& speed) {
-  Table table({"one thread, microseconds a pose", "least", "median", "p99", "times the paper's", "kB", "GB/s"});
+  Table table(
+      {"one thread, microseconds a pose", "least", "median", "p99", "spread, %", "times the paper's", "kB", "GB/s"});
   for (const SpeedLine& line : speed.lines)
     table.add({line.name, format("%.1f", line.least), format("%.1f", line.median), format("%.1f", line.p99),
-               ratio(speed, line), line.bytes > 0 ? format("%.0f", line.bytes * 1e-3) : "",
+               format("%.0f", 100 * line.spread), ratio(speed, line),
+               line.bytes > 0 ? format("%.0f", line.bytes * 1e-3) : "",
                line.bytes > 0 ? format("%.1f", line.bytes * 1e-3 / line.median) : ""});
-  return table.text() + format("%s; %s, %s\nposes: %s; Eigen: %s; loading: %.1f ms\n", speed.processor.c_str(),
-                               speed.compiler.c_str(), speed.flags.c_str(), speed.instruction_set.c_str(),
-                               speed.eigen.c_str(), speed.load * 1e-3);
+  return table.text() +
+         format("%s; %s, %s\nposes: %s; Eigen: %s; loading: %.1f ms\n", speed.processor.c_str(), speed.compiler.c_str(),
+                speed.flags.c_str(), speed.instruction_set.c_str(), speed.eigen.c_str(), speed.load * 1e-3) +
+         noise_text(speed.noise);
+}
+
+std::string speed_json(const Speed& speed) {
+  using Json = nlohmann::ordered_json;
+  Json lines = Json::array();
+  for (const SpeedLine& line : speed.lines)
+    lines.push_back({{"name", line.name},
+                     {"least_us", rounded(line.least)},
+                     {"median_us", rounded(line.median)},
+                     {"p99_us", rounded(line.p99)},
+                     {"spread", line.spread},
+                     {"bytes", line.bytes},
+                     {"clock", line.elapsed ? "elapsed" : "thread"}});
+  const Json json = {
+      {"pose_us_warm", rounded(speed.line("positions").median)},
+      {"pose_us_cold", rounded(speed.line("cold: positions").median)},
+      {"batch_us_per_pose", rounded(batch_line(speed, "positions").median)},
+      {"eigen_fp32_us", rounded(speed.line("same model, floats, Eigen").median)},
+      {"paper_us", rounded(speed.line("paper's network, Eigen").median)},
+      {"load_us", rounded(speed.load)},
+      {"believable", speed.noise.believable()},
+      {"noise", {{"line", speed.noise.line}, {"spread", speed.noise.spread}, {"waited", speed.noise.waited}}},
+      {"processor", speed.processor},
+      {"compiler", speed.compiler},
+      {"flags", speed.flags},
+      {"instruction_set", speed.instruction_set},
+      {"eigen", speed.eigen},
+      {"lines", lines}};
+  return json.dump(2) + "\n";
 }
 
 std::string speed_csv(const Speed& speed) {
   const auto quoted = [](const std::string& text) { return '"' + text + '"'; };
-  std::string csv = "processor,compiler,flags,instruction set,Eigen,figure,least us,median us,p99 us,bytes\n";
+  std::string csv = "processor,compiler,flags,instruction set,Eigen,figure,least us,median us,p99 us,bytes,spread\n";
   const std::string begin = quoted(speed.processor) + ',' + quoted(speed.compiler) + ',' + quoted(speed.flags) + ',' +
                             quoted(speed.instruction_set) + ',' + quoted(speed.eigen) + ',';
   for (const SpeedLine& line : speed.lines)
-    csv += begin + quoted(line.name) + format(",%.3f,%.3f,%.3f,%.0f\n", line.least, line.median, line.p99, line.bytes);
-  return csv + begin + quoted("loading") + format(",%.3f,,,\n", speed.load);
+    csv += begin + quoted(line.name) +
+           format(",%.3f,%.3f,%.3f,%.0f,%.4f\n", line.least, line.median, line.p99, line.bytes, line.spread);
+  return csv + begin + quoted("loading") + format(",%.3f,,,,\n", speed.load);
 }
 
 }  // namespace fb::tool

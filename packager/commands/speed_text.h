@@ -6,8 +6,10 @@
 
 namespace fb::tool {
 
-// A table, and comma-separated values with a line a figure.
+// A table with a sentence on whether to believe it, comma-separated values with a line a figure, and JSON, whose keys
+// docs/measuring.md has.
 std::string speed_text(const Speed& speed);
+std::string speed_json(const Speed& speed);
 std::string speed_csv(const Speed& speed);
 
 }  // namespace fb::tool

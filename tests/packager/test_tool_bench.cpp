@@ -1,9 +1,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/file.h"
+#include "bench/timing.h"
+#include "commands/speed_text.h"
 #include "tool_files.h"
 #include "tool_run.h"
 
@@ -48,4 +51,57 @@ TEST_CASE("bench times a face beside float networks, and names processor and com
   CHECK(lines > 15);
   // 8 layers of 256 and a dense basis take longer than 30 vertices.
   CHECK(median_of(figures, "paper's network, Eigen") > median_of(figures, "positions"));
+}
+
+TEST_CASE("bench --json has the main figures by name, and all lines") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk", file = folder / "speed.json";
+  write_tiny_archive(archive);
+  const ToolRun run = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--json", file});
+  REQUIRE(run.exit_code == 0);
+  CHECK(run.out.find("| positions ") != std::string::npos);
+  const auto json = nlohmann::json::parse(text_of(file));
+  const auto line = [&](const std::string& name) {
+    for (const auto& one : json.at("lines"))
+      if (one.at("name") == name) return one;
+    FAIL("no line ", name);
+    return nlohmann::json();
+  };
+  CHECK(json.at("pose_us_warm") == line("positions").at("median_us"));
+  CHECK(json.at("pose_us_cold") == line("cold: positions").at("median_us"));
+  CHECK(json.at("batch_us_per_pose") == line("batch of 4: positions").at("median_us"));
+  CHECK(json.at("eigen_fp32_us") == line("same model, floats, Eigen").at("median_us"));
+  CHECK(json.at("paper_us") == line("paper's network, Eigen").at("median_us"));
+  CHECK(json.at("pose_us_warm") > 0);
+  const double spread = json.at("noise").at("spread"), waited = json.at("noise").at("waited");
+  CHECK(line(json.at("noise").at("line")).at("spread") == spread);
+  CHECK(json.at("believable") == (spread <= 0.1 && waited <= 0.05));
+
+  const ToolRun printed = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--json", "-"});
+  CHECK(nlohmann::json::parse(printed.out).at("lines").size() == json.at("lines").size());
+  CHECK(run_tool({"bench", archive, "--json", folder / "none/speed.json"}).exit_code != 0);
+}
+
+TEST_CASE("the spread between rounds is that of their medians") {
+  using fb::tool::spread_between_rounds;
+  CHECK(spread_between_rounds({5, 5, 5, 5}, 1) == 0);
+  CHECK(spread_between_rounds({5, 9, 5, 5, 5, 1}, 2) == 0);  // single poses do not count
+  CHECK(spread_between_rounds({4, 4, 4, 6, 6, 6}, 2) == doctest::Approx(2.0 / 6));
+  // Of eight rounds the two quickest and the two slowest do not count.
+  CHECK(spread_between_rounds({1, 1, 10, 10, 10, 10, 90, 90}, 8) == 0);
+  CHECK(spread_between_rounds({1, 1, 10, 10, 10, 11, 90, 90}, 8) == doctest::Approx(0.1));
+  CHECK(spread_between_rounds({}, 3) == 0);
+}
+
+TEST_CASE("a run among busy neighbours says that it is not to be believed") {
+  fb::tool::Speed speed;
+  speed.noise = {"positions", 0.04, 0.01};
+  CHECK(fb::tool::speed_text(speed).find("The machine was quiet") != std::string::npos);
+  speed.noise.waited = 0.2;
+  const std::string waited = fb::tool::speed_text(speed);
+  CHECK(waited.find("DO NOT BELIEVE THIS RUN") != std::string::npos);
+  CHECK(waited.find("waited for 20 %") != std::string::npos);
+  speed.noise = {"positions", 0.31, 0};
+  CHECK(fb::tool::speed_text(speed).find("\"positions\" differ by 31 %") != std::string::npos);
+  CHECK(!speed.noise.believable());
 }

@@ -1,0 +1,31 @@
+// A thing that is timed, round after round.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/speed.h"
+
+namespace fb::tool {
+
+// A call of run(pose) evaluates poses_a_call poses.
+struct Timing {
+  std::string name;
+  std::function<void(std::size_t)> run;
+  double bytes = 0;
+  std::size_t poses_a_call = 1;
+  bool elapsed = false;            // time that passes, for what runs on several threads; else the thread's
+  std::vector<double> times = {};  // microseconds a pose
+
+  void measure(std::size_t pose);
+  // Of at least one measured call. rounds: how many equal parts the times consist of.
+  SpeedLine line(std::size_t rounds) const;
+};
+
+// How much the medians of rounds differ: between their quartiles, over the median of all. `times`: round after round,
+// all of the same length; 0 for less than two rounds.
+double spread_between_rounds(const std::vector<double>& times, std::size_t rounds);
+
+}  // namespace fb::tool
