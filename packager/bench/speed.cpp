@@ -12,7 +12,9 @@
 
 #include "base/status.h"
 #include "bench/float_networks.h"
+#include "bench/sparse_shapes.h"
 #include "bench/thread_time.h"
+#include "bench/timed_crowd.h"
 #include "bench/timing.h"
 
 namespace fb::tool {
@@ -49,6 +51,7 @@ void write_past_caches(float* to, std::size_t count) {
 
 // Cold poses are measured one after another, without rounds.
 constexpr std::size_t parts_of_cold = 4;
+constexpr std::size_t faces_of_crowd = 8;
 
 // Of warm poses. Shorter lines differ by what reading the clock takes.
 constexpr double least_told = 1;  // microseconds
@@ -91,15 +94,22 @@ class SpeedBench {
  private:
   std::vector<Timing> warm_timings();
   std::vector<Timing> batch_timings();
-  void measure_warm(std::vector<Timing>& timings);
+  void measure_warm(const char* what, std::vector<Timing>& timings);
   void measure_cold(std::vector<Timing>& timings);
   void measure_batches(std::vector<Timing>& timings);
   SpeedLine read_line(const char* name, std::size_t bytes) const;
 
   const float* pose_at(std::size_t pose) const { return controls_.data() + pose % poses_ * width_; }
   void evaluate(std::size_t pose) { scratch_.evaluate(pose_at(pose), positions_.data()); }
+  std::vector<Timing> crowd_timings();
+  double mean_bytes_of_shapes();
+  MorphFigures morph_figures();
   // One pose by fb_evaluate_batch, for its options.
-  void evaluate_as_batch(std::size_t pose, bool normals, std::uint32_t order, std::uint32_t format);
+  struct Outputs {
+    bool normals = false, tangents = false;
+    std::uint32_t order = FB_ORDER_SOURCE, format = FB_FLOAT32;
+  };
+  void evaluate_as_batch(std::size_t pose, const Outputs& outputs);
   void evaluate_batch();
 
   const fb_archive_info archive_;
@@ -112,9 +122,12 @@ class SpeedBench {
   const std::size_t poses_;
   PaperNetwork paper_;
   FloatModel float_model_;
+  SparseShapes shapes_;
+  TimedCrowd crowd_;
   double pose_bytes_ = 0;  // mean, of the model
   const std::vector<float> rest_;
-  std::vector<float> positions_, normals_, coefficients_, expected_errors_, batch_controls_, batch_positions_;
+  std::vector<float> positions_, normals_, tangents_, coefficients_, expected_errors_, batch_controls_,
+      batch_positions_;
 };
 
 std::size_t pose_count(std::span<const float> controls, const facebaker::Model& model) {
@@ -136,9 +149,12 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
       poses_(pose_count(controls, model_)),
       paper_(width_, model_.vertex_count()),
       float_model_(archive, model_),
+      shapes_(model_, controls),
+      crowd_(archive_, faces_of_crowd),
       rest_(model_.rest_controls()),
       positions_(floats_),
       normals_(floats_),
+      tangents_(floats_),
       coefficients_(fb_coefficient_count(model_.get())),
       expected_errors_(1 + fb_error_region_count(model_.get())),
       batch_controls_(options.batch * width_),
@@ -150,7 +166,7 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
     std::copy_n(pose_at(pose), width_, batch_controls_.begin() + std::ptrdiff_t(pose * width_));
 }
 
-void SpeedBench::evaluate_as_batch(std::size_t pose, bool normals, std::uint32_t order, std::uint32_t format) {
+void SpeedBench::evaluate_as_batch(std::size_t pose, const Outputs& outputs) {
   fb_batch_desc batch;
   fb_batch_desc_init(&batch);
   batch.threads = 1;
@@ -159,12 +175,16 @@ void SpeedBench::evaluate_as_batch(std::size_t pose, bool normals, std::uint32_t
   batch.control_floats = width_;
   batch.positions = positions_.data();
   batch.position_floats = floats_;
-  if (normals) {
+  if (outputs.normals) {
     batch.normals = normals_.data();
     batch.normal_numbers = floats_;
   }
-  batch.vertex_order = order;
-  batch.format = format;
+  if (outputs.tangents) {
+    batch.tangents = tangents_.data();
+    batch.tangent_numbers = floats_;
+  }
+  batch.vertex_order = outputs.order;
+  batch.format = outputs.format;
   scratch_.evaluate(batch);
 }
 
@@ -181,23 +201,27 @@ void SpeedBench::evaluate_batch() {
 }
 
 std::vector<Timing> SpeedBench::warm_timings() {
-  const auto as_batch = [this](bool normals, std::uint32_t order, std::uint32_t format) {
-    return [=, this](std::size_t p) { evaluate_as_batch(p, normals, order, format); };
+  const auto as_batch = [this](const Outputs& outputs) {
+    return [outputs, this](std::size_t p) { evaluate_as_batch(p, outputs); };
   };
   const auto coefficients = [this](std::size_t p) {
     facebaker::check(fb_evaluate_coefficients(model_.get(), scratch_.get(), pose_at(p), coefficients_.data()));
   };
   std::vector<Timing> timings = {
       {"positions", [this](std::size_t p) { evaluate(p); }, pose_bytes_},
-      {"positions, baked order", as_batch(false, FB_ORDER_BAKED, FB_FLOAT32), pose_bytes_},
-      {"positions, halves", as_batch(false, FB_ORDER_SOURCE, FB_FLOAT16), pose_bytes_},
-      {"positions and normals", as_batch(true, FB_ORDER_SOURCE, FB_FLOAT32), pose_bytes_},
+      {"positions, baked order", as_batch({.order = FB_ORDER_BAKED}), pose_bytes_},
+      {"positions, halves", as_batch({.format = FB_FLOAT16}), pose_bytes_},
+      {"positions and normals", as_batch({.normals = true}), pose_bytes_},
       {"coefficients", coefficients},
       {"at rest", [this](std::size_t) { scratch_.evaluate(rest_.data(), positions_.data()); }},
       {"same model, floats, Eigen", [this](std::size_t p) { float_model_.evaluate(pose_at(p), positions_.data()); },
        double(float_model_.bytes())},
       {"paper's network, Eigen", [this](std::size_t p) { paper_.evaluate(1, pose_at(p), positions_.data()); },
-       double(paper_.bytes())}};
+       double(paper_.bytes())},
+      {"sparse morph targets, floats", [this](std::size_t p) { shapes_.evaluate(pose_at(p)); },
+       mean_bytes_of_shapes()}};
+  if (fb_uv_count(model_.get()) > 0)
+    timings.push_back({"positions, normals and tangents", as_batch({.normals = true, .tangents = true}), pose_bytes_});
   if (fb_error_region_count(model_.get()) > 0)
     timings.push_back({"expected errors", [this](std::size_t p) {
                          facebaker::check(fb_expected_error(model_.get(), scratch_.get(), pose_at(p),
@@ -206,13 +230,33 @@ std::vector<Timing> SpeedBench::warm_timings() {
   return timings;
 }
 
+std::vector<Timing> SpeedBench::crowd_timings() {
+  std::vector<Timing> timings;
+  for (const std::uint32_t threads : {1u, 2u})
+    timings.push_back({format("crowd of %zu, %u thread%s", crowd_.size(), threads, threads > 1 ? "s" : ""),
+                       [this, threads](std::size_t call) { crowd_.evaluate(call * crowd_.size(), controls_, threads); },
+                       pose_bytes_, crowd_.size(), true});
+  return timings;
+}
+
+double SpeedBench::mean_bytes_of_shapes() {
+  double bytes = 0;
+  for (std::size_t pose = 0; pose < poses_; ++pose) bytes += double(shapes_.pose_bytes(pose_at(pose)));
+  return bytes / double(poses_);
+}
+
+MorphFigures SpeedBench::morph_figures() {
+  return {shapes_.shape_count(), shapes_.corrective_count(), shapes_.bytes(), shapes_.error(poses_)};
+}
+
 // Every method runs over all poses once, until all it reads is in the caches, before it is measured on them.
-void SpeedBench::measure_warm(std::vector<Timing>& timings) {
-  progress_.begin("measuring warm poses", options_.rounds);
+void SpeedBench::measure_warm(const char* what, std::vector<Timing>& timings) {
+  progress_.begin(what, options_.rounds);
   for (std::size_t round = 0; round < options_.rounds; ++round) {
     for (Timing& timing : timings) {
-      for (std::size_t pose = 0; pose < poses_; ++pose) timing.run(pose);
-      for (std::size_t pose = 0; pose < poses_; ++pose) timing.measure(pose);
+      const std::size_t calls = std::max<std::size_t>(1, poses_ / timing.poses_a_call);
+      for (std::size_t call = 0; call < calls; ++call) timing.run(call);
+      for (std::size_t call = 0; call < calls; ++call) timing.measure(call);
     }
     progress_.step(round + 1);
   }
@@ -276,12 +320,14 @@ Speed SpeedBench::run() {
   std::vector<Timing> warm = warm_timings();
   std::vector<Timing> cold = {warm[0], warm[6], warm[7]};
   for (Timing& timing : cold) timing.name = "cold: " + timing.name;
+  std::vector<Timing> crowds = crowd_timings();
   std::vector<Timing> batches = batch_timings();
   const double begin = thread_time(), begin_elapsed = elapsed_time();
-  measure_warm(warm);
+  measure_warm("measuring warm poses", warm);
   const double elapsed = elapsed_time() - begin_elapsed;
   const double waited = std::max(0.0, 1 - (thread_time() - begin) / elapsed);
   measure_cold(cold);
+  measure_warm("measuring crowds", crowds);
   measure_batches(batches);
   Speed speed;
   speed.processor = processor_name();
@@ -290,10 +336,13 @@ Speed SpeedBench::run() {
   speed.instruction_set = fb_instruction_set(model_.get());
   speed.eigen = affine_kernels().name;
   speed.load = load_time(archive_);
+  speed.scratch = scratch_bytes(archive_);
+  speed.morphs = morph_figures();
   for (const Timing& timing : warm) speed.lines.push_back(timing.line(options_.rounds));
   speed.noise = noise_of(speed.lines, waited);
   for (const Timing& timing : cold) speed.lines.push_back(timing.line(parts_of_cold));
-  for (const Timing& timing : batches) speed.lines.push_back(timing.line(options_.rounds));
+  for (const std::vector<Timing>* timings : {&crowds, &batches})
+    for (const Timing& timing : *timings) speed.lines.push_back(timing.line(options_.rounds));
   speed.lines.push_back(read_line("reading as many bytes as a pose reads", static_cast<std::size_t>(pose_bytes_)));
   speed.lines.push_back(read_line("reading as many bytes as the paper's network has", paper_.bytes()));
   return speed;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "bench/counted_memory.h"
 
 namespace fb::tool {
 
@@ -30,10 +31,18 @@ struct Noise {
   bool believable() const { return spread <= 0.1 && waited <= 0.05; }
 };
 
+// The face as sparse morph targets, see SparseShapes.
+struct MorphFigures {
+  std::size_t shapes = 0, correctives = 0, bytes = 0;
+  double error = 0;  // root mean square over the diagonal, against the baked face
+};
+
 struct Speed {
   std::string processor, compiler, flags, instruction_set, eigen;
   double load = 0;  // microseconds from the archive's bytes in memory to a model that can be posed, checksums included
   Noise noise;
+  ScratchBytes scratch;
+  MorphFigures morphs;
   std::vector<SpeedLine> lines;
 
   const SpeedLine& line(const std::string& name) const;

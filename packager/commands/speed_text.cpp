@@ -54,6 +54,11 @@ std::string speed_text(const Speed& speed) {
   return table.text() +
          format("%s; %s, %s\nposes: %s; Eigen: %s; loading: %.1f ms\n", speed.processor.c_str(), speed.compiler.c_str(),
                 speed.flags.c_str(), speed.instruction_set.c_str(), speed.eigen.c_str(), speed.load * 1e-3) +
+         format(
+             "scratch: %.2f MB for batches, %.2f MB for single poses\n"
+             "morph targets: %zu, and %zu correctives, %.1f MB; they are off by %.1e of the diagonal, rms\n",
+             double(speed.scratch.batches) * 1e-6, double(speed.scratch.single) * 1e-6, speed.morphs.shapes,
+             speed.morphs.correctives, double(speed.morphs.bytes) * 1e-6, speed.morphs.error) +
          noise_text(speed.noise);
 }
 
@@ -75,6 +80,12 @@ std::string speed_json(const Speed& speed) {
       {"eigen_fp32_us", rounded(speed.line("same model, floats, Eigen").median)},
       {"paper_us", rounded(speed.line("paper's network, Eigen").median)},
       {"load_us", rounded(speed.load)},
+      {"scratch_bytes", {{"batches", speed.scratch.batches}, {"single", speed.scratch.single}}},
+      {"morph_targets",
+       {{"shapes", speed.morphs.shapes},
+        {"correctives", speed.morphs.correctives},
+        {"bytes", speed.morphs.bytes},
+        {"rms", speed.morphs.error}}},
       {"believable", speed.noise.believable()},
       {"noise", {{"line", speed.noise.line}, {"spread", speed.noise.spread}, {"waited", speed.noise.waited}}},
       {"processor", speed.processor},

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/file.h"
+#include "bench/sparse_shapes.h"
 #include "bench/timing.h"
 #include "commands/speed_text.h"
 #include "tool_files.h"
@@ -41,8 +42,9 @@ TEST_CASE("bench times a face beside float networks, and names processor and com
   const std::string figures = text_of(csv);
   for (const char* figure :
        {"positions", "positions, baked order", "positions, halves", "positions and normals", "coefficients", "at rest",
-        "same model, floats, Eigen", "paper's network, Eigen", "cold: positions", "cold: paper's network, Eigen",
-        "batch of 4: positions", "batch of 4: paper's network, Eigen", "batch of 4: writing alone"}) {
+        "sparse morph targets, floats", "crowd of 8, 1 thread", "crowd of 8, 2 threads", "same model, floats, Eigen",
+        "paper's network, Eigen", "cold: positions", "cold: paper's network, Eigen", "batch of 4: positions",
+        "batch of 4: paper's network, Eigen", "batch of 4: writing alone"}) {
     CHECK_MESSAGE(median_of(figures, figure) > 0, std::string(figure));
     CHECK_MESSAGE(run.out.find(figure) != std::string::npos, std::string(figure));
   }
@@ -77,6 +79,13 @@ TEST_CASE("bench --json has the main figures by name, and all lines") {
   CHECK(line(json.at("noise").at("line")).at("spread") == spread);
   CHECK(json.at("believable") == (spread <= 0.1 && waited <= 0.05));
 
+  const std::size_t batches = json.at("scratch_bytes").at("batches"), single = json.at("scratch_bytes").at("single");
+  CHECK(single > 0);
+  CHECK(batches > single);
+  CHECK(json.at("morph_targets").at("shapes") > 0);
+  CHECK(line("crowd of 8, 2 threads").at("clock") == "elapsed");
+  CHECK(line("positions").at("clock") == "thread");
+
   const ToolRun printed = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--json", "-"});
   CHECK(nlohmann::json::parse(printed.out).at("lines").size() == json.at("lines").size());
   CHECK(run_tool({"bench", archive, "--json", folder / "none/speed.json"}).exit_code != 0);
@@ -104,4 +113,32 @@ TEST_CASE("a run among busy neighbours says that it is not to be believed") {
   speed.noise = {"positions", 0.31, 0};
   CHECK(fb::tool::speed_text(speed).find("\"positions\" differ by 31 %") != std::string::npos);
   CHECK(!speed.noise.believable());
+}
+
+TEST_CASE("sparse morph targets are the face at the ends of one control and of two") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "face.fbk";
+  write_tiny_archive(archive);
+  const facebaker::Model model(archive);
+  const std::size_t width = model.control_count();
+  REQUIRE(width >= 3);
+  // Poses at rest but for the ends of some controls.
+  std::vector<float> controls;
+  const auto add = [&](const std::vector<std::uint32_t>& moved) {
+    const std::vector<float> rest = model.rest_controls();
+    controls.insert(controls.end(), rest.begin(), rest.end());
+    for (const std::uint32_t c : moved) controls[controls.size() - width + c] = model.control(c).maximum;
+  };
+  for (std::uint32_t c = 0; c < width; ++c) add({c});
+  for (std::uint32_t c = 1; c < width; ++c) add({0, c});
+  const std::size_t two = controls.size() / width;
+  fb::tool::SparseShapes shapes(model, controls);
+  CHECK(shapes.corrective_count() > 0);
+  CHECK(shapes.error(two) <= fb::tool::SparseShapes::threshold * 2);  // of a shape, and of a corrective
+  shapes.evaluate(model.rest_controls().data());
+  for (std::size_t v = 0; v < model.vertex_count(); ++v)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      CHECK(shapes.positions()[4 * v + axis] == model.rest_positions()[3 * v + axis]);
+  CHECK(shapes.pose_bytes(model.rest_controls().data()) < shapes.pose_bytes(controls.data()));
+  CHECK(shapes.pose_bytes(controls.data()) < shapes.bytes());
 }
