@@ -16,9 +16,10 @@ namespace fb::tool {
 struct SpeedLine {
   std::string name;
   double least, median, p99;
-  double bytes;   // of the model read a pose, or moved; 0: not known
-  double spread;  // between rounds, see spread_between_rounds
-  bool elapsed;   // time that passed, of several threads; else processor time
+  double bytes;           // of the model read a pose, or moved; 0: not known
+  double spread;          // between rounds, see spread_between_rounds
+  bool elapsed;           // time that passed, of several threads; else processor time
+  double processors = 0;  // where elapsed: how many the threads had on average; 0: not known
 };
 
 // What others on the machine did to a run.

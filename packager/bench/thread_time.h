@@ -10,6 +10,16 @@ inline double elapsed_time() {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// Processor time of all threads of this process in microseconds; 0 where the system has no such clock.
+inline double process_time() {
+#if defined(CLOCK_PROCESS_CPUTIME_ID)
+  timespec time;
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) == 0)
+    return double(time.tv_sec) * 1e6 + double(time.tv_nsec) * 1e-3;
+#endif
+  return 0;
+}
+
 // Processor time of this thread in microseconds, where the system has such a clock, so that other programs on a shared
 // machine do not count; else wall time.
 inline double thread_time() {

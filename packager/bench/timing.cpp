@@ -33,17 +33,28 @@ std::vector<double> sorted(std::vector<double> numbers) {
 void Timing::measure(std::size_t pose) {
   static const double thread_overhead = clock_overhead(thread_time), elapsed_overhead = clock_overhead(elapsed_time);
   const auto clock = elapsed ? elapsed_time : thread_time;
+  const double used_before = elapsed ? process_time() : 0;
   const double start = clock();
   run(pose);
   const double taken = clock() - start - (elapsed ? elapsed_overhead : thread_overhead);
   times.push_back(std::max(0.0, taken) / double(poses_a_call));
+  if (elapsed) {
+    used += process_time() - used_before;
+    passed += taken;
+  }
 }
 
 SpeedLine Timing::line(std::size_t rounds) const {
   const std::vector<double> ordered = sorted(times);
   const std::size_t p99 = (ordered.size() * 99 + 99) / 100 - 1;
-  return {name,   ordered.front(), quantile(ordered, 0.5), ordered[p99], bytes, spread_between_rounds(times, rounds),
-          elapsed};
+  return {name,
+          ordered.front(),
+          quantile(ordered, 0.5),
+          ordered[p99],
+          bytes,
+          spread_between_rounds(times, rounds),
+          elapsed,
+          passed > 0 ? used / passed : 0};
 }
 
 double spread_between_rounds(const std::vector<double>& times, std::size_t rounds) {

@@ -18,6 +18,7 @@ struct Timing {
   std::size_t poses_a_call = 1;
   bool elapsed = false;            // time that passes, for what runs on several threads; else the thread's
   std::vector<double> times = {};  // microseconds a pose
+  double used = 0, passed = 0;     // of all calls, where elapsed: processor time of all threads, and time
 
   void measure(std::size_t pose);
   // Of at least one measured call. rounds: how many equal parts the times consist of.

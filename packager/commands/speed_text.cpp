@@ -27,6 +27,16 @@ std::string noise_text(const Noise& noise) {
          "; other programs were at work. Measure again when they rest, or compare ratios within this run only.\n";
 }
 
+// About lines of two threads that had no two processors, as others used them or the system put both on one.
+std::string processors_text(const std::vector<SpeedLine>& lines) {
+  std::string text;
+  for (const SpeedLine& line : lines)
+    if (line.processors > 0 && line.processors < 1.5 && line.name.find("2 threads") != std::string::npos)
+      text +=
+          format("DO NOT BELIEVE \"%s\": they had %.1f processors on average.\n", line.name.c_str(), line.processors);
+  return text;
+}
+
 // The figure "batch of N: what".
 const SpeedLine& batch_line(const Speed& speed, const std::string& what) {
   const auto found = std::find_if(speed.lines.begin(), speed.lines.end(), [&](const SpeedLine& line) {
@@ -59,7 +69,7 @@ std::string speed_text(const Speed& speed) {
              "morph targets: %zu, and %zu correctives, %.1f MB; they are off by %.1e of the diagonal, rms\n",
              double(speed.scratch.batches) * 1e-6, double(speed.scratch.single) * 1e-6, speed.morphs.shapes,
              speed.morphs.correctives, double(speed.morphs.bytes) * 1e-6, speed.morphs.error) +
-         noise_text(speed.noise);
+         noise_text(speed.noise) + processors_text(speed.lines);
 }
 
 std::string speed_json(const Speed& speed) {
@@ -72,7 +82,8 @@ std::string speed_json(const Speed& speed) {
                      {"p99_us", rounded(line.p99)},
                      {"spread", line.spread},
                      {"bytes", line.bytes},
-                     {"clock", line.elapsed ? "elapsed" : "thread"}});
+                     {"clock", line.elapsed ? "elapsed" : "thread"},
+                     {"processors", line.processors}});
   const Json json = {
       {"pose_us_warm", rounded(speed.line("positions").median)},
       {"pose_us_cold", rounded(speed.line("cold: positions").median)},

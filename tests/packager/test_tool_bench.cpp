@@ -113,6 +113,14 @@ TEST_CASE("a run among busy neighbours says that it is not to be believed") {
   speed.noise = {"positions", 0.31, 0};
   CHECK(fb::tool::speed_text(speed).find("\"positions\" differ by 31 %") != std::string::npos);
   CHECK(!speed.noise.believable());
+
+  const std::string crowded = "DO NOT BELIEVE \"crowd of 8, 2 threads\": they had 1.1 processors";
+  fb::tool::SpeedLine two{"crowd of 8, 2 threads", 1, 1, 1, 0, 0, true, 1.1},
+      paper{"paper's network, Eigen", 9, 9, 9, 0, 0, false};
+  speed.lines = {two, paper};
+  CHECK(fb::tool::speed_text(speed).find(crowded) != std::string::npos);
+  speed.lines[0].processors = 1.9;
+  CHECK(fb::tool::speed_text(speed).find("\": they had") == std::string::npos);
 }
 
 TEST_CASE("sparse morph targets are the face at the ends of one control and of two") {
