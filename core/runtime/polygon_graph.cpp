@@ -51,7 +51,7 @@ PolygonGraph::PolygonGraph(const Mesh& mesh, std::span<const std::uint32_t> bake
       batch_chunks_(memory) {
   const std::size_t chunks = (polygons_ + chunk - 1) / chunk;
   const std::size_t batches = (mesh.surface_vertex_count() + batch - 1) / batch;
-  CsrBuilder<std::uint32_t> blocks(chunks, 0, heap), around(batches, 0, heap);
+  CsrBuilder<std::uint32_t> blocks(chunks, 2 * chunks, heap), around(batches, 2 * chunks, heap);
   std::pmr::vector<std::uint32_t> block_chunk(blocks_, UINT32_MAX, &heap), batch_chunk(batches, UINT32_MAX, &heap);
   const auto add = [](CsrBuilder<std::uint32_t>& table, std::size_t row, std::uint32_t entry, std::uint32_t& last,
                       std::uint32_t current) {
