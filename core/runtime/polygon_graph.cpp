@@ -39,56 +39,61 @@ PolygonGraph::State::State(std::size_t vertices, std::size_t blocks, std::size_t
     : vectors(4 * (polygons + 1), &memory),
       results(3 * vertices + 25, &memory),
       moved_(blocks, &memory),
-      chunks_((polygons + chunk - 1) / chunk, &memory),
-      batches_((vertices + batch - 1) / batch, &memory) {}
+      chunk_marks_((polygons + chunk - 1) / chunk, &memory),
+      batch_marks_((vertices + batch - 1) / batch, &memory) {}
 
 PolygonGraph::PolygonGraph(const Mesh& mesh, std::span<const std::uint32_t> baked_index,
                            std::span<const std::uint32_t> block_rows, std::pmr::memory_resource& memory,
                            std::pmr::memory_resource& heap)
     : polygons_((mesh.polygon_sizes.size() + 1) / 2 * 2),
       blocks_(block_rows.size() - 1),
+      batches_((mesh.surface_vertex_count() + batch - 1) / batch),
       chunk_blocks_(memory),
-      batch_chunks_(memory) {
+      chunk_batches_(memory) {
   const std::size_t chunks = (polygons_ + chunk - 1) / chunk;
-  const std::size_t batches = (mesh.surface_vertex_count() + batch - 1) / batch;
-  CsrBuilder<std::uint32_t> blocks(chunks, 2 * chunks, heap), around(batches, 2 * chunks, heap);
-  std::pmr::vector<std::uint32_t> block_chunk(blocks_, UINT32_MAX, &heap), batch_chunk(batches, UINT32_MAX, &heap);
-  const auto add = [](CsrBuilder<std::uint32_t>& table, std::size_t row, std::uint32_t entry, std::uint32_t& last,
-                      std::uint32_t current) {
-    if (last != current) table.add(row, entry);
-    last = current;
+  std::pmr::vector<std::uint32_t> block_chunk(blocks_, UINT32_MAX, &heap), batch_chunk(batches_, UINT32_MAX, &heap);
+  for (CsrTable<std::uint32_t>* table : {&chunk_blocks_, &chunk_batches_}) {
+    table->row_offsets.reserve(chunks + 1);
+    table->entries.reserve(2 * chunks);
+  }
+  const auto begin_row = [](CsrTable<std::uint32_t>& table) {
+    table.row_offsets.push_back(checked_u32(table.entries.size(), "the row blocks of the polygons"));
   };
   std::size_t corner = 0;
   for (std::size_t p = 0; p < mesh.polygon_sizes.size(); ++p) {
     const auto c = static_cast<std::uint32_t>(p / chunk);
+    if (p % chunk == 0) begin_row(chunk_blocks_), begin_row(chunk_batches_);
+    const auto add = [&](CsrTable<std::uint32_t>& table, std::uint32_t entry, std::uint32_t& last_chunk) {
+      if (last_chunk != c) table.entries.push_back(entry);
+      last_chunk = c;
+    };
     for (const std::size_t end = corner + mesh.polygon_sizes[p]; corner < end; ++corner) {
       const std::uint32_t vertex = mesh.polygon_corners[corner];
       const std::uint32_t row = 3 * (baked_index.empty() ? vertex : baked_index[vertex]);
       auto block = static_cast<std::uint32_t>(std::upper_bound(block_rows.begin(), block_rows.end() - 1, row) -
                                               block_rows.begin() - 1);
-      add(around, vertex / batch, c, batch_chunk[vertex / batch], c);
+      add(chunk_batches_, vertex / batch, batch_chunk[vertex / batch]);
       for (; block < blocks_ && block_rows[block] < row + 3; ++block)  // a vertex may lie in two
-        add(blocks, c, block, block_chunk[block], c);
+        add(chunk_blocks_, block, block_chunk[block]);
     }
   }
-  blocks.build(chunk_blocks_);
-  around.build(batch_chunks_);
+  begin_row(chunk_blocks_);
+  begin_row(chunk_batches_);
 }
 
-// Marks the chunks and batches that depend on a row block which has moved, or had in the state's last pose.
+// Marks the chunks, and the batches around them, that depend on a row block which has moved, or had in the state's last
+// pose.
 void PolygonGraph::find_changes(std::span<const std::uint8_t> moved, State& state) const {
   const bool all = state.graph_ != this;
   state.graph_ = this;
-  const auto mark = [&](const CsrTable<std::uint32_t>& table, const auto& depends, std::span<std::uint8_t> marks) {
-    for (std::size_t i = 0; i + 1 < table.row_offsets.size(); ++i) {
-      const std::span<const std::uint32_t> row = table.row(i);
-      marks[i] = all || std::any_of(row.begin(), row.end(), depends);
-    }
-  };
-  mark(
-      chunk_blocks_, [&](std::uint32_t b) { return (moved[b] | state.moved_[b]) != 0; }, state.chunks_);
-  mark(
-      batch_chunks_, [&](std::uint32_t c) { return state.chunks_[c] != 0; }, state.batches_);
+  std::fill(state.batch_marks_.begin(), state.batch_marks_.end(), std::uint8_t(all));
+  for (std::size_t c = 0; c < chunk_count(); ++c) {
+    const std::span<const std::uint32_t> blocks = chunk_blocks_.row(c);
+    state.chunk_marks_[c] = all || std::any_of(blocks.begin(), blocks.end(),
+                                               [&](std::uint32_t b) { return (moved[b] | state.moved_[b]) != 0; });
+    if (state.chunk_marks_[c])
+      for (const std::uint32_t b : chunk_batches_.row(c)) state.batch_marks_[b] = 1;
+  }
   std::copy_n(moved.begin(), blocks_, state.moved_.begin());
 }
 

@@ -48,7 +48,7 @@ class PolygonGraph {
    private:
     friend class PolygonGraph;
     const PolygonGraph* graph_ = nullptr;  // of the last pose
-    std::pmr::vector<std::uint8_t> moved_, chunks_, batches_;
+    std::pmr::vector<std::uint8_t> moved_, chunk_marks_, batch_marks_;
   };
 
   // baked_index: by vertex, its index in baked order; empty if that is the order of the mesh. block_rows: the first row
@@ -65,10 +65,10 @@ class PolygonGraph {
   void run(std::span<const std::uint8_t> moved, State& state, const Polygons& polygons,
            const Vertices& vertices) const {
     find_changes(moved, state);
-    for_runs({state.chunks_.data(), chunk_blocks_.row_offsets.size() - 1}, [&](std::size_t begin, std::size_t end) {
+    for_runs({state.chunk_marks_.data(), chunk_count()}, [&](std::size_t begin, std::size_t end) {
       polygons(begin * chunk, end * chunk < polygons_ ? end * chunk : polygons_);
     });
-    for_runs({state.batches_.data(), batch_chunks_.row_offsets.size() - 1}, vertices);
+    for_runs({state.batch_marks_.data(), batches_}, vertices);
   }
 
  private:
@@ -84,9 +84,11 @@ class PolygonGraph {
     }
   }
 
-  std::size_t polygons_, blocks_;
-  CsrTable<std::uint32_t> chunk_blocks_;  // by chunk: the row blocks of its polygons' corners
-  CsrTable<std::uint32_t> batch_chunks_;  // by batch: the chunks of the polygons at its vertices
+  std::size_t chunk_count() const { return chunk_blocks_.row_offsets.size() - 1; }
+
+  std::size_t polygons_, blocks_, batches_;
+  CsrTable<std::uint32_t> chunk_blocks_;   // by chunk: the row blocks of its polygons' corners
+  CsrTable<std::uint32_t> chunk_batches_;  // by chunk: the batches of its polygons' corners
 };
 
 }  // namespace fb::runtime
