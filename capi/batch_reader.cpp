@@ -91,6 +91,11 @@ runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
 
 }  // namespace
 
+fb_batch_desc read_batch_desc(const fb_batch_desc& given) {
+  const auto fill = [](fb_batch_desc* to) { fill_struct(to, sizeof *to, {}); };
+  return read_struct<fb_batch_desc>(given, fill, "fb_batch_desc");
+}
+
 void evaluate_batch(fb_scratch& scratch, const fb_batch_desc& batch) {
   const Parallel parallel = {static_cast<int>(batch_threads(batch, scratch.workspaces.size())), batch.parallel_for,
                              batch.parallel_user};

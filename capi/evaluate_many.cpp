@@ -42,7 +42,7 @@ class ItemScratches {
 };
 
 void evaluate_item(const fb_many_item& item) {
-  fb_batch_desc batch = read_struct(*item.batch, fb_batch_desc_init, "fb_batch_desc");
+  fb_batch_desc batch = read_batch_desc(*item.batch);
   batch.threads = 1;
   batch.parallel_for = nullptr;
   evaluate_batch(*item.scratch, batch);

@@ -450,7 +450,7 @@ fb_status fb_evaluate_batch(const fb_model* model, fb_scratch* scratch, const fb
     require(scratch, "scratch");
     require(desc, "desc");
     const ScratchUse use(scratch, model);
-    fb::capi::evaluate_batch(*scratch, read_struct(*desc, fb_batch_desc_init, "fb_batch_desc"));
+    fb::capi::evaluate_batch(*scratch, fb::capi::read_batch_desc(*desc));
   });
 }
 
