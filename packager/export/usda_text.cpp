@@ -26,10 +26,10 @@ std::string usda_identifier(const std::string& name, std::set<std::string>& take
   std::string made;
   for (const char c : name) {
     const bool digit = c >= '0' && c <= '9', letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    if (made.empty() && digit) made = "_";
+    if (made.empty() && digit) made.push_back('_');
     made += digit || letter ? c : '_';
   }
-  if (made.empty()) made = "_";
+  if (made.empty()) made.push_back('_');
   std::string unique = made;
   for (std::size_t number = 1; !taken.insert(unique).second; ++number) unique = made + "_" + std::to_string(number);
   return unique;
