@@ -29,7 +29,7 @@ RAW_HANDLES = ("fb_retain", "fb_release", "fb_scratch_destroy")  # called with t
 KEYWORDS = {"object", "in", "out", "ref", "params", "fixed", "base", "event", "lock", "string", "to_"}
 
 
-class HeaderError(Exception):
+class HeaderError(ValueError):
     """Something in a header that this script does not know how to write in C#."""
 
 

@@ -10,19 +10,19 @@ appears complete or not at all, and must not be there yet. Standard library only
 
 from __future__ import annotations
 
-import argparse
 import hashlib
-import os
 import pathlib
 import shutil
 import sys
-import tempfile
 from typing import Dict, List, NamedTuple, Optional
 
 import generate_interop
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "bindings" / "engine"))
+import engine_package  # noqa: E402
+
 PACKAGE = "org.facebaker.unity"
 
 
@@ -82,7 +82,7 @@ def write_metas(package: pathlib.Path) -> None:
         path.with_name(path.name + ".meta").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def pack(package: pathlib.Path, libraries: Dict[str, pathlib.Path]) -> None:
+def pack(package: pathlib.Path, libraries: engine_package.Libraries) -> None:
     """Fills an empty folder. Raises OSError, or HeaderError of generate_interop."""
     for folder in ("Runtime", "Editor"):
         shutil.copytree(HERE / "unity" / folder, package / folder)
@@ -96,45 +96,15 @@ def pack(package: pathlib.Path, libraries: Dict[str, pathlib.Path]) -> None:
     (package / "package.json").write_text(manifest, encoding="utf-8")
     shutil.copy(HERE / "unity" / "README.md", package / "README.md")
     shutil.copy(ROOT / "LICENSE", package / "LICENSE.md")
-    for name, library in libraries.items():
+    for name, library in dict(libraries).items():
         place = package / "Plugins" / name / PLATFORMS[name].file
         place.parent.mkdir(parents=True)
         shutil.copyfile(library, place)
     write_metas(package)
 
 
-def read_libraries(texts: List[str]) -> Dict[str, pathlib.Path]:
-    """Raises ValueError on what is no PLATFORM=FILE."""
-    libraries = {}
-    for text in texts:
-        name, equals, file = text.partition("=")
-        if not equals or name not in PLATFORMS:
-            raise ValueError(f"--library takes PLATFORM=FILE, with one of {', '.join(PLATFORMS)}, and not \"{text}\"")
-        if not pathlib.Path(file).is_file():
-            raise ValueError(f"there is no library {file}")
-        libraries[name] = pathlib.Path(file)
-    return libraries
-
-
 def main(arguments: Optional[List[str]] = None) -> int:
-    parser = argparse.ArgumentParser(description="Packs the Unity package.")
-    parser.add_argument("--out", type=pathlib.Path, required=True, help="the folder to make")
-    parser.add_argument("--library", action="append", default=[], metavar="PLATFORM=FILE", help="a native library to pack")
-    options = parser.parse_args(arguments)
-    try:
-        libraries = read_libraries(options.library)
-        if options.out.exists():
-            raise ValueError(f"{options.out} exists already")
-        options.out.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=options.out.parent) as folder:
-            package = pathlib.Path(folder, "package")
-            package.mkdir()
-            pack(package, libraries)
-            os.replace(package, options.out)
-    except (ValueError, OSError, generate_interop.HeaderError) as error:
-        print(f"pack_unity.py: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return engine_package.main("pack_unity.py", "Packs the Unity package.", PLATFORMS, pack, arguments)
 
 
 if __name__ == "__main__":

@@ -9,38 +9,25 @@ Standard library only."""
 
 from __future__ import annotations
 
-import argparse
-import os
 import pathlib
 import shutil
 import sys
-import tempfile
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "bindings" / "engine"))
+import engine_package  # noqa: E402
+
 FILES = {"Linux": ("libfacebaker.so",), "Mac": ("libfacebaker.dylib",), "Win64": ("facebaker.dll", "facebaker.lib")}
 
 
-def read_libraries(texts: List[str]) -> List[Tuple[str, pathlib.Path]]:
-    """Raises ValueError on what is no PLATFORM=FILE, or has another name than the build rules know."""
-    libraries = []
-    for text in texts:
-        platform, equals, name = text.partition("=")
-        file = pathlib.Path(name)
-        if not equals or platform not in FILES:
-            raise ValueError(f"--library takes PLATFORM=FILE, with one of {', '.join(FILES)}, and not \"{text}\"")
+def pack(plugin: pathlib.Path, libraries: engine_package.Libraries) -> None:
+    """Fills an empty folder. Raises OSError, or ValueError on a library of another name than the build rules know."""
+    for platform, file in libraries:
         if file.name not in FILES[platform]:
             raise ValueError(f"{file}: a library for {platform} is called {' or '.join(FILES[platform])}")
-        if not file.is_file():
-            raise ValueError(f"there is no library {file}")
-        libraries.append((platform, file))
-    return libraries
-
-
-def pack(plugin: pathlib.Path, libraries: List[Tuple[str, pathlib.Path]]) -> None:
-    """Fills a folder that is not there. Raises OSError."""
-    shutil.copytree(HERE / "FaceBaker", plugin, ignore=shutil.ignore_patterns("*.in"))
+    shutil.copytree(HERE / "FaceBaker", plugin, ignore=shutil.ignore_patterns("*.in"), dirs_exist_ok=True)
     version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
     manifest = (HERE / "FaceBaker" / "FaceBaker.uplugin.in").read_text(encoding="utf-8").replace("@VERSION@", version)
     (plugin / "FaceBaker.uplugin").write_text(manifest, encoding="utf-8")
@@ -59,22 +46,7 @@ def pack(plugin: pathlib.Path, libraries: List[Tuple[str, pathlib.Path]]) -> Non
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    parser = argparse.ArgumentParser(description="Packs the plugin for Unreal.")
-    parser.add_argument("--out", type=pathlib.Path, required=True, help="the folder to make")
-    parser.add_argument("--library", action="append", default=[], metavar="PLATFORM=FILE", help="a native library to pack")
-    options = parser.parse_args(arguments)
-    try:
-        libraries = read_libraries(options.library)
-        if options.out.exists():
-            raise ValueError(f"{options.out} exists already")
-        options.out.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=options.out.parent) as folder:
-            pack(pathlib.Path(folder, "plugin"), libraries)
-            os.replace(pathlib.Path(folder, "plugin"), options.out)
-    except (ValueError, OSError) as error:
-        print(f"pack_plugin.py: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return engine_package.main("pack_plugin.py", "Packs the plugin for Unreal.", FILES, pack, arguments)
 
 
 if __name__ == "__main__":
