@@ -4,9 +4,9 @@ facebaker.spdx.json, a software bill of materials (SPDX 2.3).
 
     notices.py OUT_DIR VERSION BINARY...
 
-BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake, the tool and the tool
-with a web server, facebaker-view, is listed in third_party.json, which a test compares with what the compiler read and
-the linker was given. Versions and licences are those of the Debian packages of this machine; on other systems versions
+BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake, the tool, the tool
+with a web server, facebaker-view, and the tool with MPI, facebaker-mpi, is listed in third_party.json, which a test
+compares with what the compiler read and the linker was given. Versions and licences are those of the Debian packages of this machine; on other systems versions
 are left out and licences are named only.
 Standard library only; the same inputs give the same bytes, dated by SOURCE_DATE_EPOCH or 1980."""
 
@@ -28,8 +28,9 @@ Component = Dict[str, Any]
 
 
 def components() -> List[Component]:
-    """The table of what is linked: dictionaries of name, licence (an SPDX expression), package, home, in, and of
-    library, the name of the shared library where it is not the component's."""
+    """The table of what is linked: dictionaries of name, licence (an SPDX expression), package, home, in, of library,
+    the name of the shared library where it is not the component's, and of only_loaded: whether it counts for the
+    binaries alone that load it, as one MPI of several."""
     table: List[Component] = json.loads((HERE / "third_party.json").read_text(encoding="utf-8"))
     return table
 
@@ -37,11 +38,14 @@ def components() -> List[Component]:
 def user_of(binary: pathlib.Path) -> str:
     """By which of our names a binary is known in the table."""
     found = re.match(r"lib(facebaker(?:_bake)?)\.so", binary.name)
-    return found.group(1) if found else "view" if binary.name == "facebaker-view" else "tool"
+    if found:
+        return found.group(1)
+    return {"facebaker-view": "view", "facebaker-mpi": "mpi"}.get(binary.name, "tool")
 
 
 def linked_into(binary: pathlib.Path) -> List[Component]:
-    return [one for one in components() if user_of(binary) in one["in"]]
+    listed = [one for one in components() if user_of(binary) in one["in"]]
+    return [one for one in listed if not one.get("only_loaded") or is_loaded(one, needed_of(binary))]
 
 
 def used_by(binaries: List[pathlib.Path]) -> Dict[str, Component]:
@@ -88,7 +92,7 @@ def third_party_text(binaries: List[pathlib.Path]) -> str:
     used = used_by(binaries)
     lines = ["FaceBaker is under the Apache License 2.0, see LICENSE. It has parts of others in it:", ""]
     for name, one in used.items():
-        users = [binary for binary in binaries if user_of(binary) in one["in"]]
+        users = [binary for binary in binaries if one in linked_into(binary)]
         loaded = any(is_loaded(one, needed_of(binary)) for binary in users)
         version = debian_version(one["package"])
         lines.append(f"{name}{' ' + version if version else ''}, {one['licence']}, {one['home']}")

@@ -23,12 +23,14 @@ OBJECTS = {
     "facebaker_bake": r"core/(base/|bake/|bake/linalg/)?CMakeFiles/fb_\w+\.dir/|capi/CMakeFiles/libfacebaker_bake\.dir/",
     "tool": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!server/|ranks/)",
     "view": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!ranks/)",
+    "mpi": r"core/base/CMakeFiles/fb_base\.dir/|core/bake/CMakeFiles/fb_tinygltf\.dir/|packager/(?!server/)",
 }
 FILES = {
-    "facebaker": r"lib/libfacebaker\.so\.[\d.]+",
-    "facebaker_bake": r"lib/libfacebaker_bake\.so\.[\d.]+",
-    "tool": r"bin/facebaker",
-    "view": r"bin/facebaker-view",
+    "facebaker": "lib/libfacebaker.so",
+    "facebaker_bake": "lib/libfacebaker_bake.so",
+    "tool": "bin/facebaker",
+    "view": "bin/facebaker-view",
+    "mpi": "bin/facebaker-mpi",  # built where there is an MPI
 }
 
 
@@ -49,11 +51,11 @@ def read_dependencies(build: pathlib.Path) -> Dict[str, List[str]]:
     return headers
 
 
-def linked_files(build: pathlib.Path, pattern: str) -> Set[str]:
+def linked_files(build: pathlib.Path, file: str) -> Set[str]:
     """The libraries outside of the build that the linker was given for a file."""
     lines = (build / "build.ninja").read_text(encoding="utf-8").splitlines()
     for number, line in enumerate(lines):
-        if re.match(f"build {pattern}[: ]", line) and "LINKER" in line:
+        if re.match(rf"build {re.escape(file)}[\d.]*[: ]", line) and "LINKER" in line:
             for setting in lines[number:]:
                 if setting.strip().startswith("LINK_LIBRARIES"):
                     return set(re.findall(r"/usr/\S+\.(?:a|so)\b\S*", setting))
@@ -83,30 +85,30 @@ def main(arguments: List[str]) -> int:
     sys.path.insert(0, str(root / "packager" / "packages"))
     import notices  # type: ignore[import]
 
-    table = notices.components()
     dependencies = read_dependencies(build)
     problems: List[str] = []
-    for user, pattern in OBJECTS.items():
+    built = {user: build / file for user, file in FILES.items() if user != "mpi" or (build / file).exists()}
+    for user, binary in built.items():
+        pattern = OBJECTS[user]
         used = {header for name, headers in dependencies.items() if re.match(pattern, name) for header in headers}
         libraries = linked_files(build, FILES[user])
         if not used or not libraries:
             problems.append(f"{user}: no object files or no libraries are known of it")
         packages = packages_of(used | libraries)
         # A shared library and its headers are two packages.
-        packages = {re.sub(r"^lib(meshoptimizer|cpp-httplib)[\d.]+d?$", r"lib\1-dev", name) for name in packages}
+        packages = {re.sub(r"^lib(meshoptimizer|cpp-httplib|openmpi|mpich)[\d.]+d?$", r"lib\1-dev", name) for name in packages}
         if "libcpp-httplib-dev" in packages:  # its header includes those of libraries that it loads itself
             packages -= {"libssl-dev", "libbrotli-dev"}
-        listed = {one["package"] for one in table if user in one["in"]}
+        listed = {one["package"] for one in notices.linked_into(binary)}
         problems += [f"{user}: {name} is used, and not in third_party.json" for name in sorted(packages - listed)]
         problems += [f"{user}: {name} is in third_party.json, and not used" for name in sorted(listed - packages)]
-    problems += check_notices(notices, table, build)
-    print("\n".join(problems) or f"{len(table)} components are named")
+    problems += check_notices(notices, list(built.values()))
+    print("\n".join(problems) or f"{len(notices.used_by(built.values()))} components are named in {len(built)} binaries")
     return 1 if problems else 0
 
 
-def check_notices(notices, table, build: pathlib.Path) -> List[str]:  # type: ignore[no-untyped-def]
+def check_notices(notices, binaries: List[pathlib.Path]) -> List[str]:  # type: ignore[no-untyped-def]
     """What the notices leave out."""
-    binaries = [build / "lib/libfacebaker.so", build / "lib/libfacebaker_bake.so", build / "bin/facebaker", build / "bin/facebaker-view"]
     texts = notices.notices("1.2", binaries)
     if texts != notices.notices("1.2", binaries):
         return ["the notices are not the same a second time"]
@@ -114,14 +116,14 @@ def check_notices(notices, table, build: pathlib.Path) -> List[str]:  # type: ig
     packages = {package["SPDXID"]: package for package in document["packages"]}
     links = {(r["spdxElementId"], r["relatedSpdxElement"]): r["relationshipType"] for r in document["relationships"]}
     problems = [f"SPDX: {one} is not described" for pair in links for one in pair if one not in packages and one != "SPDXRef-DOCUMENT"]
-    for one in table:
+    for one in notices.used_by(binaries).values():
         package = packages.get(notices.spdx_id(one["name"]))
         if package is None or package["licenseConcluded"] != one["licence"] or "versionInfo" not in package:
             problems.append(f"SPDX: {one['name']} has no version or licence")
         if f"\n{one['name']} " not in texts["THIRD-PARTY.txt"] or len(notices.licence_text(one["package"])) < 200:
             problems.append(f"THIRD-PARTY.txt: {one['name']} has no version or licence")
         for binary in binaries:
-            used = notices.user_of(binary) in one["in"]
+            used = one in notices.linked_into(binary)
             link = links.get((notices.spdx_id(notices.shown_name(binary)), notices.spdx_id(one["name"])))
             if used != (link in ("STATIC_LINK", "DYNAMIC_LINK")):
                 problems.append(f"SPDX: {binary.name} and {one['name']}: {link}")
