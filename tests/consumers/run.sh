@@ -1,7 +1,8 @@
 #!/bin/sh
 # Builds projects that use FaceBaker in every way there is, and poses a face in each, with the hash that every machine
-# gives: within their own build (add_subdirectory, FetchContent) and installed (find_package, pkg-config); shared, static
-# and with link-time optimisation; without exceptions and RTTI.
+# gives: within their own build (add_subdirectory, FetchContent) and installed, in a prefix that was moved (find_package,
+# pkg-config, a compiler alone); shared, static and with link-time optimisation; without exceptions and RTTI, and without
+# OpenMP.
 #   tests/consumers/run.sh BUILD_DIR [WORK_DIR]
 # BUILD_DIR is a built tree of the project, for its fixture; WORK_DIR (default BUILD_DIR/consumers) is kept between runs.
 set -eu
@@ -65,26 +66,48 @@ embed subdirectory-flags -DFACEBAKER="$root" -DFB_RUNTIME_ONLY=ON \
 (cd "$root" && git ls-files -z --cached --others --exclude-standard | tar --null -T - -czf "$work/facebaker.tar.gz")
 embed fetched -DFACEBAKER_ARCHIVE="$work/facebaker.tar.gz" -DBAKE=ON -DCMAKE_UNITY_BUILD=ON
 
-# install_kind NAME CMAKE_OPTION...: installs a build of its own and finds it, with CMake and with pkg-config
+# by_pkg_config NAME PACKAGE COMPILER SOURCE PROGRAM: compiles with what pkg-config says of the installed package
+by_pkg_config() {
+  prefix=$work/$1/prefix
+  flags=$(PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags --libs "$2")
+  # $3 is a compiler with its options, and $flags are many.
+  # shellcheck disable=SC2086
+  quietly "$1-pkg-config-$5" $3 -Wall -Wextra -Werror "$4" $flags -Wl,-rpath,"$prefix/lib" -o "$work/$1/app/$5"
+}
+# install_kind NAME CMAKE_OPTION...: installs a build of its own, moves it, and finds it with CMake and with pkg-config
 install_kind() {
   name=$1
   shift
   quietly "$name-configure" cmake -G Ninja -S "$root" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release \
     -DFB_TOOL=OFF -DFB_SAMPLES=OFF -DCMAKE_INSTALL_LIBDIR=lib "$@"
   quietly "$name-build" cmake --build "$work/$name" --parallel "${JOBS:-2}"
-  rm -rf "$work/$name/prefix"
-  quietly "$name-install" cmake --install "$work/$name" --prefix "$work/$name/prefix"
+  rm -rf "$work/$name/installed" "$work/$name/prefix"
+  quietly "$name-install" cmake --install "$work/$name" --prefix "$work/$name/installed"
+  mv "$work/$name/installed" "$work/$name/prefix"
   quietly "$name-app" cmake -G Ninja -S "$here/app" -B "$work/$name/app" -DCMAKE_PREFIX_PATH="$work/$name/prefix" \
     -DHELLO="$root/samples/hello_face/hello_face.c"
   quietly "$name-app-build" cmake --build "$work/$name/app"
-  flags=$(PKG_CONFIG_PATH=$work/$name/prefix/lib/pkgconfig pkg-config --cflags --libs facebaker)
-  # shellcheck disable=SC2086
-  quietly "$name-pkg-config" cc -std=c99 -Wall -Wextra -Werror "$root/tests/determinism/hash_archive.c" $flags \
-    -Wl,-rpath,"$work/$name/prefix/lib" -o "$work/$name/app/pose"
+  by_pkg_config "$name" facebaker "cc -std=c99" "$root/tests/determinism/hash_archive.c" pose
+  if [ -e "$work/$name/app/author" ]; then # the authoring library is installed too
+    by_pkg_config "$name" facebaker_bake "c++ -std=c++17" "$here/app/author.cpp" author-by-pkg-config
+    quietly "$name-author-by-pkg-config" "$work/$name/app/author-by-pkg-config"
+  fi
   pose "$name" "$work/$name/app"
 }
 install_kind installed-static -DBUILD_SHARED_LIBS=OFF -DCMAKE_UNITY_BUILD=ON
+[ -e "$work/installed-static/app/author" ] || fail "installed-static: has no authoring library"
 no_symbols_but_c installed-static "$work/installed-static/prefix/lib/libfacebaker.a"
-install_kind installed-runtime -DFB_RUNTIME_ONLY=ON
+no_symbols_but_c installed-static "$work/installed-static/prefix/lib/libfacebaker_bake.a"
+# A host that compiles with neither.
+prefix=$work/installed-static/prefix
+mkdir -p "$work/static-alone"
+quietly static-alone cc -std=c99 -DFB_STATIC -I"$prefix/include" "$root/tests/determinism/hash_archive.c" \
+  "$prefix/lib/libfacebaker.a" -lz -lstdc++ -lm -fopenmp -o "$work/static-alone/pose"
+quietly static-alone-pose "$work/static-alone/pose" 200 "$face=$hash"
+echo "static-alone: the same bits"
+
+install_kind installed-runtime -DFB_RUNTIME_ONLY=ON -DFB_OPENMP=OFF
 no_symbols_but_c installed-runtime "$work/installed-runtime/prefix/lib/libfacebaker.so"
+readelf --dynamic "$work/installed-runtime/prefix/lib/libfacebaker.so" | grep -E 'NEEDED.*(gomp|libomp)' &&
+  fail "installed-runtime: needs OpenMP"
 echo "all consumers pose the same face"
