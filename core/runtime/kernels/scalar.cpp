@@ -1,3 +1,7 @@
+#if defined(__AVX__)  // a compiler that is told of more than it needs: float_kernels.h uses it
+#include <immintrin.h>
+#endif
+
 #include "runtime/kernels/pose_kernels.h"
 
 namespace fb::runtime {

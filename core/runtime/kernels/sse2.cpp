@@ -1,4 +1,4 @@
-#include <emmintrin.h>
+#include <immintrin.h>  // not only SSE2: where the compiler is told of more, float_kernels.h uses it
 
 #include "runtime/kernels/pose_kernels.h"
 
