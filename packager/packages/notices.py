@@ -6,8 +6,8 @@ facebaker.spdx.json, a software bill of materials (SPDX 2.3).
 
 BINARY: built shared libraries and programs; what is linked into libfacebaker, libfacebaker_bake, the tool, the tool
 with a web server, facebaker-view, and the tool with MPI, facebaker-mpi, is listed in third_party.json, which a test
-compares with what the compiler read and the linker was given. Versions and licences are those of the Debian packages of this machine; on other systems versions
-are left out and licences are named only.
+compares with what the compiler read and the linker was given. Versions and licences are those of the Debian packages of
+this machine; on other systems versions are left out and licences are named only.
 Standard library only; the same inputs give the same bytes, dated by SOURCE_DATE_EPOCH or 1980."""
 
 from __future__ import annotations
