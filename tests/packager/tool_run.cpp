@@ -5,11 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <stdexcept>
 
 namespace {
@@ -50,6 +52,12 @@ class Capture {
   _exit(127);
 }
 
+// True if the path is there and, where bytes are asked for, a file of at least so many.
+bool is_there(const std::string& path, unsigned long bytes) {
+  struct stat status = {};
+  return stat(path.c_str(), &status) == 0 && (bytes == 0 || static_cast<unsigned long>(status.st_size) >= bytes);
+}
+
 }  // namespace
 
 ToolRun run_program(const std::string& path, const std::vector<std::string>& arguments, const ToolSetting& setting) {
@@ -71,22 +79,29 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (child < 0) throw std::runtime_error("fork failed");
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point signalled;
   if (!setting.interrupt_when_exists.empty()) {
     // Until the path is there or the child is gone, which is left for waitpid below to find.
     siginfo_t gone = {};
-    while (access(setting.interrupt_when_exists.c_str(), F_OK) != 0 && gone.si_pid == 0) {
+    while (!is_there(setting.interrupt_when_exists, setting.interrupt_when_bytes) && gone.si_pid == 0) {
       waitid(P_PID, child, &gone, WEXITED | WNOHANG | WNOWAIT);
       usleep(2000);
     }
+    signalled = Clock::now();
     kill(child, setting.signal);
   }
   if (setting.signal_after_us >= 0) {
     usleep(static_cast<useconds_t>(setting.signal_after_us));
+    signalled = Clock::now();
     kill(child, setting.signal);  // the child is still ours: nobody has waited for it
   }
   int status = 0;
   waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};
+  ToolRun run{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};
+  if (signalled != Clock::time_point{})
+    run.seconds_to_end = std::chrono::duration<double>(Clock::now() - signalled).count();
+  return run;
 }
 
 ToolRun run_tool(const std::vector<std::string>& arguments, const ToolSetting& setting) {

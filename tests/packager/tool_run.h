@@ -8,6 +8,7 @@
 struct ToolRun {
   int exit_code = -1;  // 128 + signal if one ended it
   std::string out, err;
+  double seconds_to_end = 0;  // from the signal that was sent to the end; 0 without one
 };
 
 // ThreadSanitizer maps files of its own: under a limit on file sizes it would die of a bus error.
@@ -27,6 +28,7 @@ struct ToolSetting {
                                               // (see can_limit_files)
   std::vector<std::string> environment = {};  // more variables, "NAME=VALUE"
   std::string interrupt_when_exists = {};     // Ctrl-C once this path is there
+  unsigned long interrupt_when_bytes = 0;     // and holds so many bytes; 0: whatever it is
   int signal = SIGINT;                        // in place of Ctrl-C
   int signal_after_us = -1;                   // that signal after so many microseconds; negative: never
 };
