@@ -223,6 +223,25 @@ inline PackedModel tiny_packed_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// One control and so many columns, which all have its value as coefficient: even ones move by little, odd ones by much.
+inline PackedModel two_kinds_of_columns(std::uint32_t columns) {
+  PackedModel model;
+  model.schema.controls = {{"c", 0, 1, 0, ""}};
+  model.rest = grid_mesh(3, 2, 1);
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct.assign(columns, 0);
+  model.columns = columns;
+  PackedRowBlock block{0, static_cast<std::uint32_t>(model.rest.points.size()), {}, {}};
+  Random random(1, 1);
+  for (std::uint32_t c = 0; c < columns; ++c) {
+    block.columns.push_back({c, false, 0.001f});
+    for (const std::int16_t value : random_numbers(random, block.row_count, c % 2 == 0 ? 1 : 100))
+      block.values.push_back(value);
+  }
+  model.row_blocks = {block};
+  return model;
+}
+
 // A PNG of one white pixel.
 inline std::vector<std::byte> white_png() {
   static constexpr unsigned char bytes[] = {

@@ -124,8 +124,8 @@ class ArchiveReader {
     for (const PackedRegion& region : model_.regions) count_names({&region.name});
     read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
     const std::uint32_t vertices = archive.vertices + model_.rest.channel_vertices;
-    read(section::basis, [&](ByteReader& in) { read_basis(in, vertices, model_); });
-    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, model_); });
+    const auto tables = read(section::basis, [&](ByteReader& in) { return read_basis(in, vertices, model_); });
+    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, tables, model_); });
     if (!contains(section::exact_poses)) return;
     const std::size_t controls = model_.schema.control_count();
     model_.exact = read(section::exact_poses, [&](ByteReader& in) { return read_exact_poses(in, controls, vertices); });

@@ -29,8 +29,9 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   compress(section::geometry, true, std::move(geometry));
   compress(section::network, true, write_network(model));
   store(section::weights, true, write_weights(model));
-  compress(section::basis, true, write_basis(model));
-  store(section::basis_values, true, write_basis_values(model));
+  auto [columns, values] = write_basis(model);
+  compress(section::basis, true, std::move(columns));
+  store(section::basis_values, true, std::move(values));
   if (!model.rest.uvs.empty()) compress(section::uvs, false, write_uvs(model.rest));
   if (!model.rest.parts.empty()) compress(section::meshes, false, write_meshes(model.rest.parts));
   const Character& character = model.character;

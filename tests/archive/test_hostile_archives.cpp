@@ -260,61 +260,73 @@ TEST_CASE("forged contents are refused by section") {
   lie("basis", 140, UINT32_MAX, Status::corrupt, "row blocks of segments needs");
   lie("basis", 160, std::uint8_t(9), Status::corrupt, "a row block that does not exist");
   lie("basis", 161, std::uint8_t(0), Status::corrupt, "lies twice in one row block");
-  lie("basis", 192, std::uint8_t(4), Status::unsupported, "unknown flags 0x4");
+  lie("basis", 192, std::uint8_t(0xfe), Status::corrupt, "a segment has a table that does not exist");
   lie("basis", 192, std::uint8_t(1), Status::corrupt, "a column has no scale");
   lie("basis", 200, UINT32_MAX, Status::corrupt, "scales need more than");
   check_refused(changed("basis", [](Bytes& b) { patch_infinity(b, 204); }), Status::corrupt,
                 "scale that is not finite");
-  lie("weights", 0, std::uint8_t(64), Status::corrupt, "more tables than the format allows");
-  lie("weights", 9, std::uint16_t(300), Status::corrupt, "does not fit a byte");
-  lie("weights", 12, std::uint16_t(0x7fff), Status::corrupt, "frequencies of symbols are too");
-  lie("basis-values", 255, std::uint16_t(0xffff), Status::corrupt, "does not fit a byte");
+  lie("weights", 0, std::uint8_t(8), Status::corrupt, "no such number of tables");
+  lie("weights", 0, std::uint8_t(10), Status::corrupt, "no such number of tables");
+  lie("weights", 1, std::uint16_t(300), Status::corrupt, "does not fit a byte");
+  lie("weights", 4, std::uint16_t(0x7fff), Status::corrupt, "frequencies of symbols are too");
+  lie("basis-values", 0, std::uint8_t(24), Status::corrupt, "no such number of tables");
+  lie("basis-values", 0, std::uint8_t(90), Status::corrupt, "no such number of tables");
+  lie("basis-values", 1, std::uint16_t(0xffff), Status::corrupt, "does not fit a byte");
   lie("proof", 0, UINT32_MAX, Status::corrupt, "proof controls needs");
   lie("proof", 36, std::uint32_t(30), Status::corrupt, "names a vertex that does not exist");
 }
 
-// Coded symbols in which one context always decodes to this symbol, with `words` words of 0 in stream 0.
-Bytes constant_symbols(std::size_t contexts, std::size_t context, std::uint8_t symbol, std::uint32_t words = 0) {
+// Coded symbols of which this table always decodes to this symbol, and the others to 0, with `words` words of 0 in
+// stream 0 of the first part.
+Bytes constant_symbols(std::size_t tables, std::size_t parts, std::size_t table, std::uint8_t symbol,
+                       std::uint32_t words = 0) {
   Bytes out;
-  for (std::size_t c = 0; c < contexts; ++c) append(out, std::uint8_t(c == context));
-  append(out, std::uint16_t(0));  // the table of all others
-  append(out, std::uint16_t(1));
-  append(out, symbol);
-  append(out, std::uint8_t(0x80));
-  append(out, std::uint8_t(8));
-  for (int stream = 0; stream < 4; ++stream) append(out, stream == 0 ? words : 0u);
-  for (int stream = 0; stream < 4; ++stream) append(out, std::uint32_t(65536));
+  append(out, static_cast<std::uint8_t>(tables));
+  for (std::size_t t = 0; t < tables; ++t) {
+    append(out, std::uint16_t(t == table));
+    if (t != table) continue;
+    append(out, symbol);
+    append(out, std::uint8_t(0x80));
+    append(out, std::uint8_t(8));
+  }
+  for (std::size_t part = 0; part < parts; ++part) {
+    for (int stream = 0; stream < 4; ++stream) append(out, part == 0 && stream == 0 ? words : 0u);
+    for (int stream = 0; stream < 4; ++stream) append(out, std::uint32_t(65536));
+  }
   for (std::uint32_t word = 0; word < words; ++word) append(out, std::uint16_t(0));
   return out;
 }
 
 TEST_CASE("values beyond their range, or too few of them, are refused") {
-  const auto values = [](const char* section, const Bytes& contents) {
-    return changed(section, [&](Bytes& b) { b = contents; });
+  const auto weights = [](std::size_t table, std::uint8_t symbol) {
+    return changed("weights", [&](Bytes& b) { b = constant_symbols(9, 1, table, symbol); });
   };
-  constexpr std::size_t isolated = 86;  // the class context of a vertex without coded neighbours
-  CHECK(outcome(values("basis-values", constant_symbols(255, isolated, 0))).status == Status::ok);  // all of them 0
-  check_refused(values("basis-values", constant_symbols(255, isolated, 255)), Status::corrupt,
-                "a value beyond its range");
-  check_refused(values("basis-values", constant_symbols(255, isolated, 33)), Status::corrupt, "too few coded symbols");
-  check_refused(values("basis-values", constant_symbols(255, isolated, 33, 9)), Status::corrupt,
-                "a value beyond its range");
-  check_refused(values("basis-values", constant_symbols(255, 0, 91)), Status::corrupt,
-                "a predictor that does not exist");
-  check_refused(values("weights", constant_symbols(9, 6, 255)), Status::corrupt, "holds a weight beyond its range");
-  CHECK(outcome(values("weights", constant_symbols(9, 0, 127))).status == Status::corrupt);
-  const Bytes states = constant_symbols(255, isolated, 0);
-  for (const std::size_t stream : {0u, 3u}) {
-    Bytes wrong = states;
-    patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65535));
-    check_refused(values("basis-values", wrong), Status::corrupt, "state is too small");
-    patch(wrong, wrong.size() - 16 + 4 * stream, std::uint32_t(65537));
-    check_refused(values("basis-values", wrong), Status::corrupt, "does not end in its final state");
-    patch(wrong = states, wrong.size() - 32 + 4 * stream, UINT32_MAX);
-    check_refused(values("basis-values", wrong), Status::corrupt, "do not fill the section");
-  }
-  check_refused(values("basis-values", constant_symbols(255, isolated, 0, 1)), Status::corrupt,
-                "too many coded symbols");
+  const auto values = [](const Bytes& contents) { return changed("basis-values", [&](Bytes& b) { b = contents; }); };
+  constexpr std::size_t pairs = 0, classes = 25;  // tables
+  const auto basis = [&](std::size_t table, std::uint8_t symbol, std::uint32_t words = 0) {
+    return values(constant_symbols(26, 4, table, symbol, words));
+  };
+  CHECK(outcome(basis(classes, 0)).status == Status::ok);  // all values 0
+  check_refused(basis(classes, 31), Status::corrupt, "a value beyond its range");
+  check_refused(basis(classes, 43), Status::corrupt, "a class that does not exist");
+  check_refused(basis(classes, 255), Status::corrupt, "a class that does not exist");
+  check_refused(basis(classes, 33), Status::corrupt, "too few coded symbols");
+  check_refused(basis(pairs, 91), Status::corrupt, "a predictor that does not exist");
+  check_refused(basis(classes, 0, 1), Status::corrupt, "too many coded symbols");
+  check_refused(weights(6, 255), Status::corrupt, "holds a weight beyond its range");
+  CHECK(outcome(weights(0, 127)).status == Status::corrupt);
+  const Bytes states = constant_symbols(26, 4, classes, 0);
+  const std::size_t last_part = states.size() - 32;
+  for (const std::size_t part : {last_part - 3 * 32, last_part})
+    for (const std::size_t stream : {0u, 3u}) {
+      Bytes wrong = states;
+      patch(wrong, part + 16 + 4 * stream, std::uint32_t(65535));
+      check_refused(values(wrong), Status::corrupt, "state is too small");
+      patch(wrong, part + 16 + 4 * stream, std::uint32_t(65537));
+      check_refused(values(wrong), Status::corrupt, "does not end in its final state");
+      patch(wrong = states, part + 4 * stream, UINT32_MAX);
+      check_refused(values(wrong), Status::corrupt, "do not fill the section");
+    }
 }
 
 TEST_CASE("forged texture coordinates are refused") {

@@ -97,13 +97,13 @@ class Contents:
 
 
 class RansDecoder:
-    """Decodes the symbols and raw bits of a section; `contents` is at the table indices."""
+    """Decodes the symbols and raw bits of a section; `contents` is at the number of tables."""
 
-    def __init__(self, contents, contexts):
-        self.contents, tables = contents, []
-        table_indices = contents.take(contexts)
-        require(max(table_indices) <= 63, f"{contents.name}: too many tables")
-        for _ in range(max(table_indices) + 1):
+    def __init__(self, contents, fewest, most, parts):
+        self.contents, self.tables = contents, []
+        tables = contents.number("B")
+        require(fewest <= tables <= most, f"{contents.name}: number of tables")
+        for _ in range(tables):
             count = contents.number("H")
             frequencies, first = [1024], 0
             if count > 0:
@@ -115,10 +115,11 @@ class RansDecoder:
             for symbol, frequency in enumerate(frequencies, first):
                 slots += [(symbol, frequency, start)] * frequency
                 start += frequency
-            tables.append(slots)
-        self.tables = [tables[t] for t in table_indices]  # of each context
-        counts = [contents.u32() for _ in range(4)]
-        self.states = [contents.u32() for _ in range(4)]
+            self.tables.append(slots)
+        counts, self.states = [], []  # of the streams of all parts
+        for _ in range(parts):
+            counts += [contents.u32() for _ in range(4)]
+            self.states += [contents.u32() for _ in range(4)]
         require(min(self.states) >= 65536, f"{contents.name}: a state is too small")
         self.words = [iter(contents.array("u2", count).tolist()) for count in counts]
         contents.end()
@@ -134,18 +135,20 @@ class RansDecoder:
             x = 65536 * x + word
         self.states[stream] = x
 
-    def symbol(self, context, stream):
+    def symbol(self, table, part, stream):
+        stream += 4 * part
         x = self.states[stream]
         slot = x & 1023
-        symbol, frequency, start = self.tables[context][slot]
+        symbol, frequency, start = self.tables[table][slot]
         self.renormalise(stream, frequency * (x >> 10) + slot - start)
         return symbol
 
-    def bits(self, count, stream):
+    def bits(self, count, part, stream):
+        stream += 4 * part
         x = self.states[stream]
         self.renormalise(stream, x >> count)
         return x & (1 << count) - 1
 
     def end(self):
         require(all(next(words, None) is None for words in self.words), f"{self.contents.name}: too many words")
-        require(self.states == [65536] * 4, f"{self.contents.name}: a stream does not end in state 65536")
+        require(set(self.states) == {65536}, f"{self.contents.name}: a stream does not end in state 65536")

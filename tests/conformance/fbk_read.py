@@ -247,7 +247,7 @@ def read_network(c, face):
 
 
 def read_weights(c, face):
-    rans = RansDecoder(c, 9)
+    rans = RansDecoder(c, 9, 9, parts=1)
     for region in face.regions:
         last = len(region["layers"]) - 1
         for number, layer in enumerate(region["layers"]):
@@ -255,10 +255,10 @@ def read_weights(c, face):
             weights = []
             for i in range(layer["shape"][0] * layer["shape"][1]):
                 if layer["is_16_bit"]:
-                    high = rans.symbol(t + 3, i % 4) - 127
-                    weights.append(256 * high + rans.symbol(t + 6, i % 4) - 128)
+                    high = rans.symbol(t + 3, 0, i % 4) - 127
+                    weights.append(256 * high + rans.symbol(t + 6, 0, i % 4) - 128)
                 else:
-                    weights.append(rans.symbol(t, i % 4) - 127)
+                    weights.append(rans.symbol(t, 0, i % 4) - 127)
             largest = 32512 if layer["is_16_bit"] else 127
             require(all(-largest <= w <= largest for w in weights), "weights: out of range")
             layer["weights"] = np.array(weights, np.int64).reshape(layer["shape"])
@@ -298,14 +298,14 @@ def read_segments(c, face, columns):
         for i in range(counts[column]):
             require(i == 0 or deltas[at] > 0, "basis: a column lies twice in a row block")
             block += deltas[at]
-            require(block < len(face.row_blocks) and flags[at] <= 3, "basis: a segment")
+            require(block < len(face.row_blocks), "basis: a segment")
             if flags[at] & 2:
                 scale = next(scales, None)
             require(scale is not None, "basis: a segment has no scale")
             is_16_bit = bool(flags[at] & 1)
             with np.errstate(over="ignore"):
                 require(np.isfinite(scale * F(256) if is_16_bit else scale), "basis: a scale that is not finite")
-            segment = {"column": column, "is_16_bit": is_16_bit, "scale": scale, "block": block}
+            segment = {"column": column, "is_16_bit": is_16_bit, "scale": scale, "block": block, "table": flags[at] >> 2}
             face.row_blocks[block]["segments"].append(segment)
             face.segments.append(segment)
             at += 1
@@ -323,7 +323,7 @@ def find_neighbours(face):
 
 
 def candidates_of(v, coded, neighbours, time):
-    """The candidate predictors of a vertex as triples (left, right, across) of vertices or None; its neighbourhood."""
+    """The candidate predictors of a vertex as triples (left, right, across) of vertices or None."""
     def last(vertices):
         return max(vertices, key=lambda w: time[w], default=None)
 
@@ -333,21 +333,20 @@ def candidates_of(v, coded, neighbours, time):
                       if time[w] and w != v and w in neighbours[coded[j]] and w not in neighbours[v])
         if across is not None:
             candidates.append((coded[i], coded[j], across))
-    neighbourhood = 0 if candidates else 1 if coded else 2
     candidates += [(k, None, None) for k in coded[:2]]
     for k in coded[:4]:
         across = last(w for w in neighbours[k] if time[w] and w != v and w not in neighbours[v]
                       and not any(w in neighbours[u] for u in neighbours[v] if u != k))
         if across is not None:
             candidates.append((k, k, across))
-    return candidates or [(None, None, None)], neighbourhood
+    return candidates or [(None, None, None)]
 
 
 def read_coding_units(face, neighbours, rans):
-    """The coding units of every row block in coding order, with their predictor pairs from stream 0. A unit is: vertex,
-    first row in the block, axes, the two predictors, neighbourhood, k1, k2."""
+    """The coding units of every row block in coding order, with their predictor pairs. A unit is: vertex, first row in
+    the block, axes, the two predictors."""
     time = [0] * face.points  # when the last unit of a vertex was coded; 0: not yet
-    now = 0
+    now = pairs = 0
     for block in face.row_blocks:
         begin, end = block["first"], block["first"] + block["rows"]
         waiting = {}
@@ -364,15 +363,15 @@ def read_coding_units(face, neighbours, rans):
                 continue
             axes = waiting.pop(v)[1]
             coded = sorted((w for w in neighbours[v] if time[w]), key=lambda w: -time[w])
-            candidates, neighbourhood = candidates_of(v, coded, neighbours, time)
-            pair = rans.symbol(0 if neighbourhood == 0 else 1, 0) if len(candidates) > 1 else 0
+            candidates, pair = candidates_of(v, coded, neighbours, time), 0
+            if len(candidates) > 1:
+                pair = rans.symbol(0, 0, pairs % 4)
+                pairs += 1
             j = 0
             while (j + 1) * (j + 2) // 2 <= pair:
                 j += 1
             require(j < len(candidates), "basis-values: no such predictor")
-            predictors = (candidates[pair - j * (j + 1) // 2], candidates[j])
-            k1, k2 = (coded + coded)[:2] if coded else (None, None)
-            block["units"].append((v, row, axes, predictors, neighbourhood, k1, k2))
+            block["units"].append((v, row, axes, (candidates[pair - j * (j + 1) // 2], candidates[j])))
             first_time = time[v] == 0
             now += 1
             time[v] = now
@@ -382,81 +381,57 @@ def read_coding_units(face, neighbours, rans):
                     heapq.heappush(heap, (-count[w], waiting[w][0], w))
 
 
-class ColumnHistory:
-    """What has been decoded of a column, by vertex."""
-
-    def __init__(self):
-        self.values, self.residuals, self.residual_class, self.value_class = {}, {}, {}, {}
-
-
 def read_basis_values(c, face):
-    rans = RansDecoder(c, 255)
+    rans = RansDecoder(c, 25, 89, parts=4)
     read_coding_units(face, find_neighbours(face), rans)
     rows = [face.row_blocks[segment["block"]]["rows"] for segment in face.segments]
     before, values_before = 0, {}  # of each column, the number of values in the columns before it
     for segment, count in zip(face.segments, rows):
         values_before.setdefault(segment["column"], before)
         before += count
-    column = None
+    column, units = None, [0, 0, 0, 0]  # of each part
     for segment in face.segments:
+        require(25 + segment["table"] < len(rans.tables), "basis-values: no such table")
         if segment["column"] != column:
-            column, history = segment["column"], ColumnHistory()
-            stream = 4 * values_before[column] // before
-        largest = 32512 if segment["is_16_bit"] else 127
-        values = read_segment_values(rans, stream, face.row_blocks[segment["block"]], largest, history)
-        segment["values"] = np.array(values, np.int64)
+            column, column_values = segment["column"], {}
+            part = 4 * values_before[column] // before
+        read_segment_values(rans, part, units, face.row_blocks[segment["block"]], segment, column_values)
     rans.end()
 
 
-def class_context(history, neighbourhood, k1, k2):
-    t = 0
-    if k1 is not None:
-        s = history.residual_class.get(k1, 0) + history.residual_class.get(k2, 0)
-        g = history.value_class.get(k2, 0)
-        if s == 0:
-            t = 0 if g == 0 else 1
-        else:
-            t = 1 + min(s, 20) + (20 if g > (s + 1 >> 1) + 2 else 0)
-    return 2 + 42 * neighbourhood + t
-
-
-def read_residuals(rans, stream, axes, history, neighbourhood, k1, k2):
-    """The class of a unit and its residuals by axis."""
-    symbol = rans.symbol(class_context(history, neighbourhood, k1, k2), stream)
+def read_residuals(rans, part, stream, axes, table):
+    """The residuals of a unit by axis."""
+    symbol = rans.symbol(table, part, stream)
     if symbol < 27:
         residuals = [(0, 1, -1)[symbol // 3**axis % 3] for axis in range(3)]
         require(all(residuals[axis] == 0 or axis in axes for axis in range(3)), "basis-values: no such axis")
-        return 1 if symbol > 0 else 0, residuals
+        return residuals
     b = symbol - 25
     require(b <= 17, "basis-values: a class is too large")
-    residuals, zeros = [0, 0, 0], [0, 0, 0]
-    r1, r2 = history.residuals.get(k1, zeros), history.residuals.get(k2, zeros)
-    reached, f = False, max(b - 6, 0)
-    for i, axis in enumerate(axes):
-        n = abs(r1[axis]) + abs(r2[axis])
-        e, last = min(n, 2 + (n >> 1), 6), i == len(axes) - 1
-        context = 87 + 3 * (7 * (min(b, 9) - 2) + e) + (1 if reached else 2 if last else 0)
-        code = rans.symbol(context, stream) << f
+    residuals, reached, f = [0, 0, 0], False, max(b - 6, 0)
+    for axis in axes:
+        table = 1 + 3 * (min(b, 9) - 2) + (1 if reached else 2 if axis == axes[-1] else 0)
+        code = rans.symbol(table, part, stream) << f
         if f > 0:
-            code += rans.bits(f, stream)
+            code += rans.bits(f, part, stream)
         residuals[axis] = code - ((1 << b) - 1)
         reached = reached or abs(residuals[axis]) >= 1 << b - 1
-    return b, residuals
+    return residuals
 
 
-def read_segment_values(rans, stream, block, largest, history):
-    segment_values = [0] * block["rows"]
-    for v, row, axes, predictors, neighbourhood, k1, k2 in block["units"]:
-        b, residuals = read_residuals(rans, stream, axes, history, neighbourhood, k1, k2)
-        values = history.values.setdefault(v, [0, 0, 0])
-        first, second = (predicted(predictor, history.values) for predictor in predictors)
+def read_segment_values(rans, part, units, block, segment, column_values):
+    """Reads the values of a segment; `column_values` are those of its column by vertex."""
+    segment_values, largest = [0] * block["rows"], 32512 if segment["is_16_bit"] else 127
+    for v, row, axes, predictors in block["units"]:
+        residuals = read_residuals(rans, part, units[part] % 4, axes, 25 + segment["table"])
+        units[part] += 1
+        first, second = (predicted(predictor, column_values) for predictor in predictors)
+        values = column_values.setdefault(v, [0, 0, 0])
         for i, axis in enumerate(axes):
             value = (first[axis] + second[axis] + 1 >> 1) + residuals[axis]
             require(-largest <= value <= largest, "basis-values: out of range")
             values[axis] = segment_values[row + i] = value
-        history.residuals[v], history.residual_class[v] = residuals, b
-        history.value_class[v] = max(map(abs, values)).bit_length()
-    return segment_values
+    segment["values"] = np.array(segment_values, np.int64)
 
 
 def predicted(predictor, values):

@@ -217,6 +217,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("exact-poses.fbk", with_proof(exact_model()));
   write("body.fbk", with_proof(body_model()));
   write("levels.fbk", with_proof(levelled_model()));
+  write("class-tables.fbk", with_proof(two_kinds_of_columns(514)));
   write("digit-bases.fbk", with_proof(digit_bases()));
   write("arithmetic.fbk", archive_of_arithmetic());
   write("rows-1.fbk", with_proof(split_model(1, true)));
@@ -505,10 +506,10 @@ void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("corrupt-rows.fbk", "basis", 132, std::uint8_t(64));
   out.patched("corrupt-segment-block.fbk", "basis", 160, std::uint8_t(9));
   out.patched("corrupt-segment-twice.fbk", "basis", 161, std::uint8_t(0));
-  out.patched("unsupported-segment-flags.fbk", "basis", 192, std::uint8_t(4));
+  out.patched("corrupt-segment-table.fbk", "basis", 192, std::uint8_t(0xfe));
   out.patched("corrupt-segment-scale.fbk", "basis", 192, std::uint8_t(1));
   out.write("corrupt-scale.fbk", changed("basis", [](Bytes& b) { patch_infinity(b, 204); }));
-  out.patched("corrupt-frequencies.fbk", "weights", 12, std::uint16_t(0x7fff));
+  out.patched("corrupt-frequencies.fbk", "weights", 4, std::uint16_t(0x7fff));
   out.write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
 }
 

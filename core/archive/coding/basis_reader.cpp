@@ -51,13 +51,13 @@ void reserve_columns(ByteReader& in, std::span<const std::uint32_t> counts, std:
     in.budget().reserve(model.row_blocks[b].columns, columns[b], "columns");
 }
 
-// The columns of the row blocks, stored column by column.
-void read_segments(ByteReader& in, PackedModel& model) {
+// The columns of the row blocks, stored column by column. Returns the class table of each segment.
+SegmentTables read_segments(ByteReader& in, PackedModel& model) {
   const auto counts = in.temporary_planes(model.columns, "segment counts");
   std::uint64_t segments = 0;
   for (const std::uint32_t count : counts) segments += count;
   const auto deltas = in.temporary_planes(segments, "row blocks of segments");
-  const auto flags = in.temporary_numbers<std::uint8_t>(segments, "flags");
+  auto flags = in.temporary_numbers<std::uint8_t>(segments, "flags");
   const auto scales = in.temporary_float_planes(in.count(4, "scales"), "scales");
   in.end();
 
@@ -67,25 +67,25 @@ void read_segments(ByteReader& in, PackedModel& model) {
     std::uint64_t block = 0;
     for (std::uint32_t i = 0; i < counts[c]; ++i, ++at) {
       block += deltas[at];
-      if (flags[at] & ~(segment_16_bit_flag | segment_new_scale_flag))
-        fail(Status::unsupported, "%s has a column of unknown flags 0x%x", in.where().c_str(), flags[at]);
       if (flags[at] & segment_new_scale_flag) ++next_scale;
       if (next_scale == 0 || next_scale > scales.size()) in.corrupt("a column has no scale");
       model.row_blocks[block].columns.push_back({c, (flags[at] & segment_16_bit_flag) != 0, scales[next_scale - 1]});
+      flags[at] >>= segment_table_shift;
     }
   }
   if (next_scale != scales.size()) in.corrupt("there are more scales than columns use");
+  return flags;
 }
 
 }  // namespace
 
-void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+SegmentTables read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
   model.columns = in.count(4, "columns");
   const auto ordered = in.number<std::uint32_t>("the order flag");
   if (ordered > 1) in.corrupt("the order flag is neither 0 nor 1");
   if (ordered) read_order(in, vertices, model.order);
   read_block_rows(in, vertices, model);
-  read_segments(in, model);
+  return read_segments(in, model);
 }
 
 }  // namespace fb::archive

@@ -2,103 +2,69 @@
 #include <array>
 #include <cstdlib>
 #include <span>
-#include <type_traits>
 
 #include "archive/coding/coding_reader.h"
-#include "archive/coding/contexts.h"
+#include "archive/coding/coding_symbols.h"
 #include "archive/coding/rans_reader.h"
 
 namespace fb::archive {
 namespace {
 
-// Lookup tables for class symbols: the frequency table of each condition, and the residuals of classes 0 and 1.
-struct ClassSymbolTables {
-  explicit ClassSymbolTables(const FrequencyTables& tables) {
-    for (std::uint32_t c = 0; c < condition_count; ++c)
-      table_of_condition[c] = tables.table_of_context[class_context(c)];
-    for (std::uint32_t s = 0; s < small_unit_symbols; ++s)
-      residuals[s] = AxisVector{small_residuals[s % 3], small_residuals[s / 3 % 3], small_residuals[s / 9], 0};
-  }
-  std::array<std::uint8_t, condition_count> table_of_condition;
+// The residuals of class symbols below small_unit_symbols.
+std::array<AxisVector, small_unit_symbols> small_unit_residuals() {
   std::array<AxisVector, small_unit_symbols> residuals;
-};
+  for (std::uint32_t s = 0; s < small_unit_symbols; ++s)
+    residuals[s] = AxisVector{small_residuals[s % 3], small_residuals[s / 3 % 3], small_residuals[s / 9], 0};
+  return residuals;
+}
 
-// Decodes the columns of one stream, unit by unit.
-class StreamDecoder {
+// Decodes the residuals of units, four at a time, one a stream, so that the processor overlaps their latencies.
+class ResidualDecoder {
  public:
-  // `columns`: those of the stream. All references must outlive the decoder; values go to `model`.
-  StreamDecoder(PackedModel& model, std::uint32_t vertices, const FrequencyTables& tables,
-                const ClassSymbolTables& class_tables, const CodingUnits& units,
-                std::span<const std::pmr::vector<ColumnSegment>> columns, const RansStream& stream,
-                std::pmr::memory_resource& memory)
-      : stream_(stream),
-        tables_(tables),
-        class_tables_(class_tables),
-        history_(vertices, memory),
-        model_(model),
-        units_(units),
-        columns_(columns) {
-    next_segment();
-  }
+  ResidualDecoder(const FrequencyTables& tables, const RansStreams& streams) : tables_(tables), streams_(streams) {}
 
-  const RansStream& stream() const { return stream_; }
-  // Units left in the current segment; 0 only at the end of the stream.
-  std::size_t units_left() const { return static_cast<std::size_t>(end_ - unit_); }
+  const RansStreams& streams() const { return streams_; }
   // False after symbols that no valid archive holds. Decoding may continue: it stays within memory.
   bool valid() const {
-    return class_valid_ && !stream_.exhausted() && !(out_of_range_[0] | out_of_range_[1] | out_of_range_[2]);
+    return class_valid_ && std::none_of(streams_.begin(), streams_.end(), [](const auto& s) { return s.exhausted(); });
   }
 
-  void decode_unit() {
-    const CodingUnit& unit = *unit_++;
-    const std::uint32_t symbol =
-        stream_.symbol_of_table(tables_, class_tables_.table_of_condition[history_.condition(unit)]);
-    AxisVector residuals;
-    std::uint32_t unit_class = symbol > 0;
-    if (symbol < small_unit_symbols) {
-      residuals = class_tables_.residuals[symbol];
-    } else {
-      unit_class = symbol - class_symbol_base;
-      residuals = unit.count == 3
-                      ? decode_residuals(unit, std::integral_constant<std::uint32_t, 0>(),
-                                         std::integral_constant<std::uint32_t, 3>(), unit_class)
-                      : decode_residuals(unit, std::uint32_t(unit.axis), std::uint32_t(unit.count), unit_class);
+  // Stops early if a stream is exhausted.
+  void decode(std::span<const CodingUnit> units, std::size_t class_table, AxisVector* residuals) {
+    while (!units.empty() && valid()) {
+      const std::size_t count = std::min(units.size(), units_per_check);
+      // Local, so that the states stay in registers.
+      RansStream first = streams_[0], second = streams_[1], third = streams_[2], fourth = streams_[3];
+      std::size_t i = 0;
+      for (; i + stream_count <= count; i += stream_count, residuals += stream_count) {
+        residuals[0] = decode_unit(first, units[i], class_table);
+        residuals[1] = decode_unit(second, units[i + 1], class_table);
+        residuals[2] = decode_unit(third, units[i + 2], class_table);
+        residuals[3] = decode_unit(fourth, units[i + 3], class_table);
+      }
+      streams_ = {first, second, third, fourth};
+      for (; i < count; ++i) {
+        *residuals++ = decode_unit(streams_[0], units[i], class_table);
+        std::rotate(streams_.begin(), streams_.begin() + 1, streams_.end());
+        next_stream_ = (next_stream_ + 1) % stream_count;
+      }
+      units = units.subspan(count);
     }
-    AxisVector values = history_.predicted(unit) + residuals;
-    const AxisVector present = unit.count == 3 ? AxisVector{-1, -1, -1, -1} : axis_mask(unit);
-    out_of_range_ |= (present & (magnitudes(values) > history_.max_magnitude())) | (~present & residuals);
-    values = values << 16 >> 16;  // bounds invalid values until valid() is checked
-    if (unit.count < 3) values = (present & values) | (~present & history_.values(unit.rank));
-    if (unit.count == 3)
-      for (std::size_t axis = 0; axis < 3; ++axis) values_[unit.row + axis] = static_cast<std::int16_t>(values[axis]);
-    else
-      for (std::uint32_t i = 0; i < unit.count; ++i)
-        values_[unit.row + i] = static_cast<std::int16_t>(values[unit.axis + i]);
-    history_.set(unit.rank, values, residuals, unit_class);
   }
 
-  // Goes on to the next segment if no units are left in this one.
-  void next_segment() {
-    if (units_left() > 0) return;
-    while (column_ < columns_.size() && segment_ == columns_[column_].size()) {
-      for (const ColumnSegment& segment : columns_[column_]) history_.clear(units_[segment.block]);
-      ++column_;
-      segment_ = 0;
-    }
-    if (column_ == columns_.size()) return;
-    const auto [b, index] = columns_[column_][segment_++];
-    PackedRowBlock& block = model_.row_blocks[b];
-    values_ = block.values.data() + std::size_t(index) * block.row_count;
-    history_.begin_segment(block.columns[index].wide);
-    unit_ = units_[b].data();
-    end_ = unit_ + units_[b].size();
+  // All units have been decoded: puts the streams into their order.
+  void finish() {
+    std::rotate(streams_.begin(), streams_.begin() + (stream_count - next_stream_) % stream_count, streams_.end());
   }
 
  private:
-  // The residuals of a unit of class 2 or more. Axis and count are integral constants in the common case of three rows,
-  // so that the loop unrolls.
-  template <class Axis, class Count>
-  AxisVector decode_residuals(const CodingUnit& unit, Axis first_axis, Count count, std::uint32_t& unit_class) {
+  // Units decoded between two checks for exhausted streams: a unit takes at most seven words.
+  static constexpr std::size_t units_per_check = stream_count * (RansStream::padding_words / 8);
+
+  AxisVector decode_unit(RansStream& stream, const CodingUnit& unit, std::size_t class_table) {
+    const std::uint32_t symbol = stream.symbol(tables_, class_table);
+    if (symbol < small_unit_symbols) return small_residuals_[symbol];
+    std::uint32_t unit_class = symbol - class_symbol_base;
     if (unit_class > max_class) {
       class_valid_ = false;
       unit_class = 2;
@@ -107,57 +73,69 @@ class StreamDecoder {
     const int offset = (1 << unit_class) - 1;
     const std::uint32_t raw_bits = unit_class > max_coded_bits ? unit_class - max_coded_bits : 0;
     bool class_reached = false;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t activity = history_.activity(unit, first_axis + i);
-      std::uint32_t code =
-          stream_.symbol(tables_, residual_context(unit_class, activity, i + 1 == count, class_reached)) << raw_bits;
-      if (raw_bits > 0) code |= stream_.bits(raw_bits);
-      residuals[first_axis + i] = static_cast<int>(code) - offset;
-      class_reached = class_reached || std::abs(residuals[first_axis + i]) > offset / 2;
+    for (std::uint32_t i = 0; i < unit.count; ++i) {
+      const std::uint32_t table = residual_table(unit_class, i + 1 == unit.count, class_reached);
+      std::uint32_t code = stream.symbol(tables_, table) << raw_bits;
+      if (raw_bits > 0) code |= stream.bits(raw_bits);
+      const int residual = static_cast<int>(code) - offset;
+      residuals[unit.axis + i] = residual;
+      class_reached = class_reached || std::abs(residual) > offset / 2;
     }
     return AxisVector{residuals[0], residuals[1], residuals[2], 0};
   }
 
-  // All bits set on the axes of the unit.
-  static AxisVector axis_mask(const CodingUnit& unit) {
-    AxisVector mask{};
-    for (std::uint32_t i = 0; i < unit.count; ++i) mask[unit.axis + i] = -1;
-    return mask;
-  }
-
-  RansStream stream_;
-  const CodingUnit *unit_ = nullptr, *end_ = nullptr;
-  std::int16_t* values_ = nullptr;  // of the current segment
-  bool class_valid_ = true;
-  AxisVector out_of_range_{};  // not 0 after a value out of range
+  const std::array<AxisVector, small_unit_symbols> small_residuals_ = small_unit_residuals();
   const FrequencyTables& tables_;
-  const ClassSymbolTables& class_tables_;
-  ColumnHistory history_;
-  PackedModel& model_;
-  const CodingUnits& units_;
-  std::span<const std::pmr::vector<ColumnSegment>> columns_;
-  std::size_t column_ = 0, segment_ = 0;  // the next segment
+  RansStreams streams_;  // the one of the next unit first
+  std::size_t next_stream_ = 0;
+  bool class_valid_ = true;
 };
 
-// Units decoded between two checks for exhausted streams: a unit takes at most seven words.
-constexpr std::size_t units_per_check = RansStream::padding_words / 8;
-
-// Decodes all streams in turns of one unit, so that the processor overlaps their latencies. Stops early if a stream
-// becomes invalid.
-void decode_streams(std::vector<StreamDecoder>& streams) {
-  std::vector<StreamDecoder*> active;
-  for (StreamDecoder& stream : streams) active.push_back(&stream);
-  for (;;) {
-    std::erase_if(active, [](const StreamDecoder* stream) { return stream->units_left() == 0; });
-    if (active.empty() || !std::all_of(active.begin(), active.end(), [](auto* stream) { return stream->valid(); }))
-      return;
-    std::size_t units = units_per_check;
-    for (const StreamDecoder* stream : active) units = std::min(units, stream->units_left());
-    for (; units > 0; --units)
-      for (StreamDecoder* const stream : active) stream->decode_unit();
-    for (StreamDecoder* const stream : active) stream->next_segment();
-  }
+// All bits set on the axes of the unit.
+AxisVector axis_mask(const CodingUnit& unit) {
+  AxisVector mask{};
+  for (std::uint32_t i = 0; i < unit.count; ++i) mask[unit.axis + i] = -1;
+  return mask;
 }
+
+// Adds residuals to predictions.
+class ValueRestorer {
+ public:
+  ValueRestorer(std::uint32_t vertices, std::pmr::memory_resource& memory) : history_(vertices, memory) {}
+
+  // False after a value out of range.
+  bool valid() const { return !(out_of_range_[0] | out_of_range_[1] | out_of_range_[2]); }
+
+  // `values`: of the segment, one a row.
+  void restore(std::span<const CodingUnit> units, const AxisVector* residuals, bool wide, std::int16_t* values) {
+    const AxisVector largest = AxisVector{} + (wide ? largest_wide : largest_narrow);
+    for (const CodingUnit& unit : units) {
+      AxisVector value = history_.predicted(unit) + *residuals;
+      if (unit.count == 3) {
+        out_of_range_ |= magnitudes(value) > largest;
+        store(value, values + unit.row);
+      } else {
+        const AxisVector present = axis_mask(unit);
+        out_of_range_ |= (present & (magnitudes(value) > largest)) | (~present & *residuals);
+        for (std::uint32_t i = 0; i < unit.count; ++i)
+          values[unit.row + i] = static_cast<std::int16_t>(value[unit.axis + i]);
+        value = (present & value) | (~present & history_.values(unit.rank));
+      }
+      history_.set(unit.rank, value << 16 >> 16);  // bounds invalid values until valid() is checked
+      ++residuals;
+    }
+  }
+  // A column is complete: clears the vertices of these units.
+  void clear(std::span<const CodingUnit> units) { history_.clear(units); }
+
+ private:
+  static void store(AxisVector value, std::int16_t* values) {
+    for (std::size_t axis = 0; axis < 3; ++axis) values[axis] = static_cast<std::int16_t>(value[axis]);
+  }
+
+  ColumnHistory history_;
+  AxisVector out_of_range_{};  // not 0 on an axis after a value out of range
+};
 
 // Allocates the values of the row blocks, all 0.
 void allocate_values(ByteReader& in, PackedModel& model) {
@@ -167,14 +145,17 @@ void allocate_values(ByteReader& in, PackedModel& model) {
   }
 }
 
-// The coding units with their predictors, which `stream` codes.
-CodingUnits read_units(const RansReader& rans, RansStream& stream, std::uint32_t vertices, const PackedModel& model,
+// The coding units with their predictors, whose symbols are in turn in the streams of the first part.
+CodingUnits read_units(const RansReader& rans, RansStreams& streams, std::uint32_t vertices, const PackedModel& model,
                        std::pmr::memory_resource& memory) {
+  std::size_t coded = 0;
   return coding_units(
       model.rest, vertices, model.order, model.row_blocks,
       [&](CodingUnit& unit, std::span<const Predictor> candidates) {
         const auto count = static_cast<std::uint32_t>(candidates.size());
-        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_context(unit)) : 0;
+        RansStream& stream = streams[coded % stream_count];
+        if (count > 1) ++coded;
+        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_table) : 0;
         if (pair >= pair_index(0, count) || stream.exhausted())
           rans.corrupt(stream, "a vertex has a predictor that does not exist");
         set_predictors(unit, candidates, pair);
@@ -182,28 +163,50 @@ CodingUnits read_units(const RansReader& rans, RansStream& stream, std::uint32_t
       memory);
 }
 
+// Decodes the columns of a part. `tables`: the class table of each of their segments.
+void read_part(const RansReader& rans, const RansStreams& streams, const CodingUnits& units,
+               std::span<const std::pmr::vector<ColumnSegment>> columns, std::span<const std::uint8_t> tables,
+               std::uint32_t vertices, PackedModel& model, MemoryBudget& memory) {
+  std::size_t most_units = 0;
+  for (const auto& of_block : units) most_units = std::max(most_units, of_block.size());
+  std::pmr::vector<AxisVector> residuals(most_units, &memory);
+  ResidualDecoder decoder(rans.tables(), streams);
+  ValueRestorer restorer(vertices, memory);
+  auto table = tables.begin();
+  for (const auto& column : columns) {
+    for (const auto& [b, index] : column) {
+      PackedRowBlock& block = model.row_blocks[b];
+      decoder.decode(units[b], first_class_table + *table++, residuals.data());
+      restorer.restore(units[b], residuals.data(), block.columns[index].wide,
+                       block.values.data() + std::size_t(index) * block.row_count);
+      if (!decoder.valid()) rans.corrupt(decoder.streams(), "a unit has a class that does not exist");
+    }
+    if (!restorer.valid()) rans.corrupt(decoder.streams(), "the basis holds a value beyond its range");
+    for (const ColumnSegment& segment : column) restorer.clear(units[segment.block]);
+  }
+  decoder.finish();
+  rans.end(decoder.streams());
+}
+
 }  // namespace
 
-void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& model) {
+void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, PackedModel& model) {
   allocate_values(in, model);
-  const RansReader rans(in, basis_contexts);
-  RansStreams streams = rans.streams();
-  const auto units = read_units(rans, streams[0], vertices, model, in.budget());
+  const RansReader rans(in, {first_class_table, first_class_table + max_class_tables}, basis_parts);
+  for (const std::uint8_t table : tables)
+    if (first_class_table + table >= rans.table_count()) in.corrupt("a segment has a table that does not exist");
+  RansStreams streams = rans.streams(0);
+  const auto units = read_units(rans, streams, vertices, model, in.budget());
   const auto segments = column_segments(model, in.budget());
-  const auto first_columns = first_columns_of_streams(model, segments, in.budget());
-  const ClassSymbolTables class_tables(rans.tables());
-  std::vector<StreamDecoder> decoders;
-  decoders.reserve(stream_count);
-  for (std::size_t s = 0; s < stream_count; ++s) {
-    const auto columns = std::span(segments).subspan(first_columns[s], first_columns[s + 1] - first_columns[s]);
-    decoders.emplace_back(model, vertices, rans.tables(), class_tables, units, columns, streams[s], in.budget());
+  const auto first_columns = first_columns_of_parts(model, segments, in.budget());
+  std::size_t segments_before = 0;
+  for (std::size_t part = 0; part < basis_parts; ++part) {
+    const auto columns =
+        std::span(segments).subspan(first_columns[part], first_columns[part + 1] - first_columns[part]);
+    read_part(rans, part == 0 ? streams : rans.streams(part), units, columns,
+              std::span(tables).subspan(segments_before), vertices, model, in.budget());
+    for (const auto& column : columns) segments_before += column.size();
   }
-  decode_streams(decoders);
-  for (std::size_t s = 0; s < stream_count; ++s) {
-    if (!decoders[s].valid()) rans.corrupt(decoders[s].stream(), "the basis holds a value beyond its range");
-    streams[s] = decoders[s].stream();
-  }
-  rans.end(streams);
 }
 
 }  // namespace fb::archive

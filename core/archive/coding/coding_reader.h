@@ -3,19 +3,26 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
+#include <vector>
 
 #include "archive/container/byte_reader.h"
 #include "model/packed_model.h"
 
 namespace fb::archive {
 
-inline constexpr std::uint8_t segment_16_bit_flag = 1, segment_new_scale_flag = 2;
+// Flags of a segment, and the first bit of the number of its class table.
+inline constexpr std::uint8_t segment_16_bit_flag = 1, segment_new_scale_flag = 2, segment_table_shift = 2;
+
+// The class table of each segment, in the order of column_segments.
+using SegmentTables = std::pmr::vector<std::uint8_t>;
 
 // Fills the weights of all layers. Section "network" has been read.
 void read_weights(ByteReader& in, PackedModel& model);
 // Fills columns, order and the row blocks except their values.
-void read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model);
-// Fills the values of the row blocks. Section "basis" and the polygons have been read; points are not needed.
-void read_basis_values(ByteReader& in, std::uint32_t vertices, PackedModel& model);
+SegmentTables read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model);
+// Fills the values of the row blocks. `tables`: from section "basis". The polygons have been read; points are not
+// needed.
+void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, PackedModel& model);
 
 }  // namespace fb::archive

@@ -58,22 +58,17 @@ class PredictorFinder {
   PredictorFinder(std::uint32_t vertices, std::pmr::memory_resource& memory)
       : ranks_(vertices, unset, &memory), no_rank_(vertices) {}
 
-  // Sets the unit's rank, neighbourhood and neighbours, and returns its candidates, valid until the next call.
+  // Sets the unit's rank and returns its candidates, valid until the next call.
   std::span<const Predictor> find(std::uint32_t vertex, const VertexNeighbours& mesh, CodingUnit& unit) {
     coded_.clear();  // the neighbour coded last first
     for (const std::uint32_t w : mesh.of(vertex))
       if (mesh.is_coded(w)) coded_.push_back(w);
     std::sort(coded_.begin(), coded_.end(), [&](auto v, auto w) { return mesh.time(v) > mesh.time(w); });
     unit.rank = rank(vertex);
-    unit.last = coded_.size() > 0 ? ranks_[coded_[0]] : no_rank_;
-    unit.last_but_one = coded_.size() > 1 ? ranks_[coded_[1]] : unit.last;
     coded_.resize(std::min<std::size_t>(coded_.size(), 4));
 
     candidates_.clear();
     add_parallelograms(vertex, mesh);
-    unit.neighbourhood = !candidates_.empty() ? Neighbourhood::parallelogram
-                         : coded_.empty()     ? Neighbourhood::none
-                                              : Neighbourhood::neighbours;
     if (coded_.empty()) candidates_.push_back({no_rank_, no_rank_, no_rank_});
     for (std::size_t i = 0; i < coded_.size() && i < 2; ++i)
       candidates_.push_back({ranks_[coded_[i]], no_rank_, no_rank_});
@@ -132,7 +127,7 @@ struct UnitOfVertex {
   CodingUnit unit;
 };
 
-// The units of a row block in the order of rows; rank, neighbourhood and predictors are not set.
+// The units of a row block in the order of rows; rank and predictors are not set.
 std::pmr::vector<UnitOfVertex> units_in_row_order(const PackedRowBlock& block, const std::vector<std::uint32_t>& order,
                                                   std::pmr::memory_resource& memory) {
   std::pmr::vector<UnitOfVertex> units(&memory);
@@ -205,21 +200,20 @@ ColumnSegments column_segments(const PackedModel& model, std::pmr::memory_resour
   return segments;
 }
 
-std::array<std::size_t, stream_count + 1> first_columns_of_streams(const PackedModel& model,
-                                                                   const ColumnSegments& segments,
-                                                                   std::pmr::memory_resource& memory) {
+std::array<std::size_t, basis_parts + 1> first_columns_of_parts(const PackedModel& model,
+                                                                const ColumnSegments& segments,
+                                                                std::pmr::memory_resource& memory) {
   std::pmr::vector<std::uint64_t> values_before(1, 0, &memory);  // in the columns before each
   for (const auto& column : segments) {
     std::uint64_t values = 0;
     for (const ColumnSegment& segment : column) values += model.row_blocks[segment.block].row_count;
     values_before.push_back(values_before.back() + values);
   }
-  std::array<std::size_t, stream_count + 1> first;
+  std::array<std::size_t, basis_parts + 1> first;
   first.fill(segments.size());
-  std::size_t stream = 0;
+  std::size_t part = 0;
   for (std::size_t c = 0; c < segments.size(); ++c)
-    while (stream < stream_count && stream_count * values_before[c] >= stream * values_before.back())
-      first[stream++] = c;
+    while (part < basis_parts && basis_parts * values_before[c] >= part * values_before.back()) first[part++] = c;
   return first;
 }
 

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "archive/coding/rans_reader.h"
 #include "model/packed_model.h"
 
 namespace fb::archive {
@@ -23,19 +22,14 @@ struct Predictor {
   std::uint32_t left = 0, right = 0, across = 0;  // ranks
 };
 
-// What has been coded around a vertex before it.
-enum class Neighbourhood : std::uint8_t { parallelogram = 0, neighbours = 1, none = 2 };
-
 // The rows of one vertex in one row block: one to three.
 struct CodingUnit {
-  std::uint32_t rank = 0;            // of the vertex
-  std::uint32_t row = 0;             // the first row, counted within the block
-  std::uint8_t axis = 0, count = 0;  // of the first row; number of rows
-  Neighbourhood neighbourhood = Neighbourhood::none;
-  std::uint8_t predictor_count = 1;          // candidates
-  std::uint8_t predictor_pair = 0;           // the pair_index of the two candidates used
-  std::uint32_t last = 0, last_but_one = 0;  // ranks of the neighbours coded last; equal if there is only one
-  std::array<Predictor, 2> predictors;       // the two used; the prediction is their mean
+  std::uint32_t rank = 0;               // of the vertex
+  std::uint32_t row = 0;                // the first row, counted within the block
+  std::uint8_t axis = 0, count = 0;     // of the first row; number of rows
+  std::uint8_t predictor_count = 1;     // candidates
+  std::uint8_t predictor_pair = 0;      // the pair_index of the two candidates used
+  std::array<Predictor, 2> predictors;  // the two used; the prediction is their mean
 };
 
 // Index of the pair of candidates i <= j: (0, 0), (0, 1), (1, 1), (0, 2), ...
@@ -66,9 +60,11 @@ using ColumnSegments = std::pmr::vector<std::pmr::vector<ColumnSegment>>;
 ColumnSegments column_segments(const PackedModel& model,
                                std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 
-// The first column of each stream, and the number of columns. Columns are split so that streams hold about as many
-// values each.
-std::array<std::size_t, stream_count + 1> first_columns_of_streams(
+// The parts of section "basis-values" can be decoded independently of each other.
+inline constexpr std::size_t basis_parts = 4;
+// The first column of each part, and the number of columns. Columns are split so that parts hold about as many values
+// each.
+std::array<std::size_t, basis_parts + 1> first_columns_of_parts(
     const PackedModel& model, const ColumnSegments& segments,
     std::pmr::memory_resource& memory = *std::pmr::get_default_resource());
 

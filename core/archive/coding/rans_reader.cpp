@@ -36,37 +36,46 @@ void read_table(ByteReader& in, std::uint8_t* symbol_of_slot, std::uint32_t* fre
 
 }  // namespace
 
-RansReader::RansReader(ByteReader& in, std::size_t contexts)
+RansReader::RansReader(ByteReader& in, TableLimits limits, std::size_t parts)
     : in_(&in),
-      tables_{in.temporary_numbers<std::uint8_t>(contexts, "tables of contexts"),
-              std::pmr::vector<std::uint8_t>(&in.budget()), std::pmr::vector<std::uint32_t>(&in.budget())},
-      words_(&in.budget()) {
-  const std::size_t tables =
-      *std::max_element(tables_.table_of_context.begin(), tables_.table_of_context.end()) + std::size_t(1);
-  if (tables > max_tables) in.corrupt("contexts have more tables than the format allows");
+      tables_{std::pmr::vector<std::uint8_t>(&in.budget()), std::pmr::vector<std::uint32_t>(&in.budget())},
+      words_(&in.budget()),
+      parts_(parts) {
+  const std::size_t tables = in.number<std::uint8_t>("a number of tables");
+  if (tables < limits.fewest || tables > limits.most) in.corrupt("the section has no such number of tables");
   tables_.symbol_of_slot.resize(tables * table_slots);
   tables_.frequency_starts.resize(tables * 256);
   for (std::size_t table = 0; table < tables; ++table)
     read_table(in, &tables_.symbol_of_slot[table * table_slots], &tables_.frequency_starts[table * 256]);
 
-  std::array<std::uint32_t, stream_count> counts;
-  for (std::uint32_t& count : counts) count = in.number<std::uint32_t>("a number of words");
-  for (RansStream& stream : streams_) {
-    stream.state_ = in.number<std::uint32_t>("a stream's state");
-    if (stream.state_ < min_state) in.corrupt("a stream's state is too small");
+  std::vector<std::uint32_t> counts;
+  for (RansStreams& streams : parts_) {
+    for (std::size_t s = 0; s < stream_count; ++s) counts.push_back(in.number<std::uint32_t>("a number of words"));
+    for (RansStream& stream : streams) {
+      stream.state_ = in.number<std::uint32_t>("a stream's state");
+      if (stream.state_ < min_state) in.corrupt("a stream's state is too small");
+    }
   }
   const std::uint64_t words = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
   if (in.left() != 2 * words) in.corrupt("the words of the streams do not fill the section");
   words_ = in.temporary_numbers<std::uint16_t>(words, "coded symbols", RansStream::padding_words);
   const std::uint16_t* word = words_.data();
-  for (std::size_t stream = 0; stream < stream_count; ++stream) {
-    streams_[stream].word_ = word;
-    streams_[stream].end_ = word += counts[stream];
-  }
+  auto count = counts.begin();
+  for (RansStreams& streams : parts_)
+    for (RansStream& stream : streams) {
+      stream.word_ = word;
+      stream.end_ = word += *count++;
+    }
 }
 
 void RansReader::corrupt(const RansStream& stream, const char* what) const {
   in_->corrupt(stream.exhausted() ? "there are too few coded symbols" : what);
+}
+
+void RansReader::corrupt(const RansStreams& streams, const char* what) const {
+  for (const RansStream& stream : streams)
+    if (stream.exhausted()) corrupt(stream, what);
+  in_->corrupt(what);
 }
 
 void RansReader::end(const RansStreams& streams) const {

@@ -1,5 +1,6 @@
-// Entropy decoding by range asymmetric numeral systems (rANS): symbols below 256, each coded in a context, and raw
-// bits, in interleaved streams. Jarek Duda, "Asymmetric numeral systems", arXiv 1311.2540; FORMAT.md, "Coded symbols".
+// Entropy decoding by range asymmetric numeral systems (rANS): symbols below 256, each coded by one of several tables
+// of frequencies, and raw bits, in interleaved streams. Jarek Duda, "Asymmetric numeral systems", arXiv 1311.2540;
+// FORMAT.md, "Coded symbols".
 #pragma once
 
 #include <array>
@@ -12,20 +13,18 @@
 namespace fb::archive {
 
 inline constexpr std::uint32_t table_bits = 10, table_slots = 1u << table_bits;  // a table's frequencies sum to this
-inline constexpr std::uint32_t stream_count = 4;
+inline constexpr std::uint32_t stream_count = 4;                                 // of a part
 inline constexpr std::uint32_t min_state = 1u << 16;  // a state below is renormalised by a 16-bit word
-inline constexpr std::uint32_t max_tables = 64;       // that the contexts of a section share
 
-// Frequency tables, shared by contexts. Symbol and frequency are looked up one after the other, because a table of both
+// The frequency tables of a section. Symbol and frequency are looked up one after the other, because a table of both
 // per slot would be four times as large and exceed the first-level cache.
 struct FrequencyTables {
-  std::pmr::vector<std::uint8_t> table_of_context;   // contexts
   std::pmr::vector<std::uint8_t> symbol_of_slot;     // tables x table_slots
   std::pmr::vector<std::uint32_t> frequency_starts;  // tables x 256: frequency << 16 | first slot of the symbol
 };
 
 // The decoder of one interleaved stream. Streams share nothing but the tables, so that their decoding overlaps in the
-// processor. Which stream holds a symbol follows from its meaning.
+// processor. Which part and stream hold a symbol follows from its meaning.
 //
 // Decoding does not check for the end of the words, because a data-dependent branch per symbol would be slow. Instead
 // the words are followed by padding: call exhausted() at least once per `padding_words` symbols or raw bits.
@@ -34,12 +33,8 @@ class RansStream {
   static constexpr std::size_t padding_words = 128;
   bool exhausted() const { return word_ > end_; }
 
-  // The next symbol, below 256, coded in this context.
-  std::uint32_t symbol(const FrequencyTables& tables, std::size_t context) {
-    return symbol_of_table(tables, tables.table_of_context[context]);
-  }
-  // The same, if the context's table is known.
-  std::uint32_t symbol_of_table(const FrequencyTables& tables, std::size_t table) {
+  // The next symbol, below 256, coded by this table.
+  std::uint32_t symbol(const FrequencyTables& tables, std::size_t table) {
     const std::uint32_t slot = state_ % table_slots, symbol = tables.symbol_of_slot[table * table_slots + slot];
     const std::uint32_t entry = tables.frequency_starts[256 * table + symbol];
     state_ = (entry >> 16) * (state_ >> table_bits) + slot - entry % 65536;
@@ -73,23 +68,28 @@ using RansStreams = std::array<RansStream, stream_count>;
 
 class RansReader {
  public:
-  // Reads tables, states and words to the end of the section. `in` must outlive this object, which must outlive its
-  // streams.
-  RansReader(ByteReader& in, std::size_t contexts);
+  struct TableLimits {
+    std::size_t fewest, most;
+  };
+  // Reads tables, states and words to the end of the section. Fails if the number of tables is beyond its limits. `in`
+  // must outlive this object, which must outlive its streams.
+  RansReader(ByteReader& in, TableLimits limits, std::size_t parts);
 
   const FrequencyTables& tables() const { return tables_; }
-  // The streams at their beginning.
-  const RansStreams& streams() const { return streams_; }
-  // Fails unless each stream, advanced by decoding, has used up its words and is in the final state.
+  std::size_t table_count() const { return tables_.frequency_starts.size() / 256; }
+  // The streams of a part at their beginning.
+  const RansStreams& streams(std::size_t part) const { return parts_[part]; }
+  // Fails unless each stream of a part, advanced by decoding, has used up its words and is in the final state.
   void end(const RansStreams& streams) const;
-  // Fails because of a symbol decoded from this stream: with `what`, or because the stream is exhausted.
+  // Fails because of a symbol decoded from this stream, or one of these: with `what`, or because it is exhausted.
   [[noreturn]] void corrupt(const RansStream& stream, const char* what) const;
+  [[noreturn]] void corrupt(const RansStreams& streams, const char* what) const;
 
  private:
   const ByteReader* in_;
   FrequencyTables tables_;
   std::pmr::vector<std::uint16_t> words_;
-  RansStreams streams_;
+  std::vector<RansStreams> parts_;
 };
 
 }  // namespace fb::archive

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "archive/coding/writer/choose_predictors.h"
+#include "archive/coding/writer/segment_tables.h"
 #include "archive/coding/writer/unit_symbols.h"
 
 namespace fb::bake {
@@ -16,66 +17,50 @@ using archive::AxisVector;
 using archive::CodingUnit;
 using archive::ColumnHistory;
 using archive::ColumnSegment;
+using archive::for_each_unit;
 
 using Units = archive::CodingUnits;
-
-// Calls begin(row block, index) for all segments in coding order, and after each function(history, unit, row block,
-// index of the unit's first value in the block) for its units. The function records in `history` what the unit is coded
-// as.
-template <class Begin, class Function>
-void for_each_unit(const PackedModel& model, const Units& units, Begin&& begin, Function&& function) {
-  ColumnHistory history(model.rest.vertex_count());
-  for (const auto& segments : archive::column_segments(model)) {
-    for (const auto& [b, index] : segments) {
-      const PackedRowBlock& block = model.row_blocks[b];
-      history.begin_segment(block.columns[index].wide);
-      begin(b, index);
-      for (const CodingUnit& unit : units[b])
-        function(history, unit, b, std::size_t(index) * block.row_count + unit.row);
-    }
-    for (const ColumnSegment& segment : segments) history.clear(units[segment.block]);
-  }
-}
 
 // Counts symbols as a sink of write_unit; finish() turns the counts into bits per symbol.
 class SymbolCosts {
  public:
-  void symbol(std::size_t context, std::uint32_t value) { ++costs_[256 * context + value]; }
+  void symbol(std::size_t table, std::uint32_t value) { ++costs_[256 * table + value]; }
   void bits(std::uint32_t, std::uint32_t) {}
 
   void finish() {
-    for (std::size_t context = 0; context < archive::basis_contexts; ++context) {
-      float* const costs = &costs_[256 * context];
+    for (std::size_t table = 0; table < table_count; ++table) {
+      float* const costs = &costs_[256 * table];
       float sum = 0;
       for (std::size_t value = 0; value < 256; ++value) sum += costs[value] += 0.01f;  // symbols that did not occur
       for (std::size_t value = 0; value < 256; ++value) costs[value] = std::log2(sum / costs[value]);
     }
   }
-  float bits_of(std::size_t context, std::uint32_t value) const { return costs_[256 * context + value]; }
+  float bits_of(std::size_t table, std::uint32_t value) const { return costs_[256 * table + value]; }
 
  private:
-  std::vector<float> costs_ = std::vector<float>(256 * archive::basis_contexts);
+  static constexpr std::size_t table_count = archive::first_class_table + archive::max_class_tables;
+  std::vector<float> costs_ = std::vector<float>(256 * table_count);
 };
 
 // Adds up the bits of the symbols written, as a sink of write_unit.
 struct BitCounter {
-  void symbol(std::size_t context, std::uint32_t value) { total += costs.bits_of(context, value); }
+  void symbol(std::size_t table, std::uint32_t value) { total += costs.bits_of(table, value); }
   void bits(std::uint32_t count, std::uint32_t) { total += static_cast<float>(count); }
   const SymbolCosts& costs;
   float total = 0;
 };
 
-// The cost of symbols in the model as it is quantised now.
-SymbolCosts measure_costs(const PackedModel& model, const Units& units) {
+// The cost of symbols in the model as it is quantised now. `tables`: the class tables of segments.
+SymbolCosts measure_costs(const PackedModel& model, const Units& units, std::span<const std::uint8_t> tables) {
   SymbolCosts costs;
+  std::size_t segments = 0;
   const auto code = [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
-    const AxisVector values = archive::values_of_vertex(history, unit, &model.row_blocks[b].values[at]),
-                     residuals = archive::residuals_of(history, unit, values);
-    archive::write_unit(costs, history, unit, residuals);
-    history.set(unit.rank, values, residuals, archive::class_of(residuals));
+    const AxisVector values = archive::values_of_vertex(history, unit, &model.row_blocks[b].values[at]);
+    archive::write_unit(costs, tables[segments - 1], unit, archive::residuals_of(history, unit, values));
+    history.set(unit.rank, values);
   };
   for_each_unit(
-      model, units, [](std::uint32_t, std::uint32_t) {}, code);
+      model, units, [&](std::size_t, const ColumnSegment&) { ++segments; }, code);
   costs.finish();
   return costs;
 }
@@ -84,7 +69,7 @@ SymbolCosts measure_costs(const PackedModel& model, const Units& units) {
 struct UnitQuantiser {
   const SymbolCosts& costs;
   double lambda;
-  const ColumnHistory& history;
+  std::uint32_t class_table;  // of the segment
   const CodingUnit& unit;
   const float* exact;            // by axis; read only on the unit's axes
   AxisVector values, residuals;  // rounded to nearest
@@ -102,7 +87,7 @@ struct UnitQuantiser {
       const double error = double(values[axis] + changes[axis]) - exact[axis];
       squares += error * error;
     }
-    archive::write_unit(counter, history, unit, changed);
+    archive::write_unit(counter, class_table, unit, changed);
     return counter.total + lambda * squares;
   }
 
@@ -188,15 +173,19 @@ class Targets {
 void quantise_once(PackedModel& model, const std::vector<std::vector<float>>& exact,
                    const RateDistortionOptions& options) {
   const Units units = archive::choose_predictors(model);
-  const SymbolCosts costs = measure_costs(model, units);
+  const std::vector<std::uint8_t> tables = archive::choose_segment_tables(model, units);
+  const SymbolCosts costs = measure_costs(model, units, tables);
   Targets targets(model, exact, options.compensation);
-  std::optional<std::pair<std::uint32_t, std::uint32_t>> segment;
+  std::optional<ColumnSegment> last;
+  std::size_t segments = 0;
   std::span<const float> wanted;
-  const auto begin = [&](std::uint32_t b, std::uint32_t index) {
-    if (segment) targets.finish(segment->first, segment->second);
-    segment = {b, index};
-    wanted = targets.of(b, index);
-    const auto first = model.row_blocks[b].values.begin() + static_cast<std::ptrdiff_t>(index * wanted.size());
+  const auto begin = [&](std::size_t, const ColumnSegment& segment) {
+    if (last) targets.finish(last->block, last->index);
+    last = segment;
+    ++segments;
+    wanted = targets.of(segment.block, segment.index);
+    const auto first =
+        model.row_blocks[segment.block].values.begin() + static_cast<std::ptrdiff_t>(segment.index * wanted.size());
     std::transform(wanted.begin(), wanted.end(), first,
                    [](float value) { return static_cast<std::int16_t>(std::nearbyint(value)); });
   };
@@ -210,7 +199,7 @@ void quantise_once(PackedModel& model, const std::vector<std::vector<float>>& ex
         const AxisVector values = archive::values_of_vertex(history, unit, &block.values[at]);
         UnitQuantiser quantiser{costs,
                                 options.lambda * weight,
-                                history,
+                                tables[segments - 1],
                                 unit,
                                 wanted.data() + unit.row - unit.axis,
                                 values,
@@ -218,7 +207,7 @@ void quantise_once(PackedModel& model, const std::vector<std::vector<float>>& ex
         quantiser.quantise();
         for (std::uint32_t i = 0; i < unit.count; ++i)
           block.values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
-        history.set(unit.rank, quantiser.values, quantiser.residuals, archive::class_of(quantiser.residuals));
+        history.set(unit.rank, quantiser.values);
       });
 }
 

@@ -30,7 +30,7 @@ struct Rounded {
       }
     return sum / (3.0 * side * side * columns);
   }
-  std::size_t bytes() const { return write_basis_values(model).bytes.size(); }
+  std::size_t bytes() const { return write_basis(model).values.bytes.size(); }
 };
 
 // A square grid of quads, smooth columns with a little noise, rounded to the nearest multiple of `step`.

@@ -1,10 +1,13 @@
 #include "archive/coding/writer/coding_writer.h"
 
+#include <algorithm>
 #include <bit>
+#include <span>
 
 #include "archive/coding/coding_reader.h"
 #include "archive/coding/writer/choose_predictors.h"
 #include "archive/coding/writer/rans_writer.h"
+#include "archive/coding/writer/segment_tables.h"
 #include "archive/coding/writer/unit_symbols.h"
 
 namespace fb::archive {
@@ -24,8 +27,8 @@ bool same_bits(float a, float b) {
   return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
 }
 
-// The columns of the row blocks, column by column.
-void write_segments(ByteWriter& out, const PackedModel& model) {
+// The columns of the row blocks, column by column. `tables`: of the segments in this order.
+void write_segments(ByteWriter& out, const PackedModel& model, std::span<const std::uint8_t> tables) {
   std::vector<std::uint32_t> counts, deltas;
   std::vector<std::uint8_t> flags;
   std::vector<float> scales;
@@ -38,7 +41,8 @@ void write_segments(ByteWriter& out, const PackedModel& model) {
       before = b;
       const bool new_scale = scales.empty() || !same_bits(scales.back(), column.scale);
       flags.push_back(static_cast<std::uint8_t>((column.wide ? segment_16_bit_flag : 0) |
-                                                (new_scale ? segment_new_scale_flag : 0)));
+                                                (new_scale ? segment_new_scale_flag : 0) |
+                                                tables[flags.size()] << segment_table_shift));
       if (new_scale) scales.push_back(column.scale);
     }
   }
@@ -49,39 +53,7 @@ void write_segments(ByteWriter& out, const PackedModel& model) {
   out.float_planes(scales);
 }
 
-void write_segment(RansWriter& out, ColumnHistory& history, std::span<const CodingUnit> units, bool wide,
-                   const std::int16_t* values) {
-  history.begin_segment(wide);
-  for (const CodingUnit& unit : units) {
-    const AxisVector of_vertex = values_of_vertex(history, unit, values + unit.row);
-    const AxisVector residuals = residuals_of(history, unit, of_vertex);
-    write_unit(out, history, unit, residuals);
-    history.set(unit.rank, of_vertex, residuals, class_of(residuals));
-  }
-}
-
-}  // namespace
-
-ByteWriter write_weights(const PackedModel& model) {
-  RansWriter rans(weight_contexts);
-  for (const PackedRegion& region : model.regions)
-    for (std::size_t l = 0; l < region.layers.size(); ++l) {
-      const PackedLayer& layer = region.layers[l];
-      const std::uint32_t context = weight_context(l, region.layers.size());
-      for (std::size_t i = 0; i < layer.weights.size(); ++i) {
-        rans.select_stream(i % stream_count);
-        const int weight = layer.weights[i], digit = layer.wide ? high_digit(weight) : weight;
-        rans.symbol(context + (layer.wide ? high_digit_contexts : 0),
-                    static_cast<std::uint32_t>(digit + largest_narrow));
-        if (layer.wide) rans.symbol(context + low_digit_contexts, static_cast<std::uint32_t>(low_digit(weight) + 128));
-      }
-    }
-  ByteWriter out;
-  rans.write(out);
-  return out;
-}
-
-ByteWriter write_basis(const PackedModel& model) {
+ByteWriter write_columns(const PackedModel& model, std::span<const std::uint8_t> tables) {
   ByteWriter out;
   out.number(model.columns);
   out.number(std::uint32_t(!model.order.empty()));
@@ -90,33 +62,64 @@ ByteWriter write_basis(const PackedModel& model) {
   std::vector<std::uint32_t> rows;
   for (const PackedRowBlock& block : model.row_blocks) rows.push_back(block.row_count);
   out.planes(rows);
-  write_segments(out, model);
+  write_segments(out, model, tables);
   return out;
 }
 
-ByteWriter write_basis_values(const PackedModel& model) {
-  const auto units = choose_predictors(model);
-  RansWriter rans(basis_contexts);
+ByteWriter write_values(const PackedModel& model, const CodingUnits& units, std::span<const std::uint8_t> tables) {
+  const std::uint32_t class_tables = tables.empty() ? 0 : *std::max_element(tables.begin(), tables.end()) + 1u;
+  RansWriter rans(first_class_table + class_tables, basis_parts);
+  std::size_t coded = 0;
   for (const auto& units_of_block : units)
     for (const CodingUnit& unit : units_of_block)
-      if (unit.predictor_count > 1) rans.symbol(pair_context(unit), unit.predictor_pair);
-  ColumnHistory history(model.rest.vertex_count());
-  const auto segments = column_segments(model);
-  const auto first_columns = first_columns_of_streams(model, segments);
-  for (std::size_t stream = 0; stream < stream_count; ++stream) {
-    rans.select_stream(stream);
-    for (std::size_t c = first_columns[stream]; c < first_columns[stream + 1]; ++c) {
-      for (const auto& [b, index] : segments[c]) {
-        const PackedRowBlock& block = model.row_blocks[b];
-        write_segment(rans, history, units[b], block.columns[index].wide,
-                      block.values.data() + std::size_t(index) * block.row_count);
+      if (unit.predictor_count > 1) {
+        rans.select(0, coded++ % stream_count);
+        rans.symbol(pair_table, unit.predictor_pair);
       }
-      for (const ColumnSegment& segment : segments[c]) history.clear(units[segment.block]);
-    }
-  }
+  const auto first_columns = first_columns_of_parts(model, column_segments(model));
+  std::size_t part = 0, units_of_part = 0, next_table = 0;
+  std::uint32_t class_table = 0;
+  for_each_unit(
+      model, units,
+      [&](std::size_t column, const ColumnSegment&) {
+        while (column >= first_columns[part + 1]) ++part, units_of_part = 0;
+        class_table = tables[next_table++];
+      },
+      [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
+        const AxisVector values = values_of_vertex(history, unit, &model.row_blocks[b].values[at]);
+        rans.select(part, units_of_part++ % stream_count);
+        write_unit(rans, class_table, unit, residuals_of(history, unit, values));
+        history.set(unit.rank, values);
+      });
   ByteWriter out;
   rans.write(out);
   return out;
+}
+
+}  // namespace
+
+ByteWriter write_weights(const PackedModel& model) {
+  RansWriter rans(weight_tables);
+  for (const PackedRegion& region : model.regions)
+    for (std::size_t l = 0; l < region.layers.size(); ++l) {
+      const PackedLayer& layer = region.layers[l];
+      const std::uint32_t table = weight_table(l, region.layers.size());
+      for (std::size_t i = 0; i < layer.weights.size(); ++i) {
+        rans.select(0, i % stream_count);
+        const int weight = layer.weights[i], digit = layer.wide ? high_digit(weight) : weight;
+        rans.symbol(table + (layer.wide ? high_digit_tables : 0), static_cast<std::uint32_t>(digit + largest_narrow));
+        if (layer.wide) rans.symbol(table + low_digit_tables, static_cast<std::uint32_t>(low_digit(weight) + 128));
+      }
+    }
+  ByteWriter out;
+  rans.write(out);
+  return out;
+}
+
+BasisSections write_basis(const PackedModel& model) {
+  const CodingUnits units = choose_predictors(model);
+  const std::vector<std::uint8_t> tables = choose_segment_tables(model, units);
+  return {write_columns(model, tables), write_values(model, units, tables)};
 }
 
 }  // namespace fb::archive

@@ -1,4 +1,4 @@
-// Writes the sections of coding_reader.h: each function returns the uncompressed contents. Models have passed check().
+// Writes the sections of coding_reader.h: each function returns uncompressed contents. Models have passed check().
 #pragma once
 
 #include "archive/container/byte_writer.h"
@@ -7,7 +7,10 @@
 namespace fb::archive {
 
 ByteWriter write_weights(const PackedModel& model);
-ByteWriter write_basis(const PackedModel& model);
-ByteWriter write_basis_values(const PackedModel& model);
+
+struct BasisSections {
+  ByteWriter columns, values;  // "basis" and "basis-values"
+};
+BasisSections write_basis(const PackedModel& model);
 
 }  // namespace fb::archive

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
-
-#include "archive/coding/rans_reader.h"
-#include "archive/coding/writer/context_clustering.h"
+#include <span>
 
 namespace fb::archive {
 namespace {
@@ -79,36 +77,36 @@ class StreamEncoder {
 }  // namespace
 
 std::vector<SymbolCounts> RansWriter::count_symbols() const {
-  std::vector<SymbolCounts> counts(contexts_);
+  std::vector<SymbolCounts> counts(tables_);
   for (const Operation& operation : operations_)
-    if (operation.raw_bits == 0) ++counts[operation.context][operation.value];
+    if (operation.raw_bits == 0) ++counts[operation.table][operation.value];
   return counts;
 }
 
 void RansWriter::write(ByteWriter& out) const {
-  const std::vector<SymbolCounts> counts = count_symbols();
-  const std::vector<std::uint8_t> table_of_context = cluster_contexts(counts);
-  out.numbers(table_of_context);
-  std::vector<EncodingTable> tables(1 + *std::max_element(table_of_context.begin(), table_of_context.end()));
-  for (std::size_t c = 0; c < contexts_; ++c)
-    for (std::size_t s = 0; s < counts[c].size(); ++s) tables[table_of_context[c]].frequency[s] += counts[c][s];
-  for (EncodingTable& table : tables) {
-    table.frequency = normalised(table.frequency);
+  out.number(static_cast<std::uint8_t>(tables_));
+  std::vector<EncodingTable> tables;
+  for (const SymbolCounts& counts : count_symbols()) {
+    EncodingTable& table = tables.emplace_back();
+    table.frequency = normalised(counts);
     std::exclusive_scan(table.frequency.begin(), table.frequency.end(), table.start.begin(), 0u);
     write_table(table.frequency, out);
   }
-  std::array<StreamEncoder, stream_count> streams;
+  std::vector<StreamEncoder> streams(parts_ * stream_count);
   for (std::size_t i = operations_.size(); i-- > 0;) {
     const Operation& operation = operations_[i];
     StreamEncoder& stream = streams[operation.stream];
-    const EncodingTable& table = tables[table_of_context[operation.context]];
+    const EncodingTable& table = tables[operation.table];
     if (operation.raw_bits > 0)
       stream.push_bits(operation.raw_bits, operation.value);
     else
       stream.push_symbol(table.frequency[operation.value], table.start[operation.value]);
   }
-  for (const StreamEncoder& stream : streams) out.count(stream.word_count(), "coded words");
-  for (const StreamEncoder& stream : streams) out.number(stream.state());
+  for (std::size_t first = 0; first < streams.size(); first += stream_count) {
+    const auto part = std::span(streams).subspan(first, stream_count);
+    for (const StreamEncoder& stream : part) out.count(stream.word_count(), "coded words");
+    for (const StreamEncoder& stream : part) out.number(stream.state());
+  }
   for (const StreamEncoder& stream : streams) out.numbers(stream.words());
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "archive/coding/rans_reader.h"
 #include "archive/container/byte_writer.h"
 
 namespace fb::archive {
@@ -15,13 +16,16 @@ using SymbolCounts = std::array<std::uint32_t, 256>;  // occurrences of each sym
 
 class RansWriter {
  public:
-  explicit RansWriter(std::size_t contexts) : contexts_(contexts) {}
+  // At most 255 tables.
+  explicit RansWriter(std::size_t tables, std::size_t parts = 1) : tables_(tables), parts_(parts) {}
 
-  // The stream of the symbols and bits that follow; 0 at first.
-  void select_stream(std::size_t stream) { stream_ = static_cast<std::uint8_t>(stream); }
-  // A symbol below 256, coded in a context.
-  void symbol(std::size_t context, std::uint32_t value) {
-    operations_.push_back({static_cast<std::uint16_t>(context), stream_, 0, static_cast<std::uint16_t>(value)});
+  // The part and the stream of the symbols and bits that follow; 0 and 0 at first.
+  void select(std::size_t part, std::size_t stream) {
+    stream_ = static_cast<std::uint8_t>(part * stream_count + stream);
+  }
+  // A symbol below 256, coded by a table.
+  void symbol(std::size_t table, std::uint32_t value) {
+    operations_.push_back({static_cast<std::uint8_t>(table), stream_, 0, static_cast<std::uint16_t>(value)});
   }
   // `count` raw bits, at most 12.
   void bits(std::uint32_t count, std::uint32_t value) {
@@ -32,14 +36,13 @@ class RansWriter {
 
  private:
   struct Operation {
-    std::uint16_t context;
-    std::uint8_t stream, raw_bits;  // raw_bits 0: a symbol
+    std::uint8_t table, stream, raw_bits;  // stream: counted through all parts; raw_bits 0: a symbol
     std::uint16_t value;
   };
 
-  std::vector<SymbolCounts> count_symbols() const;  // per context
+  std::vector<SymbolCounts> count_symbols() const;  // per table
 
-  std::size_t contexts_;
+  std::size_t tables_, parts_;
   std::uint8_t stream_ = 0;
   std::vector<Operation> operations_;
 };

@@ -1,11 +1,12 @@
-// The symbols of a coding unit: the writer codes them, and rate-distortion quantisation adds up their cost.
+// The symbols of coding units: the writer codes them, and rate-distortion quantisation adds up their cost.
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
-#include "archive/coding/contexts.h"
+#include "archive/coding/coding_symbols.h"
 
 namespace fb::archive {
 
@@ -29,26 +30,44 @@ inline AxisVector residuals_of(const ColumnHistory& history, const CodingUnit& u
   return residuals;
 }
 
-// Codes a unit with these residuals. `Sink`: has symbol(context, value) and bits(count, value), as RansWriter has.
+// Codes a unit with these residuals. `class_table`: of its segment. `Sink`: has symbol(table, value) and bits(count,
+// value), as RansWriter has.
 template <class Sink>
-void write_unit(Sink& out, const ColumnHistory& history, const CodingUnit& unit, AxisVector residuals) {
-  const std::uint32_t unit_class = class_of(residuals), context = class_context(history.condition(unit));
+void write_unit(Sink& out, std::uint32_t class_table, const CodingUnit& unit, AxisVector residuals) {
+  const std::uint32_t unit_class = class_of(residuals), table = first_class_table + class_table;
   if (unit_class < 2) {
     std::uint32_t symbol = 0;
     for (std::size_t axis = 3; axis-- > 0;) symbol = 3 * symbol + (residuals[axis] < 0 ? 2 : residuals[axis]);
-    return out.symbol(context, symbol);
+    return out.symbol(table, symbol);
   }
-  out.symbol(context, class_symbol_base + unit_class);
+  out.symbol(table, class_symbol_base + unit_class);
   const int offset = (1 << unit_class) - 1;
   const std::uint32_t raw_bits = unit_class > max_coded_bits ? unit_class - max_coded_bits : 0;
   bool class_reached = false;
   for (std::uint32_t i = 0; i < unit.count; ++i) {
     const std::size_t axis = unit.axis + i;
     const auto code = static_cast<std::uint32_t>(residuals[axis] + offset);
-    out.symbol(residual_context(unit_class, history.activity(unit, axis), i + 1 == unit.count, class_reached),
-               code >> raw_bits);
+    out.symbol(residual_table(unit_class, i + 1 == unit.count, class_reached), code >> raw_bits);
     if (raw_bits > 0) out.bits(raw_bits, code & ((1u << raw_bits) - 1));
     class_reached = class_reached || std::abs(residuals[axis]) > offset / 2;
+  }
+}
+
+// Calls begin(column, segment) for all segments in coding order, and after each function(history, unit, row block,
+// index of the unit's first value in the block) for its units. The function records in `history` what the unit is coded
+// as.
+template <class Begin, class Function>
+void for_each_unit(const PackedModel& model, const CodingUnits& units, Begin&& begin, Function&& function) {
+  ColumnHistory history(model.rest.vertex_count());
+  const ColumnSegments columns = column_segments(model);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    for (const ColumnSegment& segment : columns[c]) {
+      begin(c, segment);
+      for (const CodingUnit& unit : units[segment.block])
+        function(history, unit, segment.block,
+                 std::size_t(segment.index) * model.row_blocks[segment.block].row_count + unit.row);
+    }
+    for (const ColumnSegment& segment : columns[c]) history.clear(units[segment.block]);
   }
 }
 
