@@ -52,7 +52,9 @@ fb_model* load(const fb_load_desc& desc, Read&& read) {
 fb::archive::Archive read_bytes(std::span<const std::byte> bytes, const fb_load_desc& desc, fb::MemoryBudget& budget) {
   const fb::archive::ReadLimits limits = {desc.max_model_bytes, desc.max_name_bytes, desc.max_vertices,
                                           desc.max_polygons, desc.max_features};
-  return fb::archive::read_archive(bytes, limits, fb::archive::Parts::all, budget);
+  const fb::Parallel parallel = {static_cast<int>(std::min<std::uint32_t>(desc.threads, INT32_MAX)), desc.parallel_for,
+                                 desc.parallel_user};
+  return fb::archive::read_archive(bytes, limits, fb::archive::Parts::all, budget, parallel);
 }
 
 fb_load_desc read_load_desc(const fb_load_desc* given) {
@@ -155,6 +157,7 @@ void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size) {
   defaults.max_vertices = limits.max_vertices;
   defaults.max_polygons = limits.max_polygons;
   defaults.max_features = limits.max_features;
+  defaults.threads = 1;
   fill_struct(to, struct_size, defaults);
 }
 

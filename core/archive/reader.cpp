@@ -36,8 +36,9 @@ class ArchiveReader {
   }
 
  public:
-  ArchiveReader(const std::vector<StoredSection>& sections, const ReadLimits& limits, MemoryBudget& budget)
-      : sections_(sections), limits_(limits), budget_(budget) {}
+  ArchiveReader(const std::vector<StoredSection>& sections, const ReadLimits& limits, MemoryBudget& budget,
+                const Parallel& parallel)
+      : sections_(sections), limits_(limits), budget_(budget), parallel_(parallel) {}
 
   void list_sections() {
     for (const StoredSection& section : sections_) {
@@ -125,7 +126,7 @@ class ArchiveReader {
     read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
     const std::uint32_t vertices = archive.vertices + model_.rest.channel_vertices;
     const auto tables = read(section::basis, [&](ByteReader& in) { return read_basis(in, vertices, model_); });
-    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, tables, model_); });
+    read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, tables, parallel_, model_); });
     if (!contains(section::exact_poses)) return;
     const std::size_t controls = model_.schema.control_count();
     model_.exact = read(section::exact_poses, [&](ByteReader& in) { return read_exact_poses(in, controls, vertices); });
@@ -191,6 +192,7 @@ class ArchiveReader {
   const ReadLimits& limits_;
   std::uint64_t name_bytes_ = 0;
   MemoryBudget& budget_;
+  const Parallel& parallel_;
   PackedModel& model_ = archive.model;
 };
 
@@ -205,9 +207,10 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
   return read_archive(bytes, limits, parts, budget);
 }
 
-Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget) {
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget,
+                     const Parallel& parallel) {
   const std::vector<StoredSection> sections = read_container(bytes);
-  ArchiveReader reader(sections, limits, budget);
+  ArchiveReader reader(sections, limits, budget, parallel);
   reader.archive.format_version = archive_format_version();
   reader.list_sections();
   reader.read_definition_section();

@@ -10,6 +10,7 @@
 #include "archive/container/container_reader.h"
 #include "archive/proof.h"
 #include "base/memory_budget.h"
+#include "base/parallel.h"
 #include "model/packed_model.h"
 
 namespace fb::archive {
@@ -58,8 +59,10 @@ struct Archive {
 //   limit           more memory needed than `limits` allow, or more of something
 // and a message that names section and byte offset. Thread-safe; keeps no reference to `bytes`.
 Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits = {}, Parts parts = Parts::all);
-// The same with memory of a budget in place of max_model_bytes. The archive stays charged to it for good.
-Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget);
+// The same with memory of a budget in place of max_model_bytes, and the values of the basis decoded in parallel. The
+// archive stays charged to the budget for good.
+Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget,
+                     const Parallel& parallel = {1});
 
 // The format version this library reads and writes, major * 1000 + minor.
 std::uint32_t archive_format_version();

@@ -55,12 +55,22 @@ class PanelMatrix {
     blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
   }
 
-  // Sets a column to a digit of `values`, one a row.
+  // Sets a column of a matrix of Form::columns to a digit of `values`, one a row.
   void set_column(std::size_t column, const std::int16_t* values, Digit digit) {
-    for (std::uint32_t r = 0; r < rows_; ++r) {
-      std::uint8_t* const to = at(r, column);
-      *to = stored(number(values[r], digit), to);
-    }
+    const std::uint8_t added[2] = {128, static_cast<std::uint8_t>(kernels_->signed_odd_digits ? 0 : 128)};
+    const auto set = [&](auto&& digit_of) {
+      for (std::uint32_t first = 0; first < rows_; first += column_panel_rows) {
+        std::uint8_t* const line = const_cast<std::uint8_t*>(panel(first)) + column * stored_rows(first);
+        for (std::uint32_t r = 0; r < rows_at(first); ++r) {
+          const std::uint32_t place = r / column_group * column_group + kernels_->column_rows[r % column_group];
+          line[place] = static_cast<std::uint8_t>(digit_of(values[first + r]) + added[place % 2]);
+        }
+      }
+    };
+    if (!digit.high && digit.low_bits == 8)
+      set([](std::int16_t value) { return value; });  // the bits above the digit are cut off
+    else
+      set([&](std::int16_t value) { return number(value, digit); });
   }
   // Sets a row to a digit of `values`, one a column.
   void set_row(std::uint32_t row, const std::int16_t* values, Digit digit) {
@@ -78,13 +88,15 @@ class PanelMatrix {
       constexpr std::size_t max_length = std::max(column_panel_rows, quad_panel_rows * quad_columns);
       std::uint32_t sums[max_length] = {};  // at most 128 * max_row_inputs
       const std::size_t length = stored_rows(first) * width();
+      std::uint8_t added[max_length];
+      for (std::size_t i = 0; i < length; ++i) added[i] = static_cast<std::uint8_t>(added_at(panel(first) + i));
       constexpr std::size_t lines_at_once = 256;  // their sum fits 16 bits
       for (std::size_t begin = 0; begin < lines_; begin += lines_at_once) {
         std::uint16_t partial[max_length] = {};
         for (std::size_t l = begin; l < std::min(lines_, begin + lines_at_once); ++l) {
           const std::uint8_t* const line = panel(first) + l * length;
           for (std::size_t i = 0; i < length; ++i)
-            partial[i] += static_cast<std::uint16_t>(std::abs(digit_at(line + i)));
+            partial[i] += static_cast<std::uint16_t>(std::abs(static_cast<std::int8_t>(line[i] - added[i])));
         }
         for (std::size_t i = 0; i < length; ++i) sums[i] += partial[i];
       }

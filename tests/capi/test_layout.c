@@ -14,7 +14,7 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_allocator, allocate, 8);
   assert_at(fb_allocator, release, 16);
 
-  assert_int_equal(sizeof(fb_load_desc), 112);
+  assert_int_equal(sizeof(fb_load_desc), 136);
   assert_at(fb_load_desc, struct_size, 0);
   assert_at(fb_load_desc, max_file_bytes, 8);
   assert_at(fb_load_desc, max_model_bytes, 16);
@@ -28,6 +28,10 @@ static void layout_of_runtime_structs(void** state) {
   assert_at(fb_load_desc, max_vertices, 88);
   assert_at(fb_load_desc, max_polygons, 96);
   assert_at(fb_load_desc, max_features, 104);
+  assert_at(fb_load_desc, parallel_for, 112);
+  assert_at(fb_load_desc, parallel_user, 120);
+  assert_at(fb_load_desc, threads, 128);
+  assert_at(fb_load_desc, reserved_threads, 132);
 
   assert_int_equal(sizeof(fb_control), 64);
   assert_at(fb_control, struct_size, 0);
@@ -483,6 +487,7 @@ static void init_functions_set_sizes_and_defaults(void** state) {
   assert_true(load.max_name_bytes == (uint64_t)16 << 20 && load.max_vertices == (uint64_t)4 << 20);
   assert_true(load.max_polygons == (uint64_t)8 << 20 && load.max_features == (uint64_t)1 << 20);
   assert_true(load.allocator.allocate == NULL && load.log == NULL && load.map_file == 0);
+  assert_true(load.threads == 1 && load.parallel_for == NULL);
   fb_control control;
   fb_control_init(&control);
   assert_int_equal(control.struct_size, sizeof control);

@@ -175,6 +175,54 @@ static void each_number_of_items_has_a_limit(void** state) {
   }
 }
 
+// A scheduler that runs tasks last to first, and counts its calls, or leaves out the first.
+struct scheduler {
+  int calls, faulty;
+};
+static void backwards(void* user, uint32_t count, uint32_t workers, fb_task task, void* context) {
+  struct scheduler* scheduler = user;
+  ++scheduler->calls;
+  for (uint32_t i = count; i-- > (scheduler->faulty ? 1u : 0u);) task(context, i, i % workers);
+}
+
+static void pose(fb_model* model, const float* controls, float* positions) {
+  fb_scratch* scratch = NULL;
+  assert_ok(fb_scratch_create(model, 1, &scratch));
+  assert_ok(fb_evaluate(model, scratch, controls, positions));
+  fb_scratch_destroy(scratch);
+}
+
+static void a_basis_decodes_alike_on_any_threads(void** state) {
+  (void)state;
+  fb_model* model = NULL;
+  assert_ok(fb_load_memory(fixture, fixture_size, NULL, &model));
+  float alone[3 * 100], threaded[3 * 100], controls[16];
+  const uint32_t count = 3 * fb_vertex_count(model);
+  assert_true(count <= 3 * 100 && fb_control_count(model) <= 16);
+  for (uint32_t i = 0; i < 16; ++i) controls[i] = 0.125f * (float)i;
+  pose(model, controls, alone);
+  fb_release(model);
+
+  struct scheduler scheduler = {0, 0};
+  fb_load_desc desc;
+  fb_load_desc_init(&desc);
+  for (uint32_t threads = 0; threads < 6; ++threads) {
+    desc.threads = threads;
+    desc.parallel_for = threads % 2 ? backwards : NULL;
+    desc.parallel_user = &scheduler;
+    assert_ok(fb_load_memory(fixture, fixture_size, &desc, &model));
+    pose(model, controls, threaded);
+    assert_memory_equal(threaded, alone, count * sizeof(float));
+    fb_release(model);
+  }
+  assert_int_equal(scheduler.calls, 2);  // with 3 and 5 threads
+
+  model = NULL;
+  scheduler.faulty = 1;
+  assert_refused(fb_load_memory(fixture, fixture_size, &desc, &model), FB_ERROR_INVALID_ARGUMENT, "parallel_for");
+  assert_null(model);
+}
+
 static void long_messages_are_cut_within_the_buffer(void** state) {
   (void)state;
   fb_model* model = NULL;
@@ -320,6 +368,7 @@ int main(void) {
       cmocka_unit_test(every_prefix_of_an_archive_is_refused),
       cmocka_unit_test(limits_are_kept),
       cmocka_unit_test(each_number_of_items_has_a_limit),
+      cmocka_unit_test(a_basis_decodes_alike_on_any_threads),
       cmocka_unit_test(long_messages_are_cut_within_the_buffer),
       cmocka_unit_test(null_pointers_are_refused),
       cmocka_unit_test(the_injected_allocator_is_used_and_balanced),

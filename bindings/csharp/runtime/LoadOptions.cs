@@ -16,6 +16,7 @@ namespace FaceBaker
             MaxVertices = (long)defaults.max_vertices;
             MaxPolygons = (long)defaults.max_polygons;
             MaxFeatures = (long)defaults.max_features;
+            Threads = (int)defaults.threads;
         }
 
         /// <summary>Bytes of the file; default 4 GiB.</summary>
@@ -36,6 +37,9 @@ namespace FaceBaker
         /// <summary>Functions of the controls that networks and blendshapes are made of; default 1 Mi.</summary>
         public long MaxFeatures { get; set; }
 
+        /// <summary>Threads that decode the basis, at most; default 1; 0: as many as OpenMP would use.</summary>
+        public int Threads { get; set; }
+
         /// <summary>Maps a file instead of reading it, which saves memory. It must not be cut short or overwritten during the
         /// call: the system would end the process.</summary>
         public bool MapFile { get; set; }
@@ -45,7 +49,7 @@ namespace FaceBaker
         public Action<string> Note { get; set; }
 
         /// <summary>The struct of the C interface, without the note.</summary>
-        /// <exception cref="ArgumentOutOfRangeException">A limit is below 0.</exception>
+        /// <exception cref="ArgumentOutOfRangeException">A number is below 0.</exception>
         internal fb_load_desc Described()
         {
             fb_load_desc desc = fb_load_desc.Filled();
@@ -55,13 +59,14 @@ namespace FaceBaker
             desc.max_vertices = Limit(MaxVertices, nameof(MaxVertices));
             desc.max_polygons = Limit(MaxPolygons, nameof(MaxPolygons));
             desc.max_features = Limit(MaxFeatures, nameof(MaxFeatures));
+            desc.threads = (uint)Limit(Threads, nameof(Threads));
             desc.map_file = MapFile ? 1u : 0u;
             return desc;
         }
 
         private static ulong Limit(long value, string name)
         {
-            if (value < 0) throw new ArgumentOutOfRangeException(name, value, "A limit may not be below 0.");
+            if (value < 0) throw new ArgumentOutOfRangeException(name, value, "It may not be below 0.");
             return (ulong)value;
         }
     }

@@ -40,16 +40,18 @@ def load(
     max_vertices: int = 4 << 20,
     max_polygons: int = 8 << 20,
     max_features: int = 1 << 20,
+    threads: int = 1,
     note: Optional[Callable[[str], Any]] = None,
 ) -> "Face":
     """Loads a face from a path, from the bytes of an archive, or from an open file, which is read to its end.
 
-    Files from strangers are safe; what is larger than a limit is refused with LimitError, see fb_load_desc. note: called
+    Files from strangers are safe; what is larger than a limit is refused with LimitError, see fb_load_desc. threads: that
+    decode the basis, at most; 0: as many as OpenMP would use. note: called
     with sentences about what is odd but no error. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError,
     UnsupportedError, LimitError or OutOfMemoryError."""
     desc = filled(LoadDesc, library.fb_load_desc_fill)
     assign(desc, max_file_bytes=max_file_bytes, max_model_bytes=max_model_bytes, max_name_bytes=max_name_bytes)
-    assign(desc, max_vertices=max_vertices, max_polygons=max_polygons, max_features=max_features)
+    assign(desc, max_vertices=max_vertices, max_polygons=max_polygons, max_features=max_features, threads=threads)
     notes: List[str] = []
     desc.log = LogFunction(lambda _, sentence: notes.append(sentence.decode("utf-8", "replace")))
     handle = c_void_p()

@@ -52,6 +52,10 @@ class LoadDesc(Structure):
         ("max_vertices", c_uint64),
         ("max_polygons", c_uint64),
         ("max_features", c_uint64),
+        ("parallel_for", c_void_p),
+        ("parallel_user", c_void_p),
+        ("threads", c_uint32),
+        ("reserved_threads", c_uint32),
     ]
 
 

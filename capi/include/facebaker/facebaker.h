@@ -14,13 +14,14 @@
  * belongs to one call at a time: another call with it meanwhile is refused with FB_ERROR_INVALID_ARGUMENT. An
  * evaluation that succeeds allocates nothing, waits for nothing and logs nothing; it takes no lock but one atomic flag
  * of its scratch. The floating-point mode of a thread changes no result, and is left as it was. This library creates no
- * thread, except in fb_evaluate_batch where the host gives no parallel_for: there OpenMP does, and keeps the threads
- * for the next batch of the calling thread. OpenMP would end the process if it could not create a thread. So before a
- * batch that needs more threads than the calling thread's last, they are created for trial, and the batch runs on as
- * many as there are. What cannot be excluded: that something else takes the last threads or the last memory in that
- * moment, that the host's own OpenMP code has given the calling thread's threads back since its last batch, or that
- * OMP_STACKSIZE asks for larger stacks than the system's default. Hosts that live near such limits give a parallel_for,
- * or a library built without OpenMP (FB_OPENMP=OFF), which creates no threads at all.
+ * thread, except in fb_evaluate_batch, and where loading is allowed more than one thread, if the host gives no
+ * parallel_for: there OpenMP does, and keeps the threads for the next batch of the calling thread. OpenMP would end the
+ * process if it could not create a thread. So before a batch that needs more threads than the calling thread's last,
+ * they are created for trial, and the batch runs on as many as there are. What cannot be excluded: that something else
+ * takes the last threads or the last memory in that moment, that the host's own OpenMP code has given the calling
+ * thread's threads back since its last batch, or that OMP_STACKSIZE asks for larger stacks than the system's default.
+ * Hosts that live near such limits give a parallel_for, or a library built without OpenMP (FB_OPENMP=OFF), which
+ * creates no threads at all.
  *
  * Fork: in a child of fork(), models and scratches that no call was using work as before. Where the parent had run a
  * batch on OpenMP's threads, the child's batches run on the calling thread, or on those of its parallel_for.
@@ -99,8 +100,9 @@ FB_API uint32_t fb_version(void);
 /** The .fbk format this library reads: major * 1,000 + minor. While major is 0, it reads no other. */
 FB_API uint32_t fb_format_version(void);
 /** What the library was built with, for reports of faults: one line each of its version, the format, the compiler,
- * OpenMP, the instruction sets it has, with the one that poses are evaluated with on this machine, and the libraries that
- * are linked into it, as "NAME: VALUE". The names and their order may change. UTF-8, static storage. Thread-safe. */
+ * OpenMP, the instruction sets it has, with the one that poses are evaluated with on this machine, and the libraries
+ * that are linked into it, as "NAME: VALUE". The names and their order may change. UTF-8, static storage. Thread-safe.
+ */
 FB_API const char* fb_build_info(void);
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */
@@ -119,6 +121,13 @@ typedef struct fb_allocator {
 /** Receives a warning that is not an error, such as an optional section that was skipped. Called on the loading thread
  * after the model is complete; message is valid during the call. */
 typedef void (*fb_log)(void* user, const char* message);
+
+/** A task that a host's scheduler, fb_parallel_for, calls: task(context, index, worker) once for every
+ * index < count with worker < workers, never two at once with the same worker, from any threads. The scheduler returns
+ * when all calls have. */
+typedef void (*fb_task)(void* context, uint32_t index, uint32_t worker);
+/** See fb_task. `user` is the parallel_user beside it. */
+typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb_task task, void* context);
 
 /** How a face is loaded. */
 typedef struct fb_load_desc {
@@ -144,6 +153,13 @@ typedef struct fb_load_desc {
   uint64_t max_polygons;       /**< limit of the polygons; default 8 Mi */
   uint64_t max_features; /**< limit of the features, functions of the controls that networks and sparse blendshapes
                             are made of; default 1 Mi. Beyond any of these: FB_ERROR_LIMIT. */
+  fb_parallel_for parallel_for; /**< decodes the basis, in up to 4 tasks; null: OpenMP if the library has it, else the
+                                   calling thread. Not called with one thread. One that calls too few, too many or
+                                   invalid tasks makes the call fail with FB_ERROR_INVALID_ARGUMENT. */
+  void* parallel_user;          /**< passed to parallel_for */
+  uint32_t threads;             /**< that decode the basis, at most; default 1; 0: as many as OpenMP would use, 1 with
+                                   a parallel_for. Each takes some memory, at most 32 bytes a vertex. */
+  uint32_t reserved_threads;    /**< 0 */
 } fb_load_desc;
 
 FB_API void fb_load_desc_fill(fb_load_desc* to, uint32_t struct_size);
@@ -296,8 +312,8 @@ FB_API fb_status fb_row_block_digits(const fb_model* model, uint32_t index, uint
  * fb_evaluate_batch may use. From the model's allocator. Calls with another model fail with
  * FB_ERROR_INVALID_ARGUMENT. */
 FB_API fb_status fb_scratch_create(const fb_model* model, uint32_t workers, fb_scratch** scratch);
-/** The same for single poses, in about a quarter of the memory: a batch is evaluated pose after pose, with the same bits,
- * where fb_scratch_create has room to evaluate several poses together, which takes less time. */
+/** The same for single poses, in about a quarter of the memory: a batch is evaluated pose after pose, with the same
+ * bits, where fb_scratch_create has room to evaluate several poses together, which takes less time. */
 FB_API fb_status fb_scratch_create_single(const fb_model* model, uint32_t workers, fb_scratch** scratch);
 /** Frees a scratch. Null is allowed. */
 FB_API void fb_scratch_destroy(fb_scratch* scratch);
@@ -315,13 +331,6 @@ FB_API fb_status fb_evaluate_coefficients(const fb_model* model, fb_scratch* scr
 
 /** Control values that the scratch's last successful evaluation clamped, over all poses of a batch. */
 FB_API uint64_t fb_clamped_count(const fb_scratch* scratch);
-
-/** A task that a host's scheduler, fb_parallel_for, calls: task(context, index, worker) once for every
- * index < count with worker < workers, never two at once with the same worker, from any threads. The scheduler returns
- * when all calls have. */
-typedef void (*fb_task)(void* context, uint32_t index, uint32_t worker);
-/** See fb_task. `user` is fb_batch_desc::parallel_user. */
-typedef void (*fb_parallel_for)(void* user, uint32_t count, uint32_t workers, fb_task task, void* context);
 
 /* Orders of vertices; baked order is quicker to write. */
 #define FB_ORDER_SOURCE 0 /**< the source's */

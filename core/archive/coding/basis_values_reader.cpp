@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdlib>
 #include <span>
 
@@ -163,15 +164,24 @@ CodingUnits read_units(const RansReader& rans, RansStreams& streams, std::uint32
       memory);
 }
 
+// What a worker decodes a part in, one part after the other.
+struct PartWorkspace {
+  PartWorkspace(const CodingUnits& units, std::uint32_t vertices, std::pmr::memory_resource& memory)
+      : residuals(&memory), restorer(vertices, memory) {
+    std::size_t most_units = 0;
+    for (const auto& of_block : units) most_units = std::max(most_units, of_block.size());
+    residuals.resize(most_units);
+  }
+  std::pmr::vector<AxisVector> residuals;  // of the units of a segment
+  ValueRestorer restorer;
+};
+
 // Decodes the columns of a part. `tables`: the class table of each of their segments.
 void read_part(const RansReader& rans, const RansStreams& streams, const CodingUnits& units,
                std::span<const std::pmr::vector<ColumnSegment>> columns, std::span<const std::uint8_t> tables,
-               std::uint32_t vertices, PackedModel& model, MemoryBudget& memory) {
-  std::size_t most_units = 0;
-  for (const auto& of_block : units) most_units = std::max(most_units, of_block.size());
-  std::pmr::vector<AxisVector> residuals(most_units, &memory);
+               PackedModel& model, PartWorkspace& workspace) {
   ResidualDecoder decoder(rans.tables(), streams);
-  ValueRestorer restorer(vertices, memory);
+  auto& [residuals, restorer] = workspace;
   auto table = tables.begin();
   for (const auto& column : columns) {
     for (const auto& [b, index] : column) {
@@ -190,7 +200,8 @@ void read_part(const RansReader& rans, const RansStreams& streams, const CodingU
 
 }  // namespace
 
-void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, PackedModel& model) {
+void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, const Parallel& parallel,
+                       PackedModel& model) {
   allocate_values(in, model);
   const RansReader rans(in, {first_class_table, first_class_table + max_class_tables}, basis_parts);
   for (const std::uint8_t table : tables)
@@ -199,14 +210,29 @@ void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTabl
   const auto units = read_units(rans, streams, vertices, model, in.budget());
   const auto segments = column_segments(model, in.budget());
   const auto first_columns = first_columns_of_parts(model, segments, in.budget());
-  std::size_t segments_before = 0;
-  for (std::size_t part = 0; part < basis_parts; ++part) {
-    const auto columns =
-        std::span(segments).subspan(first_columns[part], first_columns[part + 1] - first_columns[part]);
-    read_part(rans, part == 0 ? streams : rans.streams(part), units, columns,
-              std::span(tables).subspan(segments_before), vertices, model, in.budget());
-    for (const auto& column : columns) segments_before += column.size();
+  std::array<std::size_t, basis_parts> first_segments{};
+  for (std::size_t part = 0; part + 1 < basis_parts; ++part) {
+    first_segments[part + 1] = first_segments[part];
+    for (std::size_t c = first_columns[part]; c < first_columns[part + 1]; ++c)
+      first_segments[part + 1] += segments[c].size();
   }
+  Parallel limited = parallel;
+  limited.threads = static_cast<int>(std::min(worker_count(parallel), basis_parts));
+  std::vector<PartWorkspace> workspaces;  // one a worker
+  for (int worker = 0; worker < limited.threads; ++worker) workspaces.emplace_back(units, vertices, in.budget());
+  std::array<std::atomic<bool>, basis_parts> awaited;
+  for (auto& part : awaited) part = true;
+  parallel_for(limited, basis_parts, [&](std::size_t part, std::size_t worker) {
+    if (part >= basis_parts || worker >= workspaces.size() || !awaited[part].exchange(false))
+      fail(Status::invalid_argument, "the host's parallel_for gave task %zu of %zu to worker %zu of %zu, or twice",
+           part, basis_parts, worker, workspaces.size());
+    const std::size_t count = first_columns[part + 1] - first_columns[part];
+    read_part(rans, part == 0 ? streams : rans.streams(part), units,
+              std::span(segments).subspan(first_columns[part], count), std::span(tables).subspan(first_segments[part]),
+              model, workspaces[worker]);
+  });
+  for (const auto& part : awaited)
+    if (part) fail(Status::invalid_argument, "the host's parallel_for did not run all of %zu tasks", basis_parts);
 }
 
 }  // namespace fb::archive

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "archive/container/byte_reader.h"
+#include "base/parallel.h"
 #include "model/packed_model.h"
 
 namespace fb::archive {
@@ -21,8 +22,9 @@ using SegmentTables = std::pmr::vector<std::uint8_t>;
 void read_weights(ByteReader& in, PackedModel& model);
 // Fills columns, order and the row blocks except their values.
 SegmentTables read_basis(ByteReader& in, std::uint32_t vertices, PackedModel& model);
-// Fills the values of the row blocks. `tables`: from section "basis". The polygons have been read; points are not
-// needed.
-void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, PackedModel& model);
+// Fills the values of the row blocks, whose parts are decoded in parallel. `tables`: from section "basis". The polygons
+// have been read; points are not needed. Fails with `invalid_argument`, too, if a host does not run each part once.
+void read_basis_values(ByteReader& in, std::uint32_t vertices, const SegmentTables& tables, const Parallel& parallel,
+                       PackedModel& model);
 
 }  // namespace fb::archive
