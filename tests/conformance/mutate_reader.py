@@ -65,6 +65,8 @@ MUTATIONS = [
     ("fbk_bytes", "return z >> 1 ^ -(z & 1)", "return z >> 1"),
     ("fbk_bytes", "h = (h + size) & mask", "h = h"),
     ("fbk_bytes", "require(self.at == len(self.data),", "require(True,"),
+    ("fbk_bytes", "require(b\"\\0\" not in text,", "require(True,"),
+    ("fbk_bytes", "require(all(next(words, None) is None for words in self.words),", "require(True,"),
     ("fbk_draco", "stack += [left, right]", "stack += [right, left]"),
     ("fbk_draco", "if max(corners) < number:", "if True:"),
     ("fbk_draco", "value = min(max(prediction, least), most) + unzigzag(residual)", "value = prediction + unzigzag(residual)"),

@@ -1,32 +1,42 @@
 #!/usr/bin/env python3
-"""test_conformance.py READER FOLDER...: the reader accepts all of FOLDER/accepted and refuses each of FOLDER/rejected."""
+"""test_conformance.py FOLDER...: the independent reader accepts all of FOLDER/accepted and refuses each of FOLDER/rejected."""
+import contextlib
+import io
 import pathlib
-import subprocess
 import sys
+from typing import Tuple
+
+import fbk_read
 
 
-def run(reader, files):
-    return subprocess.run([sys.executable, "-B", reader, *map(str, files)], capture_output=True, text=True)
+def run(file: pathlib.Path) -> Tuple[int, str, str]:
+    """What the reader returns and prints."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = fbk_read.main([str(file)])
+    return code, out.getvalue(), err.getvalue()
 
 
-def main(reader, *folders):
+def main(*folders):
     failures = 0
     for folder in map(pathlib.Path, folders):
         accepted, rejected = (sorted((folder / kind).glob("*.fbk")) for kind in ("accepted", "rejected"))
         if not accepted or not rejected:
             print(f"{folder}: no archives")
             failures += 1
-        done = run(reader, accepted)
-        lines = done.stdout.splitlines()
-        if done.returncode != 0 or len(lines) != len(accepted):
-            print(f"{folder}: {done.stderr}")
-            failures += 1
-        poses = sum(int(line.rsplit(": ", 1)[1].split()[0]) for line in lines)
-        print(f"{folder}: {len(lines)} accepted, {poses} poses")
+        poses = 0
+        for file in accepted:
+            code, out, err = run(file)
+            if code != 0 or not out.startswith(f"{file}: "):
+                print(f"{file}: exit code {code}: {err}")
+                failures += 1
+            else:
+                poses += int(out.rsplit(": ", 1)[1].split()[0])
+        print(f"{folder}: {len(accepted)} accepted, {poses} poses")
         for file in rejected:
-            done = run(reader, [file])
-            if done.returncode != 1 or not done.stderr.startswith(f"{file}: "):
-                print(f"{file}: exit code {done.returncode}: {done.stderr or 'accepted'}")
+            code, _, err = run(file)
+            if code != 1 or not err.startswith(f"{file}: "):
+                print(f"{file}: exit code {code}: {err or 'accepted'}")
                 failures += 1
         print(f"{folder}: {len(rejected)} rejected")
     return 1 if failures else 0

@@ -216,7 +216,8 @@ TEST_CASE("within a small budget, hero is no worse than linear blendshapes of th
   const ScratchFolder folder;
   const auto mse = [&](const char* recipe, const char* budget) {
     const std::string face = folder / "face.fbk";
-    const ToolRun bake = run_tool({"bake", FB_TOY_RIG, "--out", face, "--recipe", recipe, "--rig-budget", budget});
+    const ToolRun bake = run_tool({"bake", FB_TOY_RIG, "--out", face, "--recipe", recipe, "--rig-budget", budget,
+                                    "--epochs", "20"});
     CHECK_MESSAGE(bake.exit_code == 0, bake.err);
     return nlohmann::json::parse(run_tool({"eval", face, FB_TOY_RIG, "--json", "-"}).out)
         .at("total")

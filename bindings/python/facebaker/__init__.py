@@ -28,6 +28,7 @@ from ._errors import (
     NotFiniteError, NotFoundError, OutOfMemoryError, RigError, StoppedError, UnsupportedError,
 )  # fmt: skip
 from ._face import ExpectedError, Face, load
+from ._many import evaluate_many
 
 from ._results import (
     BakeResult, CheckResult, ClipErrors, CompareResult, Errors, EvalResult, Failure, Method, PackResult, PlanResult,
@@ -42,8 +43,8 @@ __all__ = [
     "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun",
     "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult",
     "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture",
-    "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate", "inspect",
-    "load", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
+    "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate",
+    "evaluate_many", "inspect", "load", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

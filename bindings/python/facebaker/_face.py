@@ -181,9 +181,9 @@ class Face(FaceContents):
         desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
         desc.lod, desc.displacements, desc.level_only = lod, int(displacements), int(level_only)
-        _set_output(desc, "positions", out, shape, kind, "position_floats")
-        _set_output(desc, "normals", normals, shape, kind, "normal_numbers")
-        _set_output(desc, "tangents", tangents, shape, kind, "tangent_numbers")
+        set_output(desc, "positions", out, shape, kind, "position_floats")
+        set_output(desc, "normals", normals, shape, kind, "normal_numbers")
+        set_output(desc, "tangents", tangents, shape, kind, "tangent_numbers")
         self._set_other_outputs(desc, sockets, channels, bounds, expected_errors, outside)
         if regions is not None:
             desc.regions, desc.region_count = _choice(regions, self.regions, "region")
@@ -204,8 +204,8 @@ class Face(FaceContents):
             ("bounds", bounds, (2, 3), "bounds_floats"),
             ("expected_errors", errors, (1 + len(self.error_regions),), "expected_error_floats"),
         ):
-            _set_output(desc, name, array, (poses, *shape), np.dtype(np.float32), count)
-        _set_output(desc, "outside", outside, (poses,), np.dtype(np.uint32))
+            set_output(desc, name, array, (poses, *shape), np.dtype(np.float32), count)
+        set_output(desc, "outside", outside, (poses,), np.dtype(np.uint32))
 
     def coefficients(self, controls: Controls) -> Floats:
         """(controls,), or a dictionary as for pose() -> (coefficients,), float32: the weights of basis()'s columns."""
@@ -269,7 +269,7 @@ def _check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], ki
         raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
 
 
-def _set_output(
+def set_output(
     desc: BatchDesc, field: str, array: Any, shape: Tuple[int, ...], kind: "np.dtype[Any]", count: str = ""
 ) -> None:
     """Has a field of a batch point to an array, if there is one, after checking it; count: the field of its size."""

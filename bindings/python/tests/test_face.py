@@ -127,6 +127,33 @@ class FaceTest(unittest.TestCase):
         self.assertTrue(numpy.array_equal(out, single))
         self.assertEqual(face.evaluate_batch(poses[:0]).shape, (0, 30, 3))
 
+    def test_many_faces_in_one_call(self):
+        face, other = self.face, facebaker.load(FIXTURE)
+        poses = random_poses(face, 6)
+        items = [(face, poses), (other, poses[:1]), (face, poses[:0]), (face, poses[2:4].tolist())]
+        for threads in 0, 1, 3:
+            for positions, (_, controls) in zip(facebaker.evaluate_many(items, threads), items):
+                expected = face.evaluate_batch(numpy.reshape(controls, (-1, 5)))
+                self.assertTrue(numpy.array_equal(positions, expected))
+        self.assertEqual(facebaker.evaluate_many([]), [])
+        out = [numpy.zeros((1, 30, 3), numpy.float32), numpy.zeros((1, 30, 3), numpy.float32)]
+        results = facebaker.evaluate_many([(face, poses[:1]), (other, poses[1:2])], out=out)
+        self.assertTrue(results[0] is out[0] and results[1] is out[1] and out[0].any() and out[1].any())
+        broken = poses.copy()
+        broken[4, 1] = numpy.nan
+        for wrong, message in (
+            ([(face, poses), (other, broken)], "item 1: .*mouth_side"),
+            ([(face, poses), (other, poses[:, 1:])], "item 1: controls have shape"),
+        ):
+            with self.assertRaisesRegex((ValueError, facebaker.NotFiniteError), message):
+                facebaker.evaluate_many(wrong)
+        with self.assertRaisesRegex(ValueError, "item 0: out must be a writable"):
+            facebaker.evaluate_many([(face, poses)], out=out[:1])
+        with self.assertRaisesRegex(ValueError, "out has 2 arrays for 1 items"):
+            facebaker.evaluate_many([(face, poses)], out=out)
+        with self.assertRaisesRegex(ValueError, "-1 threads"):
+            facebaker.evaluate_many(items, -1)
+
     def test_clamping_is_counted(self):
         self.face.evaluate([9, -9, 0.5, 0, 0])
         self.assertEqual(self.face.clamped_count, 2)
