@@ -315,6 +315,7 @@ void write_rejected_sections(const RejectedWriter& out) {
 void write_rejected_geometry(const RejectedWriter& out) {
   out.patched("corrupt-vertices.fbk", "definition", 19, std::uint32_t(31));
   out.write("corrupt-up-axis.fbk", changed("definition", [](Bytes& b) { b[18] = std::byte('x'); }));
+  out.patched("corrupt-zero-in-name.fbk", "definition", 4, std::uint8_t(0));
   out.patched("corrupt-no-vertices.fbk", "definition", 19, std::uint32_t(0));
   out.patched("corrupt-sizes.fbk", "polygons", 4, std::uint32_t(7));
   // The tiny model's mesh of 30 vertices has 34 points, after which the Draco data begins.
@@ -511,6 +512,12 @@ void write_rejected_behaviour(const RejectedWriter& out) {
   out.write("corrupt-scale.fbk", changed("basis", [](Bytes& b) { patch_infinity(b, 204); }));
   out.patched("corrupt-frequencies.fbk", "weights", 4, std::uint16_t(0x7fff));
   out.write("corrupt-few-words.fbk", changed("basis-values", [](Bytes& b) { b.resize(b.size() - 2); }));
+  // Without weights, the word counts follow 9 tables that have no frequencies.
+  const auto add_word = [](Bytes& b) {
+    patch(b, 1 + 9 * 2 + 3 * 4, std::uint32_t(1));
+    b.resize(b.size() + 2);
+  };
+  out.write("corrupt-many-words.fbk", changed("weights", add_word, smallest()));
 }
 
 void write_rejected_texts_and_proofs(const RejectedWriter& out) {

@@ -31,6 +31,12 @@ namespace FaceBaker
         /// <summary>The face that it poses.</summary>
         public Face Face { get; private set; }
 
+        /// <summary>The library's scratch, as long as this object is kept and not disposed.</summary>
+        internal IntPtr Pointer
+        {
+            get { return handle.DangerousGetHandle(); }
+        }
+
         /// <summary>Control values that the last evaluation clamped to their ranges, over all poses of a batch.</summary>
         public long ClampedCount
         {

@@ -62,6 +62,44 @@ namespace FaceBaker.Tests
             }
         }
 
+        public static void ACrowdHasTheBitsOfItsFaces()
+        {
+            using (Face tiny = Face.Load(Fixture("tiny.fbk")))
+            using (Face levels = Face.Load(Fixture("levels.fbk")))
+            using (var handle = new ParallelForHandle(new OnThreads()))
+            {
+                var faces = new[] { levels, tiny, tiny };
+                using (var crowd = new Crowd(faces))
+                {
+                    Same(3, crowd.Count, "faces");
+                    foreach (ParallelForHandle parallelFor in new[] { null, handle })
+                        for (int frame = 1; frame <= 3; ++frame)
+                        {
+                            for (int i = 0; i < 3; ++i)
+                                crowd.Controls(i).Fill(0.1f * frame * (i + 1));
+                            crowd.Evaluate(frame - 1, parallelFor);
+                            for (int i = 0; i < 3; ++i)
+                            {
+                                var expected = new float[3 * faces[i].VertexCount];
+                                faces[i].Evaluate(crowd.Controls(i), expected);
+                                SameBits(expected, crowd.Positions(i), "face");
+                            }
+                        }
+                    crowd.Controls(1).Fill(float.NaN);
+                    FaceBakerException error = Throws<FaceBakerException>(() => crowd.Evaluate());
+                    That(error.Message.StartsWith("item 1: "), error.Message);
+                    Throws<ArgumentOutOfRangeException>(() => crowd.Evaluate(-1));
+                    Throws<IndexOutOfRangeException>(() => crowd.Controls(3));
+                    crowd.Dispose();
+                    Throws<ObjectDisposedException>(() => crowd.Evaluate());
+                    Throws<ObjectDisposedException>(() => crowd.Positions(0).ToArray());
+                }
+                Throws<ArgumentNullException>(() => new Crowd(null));
+                Throws<ArgumentNullException>(() => new Crowd(new[] { tiny, null }));
+                using (var none = new Crowd(new Face[0])) none.Evaluate();
+            }
+        }
+
         public static void OptionsReachTheLibrary()
         {
             using (Face face = Face.Load(Fixture("levels.fbk")))
