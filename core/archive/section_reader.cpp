@@ -1,5 +1,8 @@
 #include "archive/section_reader.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace fb::archive {
 namespace {
 
@@ -83,6 +86,8 @@ Proof read_proof(ByteReader& in, const RigSchema& schema, std::uint32_t vertices
   const auto poses = in.number<std::uint32_t>("the number of poses");
   proof.controls =
       in.numbers<float>(checked_multiply(poses, schema.control_count(), "proof controls"), "proof controls");
+  if (std::any_of(proof.controls.begin(), proof.controls.end(), [](float c) { return std::isnan(c); }))
+    in.corrupt("the proof has a control that is not a number");
   proof.hashes = in.numbers<std::uint64_t>(poses, "proof hashes");
   proof.vertices = in.numbers<std::uint32_t>(in.count(4, "proof vertices"), "proof vertices");
   for (const std::uint32_t vertex : proof.vertices)

@@ -116,4 +116,25 @@ struct ArchiveEditor {
   }
 };
 
+// Coded symbols of which this table always decodes to this symbol, and the others to 0, with `words` words of 0 in
+// stream 0 of the first part.
+inline Bytes constant_symbols(std::size_t tables, std::size_t parts, std::size_t table, std::uint8_t symbol,
+                              std::uint32_t words = 0) {
+  Bytes out;
+  append(out, static_cast<std::uint8_t>(tables));
+  for (std::size_t t = 0; t < tables; ++t) {
+    append(out, std::uint16_t(t == table));
+    if (t != table) continue;
+    append(out, symbol);
+    append(out, std::uint8_t(0x80));
+    append(out, std::uint8_t(8));
+  }
+  for (std::size_t part = 0; part < parts; ++part) {
+    for (int stream = 0; stream < 4; ++stream) append(out, part == 0 && stream == 0 ? words : 0u);
+    for (int stream = 0; stream < 4; ++stream) append(out, std::uint32_t(65536));
+  }
+  for (std::uint32_t word = 0; word < words; ++word) append(out, std::uint16_t(0));
+  return out;
+}
+
 }  // namespace fb

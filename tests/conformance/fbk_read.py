@@ -447,6 +447,7 @@ def read_text(c):
 def read_proof(c, face):
     poses, controls = c.u32(), len(face.controls)
     face.proof_controls = c.array("f4", poses * controls).reshape(poses, controls)
+    require(not np.isnan(face.proof_controls).any(), "proof: a control is NaN")
     face.proof_hashes = c.array("u8", poses).tolist()
     face.proof_vertices = c.array("u4", c.u32())
     require((face.proof_vertices < face.vertices).all(), "proof: no such vertex")
@@ -510,6 +511,7 @@ class Face:
             here = positions.reshape(-1, 3)[self.proof_vertices]
             for v, now, then in zip(self.proof_vertices, here, self.proof_positions[pose]):
                 require(now.tobytes() == then.tobytes(), f"pose {pose}, vertex {v}: {now}, archived {then}")
+            require(not np.isnan(positions).any(), f"pose {pose}: a position is NaN")
             found = xxh64(positions.astype("<f4").tobytes())
             require(found == self.proof_hashes[pose], f"pose {pose}: hash {found:016x}, not {self.proof_hashes[pose]:016x}")
             frames = fbk_sockets.posed_frames(self, positions)
@@ -520,7 +522,9 @@ class Face:
                 require(errors.tobytes() == self.proof_errors[pose].tobytes(), f"pose {pose}: expected errors differ")
                 require(outside == self.proof_outside[pose], f"pose {pose}: {outside} controls are outside")
             for half, then in enumerate(self.proof_levels[pose], 1):
-                found = xxh64(fbk_levels.positions_at(self, controls, half / 2).astype("<f4").tobytes())
+                positions = fbk_levels.positions_at(self, controls, half / 2).astype("<f4")
+                require(not np.isnan(positions).any(), f"pose {pose}, level of detail {half / 2}: a position is NaN")
+                found = xxh64(positions.tobytes())
                 require(found == then, f"pose {pose}, level of detail {half / 2}: the positions differ")
         return len(self.proof_controls)
 

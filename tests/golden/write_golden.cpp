@@ -195,9 +195,9 @@ PackedModel long_names() {
   return model;
 }
 
-Bytes many_sections() {
-  return edited([](ArchiveEditor& archive) {
-    for (int i = 0; archive.sections.size() < max_sections; ++i) archive[format("!%d~", i)].set({});
+Bytes many_sections(std::size_t count) {
+  return edited([&](ArchiveEditor& archive) {
+    for (int i = 0; archive.sections.size() < count; ++i) archive[format("!%d~", i)].set({});
   });
 }
 
@@ -227,7 +227,7 @@ void write_accepted(const std::filesystem::path& folder) {
   write("overflow-tanh.fbk", with_proof(overflowing_tanh()));
   write("long-names.fbk", with_proof(long_names()));
   write("unproven.fbk", write_archive(tiny_packed_model(2), {}));
-  write("sections-64.fbk", many_sections());
+  write("sections-64.fbk", many_sections(max_sections));
   write("newer-minor.fbk", edited([](ArchiveEditor& archive) { archive.minor = 9; }));
   write("stored.fbk", edited([](ArchiveEditor&) {}));
   write("marks-missing.fbk", edited([](ArchiveEditor& archive) {
@@ -297,6 +297,7 @@ void write_rejected_sections(const RejectedWriter& out) {
             edited([](ArchiveEditor& archive) { archive.sections.push_back(archive.sections[0]); }));
   out.write("corrupt-missing.fbk",
             edited([](ArchiveEditor& archive) { archive.sections.erase(archive.sections.begin()); }));
+  out.write("corrupt-sections-65.fbk", many_sections(max_sections + 1));
   out.write("corrupt-stream-more.fbk", edited([](ArchiveEditor& archive) {
               deflate_section(archive["basis"]);
               archive["basis"].stored.push_back(std::byte(0));
@@ -392,14 +393,20 @@ void write_rejected_characters(const RejectedWriter& out) {
   out.patched("corrupt-thumbnail-oblong.fbk", "thumbnail", 19, std::uint8_t(2), model);
   out.write("corrupt-thumbnail-long.fbk", changed(
                                               "thumbnail", [](Bytes& b) { b.resize(65537); }, model));
-  const auto change_frame = [&](Bytes& b) {  // the values of channels are last
-    std::uint32_t poses = 0;
-    std::memcpy(&poses, b.data(), sizeof poses);
-    b[b.size() - 1 - 4 * std::size_t(poses) * model.schema.channels.size()] ^= std::byte(1);
+  // The last number of frames, of channels, of expected errors and of "outside", of which each pose has so many.
+  const std::size_t channels = model.schema.channels.size(), errors = model.expected.count();
+  const auto change_behind = [&](const char* file, std::size_t numbers_after) {
+    const auto change = [&](Bytes& b) {
+      std::uint32_t poses = 0;
+      std::memcpy(&poses, b.data(), sizeof poses);
+      b[b.size() - 4 * (poses * numbers_after + 1)] ^= std::byte(1);
+    };
+    out.write(file, changed("proof", change, model));
   };
-  out.write("unproven-frame.fbk", changed("proof", change_frame, model));
-  out.write("unproven-channel.fbk", changed(
-                                        "proof", [](Bytes& b) { b.back() ^= std::byte(1); }, model));
+  change_behind("unproven-frame.fbk", channels + errors + 1);
+  change_behind("unproven-channel.fbk", errors + 1);
+  change_behind("unproven-expected.fbk", 1);
+  change_behind("unproven-outside.fbk", 0);
   // The first channel's name takes 4 + 5 bytes, its unit 4.
   out.patched("corrupt-channel-range.fbk", "channels", 17, 1.0f, model);
   out.patched("corrupt-channel-rest.fbk", "channels", 17 + 8, 2.0f, model);
@@ -496,6 +503,8 @@ void write_rejected_behaviour(const RejectedWriter& out) {
   out.patched("unsupported-feature.fbk", "network", 4, std::uint8_t(17));
   out.patched("corrupt-feature-control.fbk", "network", 5, std::uint32_t(5));
   out.patched("corrupt-feature-scale.fbk", "network", 9, std::uint32_t(0x7fc00000));
+  out.patched("corrupt-feature-threshold.fbk", "network", 31, -1.0f);
+  out.patched("corrupt-feature-fall.fbk", "network", 79, -1.0f);
   out.patched("corrupt-feature-loop.fbk", "network", 84, std::uint32_t(7));
   out.patched("corrupt-gate-slope.fbk", "network", 157, 0.0f);
   out.patched("corrupt-gate-slope-infinite.fbk", "network", 157, std::uint32_t(0x7f800000));
@@ -518,11 +527,25 @@ void write_rejected_behaviour(const RejectedWriter& out) {
     b.resize(b.size() + 2);
   };
   out.write("corrupt-many-words.fbk", changed("weights", add_word, smallest()));
+  const auto coded = [&](const char* file, const Bytes& symbols, const char* section = "basis-values") {
+    out.write(file, changed(section, [&](Bytes& b) { b = symbols; }));
+  };
+  const auto values = [](std::size_t table, std::uint8_t symbol) { return constant_symbols(26, 4, table, symbol); };
+  coded("corrupt-predictor.fbk", values(0, 91));
+  coded("corrupt-value.fbk", values(25, 31));
+  coded("corrupt-class.fbk", values(25, 43));
+  coded("corrupt-weight.fbk", constant_symbols(9, 1, 6, 255), "weights");
+  Bytes states = values(25, 0);
+  patch(states, states.size() - 4, std::uint32_t(65535));
+  coded("corrupt-state.fbk", states);
+  patch(states, states.size() - 4, std::uint32_t(65537));
+  coded("corrupt-final-state.fbk", states);
 }
 
 void write_rejected_texts_and_proofs(const RejectedWriter& out) {
   constexpr std::size_t hashes_at = 4 + 11 * 5 * 4, vertices_at = hashes_at + 11 * 8 + 4;
   out.write("corrupt-zero-byte.fbk", changed("licence", [](Bytes& b) { b[3] = std::byte(0); }));
+  out.patched("corrupt-proof-control.fbk", "proof", 4, std::uint32_t(0x7fc00000));
   out.patched("corrupt-proof-vertex.fbk", "proof", vertices_at, std::uint32_t(30));
   // Valid archives whose proof does not hold.
   out.patched("unproven-hash.fbk", "proof", hashes_at + 3 * 8, std::uint64_t(1));

@@ -41,6 +41,13 @@ void add_exact_poses(const PackedModel& model, std::vector<float>& controls) {
   }
 }
 
+// Of the positions of a pose, none of which may be NaN: the bits of one depend on the machine.
+std::uint64_t hash_of(std::span<const float> positions) {
+  if (std::any_of(positions.begin(), positions.end(), [](float x) { return std::isnan(x); }))
+    fail(Status::corrupt, "a pose of the proof has a position that is not a number");
+  return hash64_little(positions);
+}
+
 // Hashes of the positions of a pose at the levels of detail 1/2, 1, 3/2, ...
 std::vector<std::uint64_t> level_hashes(const runtime::Evaluator& face, std::span<const float> controls,
                                         runtime::Workspace& workspace) {
@@ -53,7 +60,7 @@ std::vector<std::uint64_t> level_hashes(const runtime::Evaluator& face, std::spa
   for (std::size_t half = 1; half <= 2 * (face.level_count() - 1); ++half) {
     batch.masks.lod = static_cast<float>(half) / 2;
     face.evaluate_batch(batch, {&workspace, 1});
-    hashes.push_back(hash64_little(positions));
+    hashes.push_back(hash_of(positions));
   }
   return hashes;
 }
@@ -116,7 +123,7 @@ archive::Proof prove_poses(const PackedModel& model, std::vector<float> controls
   const std::size_t vertices = model.rest.surface_vertex_count(), count = std::min(vertices, shown_vertices);
   for (std::size_t i = 0; i < count; ++i) proof.vertices.push_back(static_cast<std::uint32_t>(i * vertices / count));
   for_each_pose(model, proof.controls, [&](std::size_t, const Posed& posed) {
-    proof.hashes.push_back(hash64_little(posed.positions));
+    proof.hashes.push_back(hash_of(posed.positions));
     proof.frames.insert(proof.frames.end(), posed.frames.begin(), posed.frames.end());
     proof.channels.insert(proof.channels.end(), posed.channels.begin(), posed.channels.end());
     proof.errors.insert(proof.errors.end(), posed.errors.begin(), posed.errors.end());
@@ -142,7 +149,7 @@ VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
       sampled.insert(sampled.end(), &posed.positions[3 * std::size_t(v)], &posed.positions[3 * std::size_t(v)] + 3);
     check_numbers(pose, sampled, proof.positions,
                   [&](std::size_t i) { return format("vertex %u %c", proof.vertices[i / 3], "xyz"[i % 3]); });
-    const std::uint64_t hash = hash64_little(posed.positions);
+    const std::uint64_t hash = hash_of(posed.positions);
     if (hash != proof.hashes[pose])
       fail(Status::corrupt,
            "the archive does not pose as it did: the positions of pose %zu of its proof have the hash %016llx, and "
