@@ -83,7 +83,7 @@ install_kind() {
   shift
   # shellcheck disable=SC2086 # options without spaces
   quietly "$name-configure" cmake -G Ninja -S "$root" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release \
-    -DFB_TOOL=OFF -DFB_SAMPLES=OFF -DCMAKE_INSTALL_LIBDIR=lib "$@" $options
+    -DFB_TOOL=OFF -DFB_SAMPLES=OFF -DFB_TESTS=OFF -DCMAKE_INSTALL_LIBDIR=lib "$@" $options
   quietly "$name-build" cmake --build "$work/$name" --parallel "${JOBS:-2}"
   rm -rf "$work/$name/installed" "$work/$name/prefix"
   quietly "$name-install" cmake --install "$work/$name" --prefix "$work/$name/installed"
