@@ -6,9 +6,10 @@ document.addEventListener("DOMContentLoaded", () => {
     katex.render(source.slice(2, -2), place, settings);
   }
 });
-// Code that is wider than the page can be scrolled by keys, too.
+// Code and pictures that are wider than the page can be scrolled by keys, too.
 addEventListener("load", () => {
-  for (const code of document.querySelectorAll("pre > code")) if (code.scrollWidth > code.clientWidth) code.tabIndex = 0;
+  for (const wide of document.querySelectorAll("pre > code, p:has(> img:only-child)"))
+    if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
 });
 // Browsers let a page that was opened as a file read no index, so there is no search then.
 if (location.protocol === "file:") {

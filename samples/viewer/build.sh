@@ -32,6 +32,12 @@ trap 'rm -rf "$new"' EXIT
   npm run check
   npm run build -- --outDir "$new" --emptyOutDir
 ) >&2
+{
+  printf 'The scripts of this page have three.js in them:\n\n'
+  cat "$work/node_modules/three/LICENSE"
+  echo
+  cat "$work/node_modules/facebaker/THIRD-PARTY.txt"
+} >"$new/THIRD-PARTY.txt"
 number=0
 faces=
 for demo; do

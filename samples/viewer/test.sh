@@ -3,12 +3,18 @@
 # and axe-core (npm, into build/viewer-test): a face is loaded and posed, 256 random poses of every mesh have the native
 # bits, files that are broken are refused with a message, clips are played, links carry poses, and pages are accessible,
 # wide and narrow, light and dark. Pictures of all of it end up in build/viewer-test/pictures, to be looked at.
-#   samples/viewer/test.sh [FACE.fbk SOURCE]
-# By default a face that is baked here, in about a minute. Environment: FACEBAKER (build/release/bin/facebaker),
-# VIEWER_PAGE (a built viewer; by default it is built), VIEWER_UNTIMED=1 on a machine that others use: the time to the
-# first face is printed and not checked, VIEWER_ONLY (a pattern of tests to run).
+#   samples/viewer/test.sh [--picture OUT] [FACE.fbk SOURCE]
+# By default a face that is baked here, in about a minute. --picture tests nothing, and draws the picture of
+# docs/viewer.md, which is of the quickstart's face and of "sample", as .png or .jpg. Environment:
+# FACEBAKER (build/release/bin/facebaker), VIEWER_PAGE (a built viewer; by default it is built), VIEWER_UNTIMED=1 on a
+# machine that others use: the time to the first face is printed and not checked, VIEWER_ONLY (a pattern of tests to run).
 set -eu
-[ $# -eq 0 ] || [ $# -eq 2 ] || { sed -n '2,11s/^# *//p' "$0" >&2; exit 2; }
+picture=
+if [ "${1-}" = --picture ] && [ $# -ge 2 ]; then
+  picture=$(realpath -m "$2")
+  shift 2
+fi
+[ $# -eq 0 ] || [ $# -eq 2 ] || { sed -n '2,12s/^# *//p' "$0" >&2; exit 2; }
 here=$(realpath "$(dirname "$0")")
 root=$(realpath "$here/../..")
 tool=$(realpath "${FACEBAKER:-$root/build/release/bin/facebaker}")
@@ -24,7 +30,7 @@ cp "$here"/tests/*.mjs "$here"/tests/package.json "$work"
 [ -d "$work/node_modules/playwright-core" ] && [ -d "$work/node_modules/axe-core" ] ||
   (cd "$work" && npm install --ignore-scripts --no-package-lock --no-audit --no-fund) >&2
 
-page=${VIEWER_PAGE:-$root/build/viewer}
+page=$(realpath -m "${VIEWER_PAGE:-$root/build/viewer}")
 [ -n "${VIEWER_PAGE-}" ] || "$here/build.sh" "$page" >&2
 
 if [ $# -eq 2 ]; then
@@ -32,6 +38,11 @@ if [ $# -eq 2 ]; then
 else
   face=$work/face.fbk source=sample
   [ -f "$face" ] || "$tool" bake sample --recipe compact --poses 600 --epochs 4 --out "$face" >/dev/null
+fi
+export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_PICTURES="$work/pictures"
+if [ -n "$picture" ]; then
+  cd "$work"
+  exec node draw_picture.mjs "$picture"
 fi
 library=$(dirname "$tool")/../lib/libfacebaker.so
 character=$root/tests/golden/2.0/accepted/character.fbk # of several meshes
@@ -52,8 +63,7 @@ if [ ! -f "$work/reports/eval/index.html" ]; then
 fi
 
 cd "$work"
-export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_POSES="$work/poses" \
-  VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
-  VIEWER_REPORTS="$work/reports" VIEWER_PICTURES="$work/pictures"
+export VIEWER_POSES="$work/poses" VIEWER_CHARACTER="$character" VIEWER_CHARACTER_POSES="$work/character" \
+  VIEWER_REPORTS="$work/reports"
 node --test --test-concurrency=1 --test-name-pattern="${VIEWER_ONLY:-.}" viewer.test.mjs reports.test.mjs
 echo "pictures: $work/pictures"

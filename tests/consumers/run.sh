@@ -5,6 +5,7 @@
 # OpenMP.
 #   tests/consumers/run.sh BUILD_DIR [WORK_DIR]
 # BUILD_DIR is a built tree of the project, for its fixture; WORK_DIR (default BUILD_DIR/consumers) is kept between runs.
+# In the environment: FB_CMAKE_OPTIONS, for every build, such as those by which a compiler cache knows sources again.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -12,6 +13,7 @@ build=$(cd "$1" && pwd)
 work=${2:-$build/consumers}
 face=$build/fixtures/tiny.fbk
 hash=0b13ddff07a91577 # as in tests/determinism
+options=${FB_CMAKE_OPTIONS:-}
 export OMP_WAIT_POLICY=PASSIVE
 mkdir -p "$work"
 work=$(cd "$work" && pwd)
@@ -43,8 +45,9 @@ pose() {
 embed() {
   name=$1
   shift
+  # shellcheck disable=SC2086 # options without spaces
   quietly "$name-configure" cmake -G Ninja -S "$here/embedded" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release \
-    -DPROGRAM="$root/tests/determinism/hash_archive.c" "$@"
+    -DPROGRAM="$root/tests/determinism/hash_archive.c" "$@" $options
   quietly "$name-build" cmake --build "$work/$name" --parallel "${JOBS:-2}"
   pose "$name" "$work/$name"
   exported=$(nm --dynamic --defined-only "$work/$name/libplugin.so" | awk '$3 ~ /^fb_|2fb/ { print $3 }')
@@ -78,8 +81,9 @@ by_pkg_config() {
 install_kind() {
   name=$1
   shift
+  # shellcheck disable=SC2086 # options without spaces
   quietly "$name-configure" cmake -G Ninja -S "$root" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release \
-    -DFB_TOOL=OFF -DFB_SAMPLES=OFF -DCMAKE_INSTALL_LIBDIR=lib "$@"
+    -DFB_TOOL=OFF -DFB_SAMPLES=OFF -DFB_TESTS=OFF -DCMAKE_INSTALL_LIBDIR=lib "$@" $options
   quietly "$name-build" cmake --build "$work/$name" --parallel "${JOBS:-2}"
   rm -rf "$work/$name/installed" "$work/$name/prefix"
   quietly "$name-install" cmake --install "$work/$name" --prefix "$work/$name/installed"

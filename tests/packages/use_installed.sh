@@ -35,6 +35,19 @@ for file in bash-completion/completions/facebaker zsh/vendor-completions/_faceba
   thumbnailers/facebaker.thumbnailer mime/packages/facebaker.xml; do
   [ -s /usr/share/$file ] || fail "/usr/share/$file is not installed"
 done
+if [ -f /usr/share/facebaker/viewer/index.html ]; then
+  [ -s /usr/share/facebaker/viewer/THIRD-PARTY.txt ] || fail "the viewer's page has no notices"
+  facebaker view --no-open --port 0 $face >address & # until it is asked to end
+  viewer=$!
+  for _ in 1 2 3 4 5 6 7 8 9 10; do [ -s address ] || sleep 0.2; done
+  /usr/bin/python3 -c 'import sys, urllib.request; sys.stdout.buffer.write(urllib.request.urlopen(sys.argv[1]).read())' \
+    "$(head -n 1 address)" >page.html || fail "the installed viewer serves no page"
+  kill -INT $viewer
+  wait $viewer || fail "facebaker view ended with $?"
+  grep -q "FaceBaker viewer" page.html || fail "the installed viewer serves another page"
+else
+  echo "note: the packages have no viewer's page"
+fi
 for package in $(dpkg-query --show --showformat='${Package}\n' '*facebaker*'); do
   [ -s "/usr/share/doc/$package/copyright" ] || fail "$package has no copyright"
 done

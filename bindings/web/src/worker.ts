@@ -1,4 +1,5 @@
 /** The same as "facebaker", in a worker: a page stays free while faces are loaded and posed. */
+import { closestName } from "./closest_name.js";
 import type { FaceContents } from "./contents.js";
 import { FaceBakerError } from "./errors.js";
 import type { ExpectedError, LoadOptions } from "./face.js";
@@ -111,12 +112,12 @@ export class WorkerFace {
   get restControls() { return this.contents.restControls; }
   get restPositions() { return this.contents.restPositions; }
 
-  /** As in "facebaker", without looking for the closest name. */
+  /** As in "facebaker". */
   findControl(name: string): number {
     const found = this.names.get(name);
-    if (found === undefined)
-      throw new FaceBakerError(2, "FB_ERROR_NOT_FOUND", `there is no control "${name}"`);
-    return found;
+    if (found !== undefined) return found;
+    const closest = closestName(name, this.controls.map((control) => control.name));
+    throw new FaceBakerError(2, "FB_ERROR_NOT_FOUND", `there is no control "${name}"; the closest is "${closest}"`);
   }
 
   createPose(): Float32Array {

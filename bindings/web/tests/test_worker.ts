@@ -31,6 +31,22 @@ test("a worker's errors arrive", async () => {
   const face = await loadInWorker(path), controls = face.createPose();
   controls[0] = NaN;
   await assert.rejects(face.evaluate(controls), (error: FaceBakerError) => error.statusName === "FB_ERROR_NOT_FINITE");
-  assert.throws(() => face.findControl("nothing"), FaceBakerError);
   await face.dispose();
+});
+
+test("a control that is not there is refused in a worker's words as here", async () => {
+  const here = await load(path), there = await loadInWorker(path);
+  const refusal = (face: { findControl(name: string): number }, name: string): string => {
+    try {
+      return String(face.findControl(name));
+    } catch (error) {
+      assert(error instanceof FaceBakerError && error.statusName === "FB_ERROR_NOT_FOUND");
+      return error.message;
+    }
+  };
+  const names = ["", "nothing", "Öffnen", ...here.controls.flatMap(({ name }) => [`${name}x`, name.slice(1), name.toUpperCase()])];
+  for (const name of names) assert.equal(refusal(there, name), refusal(here, name));
+  assert(names.some((name) => name && refusal(there, name).includes(`the closest is "${here.controls[0]!.name}"`)));
+  await there.dispose();
+  here.dispose();
 });
