@@ -11,9 +11,9 @@
 #endif
 
 #include "base/status.h"
+#include "base/thread_time.h"
 #include "bench/float_networks.h"
 #include "bench/sparse_shapes.h"
-#include "bench/thread_time.h"
 #include "bench/timed_crowd.h"
 #include "bench/timing.h"
 
