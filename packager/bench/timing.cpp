@@ -2,21 +2,10 @@
 
 #include <algorithm>
 
-#include "bench/thread_time.h"
+#include "base/thread_time.h"
 
 namespace fb::tool {
 namespace {
-
-// Time that one call of a clock takes at least, which is subtracted from what is measured: of a busy machine any other
-// figure, such as the median, may be more than a short call takes.
-double clock_overhead(double (*clock)()) {
-  double least = 1e30;
-  for (int n = 0; n < 2000; ++n) {
-    const double start = clock();
-    least = std::min(least, clock() - start);
-  }
-  return least;
-}
 
 // The value that a share of the numbers is below; `sorted` ascending, not empty.
 double quantile(const std::vector<double>& sorted, double share) {

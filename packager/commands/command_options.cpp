@@ -99,8 +99,8 @@ void add_sources(CLI::App& command, std::vector<std::string>& sources) {
       ->required();
 }
 
-void add_archive(CLI::App& command, std::string& archive) {
-  command.add_option("FACE", archive, "The archive (.fbk)")->required();
+CLI::Option* add_archive(CLI::App& command, std::string& archive) {
+  return command.add_option("FACE", archive, "The archive (.fbk)")->required();
 }
 
 void add_out_archive(CLI::App& command, std::string& out) {
@@ -132,6 +132,15 @@ std::string file_text(const std::string& file) {
   if (file.empty()) return {};
   const auto bytes = read_file(file, 1u << 20);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string machine_text(const std::string& file_or_name) {
+  std::error_code missing;
+  if (!std::filesystem::is_regular_file(file_or_name, missing)) return file_or_name;
+  const std::string text = file_text(file_or_name);
+  if (!text.starts_with('{'))
+    fail(Status::bad_data, "%s: not what bench --calibrate --json wrote", shown(file_or_name).c_str());
+  return text;
 }
 
 void add_learning_curve(CLI::App& command, bool& learning_curve) {

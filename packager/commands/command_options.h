@@ -31,7 +31,7 @@ void add_poses_like(CLI::App& command, std::vector<std::string>& files);
 void add_mix(CLI::App& command, std::string& mix);
 void add_epochs(CLI::App& command, std::uint32_t& epochs);
 void add_sources(CLI::App& command, std::vector<std::string>& sources);
-void add_archive(CLI::App& command, std::string& archive);
+CLI::Option* add_archive(CLI::App& command, std::string& archive);
 void add_out_archive(CLI::App& command, std::string& out);
 // --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
 void add_force(CLI::App& command, bool& force);
@@ -39,6 +39,8 @@ void add_force(CLI::App& command, bool& force);
 void add_licence(CLI::App& command, std::string& file);
 void add_about(CLI::App& command, std::string& file);
 std::string file_text(const std::string& file);  // "" without a file
+// The text of a file, or else the word itself: the name of a class of machines.
+std::string machine_text(const std::string& file_or_name);
 void add_learning_curve(CLI::App& command, bool& learning_curve);
 void add_json_flag(CLI::App& command, bool& json);
 // `more` ends the description: what is written besides.

@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/status.h"
-#include "bench/thread_time.h"
+#include "base/thread_time.h"
 #include "report/html.h"
 #include "report/plot.h"
 #include "runtime/evaluator.h"

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "base/random.h"
+#include "base/thread_time.h"
 #include "bench/float_networks.h"
-#include "bench/thread_time.h"
 
 namespace {
 

@@ -10,6 +10,7 @@
 #include "bake/measure/bytes_read.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/float_face.h"
+#include "bake/measure/pose_cost.h"
 #include "bake/measure/verify.h"
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
@@ -54,19 +55,26 @@ RecipeResult with_factor(const BlockwisePca& pca, double threshold, const PackOp
   return result;
 }
 
-// The smallest factor found with which `shots` read at most max_bytes_read per pose: doubled until they do, then
-// bisected.
-RecipeResult fit_bytes_read(const BlockwisePca& pca, double threshold, const PackOptions& packing, const Clip& shots,
-                            double max_bytes_read, Progress& progress) {
-  const auto make = [&](double factor) {
-    return ask_during(progress, [&] {
-      RecipeResult result = with_factor(pca, threshold, packing, factor);
-      result.packed = pack_model(result.model, result.packing);
-      return result;
-    });
-  };
+// What poses of some shots may take on average; 0: any.
+struct PoseBounds {
+  const Clip& shots;
+  double max_bytes_read, max_microseconds;
+  MachineClass machine;  // of max_microseconds
+
+  bool keeps_bytes(const PackedModel& packed) const {
+    return max_bytes_read <= 0 || mean_bytes_read(packed, shots) <= max_bytes_read;
+  }
+  bool keeps_time(const PackedModel& packed) const {
+    return max_microseconds <= 0 || mean_microseconds(packed, shots, machine) <= max_microseconds;
+  }
+};
+
+// The result for the smallest factor found with which poses keep to the bounds: doubled until they do, then bisected.
+// make(factor): a packed result.
+template <class Make>
+RecipeResult fit_bounds(const PoseBounds& bounds, const Make& make) {
   const auto fits = [&](const RecipeResult& result) {
-    return mean_bytes_read(*result.packed, shots) <= max_bytes_read;
+    return bounds.keeps_bytes(*result.packed) && bounds.keeps_time(*result.packed);
   };
   RecipeResult best = make(1);
   double too_small = 1, fitting = 1;
@@ -85,6 +93,16 @@ RecipeResult fit_bytes_read(const BlockwisePca& pca, double threshold, const Pac
   return best;
 }
 
+void refuse_time(const PoseBounds& bounds, const PackedModel& least, bool force, Progress& progress) {
+  const std::string message = format(
+      "asked for poses of %.4g microseconds on \"%s\", the least reached is %.4g as predicted, with the recipe's "
+      "precision divided by %g",
+      bounds.max_microseconds, bounds.machine.name.c_str(), mean_microseconds(least, bounds.shots, bounds.machine),
+      largest_factor);
+  if (!force) fail(Status::limit, "%s", message.c_str());
+  progress.note(message);
+}
+
 // The materials that meshes name are not there yet: their bytes are reserved, as those of all that is not learnt.
 PackedModel without_materials(PackedModel face) {
   for (MeshPart& part : face.rest.parts)
@@ -97,6 +115,10 @@ PackedModel without_materials(PackedModel face) {
 PoseSet without_shots(const PoseSet& poses) {
   PoseSet others = training_poses(poses.source(), Use::variant);
   return others.size() > 0 ? others : poses;
+}
+
+Clip bounded_shots(const RigSchema& schema, std::uint64_t seed) {
+  return make_test_poses(schema, seed + 1).back();
 }
 
 std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {
@@ -129,20 +151,26 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto samples = [&](const FaceModel& truncated) {
     return sampled_coefficients(truncated, poses, without_asking(options.parallel));
   };
-  if (!has_target(options)) {
+  const Clip shots = bounded_shots(model.schema, options.seed);
+  const PoseBounds bounds{shots, max_bytes_read, options.max_microseconds, find_machine(options.machine)};
+  if (options.max_bytes == 0 && options.max_error <= 0) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
-    RecipeResult result;
-    if (max_bytes_read <= 0) {
-      result = with_factor(pca, pca_options.threshold, packing, 1);
-    } else {
-      const Clip shots = make_test_poses(model.schema, options.seed + 1).back();
-      result = fit_bytes_read(pca, pca_options.threshold, packing, shots, max_bytes_read, progress);
-    }
+    // Bytes alone are counted before rounding is compensated for, which takes longest and hardly changes them.
+    const bool bytes_alone = max_bytes_read > 0 && bounds.max_microseconds <= 0;
+    const auto pack = [&](RecipeResult& result, bool compensated) {
+      if (compensated) result.packing.samples = samples(result.model);
+      result.packed = pack_model(result.model, result.packing, without_asking(options.parallel));
+    };
     progress.begin("rounding", 0);
-    result.packed = ask_during(progress, [&] {
-      result.packing.samples = samples(result.model);
-      return pack_model(result.model, result.packing, without_asking(options.parallel));
+    RecipeResult result = fit_bounds(bounds, [&](double factor) {
+      return ask_during(progress, [&] {
+        RecipeResult made = with_factor(pca, pca_options.threshold, packing, factor);
+        pack(made, !bytes_alone);
+        return made;
+      });
     });
+    if (!bounds.keeps_time(*result.packed)) refuse_time(bounds, *result.packed, options.force, progress);
+    if (bytes_alone) keep_asking(progress, [&] { pack(result, true); });
     return result;
   }
   const PoseSet validation = validation_poses(poses, options.seed);
@@ -157,9 +185,10 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto error = [&](const PackedModel& packed) {
     return evaluate_model_on(packed, validation, options.parallel, silent_progress()).max;
   };
-  Fitted fitted =
-      fit_target(model, {covariance, sizes, samples, options.normal_weight},
-                 {options.max_bytes, options.max_error, options.force}, error, bytes, options.parallel, progress);
+  const auto microseconds = [&](const PackedModel& packed) { return mean_microseconds(packed, shots, bounds.machine); };
+  Fitted fitted = fit_target(model, {covariance, sizes, samples, options.normal_weight, microseconds},
+                             {options.max_bytes, options.max_error, options.max_microseconds, options.force}, error,
+                             bytes, options.parallel, progress);
   return {std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
 }
 

@@ -1,11 +1,9 @@
 #include "bake/measure/bytes_read.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
-#include "base/status.h"
-#include "model/feature_values.h"
+#include "bake/measure/pose_activity.h"
 
 namespace fb::bake {
 namespace {
@@ -21,20 +19,9 @@ std::uint64_t input_bytes(const PackedRegion& region) {
   return region.layers.front().outputs * number_bytes(region.layers.front().wide);
 }
 
-bool gate_closed(const Gate& gate, std::span<const float> features) {
-  if (gate.features.empty()) return false;
-  float sum = 0, most = 0;
-  for (const std::uint32_t f : gate.features) {
-    sum += std::abs(features[f]);
-    most = std::max(most, std::abs(features[f]));
-  }
-  return sum - most <= 0;
-}
-
 }  // namespace
 
 BytesReadCounter::BytesReadCounter(const PackedModel& model) : model_(&model), direct_(model.direct.size(), 0) {
-  for (const Control& control : model.schema.controls) rest_.push_back(control.rest);
   always_ = model.schema.controls.size() * control_bytes + model.features.size() * feature_bytes +
             model.direct.size() * index_bytes + model.rest.vertex_count() * position_bytes +
             model.order.size() * index_bytes;
@@ -56,19 +43,13 @@ BytesReadCounter::BytesReadCounter(const PackedModel& model) : model_(&model), d
 }
 
 std::uint64_t BytesReadCounter::of_pose(std::span<const float> controls) const {
-  if (controls.size() != rest_.size())
-    fail(Status::invalid_argument, "a pose of %zu controls for a model of %zu", controls.size(), rest_.size());
-  std::vector<float> features(model_->features.size());
-  feature_values(model_->features, controls.data(), rest_.data(), features.data());
+  const PoseActivity pose = pose_activity(*model_, controls);
   std::uint64_t bytes = always_;
   for (std::size_t d = 0; d < direct_.size(); ++d)
-    if (features[model_->direct[d]] != 0) bytes += direct_[d];
-  for (std::size_t r = 0; r < regions_.size(); ++r) {
-    const PackedRegion& region = model_->regions[r];
-    const auto active = std::uint64_t(std::count_if(region.features.begin(), region.features.end(),
-                                                    [&](std::uint32_t f) { return features[f] != 0; }));
-    if (active > 0 && !gate_closed(region.gate, features)) bytes += regions_[r] + active * input_bytes(region);
-  }
+    if (pose.features[model_->direct[d]] != 0) bytes += direct_[d];
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    if (const std::uint32_t active = pose.region_inputs[r]; active > 0)
+      bytes += regions_[r] + active * input_bytes(model_->regions[r]);
   return bytes;
 }
 

@@ -30,7 +30,6 @@ class BytesReadCounter {
 
  private:
   const PackedModel* model_;
-  std::vector<float> rest_;
   std::uint64_t always_ = 0;
   std::vector<std::uint64_t> direct_;   // columns of each direct feature
   std::vector<std::uint64_t> regions_;  // each region without the weights of its first layer
