@@ -58,6 +58,14 @@ TEST_CASE("a bake's stages are joined to phases whose share grows from 0 to 1") 
   CHECK(phases.done() > 0.9);
   CHECK(phases.done() <= 1);
 
+  fb::tool::BakePhases recorded;
+  CHECK(recorded.begin("fitting recorded poses"));
+  CHECK(!recorded.begin("measuring residuals of recorded poses"));
+  CHECK(recorded.name() == "analysing the rig");
+  CHECK(recorded.done() < 0.6);
+  CHECK(recorded.begin("projecting"));
+  CHECK(recorded.name() == "training");
+
   fb::tool::BakePhases resumed;
   CHECK(resumed.begin("training"));
   CHECK(resumed.begun_at() > 0.1);
