@@ -159,7 +159,18 @@ void add_level_options(CLI::App& app, BakeCommand& command) {
       ->excludes(shares);
 }
 
-void add_max_microseconds(CLI::App& app, BakeCommand& command) {
+// What a face may take: bytes, error, time.
+void add_limits(CLI::App& app, BakeCommand& command) {
+  app.add_option("--max-bytes", command.desc.max_bytes,
+                 "Size limit of the archive: the least error within it; 0: the precision of the recipe")
+      ->check(whole_number)
+      ->type_name("N")
+      ->capture_default_str();
+  app.add_option("--max-error", command.desc.max_error,
+                 "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("E")
+      ->capture_default_str();
   CLI::Option* limit =
       app.add_option("--max-microseconds", command.desc.max_microseconds,
                      "What a pose of synthetic shots may take on average, as predicted for --machine: the precision of "
@@ -216,17 +227,7 @@ void add_bake(CLI::App& tool) {
       ->type_name("POSES")
       ->allow_extra_args(false);
   add_epochs(*app, command->desc.epochs);
-  app->add_option("--max-bytes", command->desc.max_bytes,
-                  "Size limit of the archive: the least error within it; 0: the precision of the recipe")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
-  app->add_option("--max-error", command->desc.max_error,
-                  "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("E")
-      ->capture_default_str();
-  add_max_microseconds(*app, *command);
+  add_limits(*app, *command);
   app->add_option("--normal-weight", command->desc.normal_weight,
                   "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
       ->check(CLI::Range(0.0, 4.0))
