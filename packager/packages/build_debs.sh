@@ -55,7 +55,7 @@ if command -v ccache >/dev/null; then # the packages' build has no home folder
   export CCACHE_DIR CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
   export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
 fi
-# Debug information, which is in no package, would take a quarter of the compilers' time.
+# Debug information, which is in no package, takes a third of the compilers' time.
 export DEB_CFLAGS_STRIP=-g DEB_CXXFLAGS_STRIP=-g
 DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=${FB_PARALLEL:-$(nproc)}" dpkg-buildpackage --build=binary --no-sign >"$out/build.log" 2>&1 ||
   { tail -40 "$out/build.log" >&2; echo "building failed; all of it is in $out/build.log" >&2; exit 1; }
