@@ -50,7 +50,9 @@ TEST_CASE("without limits an archive stays what it was") {
 
 TEST_CASE("bytes and errors are kept to, and the certificate says what it took") {
   const Bytes face = face_with(R"({"independent":{"rms":0.05,"max":0.5}})");
-  const std::uint64_t fewer = face.size() - 300;
+  // Where steps 4.8 times as large do, and the error grows from step to step as the search takes it to: of so small a
+  // face, it does not everywhere.
+  const std::uint64_t fewer = face.size() - 400;
   const RepackResult small = packed(face, {.max_bytes = fewer});
   CHECK(small.bytes <= fewer);
   CHECK(small.bytes == small.archive.size());
