@@ -40,7 +40,7 @@ constexpr std::uint32_t residual_table(std::uint32_t unit_class, bool last, bool
   return first_residual_table + 3 * (std::min(unit_class, 9u) - 2) + (class_reached ? 1 : last ? 2 : 0);
 }
 
-// The values or residuals of one vertex by axis, x, y and z; lane 3 is unused. One SIMD vector, because loading as a
+// The values or residuals of one vertex by axis, x, y and z; the fourth is unused. One SIMD vector, because loading as a
 // vector what was just stored as scalars stalls the processor.
 using AxisVector = std::int32_t __attribute__((vector_size(16)));
 

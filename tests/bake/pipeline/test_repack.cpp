@@ -50,8 +50,8 @@ TEST_CASE("without limits an archive stays what it was") {
 
 TEST_CASE("bytes and errors are kept to, and the certificate says what it took") {
   const Bytes face = face_with(R"({"independent":{"rms":0.05,"max":0.5}})");
-  // Steps 9.5 times as large do, up to which error and bytes of this face go one way; of so small a face, they do not
-  // everywhere.
+  // The search takes bytes to fall and the error to grow with the steps. Of so small a face they do not at every step;
+  // for this size, where steps are 9.5 times as large, they do at those that the search tries.
   const std::uint64_t fewer = face.size() - 600;
   const RepackResult small = packed(face, {.max_bytes = fewer});
   CHECK(small.bytes <= fewer);
