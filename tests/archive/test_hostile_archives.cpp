@@ -179,7 +179,7 @@ TEST_CASE("a forged section table is refused") {
   lie(table_at(0, 8), std::uint64_t(0x0a), Status::corrupt, "not printable ASCII");
   lie(table_at(0, 32), std::uint32_t(2), Status::unsupported, "unknown flags 0x2");
   lie(table_at(1, 36), std::uint32_t(9), Status::unsupported, "unknown codec 9");
-  lie(table_at(1, 56), std::uint64_t(1) << 50, Status::limit, "larger than 4 GiB");
+  lie(table_at(1, 56), std::uint64_t(1) << 50, Status::corrupt, "larger than 4 GiB");
   lie(table_at(1, 56), std::uint64_t(1) << 20, Status::corrupt, "does not decompress to the 1048576 bytes");
   lie(table_at(1, 36), std::uint32_t(0), Status::corrupt, "not compressed, yet declares");
 

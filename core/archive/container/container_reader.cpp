@@ -76,7 +76,7 @@ constexpr std::size_t inflate_bytes = 48 << 10;
 void inflate_section(const StoredSection& section, MemoryBudget& budget, std::pmr::vector<std::byte>& raw) {
   const std::string where = section.where();
   if (section.info.raw_bytes > UINT32_MAX || section.info.stored_bytes > UINT32_MAX)
-    fail(Status::limit, "%s is compressed and larger than 4 GiB", where.c_str());
+    fail(Status::corrupt, "%s is compressed and larger than 4 GiB", where.c_str());
   const ScopedCharge state(budget, 1, inflate_bytes, where.c_str());
   raw.resize(section.info.raw_bytes);
   z_stream stream{};
