@@ -19,6 +19,10 @@ void read_level_polygons(ByteReader& in, DetailLevel& level) {
   level.polygon_corners = in.planes(corners, "corners");
   restore_corners(level.polygon_sizes, level.polygon_corners);
   const auto coding = in.number<std::uint32_t>("the coding of texture coordinates");
+  if (coding > static_cast<std::uint32_t>(LevelUvCoding::by_vertex))
+    fail(Status::unsupported, "%s has texture coordinates in unknown coding %u", in.where().c_str(), coding);
+  if (coding != static_cast<std::uint32_t>(LevelUvCoding::none) && corners == 0)
+    in.corrupt("texture coordinates of no corners");
   switch (static_cast<LevelUvCoding>(coding)) {
     case LevelUvCoding::none:
       return;
@@ -31,7 +35,6 @@ void read_level_polygons(ByteReader& in, DetailLevel& level) {
       level.uv_corners = level.polygon_corners;
       return;
   }
-  fail(Status::unsupported, "%s has texture coordinates in unknown coding %u", in.where().c_str(), coding);
 }
 
 void read_level_parts(ByteReader& in, DetailLevel& level) {
