@@ -41,7 +41,7 @@ struct EvaluationMemory {
 // The scatter table says for every feature to which lists, at which column and with
 // which factor its value goes.
 struct EvaluationLayout {
-  // Lays out a model that check() accepts. `model` is not needed afterwards. Fails with not_finite if a network
+  // Lays out a model that check() accepts. `model` is not needed afterwards. Fails with corrupt if a network
   // overflows at rest.
   EvaluationLayout(const PackedModel& model, const EvaluationMemory& from, const PoseKernels& kernels);
   EvaluationLayout(const EvaluationLayout&) = delete;

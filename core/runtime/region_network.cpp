@@ -112,7 +112,7 @@ void RegionNetwork::find_rest(const PoseKernels& kernels, const char* name, std:
   run(kernels, {nullptr, 0}, 1, output_count(), work.data(), buffers, outputs.data());
   std::copy(outputs.begin(), outputs.end(), rest_outputs_.begin());
   if (!std::all_of(outputs.begin(), outputs.end(), [](float v) { return std::isfinite(v); }))
-    fail(Status::not_finite, "region \"%s\" overflows in the rest pose", name);
+    fail(Status::corrupt, "region \"%s\" overflows in the rest pose", name);
 }
 
 }  // namespace fb::runtime

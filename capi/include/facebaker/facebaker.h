@@ -170,8 +170,7 @@ static inline void fb_load_desc_init(fb_load_desc* to) {
 /** Loads the archive at `path` (UTF-8). desc may be null for defaults. *model is owned by the caller, with one
  * reference. Untrusted files are safe: every size is validated before it is used. Only regular files are read; pipes
  * and devices are refused with IO at once, and loaded by fb_load_stream. The file is read into memory and closed; see
- * fb_load_desc::map_file. Fails with NOT_FOUND, IO, NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY, and
- * with NOT_FINITE if the rest pose overflows. */
+ * fb_load_desc::map_file. Fails with NOT_FOUND, IO, NOT_AN_ARCHIVE, CORRUPT, UNSUPPORTED, LIMIT or OUT_OF_MEMORY. */
 FB_API fb_status fb_load(const char* path, const fb_load_desc* desc, fb_model** model);
 /** The same from memory, which is not needed after the call. */
 FB_API fb_status fb_load_memory(const void* bytes, size_t size, const fb_load_desc* desc, fb_model** model);
