@@ -18,7 +18,8 @@ struct SplitEvent {
 };
 
 // A surface that grows by faces. The edges of its boundary form loops; each vertex is in one place of one loop, or
-// inside. What would break that is refused.
+// inside. What would break that is refused. A symbol works on an edge of the newest face, which is on the boundary;
+// an edge further down the stack, or one put aside, may be glued by then.
 class GrowingSurface {
  public:
   GrowingSurface(ByteReader& in, std::uint32_t faces, std::uint64_t vertices)
@@ -47,7 +48,6 @@ class GrowingSurface {
 
   // Symbols R and L: a triangle on edge a, with a new vertex. The active edge is right or left of it.
   Edge add_triangle(Edge a, bool right) {
-    if (!on_boundary(a)) in_.corrupt("a symbol L or R of the Draco data has no edge");
     const Edge first = before_[a], last = after_[a];
     const std::uint32_t from = start(a), to = end(a), tip = add_vertex();
     const Edge face = right ? add_face(to, from, tip) : add_face(from, tip, to);
@@ -59,7 +59,7 @@ class GrowingSurface {
   // Symbol C: a triangle between edge a and the one before it, whose common vertex gets inside.
   Edge close_corner(Edge a) {
     const Edge b = before_[a];
-    if (!on_boundary(a) || before_[b] == a) in_.corrupt("a symbol C of the Draco data has no two edges");
+    if (before_[b] == a) in_.corrupt("a symbol C of the Draco data has no two edges");
     const Edge first = before_[b], last = after_[a];
     const std::uint32_t tip = start(a);
     const Edge face = add_face(tip, start(b), end(a));
@@ -73,9 +73,9 @@ class GrowingSurface {
   // Symbol S: a triangle between edges a and b, which are nowhere near each other: the end of a and the start of b
   // become one vertex.
   Edge join(Edge a, Edge b) {
-    if (!on_boundary(a) || !on_boundary(b)) in_.corrupt("a symbol S of the Draco data has no two edges");
+    if (!on_boundary(a)) in_.corrupt("a symbol S of the Draco data has no two edges");
     const Edge a_first = before_[a], a_last = after_[a], b_first = before_[b], b_last = after_[b];
-    if (a == b || a_last == b || b_last == a || a_last == b_first)
+    if (a_last == b || b_last == a || a_last == b_first)
       in_.corrupt("a symbol S of the Draco data has edges next to each other");
     const std::uint32_t kept = end(a), gone = start(b);
     const Edge face = add_face(kept, start(a), end(b));
