@@ -43,7 +43,7 @@ def read_level(c, face, number, before, baked):
     require(count == face.coefficients - len(face.direct), f"levels: coefficients of level {number}")
     bits = int.from_bytes(c.take((count + 7) // 8), "little")
     require(bits >> count == 0, f"levels: coefficients of level {number}")
-    used = np.array([True] * len(face.direct) + [bool(bits >> i & 1) for i in range(count)])
+    used = np.array([True] * len(face.direct) + [bool(bits >> i & 1) for i in range(count)], bool)
     return vertices, points, used
 
 

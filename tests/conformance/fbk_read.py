@@ -545,7 +545,7 @@ def main(arguments):
                         print(fbk_evaluate.evaluate(face, controls)[0].astype(">f4").tobytes().hex())
                 else:
                     print(f"{path}: {face.verify()} poses evaluate as archived")
-        except (Corrupt, ValueError) as error:
+        except (Corrupt, ValueError, zlib.error) as error:
             print(f"{path}: {error}", file=sys.stderr)
             return 1
     return 0
