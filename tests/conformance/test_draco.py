@@ -21,9 +21,9 @@ Case = Tuple[int, int, int, bytes]  # points, triangles, whether integers, data
 def stored(path: pathlib.Path) -> Case:
     sections = fbk_read.read_sections(path.read_bytes())
     c = fbk_read.decompress(sections, "geometry")
-    points, triangles, step = c.u32(), c.u32(), c.number("f")
+    points, triangles, step = c.u32(), c.u32(), c.f32()
     c.take(4 * points)
-    return points, triangles, int(step > 0), c.take(len(c.data) - c.at)
+    return points, triangles, int(step > 0), c.rest()
 
 
 def damaged(case: Case, chance: random.Random) -> Case:
