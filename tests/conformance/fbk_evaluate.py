@@ -26,8 +26,8 @@ def digits(q, bits, base=256):
 
 def limit_of(summands):
     """The limit for sums over the last axis of these digits."""
-    largest = int(np.abs(summands).sum(-1).max())
-    return min(LIMIT, (2**31 - 1) // largest) if largest else LIMIT
+    largest = max(int(np.abs(summands).sum(-1).max()), 1)
+    return min(LIMIT, (2**31 - 1) // largest)
 
 
 def quantise(x, limit):
@@ -67,6 +67,7 @@ def prepare(face):
             layer.limit = limit_of(layer.digits)
         region.rest = run_layers(region, np.zeros(len(region.features), F))
         require(np.isfinite(region.rest).all(), "network: not finite at rest")
+    order = np.array(face.order)
     for block in face.row_blocks:
         summands = []
         for segment in block.segments:
@@ -76,7 +77,7 @@ def prepare(face):
         block.matrix = np.array(summands, np.int64).reshape(-1, block.rows).T
         block.limit = limit_of(block.matrix)
         rows = np.arange(block.first, block.end)
-        block.coordinates = 3 * np.array(face.order)[rows // 3] + rows % 3
+        block.coordinates = 3 * order[rows // 3] + rows % 3
     require(not any(exact_weights(face, face.rest_controls)), "exact-poses: a pose reaches the rest pose")
 
 

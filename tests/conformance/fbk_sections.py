@@ -289,7 +289,7 @@ def read_points(c, face, vertices, triangles):
     c.check(count == len(vertices), "number of points")
     for v, number, a, b in zip(vertices, c.deltas(count).tolist(), c.take(count), c.take(count)):
         c.check(number < len(triangles) and a + b <= 256, f"point {v}")
-        c.check((mesh_of[[*triangles[number]]] == mesh_of[v]).all(), f"point {v} lies on another mesh")
+        c.check((mesh_of[list(triangles[number])] == mesh_of[v]).all(), f"point {v} lies on another mesh")
         points.append((v, triangles[number], [F(weight) / F(256) for weight in (256 - a - b, a, b)]))
     return points
 

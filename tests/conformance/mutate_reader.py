@@ -29,7 +29,7 @@ MUTATIONS = [
     ("fbk_evaluate", "F(0.5) + F(0.5) * tanh(F(0.5) * y)", "F(0.5) + F(0.5) * tanh(y)"),
     ("fbk_evaluate", "layer.limit = limit_of(layer.digits)", "layer.limit = limit_of(layer.weights)"),
     ("fbk_evaluate", "block.limit = limit_of(block.matrix)", "block.limit = LIMIT"),
-    ("fbk_evaluate", "block.coordinates = 3 * np.array(face.order)[rows // 3] + rows % 3", "block.coordinates = rows"),
+    ("fbk_evaluate", "block.coordinates = 3 * order[rows // 3] + rows % 3", "block.coordinates = rows"),
     ("fbk_evaluate", "F(0) if a == 0 or b == 0 else a * b", "a * b"),
     ("fbk_evaluate", "values.append(a if a < b else b)", "values.append(a if a > b else b)"),
     ("fbk_evaluate", "(control - rest) * feature.scale", "control * feature.scale - rest * feature.scale"),
