@@ -53,24 +53,24 @@ class PanelMatrix {
     Block zeros;
     for (std::size_t i = 0; i < sizeof(Block); ++i) zeros.digit[i] = stored(0, &zeros.digit[i]);
     blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
+    for (std::size_t r = 0; r < column_group; ++r) added_to_row_[r] = stored(0, &zeros.digit[kernels.column_rows[r]]);
   }
 
   // Sets a column of a matrix of Form::columns to a digit of `values`, one a row.
   void set_column(std::size_t column, const std::int16_t* values, Digit digit) {
-    const std::uint8_t added[2] = {128, static_cast<std::uint8_t>(kernels_->signed_odd_digits ? 0 : 128)};
-    const auto set = [&](auto&& digit_of) {
-      for (std::uint32_t first = 0; first < rows_; first += column_panel_rows) {
-        std::uint8_t* const line = const_cast<std::uint8_t*>(panel(first)) + column * stored_rows(first);
-        for (std::uint32_t r = 0; r < rows_at(first); ++r) {
-          const std::uint32_t place = r / column_group * column_group + kernels_->column_rows[r % column_group];
-          line[place] = static_cast<std::uint8_t>(digit_of(values[first + r]) + added[place % 2]);
-        }
+    const std::uint8_t* const places = kernels_->column_rows;
+    for (std::uint32_t first = 0; first < rows_; first += column_panel_rows) {
+      std::uint8_t* const line = const_cast<std::uint8_t*>(panel(first)) + column * stored_rows(first);
+      for (std::uint32_t group = 0; group < rows_at(first); group += column_group) {
+        const std::uint32_t count = std::min<std::uint32_t>(column_group, rows_at(first) - group);
+        std::uint8_t stored_digits[column_group];  // by row: vectorised apart from their placing
+        find_digits(values + first + group, count, digit, stored_digits);
+        if (count == column_group)
+          for (std::size_t r = 0; r < column_group; ++r) line[group + places[r]] = stored_digits[r];
+        else
+          for (std::size_t r = 0; r < count; ++r) line[group + places[r]] = stored_digits[r];
       }
-    };
-    if (!digit.high && digit.low_bits == 8)
-      set([](std::int16_t value) { return value; });  // the bits above the digit are cut off
-    else
-      set([&](std::int16_t value) { return number(value, digit); });
+    }
   }
   // Sets a row to a digit of `values`, one a column.
   void set_row(std::uint32_t row, const std::int16_t* values, Digit digit) {
@@ -149,6 +149,17 @@ class PanelMatrix {
   static int number(std::int16_t value, Digit digit) {
     return digit.high ? high_digit(value, digit.low_bits) : low_digit(value, digit.low_bits);
   }
+  // The digits of a group of rows of a column as they are stored.
+  void find_digits(const std::int16_t* values, std::uint32_t count, Digit digit, std::uint8_t* stored_digits) const {
+    const auto find = [&](auto&& digit_of) {
+      for (std::uint32_t r = 0; r < count; ++r)
+        stored_digits[r] = static_cast<std::uint8_t>(digit_of(values[r]) + added_to_row_[r]);
+    };
+    if (!digit.high && digit.low_bits == 8)
+      find([](std::int16_t value) { return value; });  // the bits above the digit are cut off
+    else
+      find([&](std::int16_t value) { return number(value, digit); });
+  }
   // What is stored where.
   std::uint8_t stored(int digit, const std::uint8_t* at) const {
     return static_cast<std::uint8_t>(digit + added_at(at));
@@ -188,6 +199,7 @@ class PanelMatrix {
   std::uint32_t rows_;
   std::size_t columns_, lines_;
   std::int32_t limit_ = largest_wide;
+  std::uint8_t added_to_row_[column_group];  // to the digits of a group of rows of a column
   std::pmr::vector<Block> blocks_;
 };
 

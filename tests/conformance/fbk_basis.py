@@ -177,15 +177,13 @@ def read_basis_values(c, face):
     rans = RansDecoder(c, 25, 89, parts=4)
     read_coding_units(face, rans)
     total, before = sum(segment.block.rows for segment in face.segments), 0
-    units = [0, 0, 0, 0]  # of each part, so far
     for _, segments in itertools.groupby(face.segments, lambda segment: segment.column):
         part, column_values = 4 * before // total, collections.defaultdict(lambda: [0, 0, 0])
         for segment in segments:
             c.check(segment.table < len(rans.tables), "no such table")
             segment.values = np.zeros(segment.block.rows, np.int64)
-            for unit in segment.block.units:
-                residuals = read_residuals(rans, part, units[part], unit.axes, segment.table)
-                units[part] += 1
+            residuals_of_units = read_residuals(rans, part, segment)
+            for unit, residuals in zip(segment.block.units, residuals_of_units):
                 for row, axis in enumerate(unit.axes, unit.row):
                     a, b = (predicted(predictor, column_values, axis) for predictor in unit.predictors)
                     value = (a + b + 1 >> 1) + residuals[axis]
@@ -200,14 +198,23 @@ def predicted(predictor, values, axis):
     return left + right - across
 
 
-def read_residuals(rans, part, index, axes, table):
-    """The residuals of a unit by axis."""
-    symbol = rans.symbol(table, part, index)
-    if symbol < 27:
-        residuals = [(0, 1, -1)[symbol // 3**axis % 3] for axis in range(3)]
-        rans.c.check(all(residuals[axis] == 0 or axis in axes for axis in range(3)), "no such axis")
-        return residuals
-    b = symbol - 25
+def read_residuals(rans, part, segment):
+    """The residuals of a segment's units by axis."""
+    units = segment.block.units
+    symbols = [rans.symbol(segment.table, part, i) for i in range(len(units))]
+    residuals, large = [], 0
+    for symbol, unit in zip(symbols, units):
+        if symbol < 27:
+            residuals.append([(0, 1, -1)[symbol // 3**axis % 3] for axis in range(3)])
+            rans.c.check(all(residuals[-1][axis] == 0 or axis in unit.axes for axis in range(3)), "no such axis")
+        else:
+            residuals.append(read_large_residuals(rans, part, large, unit.axes, symbol - 25))
+            large += 1
+    return residuals
+
+
+def read_large_residuals(rans, part, index, axes, b):
+    """The residuals of a unit of class b by axis."""
     rans.c.check(b <= 17, "a class is too large")
     residuals, reached, f = [0, 0, 0], False, max(b - 6, 0)
     for axis in axes:

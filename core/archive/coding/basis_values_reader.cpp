@@ -11,18 +11,23 @@
 namespace fb::archive {
 namespace {
 
-// The residuals of class symbols below small_unit_symbols.
-std::array<AxisVector, small_unit_symbols> small_unit_residuals() {
-  std::array<AxisVector, small_unit_symbols> residuals;
-  for (std::uint32_t s = 0; s < small_unit_symbols; ++s)
-    residuals[s] = AxisVector{small_residuals[s % 3], small_residuals[s / 3 % 3], small_residuals[s / 9], 0};
+// What a class symbol says of a unit's residuals: the residuals of a small one; of others, the class on axis x.
+std::array<AxisVector, 256> residuals_of_class_symbols() {
+  std::array<AxisVector, 256> residuals{};
+  for (std::uint32_t s = 0; s < residuals.size(); ++s)
+    residuals[s] = s < small_unit_symbols
+                       ? AxisVector{small_residuals[s % 3], small_residuals[s / 3 % 3], small_residuals[s / 9], 0}
+                       : AxisVector{static_cast<std::int32_t>(s - class_symbol_base), 0, 0, 0};
   return residuals;
 }
 
-// Decodes the residuals of units, four at a time, one a stream, so that the processor overlaps their latencies.
+// Decodes the residuals of segments. Symbols that follow each other are in different streams, so that the processor
+// overlaps their latencies.
 class ResidualDecoder {
  public:
-  ResidualDecoder(const FrequencyTables& tables, const RansStreams& streams) : tables_(tables), streams_(streams) {}
+  // `large`: room for one unit more than any row block has.
+  ResidualDecoder(const FrequencyTables& tables, const RansStreams& streams, std::span<std::uint32_t> large)
+      : tables_(tables), streams_(streams), large_(large) {}
 
   const RansStreams& streams() const { return streams_; }
   // False after symbols that no valid archive holds. Decoding may continue: it stays within memory.
@@ -30,65 +35,79 @@ class ResidualDecoder {
     return class_valid_ && std::none_of(streams_.begin(), streams_.end(), [](const auto& s) { return s.exhausted(); });
   }
 
-  // Stops early if a stream is exhausted.
+  // The residuals of the units of a segment. Stops early if a stream is exhausted.
   void decode(std::span<const CodingUnit> units, std::size_t class_table, AxisVector* residuals) {
-    while (!units.empty() && valid()) {
-      const std::size_t count = std::min(units.size(), units_per_check);
-      // Local, so that the states stay in registers.
-      RansStream first = streams_[0], second = streams_[1], third = streams_[2], fourth = streams_[3];
-      std::size_t i = 0;
-      for (; i + stream_count <= count; i += stream_count, residuals += stream_count) {
-        residuals[0] = decode_unit(first, units[i], class_table);
-        residuals[1] = decode_unit(second, units[i + 1], class_table);
-        residuals[2] = decode_unit(third, units[i + 2], class_table);
-        residuals[3] = decode_unit(fourth, units[i + 3], class_table);
-      }
-      streams_ = {first, second, third, fourth};
-      for (; i < count; ++i) {
-        *residuals++ = decode_unit(streams_[0], units[i], class_table);
-        std::rotate(streams_.begin(), streams_.begin() + 1, streams_.end());
-        next_stream_ = (next_stream_ + 1) % stream_count;
-      }
-      units = units.subspan(count);
-    }
-  }
-
-  // All units have been decoded: puts the streams into their order.
-  void finish() {
-    std::rotate(streams_.begin(), streams_.begin() + (stream_count - next_stream_) % stream_count, streams_.end());
+    // Local, because the compiler cannot know that storing residuals does not change them.
+    const FrequencyTable table = tables_[class_table];
+    const AxisVector* const of_symbols = of_symbols_.data();
+    std::uint32_t* const large = large_.data();
+    std::uint32_t large_count = 0;
+    in_turn(units.size(), [=, &large_count](RansStream& stream, std::uint32_t i) {
+      const std::uint32_t symbol = stream.symbol(table);
+      residuals[i] = of_symbols[symbol];
+      // Branch-free: which units are large is unpredictable.
+      large[large_count] = i;
+      large_count += symbol >= small_unit_symbols;
+    });
+    in_turn(large_count, [=, this](RansStream& stream, std::uint32_t i) {
+      AxisVector& of_unit = residuals[large[i]];
+      of_unit = decode_large(stream, units[large[i]], static_cast<std::uint32_t>(of_unit[0]));
+    });
   }
 
  private:
-  // Units decoded between two checks for exhausted streams: a unit takes at most seven words.
+  // Units decoded between two checks for exhausted streams: one takes at most six words at a time.
   static constexpr std::size_t units_per_check = stream_count * (RansStream::padding_words / 8);
 
-  AxisVector decode_unit(RansStream& stream, const CodingUnit& unit, std::size_t class_table) {
-    const std::uint32_t symbol = stream.symbol(tables_, class_table);
-    if (symbol < small_unit_symbols) return small_residuals_[symbol];
-    std::uint32_t unit_class = symbol - class_symbol_base;
+  // Calls decode(stream, i) for each i below `count`, with stream i % 4.
+  template <class Decode>
+  void in_turn(std::size_t count, const Decode& decode) {
+    for (std::size_t i = 0; i < count && valid();) {
+      const std::size_t end = std::min(i + units_per_check, count);
+      // Local, so that the states stay in registers.
+      RansStream first = streams_[0], second = streams_[1], third = streams_[2], fourth = streams_[3];
+      for (; i + stream_count <= end; i += stream_count) {
+        decode(first, static_cast<std::uint32_t>(i));
+        decode(second, static_cast<std::uint32_t>(i + 1));
+        decode(third, static_cast<std::uint32_t>(i + 2));
+        decode(fourth, static_cast<std::uint32_t>(i + 3));
+      }
+      if (i < end) decode(first, static_cast<std::uint32_t>(i++));
+      if (i < end) decode(second, static_cast<std::uint32_t>(i++));
+      if (i < end) decode(third, static_cast<std::uint32_t>(i++));
+      streams_ = {first, second, third, fourth};
+    }
+  }
+
+  // The residuals of a unit of class 2 or more.
+  AxisVector decode_large(RansStream& stream, const CodingUnit& unit, std::uint32_t unit_class) {
     if (unit_class > max_class) {
       class_valid_ = false;
-      unit_class = 2;
+      return AxisVector{};
     }
-    std::int32_t residuals[3] = {};
     const int offset = (1 << unit_class) - 1;
     const std::uint32_t raw_bits = unit_class > max_coded_bits ? unit_class - max_coded_bits : 0;
     bool class_reached = false;
-    for (std::uint32_t i = 0; i < unit.count; ++i) {
-      const std::uint32_t table = residual_table(unit_class, i + 1 == unit.count, class_reached);
-      std::uint32_t code = stream.symbol(tables_, table) << raw_bits;
+    const auto next = [&](bool last) {
+      std::uint32_t code = stream.symbol(tables_[residual_table(unit_class, last, class_reached)]) << raw_bits;
       if (raw_bits > 0) code |= stream.bits(raw_bits);
       const int residual = static_cast<int>(code) - offset;
-      residuals[unit.axis + i] = residual;
-      class_reached = class_reached || std::abs(residual) > offset / 2;
+      class_reached |= std::abs(residual) > offset / 2;
+      return residual;
+    };
+    if (unit.count == 3) {
+      const int x = next(false), y = next(false), z = next(true);
+      return AxisVector{x, y, z, 0};
     }
-    return AxisVector{residuals[0], residuals[1], residuals[2], 0};
+    AxisVector residuals{};
+    for (std::uint32_t i = 0; i < unit.count; ++i) residuals[unit.axis + i] = next(i + 1 == unit.count);
+    return residuals;
   }
 
-  const std::array<AxisVector, small_unit_symbols> small_residuals_ = small_unit_residuals();
+  const std::array<AxisVector, 256> of_symbols_ = residuals_of_class_symbols();
   const FrequencyTables& tables_;
-  RansStreams streams_;  // the one of the next unit first
-  std::size_t next_stream_ = 0;
+  RansStreams streams_;
+  std::span<std::uint32_t> large_;  // the indexes of units of class 2 or more, in the segment
   bool class_valid_ = true;
 };
 
@@ -104,20 +123,21 @@ class ValueRestorer {
  public:
   ValueRestorer(std::uint32_t vertices, std::pmr::memory_resource& memory) : history_(vertices, memory) {}
 
-  // False after a value out of range.
-  bool valid() const { return !(out_of_range_[0] | out_of_range_[1] | out_of_range_[2]); }
+  // False after a value out of range, or a residual on an axis that a unit does not have.
+  bool valid() const { return !(invalid_[0] | invalid_[1] | invalid_[2]); }
 
   // `values`: of the segment, one a row.
   void restore(std::span<const CodingUnit> units, const AxisVector* residuals, bool wide, std::int16_t* values) {
     const AxisVector largest = AxisVector{} + (wide ? largest_wide : largest_narrow);
+    AxisVector invalid{};  // not 0 on an axis where something is
     for (const CodingUnit& unit : units) {
       AxisVector value = history_.predicted(unit) + *residuals;
       if (unit.count == 3) {
-        out_of_range_ |= magnitudes(value) > largest;
+        invalid |= magnitudes(value) > largest;
         store(value, values + unit.row);
       } else {
         const AxisVector present = axis_mask(unit);
-        out_of_range_ |= (present & (magnitudes(value) > largest)) | (~present & *residuals);
+        invalid |= (present & (magnitudes(value) > largest)) | (~present & *residuals);
         for (std::uint32_t i = 0; i < unit.count; ++i)
           values[unit.row + i] = static_cast<std::int16_t>(value[unit.axis + i]);
         value = (present & value) | (~present & history_.values(unit.rank));
@@ -125,6 +145,7 @@ class ValueRestorer {
       history_.set(unit.rank, value << 16 >> 16);  // bounds invalid values until valid() is checked
       ++residuals;
     }
+    invalid_ |= invalid;
   }
   // A column is complete: clears the vertices of these units.
   void clear(std::span<const CodingUnit> units) { history_.clear(units); }
@@ -135,7 +156,7 @@ class ValueRestorer {
   }
 
   ColumnHistory history_;
-  AxisVector out_of_range_{};  // not 0 on an axis after a value out of range
+  AxisVector invalid_{};
 };
 
 // Allocates the values of the row blocks, all 0.
@@ -156,7 +177,7 @@ CodingUnits read_units(const RansReader& rans, RansStreams& streams, std::uint32
         const auto count = static_cast<std::uint32_t>(candidates.size());
         RansStream& stream = streams[coded % stream_count];
         if (count > 1) ++coded;
-        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables(), pair_table) : 0;
+        const std::uint32_t pair = count > 1 ? stream.symbol(rans.tables()[pair_table]) : 0;
         if (pair >= pair_index(0, count) || stream.exhausted())
           rans.corrupt(stream, "a vertex has a predictor that does not exist");
         set_predictors(unit, candidates, pair);
@@ -167,12 +188,14 @@ CodingUnits read_units(const RansReader& rans, RansStreams& streams, std::uint32
 // What a worker decodes a part in, one part after the other.
 struct PartWorkspace {
   PartWorkspace(const CodingUnits& units, std::uint32_t vertices, std::pmr::memory_resource& memory)
-      : residuals(&memory), restorer(vertices, memory) {
+      : residuals(&memory), large(&memory), restorer(vertices, memory) {
     std::size_t most_units = 0;
     for (const auto& of_block : units) most_units = std::max(most_units, of_block.size());
     residuals.resize(most_units);
+    large.resize(most_units + 1);
   }
   std::pmr::vector<AxisVector> residuals;  // of the units of a segment
+  std::pmr::vector<std::uint32_t> large;   // see ResidualDecoder
   ValueRestorer restorer;
 };
 
@@ -180,8 +203,8 @@ struct PartWorkspace {
 void read_part(const RansReader& rans, const RansStreams& streams, const CodingUnits& units,
                std::span<const std::pmr::vector<ColumnSegment>> columns, std::span<const std::uint8_t> tables,
                PackedModel& model, PartWorkspace& workspace) {
-  ResidualDecoder decoder(rans.tables(), streams);
-  auto& [residuals, restorer] = workspace;
+  auto& [residuals, large, restorer] = workspace;
+  ResidualDecoder decoder(rans.tables(), streams, large);
   auto table = tables.begin();
   for (const auto& column : columns) {
     for (const auto& [b, index] : column) {
@@ -194,7 +217,6 @@ void read_part(const RansReader& rans, const RansStreams& streams, const CodingU
     if (!restorer.valid()) rans.corrupt(decoder.streams(), "the basis holds a value beyond its range");
     for (const ColumnSegment& segment : column) restorer.clear(units[segment.block]);
   }
-  decoder.finish();
   rans.end(decoder.streams());
 }
 

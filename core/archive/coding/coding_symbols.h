@@ -37,11 +37,13 @@ inline constexpr std::uint32_t max_class_tables = 64;
 // The table of a residual in a unit of this class, 2 or more. `last`: of the unit's last row. `class_reached`: a
 // residual before it in the unit has as many bits as the class.
 constexpr std::uint32_t residual_table(std::uint32_t unit_class, bool last, bool class_reached) {
-  return first_residual_table + 3 * (std::min(unit_class, 9u) - 2) + (class_reached ? 1 : last ? 2 : 0);
+  // Branch-free: both are unpredictable.
+  const std::uint32_t kind = std::uint32_t(class_reached) | std::uint32_t(last && !class_reached) << 1;
+  return first_residual_table + 3 * (std::min(unit_class, 9u) - 2) + kind;
 }
 
-// The values or residuals of one vertex by axis, x, y and z; the fourth is unused. One SIMD vector, because loading as a
-// vector what was just stored as scalars stalls the processor.
+// The values or residuals of one vertex by axis, x, y and z; the fourth is unused. One SIMD vector, because loading as
+// a vector what was just stored as scalars stalls the processor.
 using AxisVector = std::int32_t __attribute__((vector_size(16)));
 
 inline AxisVector magnitudes(AxisVector values) {

@@ -14,7 +14,7 @@ constexpr std::uint32_t no_vertex = 0xffffffff, unset = 0xffffffff;
 class VertexNeighbours {
  public:
   VertexNeighbours(const Mesh& mesh, std::uint32_t vertices, std::pmr::memory_resource& memory)
-      : count_(vertices, &memory), list_(vertices, &memory), time_(vertices, &memory) {
+      : count_(vertices, &memory), list_(vertices, &memory), time_(vertices, &memory), coded_count_(vertices, &memory) {
     std::size_t at = 0;
     for (const std::uint32_t size : mesh.polygon_sizes) {
       for (std::uint32_t k = 0; k < size; ++k)
@@ -31,11 +31,13 @@ class VertexNeighbours {
   bool is_coded(std::uint32_t vertex) const { return time_[vertex] > 0; }
   // When a vertex was coded last, counted in coding units; 0: not yet.
   std::uint32_t time(std::uint32_t vertex) const { return time_[vertex]; }
-  void set_coded(std::uint32_t vertex) { time_[vertex] = ++now_; }
-  std::uint32_t coded_count(std::uint32_t vertex) const {
-    const auto list = of(vertex);
-    return static_cast<std::uint32_t>(std::count_if(list.begin(), list.end(), [&](auto w) { return is_coded(w); }));
+  void set_coded(std::uint32_t vertex) {
+    if (!is_coded(vertex))
+      for (const std::uint32_t w : of(vertex)) ++coded_count_[w];
+    time_[vertex] = ++now_;
   }
+  // The coded neighbours of a vertex.
+  std::uint32_t coded_count(std::uint32_t vertex) const { return coded_count_[vertex]; }
 
  private:
   static constexpr std::size_t max_neighbours = 16;
@@ -49,6 +51,7 @@ class VertexNeighbours {
   std::pmr::vector<std::uint8_t> count_;
   std::pmr::vector<std::array<std::uint32_t, max_neighbours>> list_;
   std::pmr::vector<std::uint32_t> time_;
+  std::pmr::vector<std::uint8_t> coded_count_;
   std::uint32_t now_ = 0;
 };
 
@@ -56,7 +59,7 @@ class VertexNeighbours {
 class PredictorFinder {
  public:
   PredictorFinder(std::uint32_t vertices, std::pmr::memory_resource& memory)
-      : ranks_(vertices, unset, &memory), no_rank_(vertices) {}
+      : ranks_(vertices, unset, &memory), surroundings_(vertices, &memory), no_rank_(vertices) {}
 
   // Sets the unit's rank and returns its candidates, valid until the next call.
   std::span<const Predictor> find(std::uint32_t vertex, const VertexNeighbours& mesh, CodingUnit& unit) {
@@ -68,11 +71,12 @@ class PredictorFinder {
     coded_.resize(std::min<std::size_t>(coded_.size(), 4));
 
     candidates_.clear();
-    add_parallelograms(vertex, mesh);
+    find_surroundings(vertex, mesh);
+    add_parallelograms(mesh);
     if (coded_.empty()) candidates_.push_back({no_rank_, no_rank_, no_rank_});
     for (std::size_t i = 0; i < coded_.size() && i < 2; ++i)
       candidates_.push_back({ranks_[coded_[i]], no_rank_, no_rank_});
-    add_extrapolations(vertex, mesh);
+    add_extrapolations(mesh);
     unit.predictor_count = static_cast<std::uint8_t>(candidates_.size());
     return candidates_;
   }
@@ -83,26 +87,38 @@ class PredictorFinder {
     return ranks_[vertex];
   }
 
+  // Counts, for the vertices around the neighbours of `vertex`, how many of these neighbours they are next to.
+  void find_surroundings(std::uint32_t vertex, const VertexNeighbours& mesh) {
+    ++now_;
+    for (const std::uint32_t u : mesh.of(vertex))
+      for (const std::uint32_t w : mesh.of(u)) {
+        if (surroundings_[w].time != now_) surroundings_[w] = {now_, 0, false};
+        ++surroundings_[w].neighbours;
+      }
+    for (const std::uint32_t u : mesh.of(vertex))
+      if (surroundings_[u].time == now_) surroundings_[u].inside = true;
+    surroundings_[vertex].inside = true;
+  }
+  // Of a vertex next to a neighbour: it is neither `vertex` nor a neighbour of it, but next to so many neighbours.
+  bool is_beyond(std::uint32_t w, bool one_neighbour) const {
+    const Surroundings& around = surroundings_[w];
+    return !around.inside && (around.neighbours == 1) == one_neighbour;
+  }
+
   // Two coded neighbours and a vertex across the edge between them.
-  void add_parallelograms(std::uint32_t vertex, const VertexNeighbours& mesh) {
+  void add_parallelograms(const VertexNeighbours& mesh) {
     for (std::size_t i = 0; i < coded_.size(); ++i)
       for (std::size_t j = i + 1; j < coded_.size(); ++j) {
-        const auto across = last_coded(mesh, coded_[i], [&](std::uint32_t w) {
-          return w != vertex && mesh.connected(w, coded_[j]) && !mesh.connected(w, vertex);
-        });
+        const auto across = last_coded(
+            mesh, coded_[i], [&](std::uint32_t w) { return is_beyond(w, false) && mesh.connected(w, coded_[j]); });
         if (across != no_vertex) candidates_.push_back({ranks_[coded_[i]], ranks_[coded_[j]], ranks_[across]});
       }
   }
 
   // Linear extrapolation along an edge loop: a coded neighbour and the vertex beyond it.
-  void add_extrapolations(std::uint32_t vertex, const VertexNeighbours& mesh) {
+  void add_extrapolations(const VertexNeighbours& mesh) {
     for (const std::uint32_t neighbour : coded_) {
-      const auto beyond = last_coded(mesh, neighbour, [&](std::uint32_t w) {
-        if (w == vertex) return false;
-        const auto list = mesh.of(vertex);
-        return std::none_of(list.begin(), list.end(),
-                            [&](auto u) { return u == w || (u != neighbour && mesh.connected(u, w)); });
-      });
+      const auto beyond = last_coded(mesh, neighbour, [&](std::uint32_t w) { return is_beyond(w, true); });
       if (beyond != no_vertex) candidates_.push_back({ranks_[neighbour], ranks_[neighbour], ranks_[beyond]});
     }
   }
@@ -116,8 +132,15 @@ class PredictorFinder {
     return last;
   }
 
+  struct Surroundings {
+    std::uint32_t time;        // of find_surroundings; else the rest is of a vertex before
+    std::uint16_t neighbours;  // of the vertex, next to this one
+    bool inside;               // the vertex itself or one of its neighbours
+  };
+
   std::pmr::vector<std::uint32_t> ranks_;
-  std::uint32_t no_rank_, next_rank_ = 0;
+  std::pmr::vector<Surroundings> surroundings_;
+  std::uint32_t no_rank_, next_rank_ = 0, now_ = 0;
   std::vector<std::uint32_t> coded_;  // neighbours of the current vertex
   std::vector<Predictor> candidates_;
 };

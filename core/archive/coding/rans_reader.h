@@ -16,11 +16,21 @@ inline constexpr std::uint32_t table_bits = 10, table_slots = 1u << table_bits; 
 inline constexpr std::uint32_t stream_count = 4;                                 // of a part
 inline constexpr std::uint32_t min_state = 1u << 16;  // a state below is renormalised by a 16-bit word
 
-// The frequency tables of a section. Symbol and frequency are looked up one after the other, because a table of both
-// per slot would be four times as large and exceed the first-level cache.
+// A frequency table. Symbol and frequency are looked up one after the other, because a table of both per slot would be
+// four times as large and exceed the first-level cache.
+struct FrequencyTable {
+  const std::uint8_t* symbol_of_slot;     // of table_slots
+  const std::uint32_t* frequency_starts;  // of 256 symbols: frequency << 16 | first slot of the symbol
+};
+
+// The frequency tables of a section.
 struct FrequencyTables {
   std::pmr::vector<std::uint8_t> symbol_of_slot;     // tables x table_slots
-  std::pmr::vector<std::uint32_t> frequency_starts;  // tables x 256: frequency << 16 | first slot of the symbol
+  std::pmr::vector<std::uint32_t> frequency_starts;  // tables x 256
+
+  FrequencyTable operator[](std::size_t table) const {
+    return {&symbol_of_slot[table * table_slots], &frequency_starts[table * 256]};
+  }
 };
 
 // The decoder of one interleaved stream. Streams share nothing but the tables, so that their decoding overlaps in the
@@ -34,9 +44,9 @@ class RansStream {
   bool exhausted() const { return word_ > end_; }
 
   // The next symbol, below 256, coded by this table.
-  std::uint32_t symbol(const FrequencyTables& tables, std::size_t table) {
-    const std::uint32_t slot = state_ % table_slots, symbol = tables.symbol_of_slot[table * table_slots + slot];
-    const std::uint32_t entry = tables.frequency_starts[256 * table + symbol];
+  std::uint32_t symbol(FrequencyTable table) {
+    const std::uint32_t slot = state_ % table_slots, symbol = table.symbol_of_slot[slot];
+    const std::uint32_t entry = table.frequency_starts[symbol];
     state_ = (entry >> 16) * (state_ >> table_bits) + slot - entry % 65536;
     renormalise();
     return symbol;

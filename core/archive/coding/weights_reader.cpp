@@ -12,8 +12,8 @@ constexpr std::size_t weights_per_check = stream_count * RansStream::padding_wor
 
 template <bool wide>
 std::int16_t read_weight(const FrequencyTables& tables, RansStream& in, std::uint32_t table) {
-  int weight = static_cast<int>(in.symbol(tables, table + (wide ? high_digit_tables : 0))) - largest_narrow;
-  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(tables, table + low_digit_tables)) - 128;
+  int weight = static_cast<int>(in.symbol(tables[table + (wide ? high_digit_tables : 0)])) - largest_narrow;
+  if (wide) weight = 256 * weight + static_cast<int>(in.symbol(tables[table + low_digit_tables])) - 128;
   return static_cast<std::int16_t>(weight);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <span>
 
 #include "archive/coding/coding_reader.h"
@@ -66,6 +67,39 @@ ByteWriter write_columns(const PackedModel& model, std::span<const std::uint8_t>
   return out;
 }
 
+// Codes the values of a segment: the class symbols of its units, then the residuals of those of class 2 or more; both
+// in the streams of its part in turn.
+class SegmentWriter {
+ public:
+  SegmentWriter(RansWriter& out, std::size_t part, std::uint32_t class_table)
+      : out_(out), part_(part), class_table_(class_table) {}
+
+  void unit(const CodingUnit& unit, AxisVector residuals) {
+    out_.select(part_, units_++ % stream_count);
+    const std::uint32_t unit_class = write_class(out_, class_table_, residuals);
+    if (unit_class >= 2) large_.push_back({&unit, unit_class, residuals});
+  }
+  // All units have been given.
+  void finish() {
+    for (std::size_t i = 0; i < large_.size(); ++i) {
+      out_.select(part_, i % stream_count);
+      write_residuals(out_, *large_[i].unit, large_[i].unit_class, large_[i].residuals);
+    }
+  }
+
+ private:
+  struct LargeUnit {
+    const CodingUnit* unit;
+    std::uint32_t unit_class;
+    AxisVector residuals;
+  };
+
+  RansWriter& out_;
+  std::size_t part_, units_ = 0;
+  std::uint32_t class_table_;
+  std::vector<LargeUnit> large_;
+};
+
 ByteWriter write_values(const PackedModel& model, const CodingUnits& units, std::span<const std::uint8_t> tables) {
   const std::uint32_t class_tables = tables.empty() ? 0 : *std::max_element(tables.begin(), tables.end()) + 1u;
   RansWriter rans(first_class_table + class_tables, basis_parts);
@@ -77,20 +111,24 @@ ByteWriter write_values(const PackedModel& model, const CodingUnits& units, std:
         rans.symbol(pair_table, unit.predictor_pair);
       }
   const auto first_columns = first_columns_of_parts(model, column_segments(model));
-  std::size_t part = 0, units_of_part = 0, next_table = 0;
-  std::uint32_t class_table = 0;
+  std::size_t part = 0, next_table = 0;
+  std::optional<SegmentWriter> segment;
+  const auto finish_segment = [&] {
+    if (segment) segment->finish();
+  };
   for_each_unit(
       model, units,
       [&](std::size_t column, const ColumnSegment&) {
-        while (column >= first_columns[part + 1]) ++part, units_of_part = 0;
-        class_table = tables[next_table++];
+        while (column >= first_columns[part + 1]) ++part;
+        finish_segment();
+        segment.emplace(rans, part, tables[next_table++]);
       },
       [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
         const AxisVector values = values_of_vertex(history, unit, &model.row_blocks[b].values[at]);
-        rans.select(part, units_of_part++ % stream_count);
-        write_unit(rans, class_table, unit, residuals_of(history, unit, values));
+        segment->unit(unit, residuals_of(history, unit, values));
         history.set(unit.rank, values);
       });
+  finish_segment();
   ByteWriter out;
   rans.write(out);
   return out;

@@ -14,12 +14,9 @@ namespace {
 constexpr std::size_t symbol_count = class_symbol_base + max_class + 1;
 using ClassCounts = std::array<std::uint16_t, symbol_count>;  // of the class symbols of a segment
 
-// Counts class symbols as a sink of write_unit.
+// Counts class symbols as a sink of write_class.
 struct ClassCounter {
-  void symbol(std::size_t table, std::uint32_t value) {
-    if (table >= first_class_table) ++(*counts)[value];
-  }
-  void bits(std::uint32_t, std::uint32_t) {}
+  void symbol(std::size_t, std::uint32_t value) { ++(*counts)[value]; }
   ClassCounts* counts;
 };
 
@@ -30,7 +27,7 @@ std::vector<ClassCounts> count_classes(const PackedModel& model, const CodingUni
       [&](ColumnHistory& history, const CodingUnit& unit, std::uint32_t b, std::size_t at) {
         const AxisVector values = values_of_vertex(history, unit, &model.row_blocks[b].values[at]);
         ClassCounter counter{&counts.back()};
-        write_unit(counter, 0, unit, residuals_of(history, unit, values));
+        write_class(counter, 0, residuals_of(history, unit, values));
         history.set(unit.rank, values);
       });
   return counts;

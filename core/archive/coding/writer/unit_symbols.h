@@ -30,17 +30,23 @@ inline AxisVector residuals_of(const ColumnHistory& history, const CodingUnit& u
   return residuals;
 }
 
-// Codes a unit with these residuals. `class_table`: of its segment. `Sink`: has symbol(table, value) and bits(count,
-// value), as RansWriter has.
+// Codes the class symbol of a unit with these residuals, and returns its class. `class_table`: of its segment. `Sink`:
+// has symbol(table, value) and bits(count, value), as RansWriter has.
 template <class Sink>
-void write_unit(Sink& out, std::uint32_t class_table, const CodingUnit& unit, AxisVector residuals) {
-  const std::uint32_t unit_class = class_of(residuals), table = first_class_table + class_table;
+std::uint32_t write_class(Sink& out, std::uint32_t class_table, AxisVector residuals) {
+  const std::uint32_t unit_class = class_of(residuals);
+  std::uint32_t symbol = class_symbol_base + unit_class;
   if (unit_class < 2) {
-    std::uint32_t symbol = 0;
+    symbol = 0;
     for (std::size_t axis = 3; axis-- > 0;) symbol = 3 * symbol + (residuals[axis] < 0 ? 2 : residuals[axis]);
-    return out.symbol(table, symbol);
   }
-  out.symbol(table, class_symbol_base + unit_class);
+  out.symbol(first_class_table + class_table, symbol);
+  return unit_class;
+}
+
+// Codes the residuals of a unit of this class, 2 or more.
+template <class Sink>
+void write_residuals(Sink& out, const CodingUnit& unit, std::uint32_t unit_class, AxisVector residuals) {
   const int offset = (1 << unit_class) - 1;
   const std::uint32_t raw_bits = unit_class > max_coded_bits ? unit_class - max_coded_bits : 0;
   bool class_reached = false;
@@ -51,6 +57,13 @@ void write_unit(Sink& out, std::uint32_t class_table, const CodingUnit& unit, Ax
     if (raw_bits > 0) out.bits(raw_bits, code & ((1u << raw_bits) - 1));
     class_reached = class_reached || std::abs(residuals[axis]) > offset / 2;
   }
+}
+
+// Both, for a sink that does not care for their order.
+template <class Sink>
+void write_unit(Sink& out, std::uint32_t class_table, const CodingUnit& unit, AxisVector residuals) {
+  const std::uint32_t unit_class = write_class(out, class_table, residuals);
+  if (unit_class >= 2) write_residuals(out, unit, unit_class, residuals);
 }
 
 // Calls begin(column, segment) for all segments in coding order, and after each function(history, unit, row block,
