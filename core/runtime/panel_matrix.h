@@ -83,6 +83,7 @@ class PanelMatrix {
 
   // Computes limit() from the largest sum of |digit| over a row.
   void find_limit() {
+    if (columns_ == 0) return;  // there are no digits
     std::uint32_t largest_sum = 0;
     for (std::uint32_t first = 0; first < rows_; first += panel_rows()) {
       constexpr std::size_t max_length = std::max(column_panel_rows, quad_panel_rows * quad_columns);

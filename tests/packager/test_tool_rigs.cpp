@@ -216,8 +216,8 @@ TEST_CASE("within a small budget, hero is no worse than linear blendshapes of th
   const ScratchFolder folder;
   const auto mse = [&](const char* recipe, const char* budget) {
     const std::string face = folder / "face.fbk";
-    const ToolRun bake = run_tool({"bake", FB_TOY_RIG, "--out", face, "--recipe", recipe, "--rig-budget", budget,
-                                    "--epochs", "20"});
+    const ToolRun bake =
+        run_tool({"bake", FB_TOY_RIG, "--out", face, "--recipe", recipe, "--rig-budget", budget, "--epochs", "20"});
     CHECK_MESSAGE(bake.exit_code == 0, bake.err);
     return nlohmann::json::parse(run_tool({"eval", face, FB_TOY_RIG, "--json", "-"}).out)
         .at("total")
@@ -315,6 +315,11 @@ TEST_CASE("a source that cannot be served is told once, and rig-host speaks to a
   const ToolRun none = run_tool({"bake", "/no/such/rig.so", "--isolate", "--out", "/no/such/face.fbk"});
   CHECK(none.exit_code == 1);
   CHECK_MESSAGE(is_error_line(none.err, "bake", {"/no/such/rig.so: no such file or folder"}), none.err);
+  CHECK_MESSAGE(!contains(none.err, "sample"), none.err);
+  const ToolRun mistyped = run_tool({"bake", "smaple", "--out", "/no/such/face.fbk"});
+  CHECK(mistyped.exit_code == 1);
+  CHECK_MESSAGE(is_error_line(mistyped.err, "bake", {"smaple: no such file or folder", "named \"sample\""}),
+                mistyped.err);
   const ToolRun alone = run_program("/bin/sh", {"-c", "exec '" FB_TOOL "' rig-host '" FB_TOY_RIG "' 3<&- 4>&-"});
   CHECK(alone.exit_code == 1);
   CHECK_MESSAGE(is_error_line(alone.err, "rig-host", {"descriptor 3 cannot be read"}), alone.err);

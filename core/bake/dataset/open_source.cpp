@@ -100,7 +100,11 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
   }
   if (source == "sample") return open_sample();
   const fs::path path(source);
-  if (!fs::exists(path)) fail(Status::not_found, "%s: no such file or folder", shown(source).c_str());
+  if (!fs::exists(path)) {
+    const bool word = path == path.filename() && !path.has_extension();  // perhaps meant as a name
+    fail(Status::not_found, "%s: no such file or folder%s", shown(source).c_str(),
+         word ? "; the built-in rig is named \"sample\"" : "");
+  }
   if (fs::is_directory(path)) {
     OutputLock::refuse_if_written(path);
     if (!fs::exists(path / dataset_file))
