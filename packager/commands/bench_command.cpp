@@ -67,6 +67,9 @@ std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) co
     if (clip.split == FB_SPLIT_TEST)
       values.insert(values.end(), clip.controls, clip.controls + clip.frames * model.control_count());
   }
+  if (values.empty())
+    fail(Status::invalid_argument, "%s: has no test clips; without --source, a synthetic shot is posed",
+         sources.front().c_str());
   values.resize(std::min(values.size(), poses * model.control_count()));
   return values;
 }

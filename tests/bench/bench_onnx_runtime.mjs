@@ -79,21 +79,18 @@ const nothing = await prepare(model([node("Relu", ["controls"], "positions")], [
 const one = await prepare(paperNetwork(controls, vertices, 1), 1, controls, 3 * vertices);
 const many = await prepare(paperNetwork(controls, vertices, batch), batch, controls, 3 * vertices);
 
-const csv = path.join(os.tmpdir(), `bench_onnx_runtime_${process.pid}.csv`);
+const json = path.join(os.tmpdir(), `bench_onnx_runtime_${process.pid}.json`);
 const figures = {};
 const add = (name, time) => (figures[name] ??= []).push(time);
 for (let round = 0; round < rounds; ++round) {
   add("a call of ONNX Runtime", await nothing(400));
   add("paper's network, ONNX Runtime", await one(400));
   add(`batch of ${batch}: paper's network, ONNX Runtime`, await many(8));
-  const run = spawnSync(tool, ["bench", archive, "--csv", csv, ...source.flatMap((s) => ["--source", s])]);
+  const run = spawnSync(tool, ["bench", archive, "--json", json, ...source.flatMap((s) => ["--source", s])]);
   if (run.status !== 0) throw new Error(String(run.stderr));
-  for (const line of readFileSync(csv, "utf8").split("\n")) {
-    const cells = /"([^"]*)",([0-9.]+),([0-9.]+),[0-9.]+,[0-9]+$/.exec(line);
-    if (cells) add(cells[1], Number(cells[3]));
-  }
+  for (const { name, median_us } of JSON.parse(readFileSync(json)).lines) add(name, median_us);
 }
-rmSync(csv);
+rmSync(json);
 
 const figure = (name) => median([...figures[name]]);
 const print = (name, beside) => {

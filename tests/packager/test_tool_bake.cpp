@@ -229,6 +229,19 @@ TEST_CASE("--no-shots leaves the rig's own clips out") {
   }
 }
 
+TEST_CASE("bench names a source without test clips") {
+  const ScratchFolder folder;
+  const std::string archive = folder / "toy.fbk";
+  REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--poses", "20"}).exit_code == 0);
+  REQUIRE(run_tool({"bake", folder / "data", "--recipe", "linear", "--out", archive}).exit_code == 0);
+  Json data = read_index(folder / "data");
+  for (Json& clip : data.at("clips")) clip["split"] = "train";
+  write_index(folder / "data", data);
+  const ToolRun bench = run_tool({"bench", archive, "--source", folder / "data"});
+  CHECK(bench.exit_code == 1);
+  CHECK_MESSAGE(is_error_line(bench.err, "bench", {"data: has no test clips", "--source"}), bench.err);
+}
+
 TEST_CASE("a rig budget bounds all evaluations of the rig") {
   const ScratchFolder folder;
   const ToolRun sampled = run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--rig-budget", "400", "--json"});
