@@ -23,8 +23,8 @@ std::string unknown_option(const CLI::App& command) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   for (const std::string& left : command.remaining()) {
     const std::string word = left.substr(0, left.find('='));
-    if (!word.starts_with("--") || word.size() < 3) continue;
-    const auto meant = nearest_name(word, names);
+    if (!word.starts_with('-') || word == "-" || word == "--") continue;
+    const auto meant = word.starts_with("--") ? nearest_name(word, names) : std::nullopt;
     return format("no option %s", shown(word).c_str()) +
            (meant ? format("; did you mean %s?", meant->c_str()) : std::string());
   }

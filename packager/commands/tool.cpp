@@ -34,12 +34,19 @@ int report_failure(const CLI::App& tool, const std::string& message, int exit_co
   return exit_code;
 }
 
+// Whether the first word of the command line is neither a command nor an option. A later one may be a command, such as
+// the source "sample", and would be taken for it.
+bool is_mistyped(const CLI::App& tool, const char* first) {
+  const auto commands = tool.get_subcommands([](const CLI::App*) { return true; });
+  return *first != '-' &&
+         std::ranges::none_of(commands, [&](const CLI::App* command) { return command->get_name() == first; });
+}
+
 // What is wrong with the command line. `first`: its first word; null: it has none.
 std::string wrong_use_text(const CLI::App& tool, const CLI::ParseError& wrong, const char* first) {
+  if (!first) return "give a command (see --help)";
   const auto commands = tool.get_subcommands();
-  if (commands.empty() && !first) return "give a command (see --help)";
-  if (commands.empty()) return (*first == '-' ? unknown_option(tool) : unknown_command(tool, first)) + " (see --help)";
-  const std::string option = unknown_option(*commands[0]);
+  const std::string option = unknown_option(commands.empty() ? tool : *commands[0]);
   return (option.empty() ? wrong.what() : option) + " (see --help)";
 }
 
@@ -109,13 +116,15 @@ int run_tool(int argc, char** argv) {
 
   watch_interrupts();
   const ExitGuard guard(argc > 1 ? fb::format("facebaker %s", argv[1]) : "facebaker");
+  const char* const first = argc > 1 ? argv[1] : nullptr;
+  if (first && is_mistyped(tool, first)) return report_failure(tool, unknown_command(tool, first) + " (see --help)", 2);
   try {
     tool.parse(argc, argv);
     finish_results();
   } catch (const CLI::Success& help) {
     return print_help(tool, help);
   } catch (const CLI::ParseError& wrong) {
-    return report_failure(tool, wrong_use_text(tool, wrong, argc > 1 ? argv[1] : nullptr), 2);
+    return report_failure(tool, wrong_use_text(tool, wrong, first), 2);
   } catch (const fb::Error& error) {
     return report_failure(tool, error.status() == fb::Status::interrupted ? interrupted_text(tool) : error.what(), 1);
   } catch (const facebaker::Error& error) {

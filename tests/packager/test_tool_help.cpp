@@ -100,8 +100,10 @@ TEST_CASE("a mistyped command or option gets the nearest one suggested") {
     return run.err;
   };
   CHECK(said({"sampel"}) == "facebaker: no command \"sampel\"; did you mean \"sample\"? (see --help)\n");
+  CHECK(said({"sampel", "sample"}) == said({"sampel"}));
   CHECK(said({"juggle"}) == "facebaker: no command \"juggle\" (see --help)\n");
   CHECK(said({"write-manul"}) == "facebaker: no command \"write-manul\" (see --help)\n");
+  CHECK(said({"-x"}) == "facebaker: no option -x (see --help)\n");
   CHECK(said({"--versoin"}) == "facebaker: no option --versoin; did you mean --version? (see --help)\n");
   CHECK(said({"bake", "sample", "--outt", "a.fbk"}) ==
         "facebaker bake: no option --outt; did you mean --out? (see --help)\n");

@@ -129,6 +129,8 @@ std::vector<unsigned char> values_of(const draco::PointAttribute& from, std::uin
   const bool floats = from.data_type() == draco::DT_FLOAT32 || from.data_type() == draco::DT_FLOAT64;
   if (floats && as.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
     fail(Status::bad_data, "an attribute of its Draco data has floats, and its accessor integers");
+  if (from.data_type() == draco::DT_BOOL)  // Draco would read its bytes as C++ truth values, whatever they are
+    fail(Status::bad_data, "an attribute of its Draco data has truth values, which glTF does not have");
   std::vector<unsigned char> values;
   switch (as.componentType) {
     case TINYGLTF_COMPONENT_TYPE_FLOAT:
