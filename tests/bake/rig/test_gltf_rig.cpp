@@ -5,6 +5,7 @@
 #include "archive/reader.h"
 #include "bake/dataset/open_source.h"
 #include "bake/pipeline/bake.h"
+#include "bake/rig/gltf/key_frames.h"
 #include "bake_test_support.h"
 #include "base/random.h"
 #include "runtime/evaluator.h"
@@ -290,6 +291,19 @@ TEST_CASE("numbers that are not finite, and times that do not increase, are refu
     const std::string what = failure(wrong.status, [&] { toy.open(); });
     CHECK_MESSAGE(contains(what, wrong.message), what);
   }
+}
+
+TEST_CASE("few keys are not resampled to very many frames") {
+  const std::vector<float> rest(64);
+  KeyTrack track{{0, 10000}, {0, 1}, {3}};  // 19.2 million values at 30 frames a second
+  std::vector<std::size_t> contested;
+  const auto frames = [&] { return resample(std::span(&track, 1), rest, 30, contested).frames; };
+  CHECK(contains(failure(Status::limit, frames), "10000 s of 64 values are too long"));
+  for (std::size_t key = 1; track.times.size() < 75016; ++key) {
+    track.times.insert(track.times.end() - 1, 0.1f * static_cast<float>(key));
+    track.values.insert(track.values.end() - 1, 0);
+  }
+  CHECK(frames() == 300001);
 }
 
 TEST_CASE("JSON that is nested too deep is refused before it is parsed") {

@@ -61,6 +61,13 @@ class TrackSampler {
   double seconds_ = 0, share_ = 0;  // from key to next
 };
 
+// How many values the frames of tracks may have.
+double most_values(std::span<const KeyTrack> tracks) {
+  double of_keys = 0;
+  for (const KeyTrack& track : tracks) of_keys += static_cast<double>(track.values.size());
+  return std::clamp(256 * of_keys, double(1 << 24), double(1 << 27));
+}
+
 }  // namespace
 
 Clip resample(std::span<const KeyTrack> tracks, std::span<const float> rest, double fps,
@@ -77,7 +84,7 @@ Clip resample(std::span<const KeyTrack> tracks, std::span<const float> rest, dou
       if (mover[control] == none) mover[control] = k;
   }
   const double frames = std::ceil((end - start - near) * fps) + 1;
-  if (frames * static_cast<double>(rest.size()) > double(1 << 27))
+  if (frames * static_cast<double>(rest.size()) > most_values(tracks))
     fail(Status::limit, "%g s of %zu values are too long to be read", end - start, rest.size());
 
   Clip clip;

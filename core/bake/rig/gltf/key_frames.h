@@ -23,7 +23,8 @@ struct KeyTrack {
 // Frames from the first key of all tracks to the last, `fps` a second; a last key between two frames becomes a frame of
 // its own. A track stays at its ends before and after its keys; controls without a track are at rest (one value a
 // control). Where several tracks move a control, the first does, and the control is added to `contested` if they
-// disagree. Fails with limit where that would be more than 2^27 values, which a file of a few bytes could require.
+// disagree. Fails with limit where that would be more than 2^27 values, or more than both 2^24 and 256 for each value
+// of the keys: a file of a few bytes could ask for them.
 Clip resample(std::span<const KeyTrack> tracks, std::span<const float> rest, double fps,
               std::vector<std::size_t>& contested);
 
