@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/output_lock.h"
 #include "base/random.h"
+#include "base/shown_path.h"
 #include "base/status.h"
 #include "bench/speed.h"
 #include "commands/command_options.h"
@@ -69,7 +70,7 @@ std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) co
   }
   if (values.empty())
     fail(Status::invalid_argument, "%s: has no test clips; without --source, a synthetic shot is posed",
-         sources.front().c_str());
+         shown(sources.front()).c_str());
   values.resize(std::min(values.size(), poses * model.control_count()));
   return values;
 }

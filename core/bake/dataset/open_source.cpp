@@ -16,6 +16,7 @@
 #include "bake/rig_process/process_source.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/match_names.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 
@@ -101,9 +102,9 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
   if (source == "sample") return open_sample();
   const fs::path path(source);
   if (!fs::exists(path)) {
-    const bool word = path == path.filename() && !path.has_extension();  // perhaps meant as a name
+    const bool mistyped = nearest_name(source, {"sample"}).has_value();
     fail(Status::not_found, "%s: no such file or folder%s", shown(source).c_str(),
-         word ? "; the built-in rig is named \"sample\"" : "");
+         mistyped ? "; did you mean the built-in rig, named \"sample\"?" : "");
   }
   if (fs::is_directory(path)) {
     OutputLock::refuse_if_written(path);
