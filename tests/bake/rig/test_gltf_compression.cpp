@@ -106,7 +106,8 @@ std::size_t view_of(const json& file, std::size_t mesh, const std::string& attri
 }
 
 // Encodes a primitive of the avatar by Draco. `method`: of draco::MeshEncoderMethod; sequential keeps the order.
-void compress_by_draco(GltfAvatar& avatar, std::size_t mesh, int method) {
+// `byte_type`: what bytes are said to be.
+void compress_by_draco(GltfAvatar& avatar, std::size_t mesh, int method, draco::DataType byte_type = draco::DT_UINT8) {
   json& primitive = avatar.json["meshes"][mesh]["primitives"][0];
   const auto values = [&](std::size_t accessor) {
     const json& from = avatar.json["accessors"][accessor];
@@ -130,7 +131,7 @@ void compress_by_draco(GltfAvatar& avatar, std::size_t mesh, int method) {
     const int width = accessor["type"] == "VEC3" ? 3 : accessor["type"] == "VEC2" ? 2 : 4;
     draco::GeometryAttribute attribute;
     attribute.Init(name == "POSITION" ? draco::GeometryAttribute::POSITION : draco::GeometryAttribute::GENERIC, nullptr,
-                   static_cast<std::uint8_t>(width), bytes ? draco::DT_UINT8 : draco::DT_FLOAT32, false,
+                   static_cast<std::uint8_t>(width), bytes ? byte_type : draco::DT_FLOAT32, false,
                    width * (bytes ? 1 : 4), 0);
     const int id = made.AddAttribute(attribute, true, static_cast<std::uint32_t>(points));
     for (std::size_t p = 0; p < points; ++p)
@@ -267,6 +268,12 @@ TEST_CASE("what Draco compresses is decoded, with the morph targets that go with
     return points;
   };
   CHECK(sorted_points(eyes->rest()) == sorted_points(plain->rest()));
+
+  GltfAvatar truths;
+  compress_by_draco(truths, 2, draco::MESH_SEQUENTIAL_ENCODING, draco::DT_BOOL);
+  const std::string what = failure(Status::bad_data, [&] { open_bytes(truths.glb()); });
+  CHECK_MESSAGE(contains(what, "mesh 2 (\"teeth\"), primitive 0: an attribute of its Draco data has truth values"),
+                what);
 }
 
 TEST_CASE("Draco data that is not what the file says is refused by mesh and primitive") {
