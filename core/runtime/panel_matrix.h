@@ -44,12 +44,13 @@ class PanelMatrix {
         rows_(rows),
         columns_(columns),
         lines_((columns + width() - 1) / width()),
+        column_length_(static_cast<std::uint32_t>(stored_rows(0))),
         blocks_(&memory) {
     const std::uint32_t last = rows > 0 ? (rows - 1) / panel_rows() * panel_rows() : 0;
     const std::size_t all_rows = last + stored_rows(last);
     const std::size_t bytes = checked_multiply(checked_multiply(all_rows, lines_, "a matrix"), width(), "a matrix");
     if (form == Form::columns)
-      checked_u32(checked_multiply(columns, stored_rows(0), "a matrix"), "a panel of a matrix");
+      checked_u32(checked_multiply(columns, column_length_, "a matrix"), "a panel of a matrix");
     Block zeros;
     for (std::size_t i = 0; i < sizeof(Block); ++i) zeros.digit[i] = stored(0, &zeros.digit[i]);
     blocks_.resize((bytes + sizeof(Block) - 1) / sizeof(Block), zeros);
@@ -129,8 +130,8 @@ class PanelMatrix {
   }
 
   // Where a column of a matrix of Form::columns begins in every panel, and which column that is.
-  std::uint32_t offset(std::size_t column) const { return static_cast<std::uint32_t>(column * stored_rows(0)); }
-  std::size_t column_at(std::uint32_t offset) const { return offset / stored_rows(0); }
+  std::uint32_t offset(std::size_t column) const { return static_cast<std::uint32_t>(column) * column_length_; }
+  std::size_t column_at(std::uint32_t offset) const { return offset / column_length_; }
 
   // Prefetches the column at an offset.
   void prefetch(std::uint32_t offset) const {
@@ -176,7 +177,6 @@ class PanelMatrix {
   }
   // Columns of a line, which is a column or a quad.
   std::size_t width() const { return form_ == Form::quads ? quad_columns : 1; }
-  // Columns are as long in every panel.
   std::size_t stored_rows(std::uint32_t first) const {
     const std::size_t rows = form_ == Form::quads ? rows_at(first) : std::min<std::size_t>(rows_, column_panel_rows);
     const std::size_t group = form_ == Form::quads ? quad_group : column_group;
@@ -199,6 +199,7 @@ class PanelMatrix {
   Form form_;
   std::uint32_t rows_;
   std::size_t columns_, lines_;
+  std::uint32_t column_length_;  // of a stored column of Form::columns, in every panel
   std::int32_t limit_ = largest_wide;
   std::uint8_t added_to_row_[column_group];  // to the digits of a group of rows of a column
   std::pmr::vector<Block> blocks_;

@@ -108,15 +108,18 @@ struct Strip {
 template <int strips>
 void add_columns(const Panel& panel, const PanelInputs& inputs, const PanelOutput& output) {
   Strip sum[strips];
+#pragma GCC unroll 3
   for (Strip& strip : sum) strip.begin(*inputs.initial_sums);
   const std::uint32_t* at = inputs.offsets;
   const std::int16_t* input = inputs.values;
   for (std::size_t k = 0; k < inputs.count; k += 2, at += 2, input += 2) {
     const std::uint8_t *const a = panel.digits + at[0], *const b = panel.digits + at[1];
     const __m512i pair = broadcast_pair(input);
+#pragma GCC unroll 3
     for (int s = 0; s < strips; ++s) sum[s].add(a + 64 * s, b + 64 * s, pair);
   }
   const RowWriter writer(panel, output, 0);
+#pragma GCC unroll 3
   for (int s = 0; s < strips; ++s) sum[s].finish(writer, 64 * static_cast<std::size_t>(s));
 }
 
