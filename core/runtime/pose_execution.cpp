@@ -165,8 +165,12 @@ void PoseExecution::visit_written(const Visit& visit) const {
 // `order`: of rows.
 void PoseExecution::write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest) {
   const std::span<const std::uint32_t> other = order == VertexOrder::baked ? layout_.baked_index : layout_.order;
-  const VertexWriter writer(layout_.kernels, rows, rest,
-                            order == output.order ? std::span<const std::uint32_t>() : other, output);
+  const std::size_t vertices = level_only_ && detail_.level ? detail_.level->vertices
+                               : all_points_                ? layout_.meshes.vertices
+                                                            : layout_.vertex_count();
+  const VertexWriter writer(layout_.kernels, {rows, 3 * vertices}, rest,
+                            order == output.order ? std::span<const std::uint32_t>() : other, output,
+                            workspace_.halves_.data());
   if (level_only_) return visit_written([&](VertexRange range) { writer.write(range); });
   if (meshes_.empty()) return writer.write(all_points_ ? layout_.meshes.all() : layout_.meshes.surface());
   for (std::size_t m = 0; m < meshes_.size(); ++m)

@@ -1,5 +1,6 @@
 #include "runtime/vertex_output.h"
 
+#include <algorithm>
 #include <cstring>
 
 #if defined(__SSE2__)
@@ -11,17 +12,18 @@ namespace {
 
 // Writes vertices begin..end - 1. index_of(v): the index in `rows` of vertex v. Without gaps, four numbers are copied,
 // which is one instruction; the next vertex overwrites the fourth.
-template <class IndexOf>
-void copy(const float* rows, VertexRange range, std::size_t stride, float* to, const IndexOf& index_of) {
+template <class Number, class IndexOf>
+void copy(const Number* rows, VertexRange range, std::size_t stride, Number* to, const IndexOf& index_of) {
   if (range.begin == range.end) return;
   const std::size_t last = range.end - 1;
   if (stride == 3)
 #pragma GCC unroll 4
-    for (std::size_t v = range.begin; v < last; ++v) std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(float));
+    for (std::size_t v = range.begin; v < last; ++v)
+      std::memcpy(to + 3 * v, rows + 3 * index_of(v), 4 * sizeof(Number));
   else
     for (std::size_t v = range.begin; v < last; ++v)
-      std::memcpy(to + v * stride, rows + 3 * index_of(v), 3 * sizeof(float));
-  std::memcpy(to + last * stride, rows + 3 * index_of(last), 3 * sizeof(float));
+      std::memcpy(to + v * stride, rows + 3 * index_of(v), 3 * sizeof(Number));
+  std::memcpy(to + last * stride, rows + 3 * index_of(last), 3 * sizeof(Number));
 }
 
 #if defined(__SSE2__)
@@ -48,46 +50,39 @@ void stream(const float* rows, VertexRange range, float* to, const IndexOf& inde
 
 }  // namespace
 
-// Displacements and halves: some vertices at a time are collected, converted and written.
-template <class IndexOf>
-void VertexWriter::write_chunks(VertexRange range, const IndexOf& index_of) const {
-  constexpr std::size_t chunk = 64;
-  float floats[3 * chunk + padding] = {}, rest[3 * chunk + padding] = {};  // kernels read and write whole vectors
-  std::uint16_t halves[3 * chunk + padding];
-  const bool half = output_.format == NumberFormat::float16;
-  const std::size_t size = half ? sizeof(std::uint16_t) : sizeof(float);
-  for (std::size_t first = range.begin; first < range.end; first += chunk) {
-    const std::size_t count = range.end - first < chunk ? range.end - first : chunk;
-    const auto collect = [&](const float* from, float* to) {
-#pragma GCC unroll 4
-      for (std::size_t i = 0; i < count; ++i, to += 3)
-        std::memcpy(to, from + 3 * index_of(first + i), 4 * sizeof(float));
-    };
-    collect(rows_, floats);
-    if (rest_) {
-      collect(rest_, rest);
-      for (std::size_t i = 0; i < 3 * count; ++i) floats[i] -= rest[i];
+// In the order of rows, because a vertex of halves is then copied by one instruction, too. Kernels read and write whole
+// vectors.
+void VertexWriter::convert_to_halves(const PoseKernels& kernels, std::size_t count) const {
+  constexpr std::size_t chunk = 16 * padding;
+  float floats[chunk];
+  for (std::size_t first = 0; first < count; first += chunk) {
+    const float* from = rows_ + first;
+    const std::size_t numbers = std::min(chunk, count - first);
+    if (rest_ || numbers < chunk) {
+      for (std::size_t i = 0; i < numbers; ++i) floats[i] = rest_ ? from[i] - rest_[first + i] : from[i];
+      std::fill(floats + numbers, floats + chunk, 0.0f);
+      from = floats;
     }
-    if (half) kernels_.convert_to_half(floats, halves, 3 * count);
-    auto* to = static_cast<std::byte*>(output_.first) + first * output_.vertex_stride * size;
-    const auto* from = half ? reinterpret_cast<const std::byte*>(halves) : reinterpret_cast<const std::byte*>(floats);
-    if (output_.vertex_stride == 3) {
-      std::memcpy(to, from, 3 * count * size);
-      continue;
-    }
-    for (std::size_t i = 0; i < count; ++i, to += output_.vertex_stride * size, from += 3 * size)
-      std::memcpy(to, from, 3 * size);
+    kernels.convert_to_half(from, halves_ + first, numbers);
   }
 }
 
 template <class IndexOf>
 void VertexWriter::write_range(VertexRange range, const IndexOf& index_of) const {
-  if (rest_ || output_.format == NumberFormat::float16) return write_chunks(range, index_of);
+  const std::size_t stride = output_.vertex_stride;
+  if (output_.format == NumberFormat::float16)
+    return copy<std::uint16_t>(halves_, range, stride, static_cast<std::uint16_t*>(output_.first), index_of);
   auto* const to = static_cast<float*>(output_.first);
+  if (rest_) {
+    for (std::size_t v = range.begin; v < range.end; ++v)
+      for (std::size_t axis = 0, from = 3 * index_of(v); axis < 3; ++axis, ++from)
+        to[v * stride + axis] = rows_[from] - rest_[from];
+    return;
+  }
 #if defined(__SSE2__)
-  if (output_.streamed && output_.vertex_stride == 3) return stream(rows_, range, to, index_of);
+  if (output_.streamed && stride == 3) return stream(rows_, range, to, index_of);
 #endif
-  copy(rows_, range, output_.vertex_stride, to, index_of);
+  copy(rows_, range, stride, to, index_of);
 }
 
 void VertexWriter::write(VertexRange range) const {

@@ -26,24 +26,26 @@ struct VertexOutput {
 
 // Writes vertices from `rows`, which holds 3 floats a vertex in an order of its own and is readable one float beyond.
 // rest: laid out like rows and subtracted from them; null: nothing is. index[v]: where vertex v of the output's order
-// is in rows; empty if both orders are the same. Refers to its arguments.
+// is in rows; empty if both orders are the same. halves: for an output of halves, room for those of all rows, and
+// `padding` more. Refers to its arguments.
 class VertexWriter {
  public:
-  VertexWriter(const PoseKernels& kernels, const float* rows, const float* rest, std::span<const std::uint32_t> index,
-               const VertexOutput& output)
-      : kernels_(kernels), rows_(rows), rest_(rest), index_(index), output_(output) {}
+  VertexWriter(const PoseKernels& kernels, std::span<const float> rows, const float* rest,
+               std::span<const std::uint32_t> index, const VertexOutput& output, std::uint16_t* halves)
+      : rows_(rows.data()), rest_(rest), halves_(halves), index_(index), output_(output) {
+    if (output.format == NumberFormat::float16) convert_to_halves(kernels, rows.size());
+  }
 
   // Some vertices, in the output's order.
   void write(VertexRange range) const;
 
  private:
+  void convert_to_halves(const PoseKernels& kernels, std::size_t count) const;
   template <class IndexOf>
   void write_range(VertexRange range, const IndexOf& index_of) const;
-  template <class IndexOf>
-  void write_chunks(VertexRange range, const IndexOf& index_of) const;
 
-  const PoseKernels& kernels_;
   const float *rows_, *rest_;
+  std::uint16_t* halves_;
   std::span<const std::uint32_t> index_;
   const VertexOutput& output_;
 };

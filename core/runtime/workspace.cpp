@@ -21,6 +21,7 @@ Workspace::Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr
       layers_(layout.max_work_size * poses, &memory),
       rows_(layout.row_stride() * poses, &memory),
       moved_(layout.row_blocks.size() * poses, &memory),
+      halves_(layout.rest_positions.size() + padding, &memory),
       layer_inputs_(layout.max_width, poses, memory),
       normals_(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory),
       errors_(layout.errors, memory),
