@@ -127,14 +127,17 @@ void add_columns(const Panel& panel, const PanelInputs& inputs, const PanelOutpu
 void add_columns_of_four(const Panel& panel, std::size_t row, const PanelInputs& inputs, std::size_t first_pose,
                          const PanelOutput& output) {
   Strip sum[4];
+#pragma GCC unroll 4
   for (int p = 0; p < 4; ++p) sum[p].begin(inputs.initial_sums[first_pose + p]);
   const std::uint8_t* const digits = panel.digits + row;
   const std::uint32_t* at = inputs.offsets;
   const std::int16_t* values = inputs.values + 4 * first_pose;
   for (std::size_t k = 0; k < inputs.count; k += 4, at += 4, values += 4 * poses_per_block)
     for (int pair = 0; pair < 4; pair += 2)
+#pragma GCC unroll 4
       for (int p = 0; p < 4; ++p)
         sum[p].add(digits + at[pair], digits + at[pair + 1], broadcast_pair(values + 4 * p + pair));
+#pragma GCC unroll 4
   for (std::size_t p = 0; p < 4; ++p) sum[p].finish({panel, output, first_pose + p}, row);
 }
 
@@ -185,7 +188,9 @@ template <int vectors>
 void add_quads_of_block(const Panel& panel, std::size_t row, const PanelInputs& inputs, const PanelOutput& output) {
   const __m512i even = _mm512_set1_epi16(255);
   __m512i sum[poses_per_block][vectors];
+#pragma GCC unroll 8
   for (std::size_t p = 0; p < poses_per_block; ++p)
+#pragma GCC unroll 2
     for (__m512i& s : sum[p]) s = _mm512_set1_epi32(static_cast<int>(inputs.initial_sums[p]));
   const std::int16_t* values = inputs.values;
   const std::uint8_t* quads = panel.digits + 4 * row;
@@ -196,6 +201,7 @@ void add_quads_of_block(const Panel& panel, std::size_t row, const PanelInputs& 
       first[v] = _mm512_and_si512(weights, even);
       last[v] = _mm512_srli_epi16(weights, 8);
     }
+#pragma GCC unroll 8
     for (std::size_t p = 0; p < poses_per_block; ++p, values += 4) {
       const __m512i x = broadcast_pair(values), y = broadcast_pair(values + 2);
       for (int v = 0; v < vectors; ++v) {
@@ -204,6 +210,7 @@ void add_quads_of_block(const Panel& panel, std::size_t row, const PanelInputs& 
       }
     }
   }
+#pragma GCC unroll 8
   for (std::size_t p = 0; p < poses_per_block; ++p) {
     const RowWriter writer(panel, output, p);
     for (std::size_t v = 0; v < vectors; ++v) writer.write(row + 16 * v, sum[p][v]);
