@@ -234,7 +234,7 @@ class GltfBody {
       add(n, "translation", buffer_.accessor(moves[n], "VEC3", 3));
       add(n, "rotation", buffer_.accessor(turns[n], "VEC4", 4));
     }
-    json["animations"] = {animation};
+    json["animations"] = nlohmann::json::array({animation});  // clang takes {animation} for a copy
   }
 
   GltfBuffer buffer_;

@@ -4,6 +4,13 @@
 #include <cstdlib>
 #include <new>
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#include <sanitizer/allocator_interface.h>
+#define FB_SANITIZER_HOOKS
+#endif
+#endif
+
 namespace {
 std::atomic<long> allocations{0};
 }
@@ -12,6 +19,11 @@ long allocation_count() {
   return allocations;
 }
 
+#if defined(FB_SANITIZER_HOOKS)
+// ThreadSanitizer's own operators cannot be replaced; it calls this for each block of memory.
+[[maybe_unused]] static const int hooks = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+#else
 // In a file of their own: where GCC sees both through inlining, it takes the pair for a mismatch.
 void* operator new(std::size_t bytes) {
   ++allocations;
@@ -24,3 +36,4 @@ void operator delete(void* made) noexcept {
 void operator delete(void* made, std::size_t) noexcept {
   std::free(made);
 }
+#endif

@@ -7,11 +7,12 @@
 #include <stdio.h>
 #include <time.h>
 
-static fb_rig_control faulty_controls[controls];
-static fb_rig_clip faulty_clips[shots];
-static float faulty_values[shot_frames * controls];
-static float faulty_rest[3 * vertices];
-static uint32_t faulty_sizes[polygons], faulty_corners[4 * quads + 3];
+/* Of each thread, because tests of ranks open the rig in several at once. */
+static __thread fb_rig_control faulty_controls[controls];
+static __thread fb_rig_clip faulty_clips[shots];
+static __thread float faulty_values[shot_frames * controls];
+static __thread float faulty_rest[3 * vertices];
+static __thread uint32_t faulty_sizes[polygons], faulty_corners[4 * quads + 3];
 static int counted; /* poses evaluated so far, for faults that show late */
 
 /* Some faults fail, or give NaN, for the one pose in which browTwist is -0.5. */
