@@ -12,6 +12,8 @@
 namespace fb::bake {
 
 struct BlockwisePcaOptions {
+  // 128 at the same error (`bench_packing`, "block=128" with 0.7 of the recipe's drop) makes archives 1 to 3 % smaller;
+  // poses of the sample face take 0.98 of the time with AVX-512 and 1.02 with AVX2.
   std::uint32_t block_vertices = 64;
   double threshold = 2e-5;  // over D: a block keeps directions with a larger root mean square motion per vertex
 };
