@@ -81,7 +81,8 @@ struct RowsByLane {
 };
 constexpr RowsByLane rows_by_lane;
 
-// Accumulators of 64 rows of a pose. Even rows are summed with 256 times the odd ones behind them.
+// Accumulators of 64 rows of a pose. Even rows are summed with 256 times the odd ones behind them. Loops over several
+// of them are unrolled, because GCC would keep an array in memory.
 struct Strip {
   __m512i first_both, first_odd, last_both, last_odd;
 
