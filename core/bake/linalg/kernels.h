@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "bake/linalg/gemm.h"
 #include "model/network.h"
@@ -15,7 +16,13 @@ struct AdamStep {
   float decay_factor;  // of the parameters: 1 - learning rate * weight decay
 };
 
-// The inner loops of training, on the calling thread. Matrices are column-major, one column a pose.
+// A block of coordinates, or a value in as many poses.
+struct alignas(64) SixteenFloats {
+  static constexpr std::size_t count = 16;
+  float values[count];
+};
+
+// The inner loops of baking, on the calling thread. Matrices are column-major, one column a pose.
 struct Kernels {
   decltype(&bake::gemm) gemm;
   // y = activation(y + bias) + skip; `derivative` becomes the activation's derivative at y + bias. skip and derivative
@@ -32,6 +39,10 @@ struct Kernels {
                std::size_t microbatches, float* parameters, float* mean, float* square);
   // Quantises and dequantises one row of weights as packing does: multiples of max|row| / levels.
   void (*quantise_row)(std::size_t count, float levels, const float* row, float* quantised);
+  // The sums of one block of blendshapes in a few poses, see BlockedBlendshapes. terms: `count` of the block's shapes;
+  // features and offsets: of all of them; values: in the poses, of all features; sums: of each pose.
+  void (*add_up_block)(std::size_t count, const std::uint32_t* terms, const std::uint32_t* features,
+                       const SixteenFloats* offsets, const SixteenFloats* values, SixteenFloats* sums);
 };
 
 // The kernels for the widest vectors of this processor: same bits on the same kind of processor.

@@ -118,9 +118,28 @@ void quantise_row(std::size_t count, float levels, const float* __restrict row, 
     quantised[i] = ((row[i] * inverse + round_to_integer) - round_to_integer) * step;
 }
 
+void add_up_block(std::size_t count, const std::uint32_t* __restrict terms, const std::uint32_t* __restrict features,
+                  const SixteenFloats* __restrict offsets, const SixteenFloats* __restrict values,
+                  SixteenFloats* __restrict sums) {
+  // Vectors of the compiler's: an array of plain floats would stay in memory.
+  using Vector = float __attribute__((vector_size(sizeof(SixteenFloats)), may_alias));
+  Vector sum[SixteenFloats::count] = {};
+  constexpr std::size_t ahead = 16;  // terms, as far as they are fetched before they are needed
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::uint32_t next = terms[n + ahead < count ? n + ahead : count - 1];
+    __builtin_prefetch(&offsets[next]);
+    __builtin_prefetch(&values[features[next]]);
+    const Vector offset = reinterpret_cast<const Vector&>(offsets[terms[n]]);
+    const float* const value = values[features[terms[n]]].values;
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < SixteenFloats::count; ++i) sum[i] += value[i] * offset;
+  }
+  for (std::size_t i = 0; i < SixteenFloats::count; ++i) reinterpret_cast<Vector&>(sums[i]) = sum[i];
+}
+
 }  // namespace
 
 extern const Kernels kernels;
-constinit const Kernels kernels = {gemm, activation_forward, activation_backward, adam, quantise_row};
+constinit const Kernels kernels = {gemm, activation_forward, activation_backward, adam, quantise_row, add_up_block};
 
 }  // namespace fb::bake::FB_KERNELS

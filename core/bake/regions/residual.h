@@ -1,17 +1,18 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "bake/analysis/sparse_blendshapes.h"
+#include "bake/analysis/blocked_blendshapes.h"
 #include "bake/rig/pose_rows.h"
 #include "base/parallel.h"
 
 namespace fb::bake {
 
-// Recorded displacements minus those of the sparse blendshapes: what region networks learn. The blendshapes must
-// outlive it.
+// Recorded displacements minus those of the sparse blendshapes: what region networks learn. Copies the blendshapes, see
+// BlockedBlendshapes.
 class Residual final : public PoseRows {
  public:
   Residual(PoseSet poses, const SparseBlendshapes& base);
@@ -22,7 +23,9 @@ class Residual final : public PoseRows {
   std::unique_ptr<PoseRows> subsampled(std::size_t count) const override;
 
  private:
-  const SparseBlendshapes* base_;
+  Residual(PoseSet poses, std::shared_ptr<const BlockedBlendshapes> base);
+
+  std::shared_ptr<const BlockedBlendshapes> base_;
   std::vector<float> rest_;
 };
 

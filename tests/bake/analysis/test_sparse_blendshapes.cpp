@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "bake/analysis/blocked_blendshapes.h"
+#include "base/random.h"
 #include "base/status.h"
 
 using namespace fb;
@@ -51,4 +55,38 @@ TEST_CASE("shapes are added to every pose, and subtracted again") {
   base.add(controls, rest, count, -2, out);
   CHECK(out == std::vector<float>(count * 12, 0.5f));
   CHECK_THROWS_AS(base.add(controls, rest, count - 1, 1, out), Error);
+}
+
+TEST_CASE("blendshapes in blocks move poses as the shapes do") {
+  constexpr std::size_t vertices = 50, controls = 9, count = 37;
+  Random random(1);
+  SparseBlendshapes base;
+  for (std::uint32_t c = 0; c < controls; ++c) base.features.push_back({Kind::identity, c});
+  base.features.push_back({Kind::product, 0, 1, 0, 0, 3, 4});
+  for (std::uint32_t f = 0; f < base.features.size(); ++f) {
+    SparseShape shape{f, {}, {}};
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      if (random.below(3) == 0) continue;
+      shape.vertices.push_back(v);
+      for (int axis = 0; axis < 3; ++axis) shape.offsets.push_back(random.normal());
+    }
+    base.shapes.push_back(shape);
+  }
+  const std::vector<float> still(controls, 0.0f);
+  std::vector<float> poses(count * controls);
+  for (std::size_t i = controls; i < poses.size(); ++i)  // the first pose is at rest
+    if (random.below(2)) poses[i] = random.normal();
+  std::vector<float> expected(count * 3 * vertices, 0.5f), out = expected;
+  base.add(poses, still, count, -1, expected);
+  const BlockedBlendshapes blocked(base, vertices);
+  blocked.add(poses, still, count, -1, out);
+  for (std::size_t i = 0; i < out.size(); ++i) REQUIRE(out[i] == doctest::Approx(expected[i]).epsilon(1e-5));
+  CHECK(std::all_of(out.begin(), out.begin() + 3 * vertices, [](float value) { return value == 0.5f; }));
+  // The same bits alone.
+  for (std::size_t p = 0; p < count; p += 5) {
+    std::vector<float> alone(3 * vertices, 0.5f);
+    blocked.add(std::span(poses).subspan(p * controls, controls), still, 1, -1, alone);
+    CHECK(std::equal(alone.begin(), alone.end(), out.begin() + static_cast<std::ptrdiff_t>(p * 3 * vertices)));
+  }
+  CHECK_THROWS_AS(blocked.add(poses, still, count - 1, 1, out), Error);
 }
