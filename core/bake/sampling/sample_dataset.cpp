@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cinttypes>
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "bake/dataset/dataset_index.h"
@@ -11,6 +12,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/planned_folder.h"
 #include "bake/sampling/pose_plan.h"
+#include "base/background_task.h"
 #include "base/file.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
@@ -172,6 +174,7 @@ class DatasetWriter {
         write_shard(shard);
       progress_.step(shard.done + shard.frames);
     }
+    writing_.finish();
   }
 
   // Evaluates recorded poses of these shards again: hashes of the plan do not show whether the rig's deformation has
@@ -207,11 +210,20 @@ class DatasetWriter {
              shown(shard.path).c_str(), i / 3, plan_[shard.clip].name.c_str(), shard.first + frame);
   }
 
+  // The files of a shard while they are written.
+  struct ShardFiles {
+    ShardFiles(const Shard& shard, std::size_t vertices, std::size_t channel_count)
+        : points(shard.path, {shard.frames, vertices, 3}) {
+      if (channel_count > 0) channels.emplace(shard.channels, std::vector<std::size_t>{shard.frames, channel_count});
+    }
+    NpyWriter points;
+    std::optional<NpyWriter> channels;  // where the rig has some
+  };
+
+  // Evaluates a shard and begins to write it: the files are written while the rig is asked for the next poses.
   void write_shard(const Shard& shard) {
     const auto [path, channel_path, clip, first, frames, done] = shard;
-    NpyWriter writer(path, {frames, vertices_, 3});
-    std::optional<NpyWriter> channel_writer;
-    if (channels_ > 0) channel_writer.emplace(channel_path, std::vector<std::size_t>{frames, channels_});
+    const auto files = std::make_shared<ShardFiles>(shard, vertices_, channels_);
     const std::size_t most = std::max<std::size_t>(1, (shard_bytes / 4) / (size_ * sizeof(float)));
     for (std::size_t frame = 0; frame < frames;) {
       const std::size_t wanted = rig_.parallel().progress ? std::max(batch_, rig_.block_poses()) : batch_;
@@ -221,21 +233,30 @@ class DatasetWriter {
       while (!evaluate_or_skip(clip, done + frame, first + frame, count)) continue;
       const double rate = static_cast<double>(count) / std::max(seconds_now() - start, 1e-9);
       batch_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate * progress_seconds), 1, most);
-      if (channel_writer) {
-        positions_.resize(count * 3 * vertices_);
-        values_.resize(count * channels_);
-        split_channels(rig_.schema(), points_, count, positions_, values_);
-        writer.append(positions_);
-        channel_writer->append(values_);
-      } else {
-        writer.append(points_);
-      }
       frame += count;
       report_.evaluated += count;
       progress_.step(done + frame);
+      writing_.finish();
+      std::swap(points_, written_points_);
+      writing_.begin([this, files, last = frame == frames] { append(*files, last); });
     }
-    writer.commit();
-    if (channel_writer) channel_writer->commit();
+  }
+
+  // Writes written_points_.
+  void append(ShardFiles& files, bool last) {
+    if (files.channels) {
+      const std::size_t count = written_points_.size() / size_;
+      positions_.resize(count * 3 * vertices_);
+      values_.resize(count * channels_);
+      split_channels(rig_.schema(), written_points_, count, positions_, values_);
+      files.points.append(positions_);
+      files.channels->append(values_);
+    } else {
+      files.points.append(written_points_);
+    }
+    if (!last) return;
+    files.points.commit();
+    if (files.channels) files.channels->commit();
   }
 
   // Whether a clip was not planned in order to learn, but is the rig's own, the user's, or a test.
@@ -323,8 +344,10 @@ class DatasetWriter {
   const std::size_t width_, size_, vertices_, channels_;
   DatasetIndex index_;
   SampleReport report_;
-  std::vector<float> points_, positions_, values_;
-  std::size_t batch_ = 1;  // poses evaluated between two reports of progress
+  std::vector<float> points_;
+  std::size_t batch_ = 1;                                   // poses evaluated between two reports of progress
+  std::vector<float> written_points_, positions_, values_;  // of writing_, while it runs
+  BackgroundTask writing_;
 };
 
 SampleReport write_samples(RigEvaluator& rig, PosePlan plan, std::uint64_t request, const fs::path& folder,
