@@ -185,7 +185,7 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options, const
     packed.row_blocks.push_back(pack_row_block(
         model.basis.row_blocks[b], weights.of_block.empty() ? precisions : finer(precisions, weights.of_block[b]),
         exact.emplace_back()));
-  if (options.step > 0) {
+  if (options.step > 0 && options.rate_distortion) {
     std::optional<RoundingCompensation> compensation;
     if (!options.samples.empty()) compensation.emplace(packed, options.samples, parallel);
     rate_distortion_quantise(packed, exact,

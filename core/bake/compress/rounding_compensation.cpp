@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "bake/linalg/gemm.h"
+
 namespace fb::bake {
 namespace {
 
@@ -26,8 +28,11 @@ Eigen::VectorXd normalise(Eigen::MatrixXf& coefficients) {
 std::vector<float> unit_factors(Eigen::MatrixXf coefficients) {
   const Eigen::Index n = coefficients.cols();
   const Eigen::VectorXd sizes = normalise(coefficients);
-  Eigen::MatrixXd products =
-      (coefficients.transpose() * coefficients).cast<double>() / static_cast<double>(coefficients.rows());
+  const auto columns = static_cast<std::size_t>(n), poses = static_cast<std::size_t>(coefficients.rows());
+  Eigen::MatrixXf sums(n, n);
+  gemm(Op::transposed, Op::plain, columns, columns, poses, coefficients.data(), poses, coefficients.data(), poses, 0,
+       sums.data(), columns);
+  Eigen::MatrixXd products = sums.cast<double>() / static_cast<double>(poses);
   products.diagonal().array() += ridge;
   // With the columns in reverse, C = L L^T gives M = L^T over its diagonal.
   const Eigen::LLT<Eigen::MatrixXd> decomposed(products.reverse());

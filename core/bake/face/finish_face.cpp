@@ -155,10 +155,12 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const PoseBounds bounds{shots, max_bytes_read, options.max_microseconds, find_machine(options.machine)};
   if (options.max_bytes == 0 && options.max_error <= 0) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
-    // Bytes alone are counted before rounding is compensated for, which takes longest and hardly changes them.
+    // Bytes alone, which a pose reads, are counted before the best rounding is looked for: it takes longest and does
+    // not change them.
     const bool bytes_alone = max_bytes_read > 0 && bounds.max_microseconds <= 0;
-    const auto pack = [&](RecipeResult& result, bool compensated) {
-      if (compensated) result.packing.samples = samples(result.model);
+    const auto pack = [&](RecipeResult& result, bool rounded_well) {
+      result.packing.rate_distortion = rounded_well;
+      if (rounded_well) result.packing.samples = samples(result.model);
       result.packed = pack_model(result.model, result.packing, without_asking(options.parallel));
     };
     progress.begin("rounding", 0);
