@@ -1,9 +1,10 @@
-// Throughput of training: bench_training [THREADS [SECONDS]]. For each network shape, poses a second and GFLOP/s by
-// wall clock and by CPU time; on a machine with other work, compare CPU time.
+// Throughput of training: bench_training [THREADS [SECONDS [bf16]]]. For each network shape, poses a second and GFLOP/s
+// by wall clock and by CPU time; on a machine with other work, compare CPU time.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
 #include <utility>
 
 #include "bake/train/trainer.h"
@@ -45,6 +46,7 @@ int main(int argc, char** argv) try {
     plan.widths = bench.widths;
     plan.activation = bench.activation;
     plan.parallel.threads = argc > 1 ? std::atoi(argv[1]) : 1;
+    plan.bf16 = argc > 3 && std::string_view(argv[3]) == "bf16";
     const TrainingSet set{poses, bench.inputs, outputs, features, targets};
     // Forward pass, gradient of the weights and, except in the first layer, gradient of the inputs.
     double flops = -2.0 * static_cast<double>(bench.inputs * bench.widths[0]);

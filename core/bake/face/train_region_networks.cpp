@@ -146,6 +146,7 @@ class RegionTraining {
       plan.batch = batch;
       plan.output_scaling = output_scaling;
       plan.pose_balance = pose_balance;
+      plan.bf16 = true;
       plan.epochs = epochs;
       plan.quantised_share = quantised_share;
       plan.seed = options_.seed + r;

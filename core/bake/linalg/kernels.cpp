@@ -10,12 +10,24 @@ extern const Kernels kernels;
 }
 namespace kernels_avx512 {
 extern const Kernels kernels;
+decltype(bake::gemm) gemm_bf16;
+}  // namespace kernels_avx512
+
+namespace {
+
+Kernels with_bf16(Kernels kernels) {
+  if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512bf16"))
+    kernels.gemm_bf16 = kernels_avx512::gemm_bf16;
+  return kernels;
 }
+
+}  // namespace
 #endif
 
 const Kernels& kernels() {
 #ifdef FB_KERNELS_X86
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return kernels_avx512::kernels;
+  static const Kernels avx512 = with_bf16(kernels_avx512::kernels);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return avx512;
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kernels_avx2::kernels;
 #endif
   return kernels_base::kernels;

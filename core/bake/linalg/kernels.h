@@ -25,6 +25,9 @@ struct alignas(64) SixteenFloats {
 // The inner loops of baking, on the calling thread. Matrices are column-major, one column a pose.
 struct Kernels {
   decltype(&bake::gemm) gemm;
+  // The same with both factors rounded to bf16 (8 significant bits) and sums in float, where the processor has products
+  // of that kind; elsewhere gemm itself.
+  decltype(&bake::gemm) gemm_bf16;
   // y = activation(y + bias) + skip; `derivative` becomes the activation's derivative at y + bias. skip and derivative
   // may be null.
   void (*activation_forward)(Activation activation, std::size_t rows, std::size_t columns, const float* bias,

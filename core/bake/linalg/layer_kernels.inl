@@ -140,6 +140,6 @@ void add_up_block(std::size_t count, const std::uint32_t* __restrict terms, cons
 }  // namespace
 
 extern const Kernels kernels;
-constinit const Kernels kernels = {gemm, activation_forward, activation_backward, adam, quantise_row, add_up_block};
+constinit const Kernels kernels = {gemm, gemm, activation_forward, activation_backward, adam, quantise_row, add_up_block};
 
 }  // namespace fb::bake::FB_KERNELS

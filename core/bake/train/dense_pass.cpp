@@ -69,7 +69,17 @@ void check_features(const TrainingSet& set) {
     if (column >= stride) fail(Status::invalid_argument, "training: column %u of %zu features", column, stride);
 }
 
-DensePass::DensePass(const NetworkShape& shape) : shape_(shape), derivatives_(shape.layers.size()) {
+namespace {
+
+void prefetch(const float* values, std::size_t count) {
+  constexpr std::size_t line = 64 / sizeof(float);
+  for (std::size_t i = 0; i < count; i += line) __builtin_prefetch(values + i);
+}
+
+}  // namespace
+
+DensePass::DensePass(const NetworkShape& shape, bool bf16)
+    : shape_(shape), bf16_(bf16), derivatives_(shape.layers.size()) {
   signals_.emplace_back(shape.layers.front().inputs * (max_poses + 1));
   for (const LayerShape& layer : shape.layers) signals_.emplace_back(layer.outputs * (max_poses + 1));
 }
@@ -80,8 +90,13 @@ void DensePass::forward(const TrainingSet& set, std::span<const std::uint32_t> p
   columns_ = poses.size() + 1;
   const std::size_t stride = set.stride ? set.stride : set.inputs;
   float* input = signals_[0].data();
-  for (const std::uint32_t pose : poses) {
-    const float* row = set.features.data() + pose * stride;
+  // Poses are in random order: their rows are fetched ahead, those of the targets for the errors afterwards.
+  constexpr std::size_t ahead = 4;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (set.columns.empty() && p + ahead < poses.size())
+      prefetch(set.features.data() + poses[p + ahead] * stride, set.inputs);
+    if (!set.targets.empty()) prefetch(set.targets.data() + poses[p] * set.outputs, set.outputs);
+    const float* row = set.features.data() + poses[p] * stride;
     if (set.columns.empty()) std::copy_n(row, set.inputs, input);
     for (std::size_t i = 0; i < set.columns.size(); ++i) input[i] = row[set.columns[i]];
     input += set.inputs;
@@ -95,8 +110,9 @@ void DensePass::forward(const TrainingSet& set, std::span<const std::uint32_t> p
     const bool differentiate =
         keep_derivatives && l + 1 < shape_.layers.size();  // the last layer is linear in training
     if (differentiate) derivatives_[l].resize(signals_[l + 1].size());
-    kernel.gemm(Op::transposed, Op::plain, layer.outputs, columns_, layer.inputs, parameters + layer.weights,
-                layer.inputs, x, layer.inputs, 0, y, layer.outputs);
+    const auto multiply = bf16_ && keep_derivatives ? kernel.gemm_bf16 : kernel.gemm;
+    multiply(Op::transposed, Op::plain, layer.outputs, columns_, layer.inputs, parameters + layer.weights, layer.inputs,
+             x, layer.inputs, 0, y, layer.outputs);
     kernel.activation_forward(layer.activation, layer.outputs, columns_, parameters + layer.bias,
                               layer.skip ? x : nullptr, y, differentiate ? derivatives_[l].data() : nullptr);
   }
@@ -173,6 +189,7 @@ double DensePass::loss_and_gradient(const TrainingSet& set, std::span<const std:
 // Backpropagates through one layer: output_gradient_ becomes the gradient of the layer's inputs.
 void DensePass::backward(std::size_t l, const float* parameters) {
   const Kernels& kernel = kernels();
+  const auto multiply = bf16_ ? kernel.gemm_bf16 : kernel.gemm;
   const LayerShape& layer = shape_.layers[l];
   float* bias = gradient_.data() + layer.bias;
   std::fill_n(bias, layer.outputs, 0.0f);
@@ -180,12 +197,12 @@ void DensePass::backward(std::size_t l, const float* parameters) {
   if (l + 1 < shape_.layers.size())
     kernel.activation_backward(layer.outputs, columns_, derivatives_[l].data(), output_gradient_.data(),
                                layer.skip ? input_gradient_.data() : nullptr, bias);
-  kernel.gemm(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
-              output_gradient_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
+  multiply(Op::plain, Op::transposed, layer.inputs, layer.outputs, columns_, signals_[l].data(), layer.inputs,
+           output_gradient_.data(), layer.outputs, 0, gradient_.data() + layer.weights, layer.inputs);
   if (l == 0) return;
   // With a residual connection, this adds to the copy of the output gradient.
-  kernel.gemm(Op::plain, Op::plain, layer.inputs, columns_, layer.outputs, parameters + layer.weights, layer.inputs,
-              output_gradient_.data(), layer.outputs, layer.skip ? 1.0f : 0.0f, input_gradient_.data(), layer.inputs);
+  multiply(Op::plain, Op::plain, layer.inputs, columns_, layer.outputs, parameters + layer.weights, layer.inputs,
+           output_gradient_.data(), layer.outputs, layer.skip ? 1.0f : 0.0f, input_gradient_.data(), layer.inputs);
   std::swap(output_gradient_, input_gradient_);
 }
 

@@ -44,7 +44,8 @@ class DensePass {
  public:
   static constexpr std::size_t max_poses = 128;
 
-  explicit DensePass(const NetworkShape& shape);
+  // bf16: see TrainingPlan, for loss_and_gradient.
+  explicit DensePass(const NetworkShape& shape, bool bf16 = false);
 
   // Outputs of up to max_poses poses minus those at rest, times gates: `outputs` floats a pose, valid until the next
   // call.
@@ -65,6 +66,7 @@ class DensePass {
   void backward(std::size_t layer, const float* parameters);
 
   const NetworkShape& shape_;
+  const bool bf16_;
   std::size_t columns_ = 0;                                // poses and the rest pose
   std::vector<std::vector<float>> signals_, derivatives_;  // inputs of each layer and outputs; of its activation
   std::vector<float> output_gradient_, input_gradient_;    // of the layer that the backward pass is at

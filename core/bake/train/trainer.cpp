@@ -59,6 +59,26 @@ std::vector<std::uint32_t> trained_poses(const TrainingSet& set) {
   return trained;
 }
 
+// The inputs alone, poses x inputs, where they are some columns of a wider table: every epoch reads the rows in another
+// order, most of them not from a cache. Empty: they are all there is.
+std::vector<float> gathered_features(const TrainingSet& set) {
+  std::vector<float> features;
+  if (set.columns.empty()) return features;
+  features.reserve(set.poses * set.inputs);
+  const std::size_t stride = set.stride ? set.stride : set.inputs;
+  for (std::size_t pose = 0; pose < set.poses; ++pose)
+    for (const std::uint32_t column : set.columns) features.push_back(set.features[pose * stride + column]);
+  return features;
+}
+
+TrainingSet of_gathered(TrainingSet set, std::span<const float> features) {
+  if (set.columns.empty()) return set;
+  set.features = features;
+  set.columns = {};
+  set.stride = 0;
+  return set;
+}
+
 // The order of poses in an epoch: a Fisher-Yates shuffle with a random stream of its own.
 void shuffle(std::vector<std::uint32_t>& order, std::uint64_t seed, std::uint64_t epoch) {
   Random random(seed, 0x10000 + epoch);
@@ -80,6 +100,7 @@ std::uint64_t checkpoint_key(const TrainingSet& set, const TrainingPlan& plan) {
                                        static_cast<std::uint64_t>(plan.activation),
                                        static_cast<std::uint64_t>(plan.schedule),
                                        static_cast<std::uint64_t>(plan.weight_bits),
+                                       plan.bf16,
                                        fixed_point(plan.learning_rate),
                                        fixed_point(plan.hidden_rate_factor),
                                        fixed_point(plan.output_rate_factor),
@@ -100,7 +121,8 @@ std::uint64_t checkpoint_key(const TrainingSet& set, const TrainingPlan& plan) {
 class Training {
  public:
   Training(const TrainingSet& set, const TrainingPlan& plan)
-      : set_(set),
+      : features_(gathered_features(set)),
+        set_(of_gathered(set, features_)),
         plan_(plan),
         shape_(plan.initial_layers.empty() ? NetworkShape(set.inputs, plan, set.outputs)
                                            : NetworkShape(plan.initial_layers)),
@@ -108,10 +130,10 @@ class Training {
         batch_(std::min<std::size_t>(plan.batch, poses_.size())),
         steps_per_epoch_(poses_.size() / batch_),
         steps_(steps_per_epoch_ * plan.epochs),
-        key_(plan.checkpoint.empty() ? 0 : checkpoint_key(set, plan)),
+        key_(plan.checkpoint.empty() ? 0 : checkpoint_key(set_, plan)),
         layer_rate_factors_(layer_rate_factors(shape_, plan)),
         adam_({}),
-        passes_((batch_ + plan.microbatch - 1) / plan.microbatch, DensePass(shape_)) {
+        passes_((batch_ + plan.microbatch - 1) / plan.microbatch, DensePass(shape_, plan.bf16)) {
     std::vector<double> squares;
     target_squares_ = sum_of_squares(set, poses_, squares);
     if (!(target_squares_ > 0)) fail(Status::bad_data, "training: all coefficients are 0");
@@ -280,7 +302,8 @@ class Training {
             epochs_, restarts_};
   }
 
-  const TrainingSet& set_;
+  const std::vector<float> features_;  // see gathered_features
+  const TrainingSet set_;
   const TrainingPlan& plan_;
   const NetworkShape shape_;
   const std::vector<std::uint32_t> poses_;

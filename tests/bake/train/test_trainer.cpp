@@ -72,12 +72,13 @@ double relative_error(const std::vector<DenseLayer>& layers, const Task& task) {
   return error / size;
 }
 
-TrainingPlan plan_of(std::uint32_t epochs, int threads = 0) {
+TrainingPlan plan_of(std::uint32_t epochs, int threads = 0, bool bf16 = false) {
   TrainingPlan plan;
   plan.widths = {48, 48, 48};
   plan.learning_rate = 3e-3f;
   plan.epochs = epochs;
   plan.parallel.threads = threads;
+  plan.bf16 = bf16;
   return plan;
 }
 
@@ -153,14 +154,13 @@ struct StopAfter final : test::QuietProgress {
 
 TEST_CASE("training learns products and ramps of poses it has not seen") {
   const Task task = make_task(4000, 1), unseen = make_task(500, 2);
-  const TrainedLayers trained = train_layers(task.set, plan_of(40), silent_progress());
-  CHECK(trained.layers.size() == 4);
-  CHECK_FALSE(trained.layers[0].skip);
-  CHECK(trained.layers[1].skip);
-  CHECK(trained.layers[3].activation == Activation::linear);
-  CHECK(trained.loss < 0.01);
-  CHECK(relative_error(trained.layers, unseen) < 0.01);
-  CHECK(relative_error(trained.layers, task) == doctest::Approx(trained.loss).epsilon(0.5));
+  for (const bool bf16 : {false, true}) {
+    const TrainedLayers trained = train_layers(task.set, plan_of(40, 0, bf16), silent_progress());
+    CHECK((trained.layers.size() == 4 && trained.layers[3].activation == Activation::linear));
+    CHECK((!trained.layers[0].skip && trained.layers[1].skip));
+    CHECK(std::max(trained.loss, relative_error(trained.layers, unseen)) < 0.01);
+    CHECK(relative_error(trained.layers, task) == doctest::Approx(trained.loss).epsilon(0.5));
+  }
 }
 
 namespace {
@@ -447,11 +447,11 @@ TEST_CASE("every pose is trained on, also where batches leave some out, and feat
 
 TEST_CASE("the same seed gives the same network, whatever the threads; another seed another") {
   const Task task = make_task(700, 1);
-  const auto one = train_layers(task.set, plan_of(3, 1), silent_progress()).layers;
-  CHECK(same(one, train_layers(task.set, plan_of(3, 4), silent_progress()).layers));
+  const auto layers = [&](const TrainingPlan& plan) { return train_layers(task.set, plan, silent_progress()).layers; };
+  for (const bool bf16 : {false, true}) CHECK(same(layers(plan_of(3, 1, bf16)), layers(plan_of(3, 4, bf16))));
   TrainingPlan other = plan_of(3, 1);
   other.seed = 2;
-  CHECK_FALSE(same(one, train_layers(task.set, other, silent_progress()).layers));
+  CHECK_FALSE(same(layers(plan_of(3, 1)), layers(other)));
 }
 
 TEST_CASE("an interrupted training resumes to the same network") {
