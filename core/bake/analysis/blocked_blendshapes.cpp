@@ -67,7 +67,7 @@ void BlockedBlendshapes::add(std::span<const float> controls, std::span<const fl
     const std::size_t poses = std::min(group_poses, count - first);
     groups.push_back(evaluate(controls.subspan(first * rest.size(), poses * rest.size()), rest, poses));
   }
-  std::vector<std::uint32_t> active(term_features_.size());
+  std::vector<std::uint32_t> active(features_.size());  // at least as many as shapes
   for (std::size_t block = 0; block + 1 < first_.size(); ++block) {
     const std::uint32_t* const features = term_features_.data() + first_[block];
     const std::size_t terms = first_[block + 1] - first_[block], start = block * block_size;

@@ -118,23 +118,38 @@ void quantise_row(std::size_t count, float levels, const float* __restrict row, 
     quantised[i] = ((row[i] * inverse + round_to_integer) - round_to_integer) * step;
 }
 
+// Vectors of the instruction set, and as many poses at a time as leave their sums in registers.
+#ifdef __AVX512F__
+constexpr std::size_t vector_lanes = 16, poses_at_once = 16;
+#elif defined(__AVX2__)
+constexpr std::size_t vector_lanes = 8, poses_at_once = 4;
+#else
+constexpr std::size_t vector_lanes = 4, poses_at_once = 2;
+#endif
+
 void add_up_block(std::size_t count, const std::uint32_t* __restrict terms, const std::uint32_t* __restrict features,
                   const SixteenFloats* __restrict offsets, const SixteenFloats* __restrict values,
                   SixteenFloats* __restrict sums) {
-  // Vectors of the compiler's: an array of plain floats would stay in memory.
-  using Vector = float __attribute__((vector_size(sizeof(SixteenFloats)), may_alias));
-  Vector sum[SixteenFloats::count] = {};
+  // The compiler's vectors: an array of plain floats would stay in memory.
+  using Vector = float __attribute__((vector_size(4 * vector_lanes), may_alias));
+  constexpr std::size_t vectors = SixteenFloats::count / vector_lanes;
   constexpr std::size_t ahead = 16;  // terms, as far as they are fetched before they are needed
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::uint32_t next = terms[n + ahead < count ? n + ahead : count - 1];
-    __builtin_prefetch(&offsets[next]);
-    __builtin_prefetch(&values[features[next]]);
-    const Vector offset = reinterpret_cast<const Vector&>(offsets[terms[n]]);
-    const float* const value = values[features[terms[n]]].values;
+  for (std::size_t first = 0; first < SixteenFloats::count; first += poses_at_once) {
+    Vector sum[poses_at_once][vectors] = {};
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::uint32_t next = terms[n + ahead < count ? n + ahead : count - 1];
+      __builtin_prefetch(&offsets[next]);
+      __builtin_prefetch(&values[features[next]]);
+      const Vector* const offset = reinterpret_cast<const Vector*>(&offsets[terms[n]]);
+      const float* const value = values[features[terms[n]]].values + first;
 #pragma GCC unroll 16
-    for (std::size_t i = 0; i < SixteenFloats::count; ++i) sum[i] += value[i] * offset;
+      for (std::size_t i = 0; i < poses_at_once; ++i)
+#pragma GCC unroll 4
+        for (std::size_t v = 0; v < vectors; ++v) sum[i][v] += value[i] * offset[v];
+    }
+    for (std::size_t i = 0; i < poses_at_once; ++i)
+      for (std::size_t v = 0; v < vectors; ++v) reinterpret_cast<Vector*>(&sums[first + i])[v] = sum[i][v];
   }
-  for (std::size_t i = 0; i < SixteenFloats::count; ++i) reinterpret_cast<Vector&>(sums[i]) = sum[i];
 }
 
 }  // namespace
