@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <future>
+#include <utility>
 
 namespace fb {
 
@@ -20,6 +22,12 @@ class BackgroundTask {
   void begin(std::function<void()> work) {
     finish();
     task_ = std::async(std::launch::async | std::launch::deferred, std::move(work));
+  }
+
+  // Waits for the task, as long as `time` at most. Whether finish() has none to wait for: it is done, or done by
+  // finish().
+  bool ends_within(std::chrono::milliseconds time) {
+    return !task_.valid() || task_.wait_for(time) != std::future_status::timeout;
   }
 
   // Waits for the task, if there is one. Throws what it has thrown.
