@@ -1,17 +1,9 @@
 #include "bake/analysis/sparse_blendshapes.h"
 
-#include <algorithm>
-
 #include "base/status.h"
 #include "model/feature_values.h"
 
 namespace fb::bake {
-namespace {
-
-// Poses that each shape is added to in turn: their displacements, of 6,000 vertices, fit the second-level cache.
-constexpr std::size_t tile_poses = 8;
-
-}  // namespace
 
 // Runs of consecutive vertices, as most are, are one contiguous loop.
 void add_scaled(const SparseShape& shape, float value, std::span<float> displacement) {
@@ -39,17 +31,12 @@ void SparseBlendshapes::add(std::span<const float> controls, std::span<const flo
     fail(Status::invalid_argument, "%zu poses of %zu controls need %zu values, not %zu", count, rest.size(),
          count * rest.size(), controls.size());
   const std::size_t size = displacements.size() / count;
-  std::vector<float> values(std::min(count, tile_poses) * features.size());
-  for (std::size_t first = 0; first < count; first += tile_poses) {
-    const std::size_t poses = std::min(tile_poses, count - first);
-    for (std::size_t i = 0; i < poses; ++i)
-      evaluate_features(features, controls.subspan((first + i) * rest.size(), rest.size()), rest,
-                        std::span(values).subspan(i * features.size(), features.size()));
+  std::vector<float> values(features.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    evaluate_features(features, controls.subspan(i * rest.size(), rest.size()), rest, values);
     for (const SparseShape& shape : shapes)
-      for (std::size_t i = 0; i < poses; ++i) {
-        const float value = values[i * features.size() + shape.feature];
-        if (value != 0) add_scaled(shape, sign * value, displacements.subspan((first + i) * size, size));
-      }
+      if (const float value = values[shape.feature]; value != 0)
+        add_scaled(shape, sign * value, displacements.subspan(i * size, size));
   }
 }
 

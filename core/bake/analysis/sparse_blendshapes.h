@@ -27,7 +27,8 @@ struct SparseBlendshapes {
   std::vector<SparseShape> shapes;  // no two of one feature; features used only by other features have none
 
   // Adds the displacement of all shapes in each of `count` poses (count x controls, rig values; `rest` is the rest
-  // pose) to `displacements` (count x 3 x vertices), times `sign`. Thread-safe, serial.
+  // pose) to `displacements` (count x 3 x vertices), times `sign`. Thread-safe, serial. Many poses: see
+  // BlockedBlendshapes.
   void add(std::span<const float> controls, std::span<const float> rest, std::size_t count, float sign,
            std::span<float> displacements) const;
 };

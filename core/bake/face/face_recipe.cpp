@@ -83,8 +83,8 @@ Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvalu
     progress.note(format("%zu of %zu correctives are left to the networks", dropped, face.analysis.correctives.size()));
     face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
   }
-  const Residual residual(poses, face.analysis.base);
-  face.bases = local_bases(Residual(fitted, face.analysis.base), residual, face.regions, recipe.basis, options.parallel,
+  const auto base = std::make_shared<BlockedBlendshapes>(face.analysis.base, rest.vertex_count());
+  face.bases = local_bases(Residual(fitted, base), Residual(poses, base), face.regions, recipe.basis, options.parallel,
                            progress);
   // Regions without residual need no network.
   for (std::size_t r = face.regions.size(); r-- > 0;)

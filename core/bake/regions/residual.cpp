@@ -14,7 +14,7 @@ Residual::Residual(PoseSet poses, std::shared_ptr<const BlockedBlendshapes> base
     : PoseRows(std::move(poses)), base_(std::move(base)), rest_(this->poses().source().schema().rest_pose()) {}
 
 std::unique_ptr<PoseRows> Residual::subsampled(std::size_t count) const {
-  return std::unique_ptr<Residual>(new Residual(poses().subsampled(count), base_));
+  return std::make_unique<Residual>(poses().subsampled(count), base_);
 }
 
 void Residual::read(std::size_t first, std::size_t count, std::span<float> values, const Parallel& parallel) const {

@@ -11,11 +11,11 @@
 
 namespace fb::bake {
 
-// Recorded displacements minus those of the sparse blendshapes: what region networks learn. Copies the blendshapes, see
-// BlockedBlendshapes.
+// Recorded displacements minus those of the sparse blendshapes: what region networks learn.
 class Residual final : public PoseRows {
  public:
-  Residual(PoseSet poses, const SparseBlendshapes& base);
+  Residual(PoseSet poses, std::shared_ptr<const BlockedBlendshapes> base);
+  Residual(PoseSet poses, const SparseBlendshapes& base);  // the same with a copy of the blendshapes
 
   // Poses [first, first + count): count x rows() floats, on all threads of `parallel` if the source is thread-safe. The
   // rest pose is exactly 0. Fails with invalid_argument on a range outside the set.
@@ -23,8 +23,6 @@ class Residual final : public PoseRows {
   std::unique_ptr<PoseRows> subsampled(std::size_t count) const override;
 
  private:
-  Residual(PoseSet poses, std::shared_ptr<const BlockedBlendshapes> base);
-
   std::shared_ptr<const BlockedBlendshapes> base_;
   std::vector<float> rest_;
 };
