@@ -152,31 +152,17 @@ void multiply_tile(std::size_t inner_pairs, const Pair* a, std::size_t stride, c
     }
 }
 
+// multiply_tile for each number of vectors and of columns, from 1.
+using MultiplyTile = decltype(&multiply_tile<1, 1>);
 template <std::size_t vectors>
-void multiply_panel(std::size_t columns, std::size_t inner_pairs, const Pair* a, std::size_t stride, RightFactor b,
-                    float beta, float* c, std::size_t ldc, __mmask16 last) {
-  for (std::size_t j = 0; j < columns;
-       j += tile_columns, b.data += tile_columns * b.column_step, c += tile_columns * ldc) {
-    switch (columns - j) {
-      case 1:
-        multiply_tile<vectors, 1>(inner_pairs, a, stride, b, beta, c, ldc, last);
-        break;
-      case 2:
-        multiply_tile<vectors, 2>(inner_pairs, a, stride, b, beta, c, ldc, last);
-        break;
-      case 3:
-        multiply_tile<vectors, 3>(inner_pairs, a, stride, b, beta, c, ldc, last);
-        break;
-      case 4:
-        multiply_tile<vectors, 4>(inner_pairs, a, stride, b, beta, c, ldc, last);
-        break;
-      case 5:
-        multiply_tile<vectors, 5>(inner_pairs, a, stride, b, beta, c, ldc, last);
-        break;
-      default:
-        multiply_tile<vectors, tile_columns>(inner_pairs, a, stride, b, beta, c, ldc, last);
-    }
-  }
+constexpr MultiplyTile tiles_of_vectors[tile_columns] = {multiply_tile<vectors, 1>, multiply_tile<vectors, 2>,
+                                                         multiply_tile<vectors, 3>, multiply_tile<vectors, 4>,
+                                                         multiply_tile<vectors, 5>, multiply_tile<vectors, 6>};
+constexpr const MultiplyTile* tiles[panel_vectors] = {tiles_of_vectors<1>, tiles_of_vectors<2>, tiles_of_vectors<3>,
+                                                      tiles_of_vectors<4>};
+
+std::size_t at_most(std::size_t count, std::size_t most) {
+  return count < most ? count : most;
 }
 
 }  // namespace
@@ -205,23 +191,12 @@ void gemm_bf16(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::siz
   }
 
   for (std::size_t r = 0; r < rows; r += panel_vectors * lanes) {
-    const __mmask16 last = first_lanes((rows - 1) % lanes + 1);
-    switch ((rows - r + lanes - 1) / lanes) {
-      case 1:
-        multiply_panel<1>(columns, pairs, left + r, padded, right, beta, c + r, ldc, last);
-        break;
-      case 2:
-        multiply_panel<2>(columns, pairs, left + r, padded, right, beta, c + r, ldc, last);
-        break;
-      case 3:
-        multiply_panel<3>(columns, pairs, left + r, padded, right, beta, c + r, ldc, last);
-        break;
-      case 4:
-        multiply_panel<4>(columns, pairs, left + r, padded, right, beta, c + r, ldc, last);
-        break;
-      default:
-        multiply_panel<4>(columns, pairs, left + r, padded, right, beta, c + r, ldc, 0xffff);
-    }
+    const std::size_t vectors = at_most((rows - r + lanes - 1) / lanes, panel_vectors);
+    const __mmask16 last = first_lanes(rows - r - (vectors - 1) * lanes);
+    for (std::size_t j = 0; j < columns; j += tile_columns)
+      tiles[vectors - 1][at_most(columns - j, tile_columns) - 1](
+          pairs, left + r, padded, {right.data + j * right.column_step, right.inner_step, right.column_step}, beta,
+          c + r + j * ldc, ldc, last);
   }
 }
 

@@ -13,24 +13,27 @@ extern const Kernels kernels;
 decltype(bake::gemm) gemm_bf16;
 }  // namespace kernels_avx512
 
-namespace {
+#endif
 
-Kernels with_bf16(Kernels kernels) {
-  if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512bf16"))
-    kernels.gemm_bf16 = kernels_avx512::gemm_bf16;
-  return kernels;
+const std::vector<Kernels>& supported_kernels() {
+  static const std::vector<Kernels> supported = [] {
+    std::vector<Kernels> widest_first;
+#ifdef FB_KERNELS_X86
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
+      widest_first.push_back(kernels_avx512::kernels);
+      if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512bf16"))
+        widest_first.back().gemm_bf16 = kernels_avx512::gemm_bf16;
+    }
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) widest_first.push_back(kernels_avx2::kernels);
+#endif
+    widest_first.push_back(kernels_base::kernels);
+    return widest_first;
+  }();
+  return supported;
 }
 
-}  // namespace
-#endif
-
 const Kernels& kernels() {
-#ifdef FB_KERNELS_X86
-  static const Kernels avx512 = with_bf16(kernels_avx512::kernels);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return kernels_avx2::kernels;
-#endif
-  return kernels_base::kernels;
+  return supported_kernels().front();
 }
 
 void gemm(Op a_op, Op b_op, std::size_t rows, std::size_t columns, std::size_t inner, const float* a, std::size_t lda,

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "bake/linalg/gemm.h"
 #include "model/network.h"
@@ -48,7 +49,10 @@ struct Kernels {
                        const SixteenFloats* offsets, const SixteenFloats* values, SixteenFloats* sums);
 };
 
-// The kernels for the widest vectors of this processor: same bits on the same kind of processor.
+// The kernels for each instruction set of this processor, widest vectors first.
+const std::vector<Kernels>& supported_kernels();
+
+// Those for the widest vectors: same bits on the same kind of processor.
 const Kernels& kernels();
 
 }  // namespace fb::bake

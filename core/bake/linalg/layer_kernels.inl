@@ -1,4 +1,4 @@
-// The bodies of all Kernels but gemm: plain loops that the compiler vectorises, compiled once per instruction set after
+// The bodies of all Kernels but gemm and gemm_bf16: plain loops that the compiler vectorises, compiled once per instruction set after
 // gemm_kernel.inl. They use builtins and always-inlined functions only, because an inline library function compiled for
 // one instruction set must never be linked in place of another's.
 #include "bake/linalg/kernels.h"
@@ -155,6 +155,7 @@ void add_up_block(std::size_t count, const std::uint32_t* __restrict terms, cons
 }  // namespace
 
 extern const Kernels kernels;
-constinit const Kernels kernels = {gemm, gemm, activation_forward, activation_backward, adam, quantise_row, add_up_block};
+constinit const Kernels kernels = {gemm, gemm,         activation_forward, activation_backward,
+                                   adam, quantise_row, add_up_block};
 
 }  // namespace fb::bake::FB_KERNELS
