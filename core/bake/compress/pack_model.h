@@ -24,8 +24,8 @@ struct PackOptions {
   // The step of rest positions is at most a quarter of it, or 2^-20 D.
   double step = 0;
   double step_lambda = bits_per_squared_step;  // see rate_distortion_quantise
-  // Whether it is called. Without, values are rounded to the nearest, which takes a tenth of the time; which columns a
-  // row block has, and so what a pose reads, is the same.
+  // Whether rate_distortion_quantise is called. Without, values are rounded to the nearest, which takes a tenth of the
+  // time; which columns a row block has, and so what a pose reads, is the same.
   bool rate_distortion = true;
   // How much errors of normals count beside distances: where vertices lie more densely than usual, steps are smaller in
   // proportion to the power `normal_weight` of their spacing (see vertex_spacing). 0: steps are the same everywhere.
