@@ -17,6 +17,7 @@ class OpenDescriptor {
   }
   ~OpenDescriptor() { reset(); }
   int get() const { return descriptor_; }
+  int release() { return std::exchange(descriptor_, -1); }
   void reset() {
     if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
   }

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
@@ -60,7 +62,7 @@ void add_reference(ViewServer& server, const facebaker::SourceView& source, cons
     const std::string file = format("/%s%zu", beside_folder, c);
     server.add_file(file + ".controls.npy", "application/octet-stream", reference_controls(source, clips[c]));
     server.add_file(file + ".points.npy", "application/octet-stream",
-                    [&source, clip = clips[c]] { return reference_points(source, clip); });
+                    [&source, clip = clips[c]] { return reference_points(source, clip, interrupt_requested); });
   }
   if (source.live())
     server.add_call(format("/%spose", beside_folder),
@@ -95,7 +97,8 @@ void ViewCommand::run() const {
   if (!no_open && !open_browser(server.address()))
     std::fprintf(stderr, "there is no xdg-open here; open the address in a browser\n");
   std::fprintf(stderr, "Ctrl-C ends it\n");
-  server.run(interrupt_requested);
+  // A rig that takes its time over a pose is not waited for: nothing was begun that has to be ended.
+  if (!server.run(interrupt_requested)) ::_exit(0);
 }
 
 }  // namespace
@@ -106,7 +109,9 @@ void add_view(CLI::App& tool) {
       "view",
       "Show a face in the browser, to turn, pose and play it. Serves the viewer's page on 127.0.0.1 until Ctrl-C: its "
       "own files, the archives and the clips of --beside, all read beforehand or evaluated, and no other file of this "
-      "machine; requests of other hosts and of other hosts' pages are refused.");
+      "machine; requests of other hosts and of other hosts' pages are refused, and the rig runs for those alone who "
+      "have "
+      "the address with its token.");
   app->add_option("FACE", command->archives, "The archive (.fbk); two are shown side by side")->required();
   app->add_option(
          "--beside", command->beside,

@@ -33,8 +33,8 @@ void set_view_server(ServerOpener opener) {
 std::unique_ptr<ViewServer> open_view_server(int port) {
   if (!server_opener())
     fail(Status::unsupported,
-         "there is no program facebaker-view beside this one, which has the web server: it is built where cpp-httplib "
-         "is");
+         "there is no program facebaker-view beside this one, which has the web server: it is built where "
+         "libmicrohttpd is");
   return server_opener()(port);
 }
 

@@ -1,165 +1,150 @@
 #include "server/http_server.h"
 
-#include <httplib.h>
-#include <sys/socket.h>
-
-#include <chrono>
-#include <map>
-#include <mutex>
-#include <thread>
+#include <utility>
 
 #include "base/status.h"
+#include "server/access_token.h"
+#include "server/byte_range.h"
+#include "server/header_text.h"
 
 namespace fb::tool {
 namespace {
 
-constexpr const char* host = "127.0.0.1";
-constexpr std::size_t most_body_bytes = std::size_t{16} << 20;
+constexpr long most_calls = 16;
+constexpr std::chrono::milliseconds between_asking{50};  // whether to stop
+constexpr std::chrono::milliseconds longest_end{500};    // waited for the rig
 
-// A page and its WebAssembly from here alone, pictures of archives from memory. The last two let the page's clock tick
-// in microseconds.
-const httplib::Headers& page_headers() {
-  static const httplib::Headers headers = {
-      {"Cache-Control", "no-store"},
-      {"X-Content-Type-Options", "nosniff"},
-      {"Referrer-Policy", "no-referrer"},
-      {"Content-Security-Policy",
-       "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
-       "img-src 'self' blob: data:; connect-src 'self' blob: data:; worker-src 'self' blob:; frame-ancestors 'none'"},
-      {"Cross-Origin-Opener-Policy", "same-origin"},
-      {"Cross-Origin-Embedder-Policy", "require-corp"}};
-  return headers;
-}
-
-void answer_in_words(httplib::Response& response, int status, const std::string& words) {
-  response.status = status;
-  response.set_content(words + "\n", "text/plain; charset=utf-8");
-}
-
-// Runs work() and answers with what it throws where it fails.
-template <class Work>
-void answer_failures(httplib::Response& response, const Work& work) {
-  try {
-    work();
-  } catch (const std::exception& error) {  // fb::Error and facebaker::Error among others
-    answer_in_words(response, 500, error.what());
-  }
-}
-
-struct Entry {
-  std::string type, bytes;
-  std::function<std::string()> make;  // empty once made
-};
-
-class HttpServer final : public ViewServer {
- public:
-  explicit HttpServer(int port);
-
-  std::string address() const override { return format("http://%s:%d/", host, port_); }
-  void add_file(const std::string& path, const std::string& type, std::string bytes) override {
-    files_[path] = {type, std::move(bytes), nullptr};
-  }
-  void add_file(const std::string& path, const std::string& type, std::function<std::string()> make) override {
-    files_[path] = {type, {}, std::move(make)};
-  }
-  void add_call(const std::string& path, std::function<std::string(const std::string& body)> answer) override {
-    calls_[path] = std::move(answer);
-  }
-  void run(const std::function<bool()>& stop) override;
-
- private:
-  void bind(int port);
-  bool is_own(const std::string& name) const;
-  bool is_foreign(const httplib::Request& request) const;
-  void answer_file(const httplib::Request& request, httplib::Response& response);
-  void answer_call(const httplib::Request& request, httplib::Response& response);
-
-  httplib::Server http_;
-  int port_ = 0;
-  std::map<std::string, Entry> files_;
-  std::map<std::string, std::function<std::string(const std::string&)>> calls_;
-  std::mutex mutex_;  // of making files, and of calls
-};
-
-HttpServer::HttpServer(int port) {
-  bind(port);
-  http_.set_default_headers(page_headers());
-  http_.set_payload_max_length(most_body_bytes);
-  http_.set_keep_alive_timeout(1);  // seconds, for which stopping waits at most
-  http_.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-    if (!is_foreign(request)) return httplib::Server::HandlerResponse::Unhandled;
-    answer_in_words(response, 403, "this server is for pages of its own alone");
-    return httplib::Server::HandlerResponse::Handled;
-  });
-  http_.Get(".*",
-            [this](const httplib::Request& request, httplib::Response& response) { answer_file(request, response); });
-  http_.Post(".*",
-             [this](const httplib::Request& request, httplib::Response& response) { answer_call(request, response); });
-}
-
-void HttpServer::bind(int port) {
-  // The library would share a port with another server.
-  http_.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  if (port == 0)
-    port_ = http_.bind_to_any_port(host);
-  else if (http_.bind_to_port(host, port))
-    port_ = port;
-  if (port_ <= 0)
-    fail(Status::io,
-         "port %d of this machine cannot be had, another program may have it; give another by --port, or "
-         "--port 0 for any that is free",
-         port);
-}
-
-bool HttpServer::is_own(const std::string& name) const {
-  return name == format("%s:%d", host, port_) || name == format("localhost:%d", port_);
-}
-
-// Another host's name that leads here, or another host's page: neither has any business here.
-bool HttpServer::is_foreign(const httplib::Request& request) const {
-  const std::string origin = request.get_header_value("Origin");
-  return !is_own(request.get_header_value("Host")) ||
-         (!origin.empty() && !(origin.starts_with("http://") && is_own(origin.substr(7))));
-}
-
-void HttpServer::answer_file(const httplib::Request& request, httplib::Response& response) {
-  const auto found = files_.find(request.path == "/" ? "/index.html" : request.path);
-  if (found == files_.end()) return answer_in_words(response, 404, "there is no such file");
-  Entry& entry = found->second;
-  const std::lock_guard lock(mutex_);
-  answer_failures(response, [&] {
-    if (entry.make) {
-      entry.bytes = entry.make();
-      entry.make = nullptr;
-    }
-    if (entry.bytes.empty()) return response.set_content("", entry.type.c_str());
-    // Content that is set as a whole would be compressed by Brotli, at its best: 5 s for the page's script.
-    response.set_content_provider(
-        entry.bytes.size(), entry.type,
-        [&bytes = entry.bytes](std::size_t first, std::size_t count, httplib::DataSink& sink) {
-          return sink.write(bytes.data() + first, count);
-        });
-  });
-}
-
-void HttpServer::answer_call(const httplib::Request& request, httplib::Response& response) {
-  const auto found = calls_.find(request.path);
-  if (found == calls_.end()) return answer_in_words(response, 404, "there is no such call");
-  const std::lock_guard lock(mutex_);
-  answer_failures(response, [&] { response.set_content(found->second(request.body), "application/octet-stream"); });
-}
-
-void HttpServer::run(const std::function<bool()>& stop) {
-  std::thread listener([this] { http_.listen_after_bind(); });
-  while (!stop()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  http_.stop();
-  listener.join();
+Reply in_words(int status, const std::string& words, HeaderFields fields = {}) {
+  return {status, answer_in_words(words, fields)};
 }
 
 }  // namespace
+
+// A file, or the part of it that Range asks for.
+class HttpServer::FileExchange final : public Exchange {
+ public:
+  FileExchange(File& file, const RequestHead& head)
+      : file_(file), range_(head.method == "GET" && head.if_range.empty() ? head.range : "") {}
+
+  void take_body(std::string_view) override {}
+
+  std::shared_ptr<Work> work() override {
+    if (work_ && work_->done) return nullptr;
+    take_over();
+    if (!file_.make) return nullptr;
+    if (!file_.making) file_.making = std::make_shared<Work>(file_.make);
+    work_ = file_.making;
+    return work_;
+  }
+
+  Reply answer() override {
+    take_over();
+    if (work_ && !work_->failure.empty()) return in_words(500, work_->failure);
+    const std::string_view bytes = file_.bytes;
+    const RangeAnswer range = answer_range(range_, bytes.size());
+    if (range.status == 416)
+      return in_words(416, "the file does not have these bytes",
+                      {{"Content-Range", format("bytes */%zu", bytes.size())}});
+    const std::string_view part = bytes.substr(range.first, range.count);
+    if (range.status == 200)
+      return {200, answer_with_lasting(part, {{"Content-Type", file_.type}, {"Accept-Ranges", "bytes"}})};
+    const std::string where = format("bytes %zu-%zu/%zu", range.first, range.first + range.count - 1, bytes.size());
+    return {206, answer_with_lasting(part, {{"Content-Type", file_.type}, {"Content-Range", where}})};
+  }
+
+ private:
+  // Keeps what was made. What failed is made anew by the next request.
+  void take_over() {
+    if (!file_.making || !file_.making->done) return;
+    const std::shared_ptr<Work> made = std::exchange(file_.making, nullptr);
+    if (!made->failure.empty()) return;
+    file_.bytes = std::move(made->bytes);
+    file_.make = nullptr;
+  }
+
+  File& file_;
+  const std::string range_;
+  std::shared_ptr<Work> work_;
+};
+
+// A call: what it answers to the body.
+class HttpServer::CallExchange final : public Exchange {
+ public:
+  CallExchange(HttpServer& server, const Call& call, std::size_t body_bytes)
+      : server_(server), call_(call), body_bytes_(body_bytes), slot_(server.slots_) {
+    body_.reserve(body_bytes_);  // so that a body is held once, not also while it grows
+    server_.body_bytes_ += body_bytes_;
+  }
+  ~CallExchange() override { server_.body_bytes_ -= body_bytes_; }
+
+  void take_body(std::string_view piece) override { body_.append(piece.substr(0, body_bytes_ - body_.size())); }
+
+  std::shared_ptr<Work> work() override {
+    if (!work_) work_ = std::make_shared<Work>([&call = call_, body = std::move(body_)] { return call(body); });
+    return work_->done ? nullptr : work_;
+  }
+
+  Reply answer() override {
+    if (!work_->failure.empty()) return in_words(500, work_->failure);
+    return {200,
+            answer_with(std::move(work_->bytes), [slot = slot_] {}, {{"Content-Type", "application/octet-stream"}})};
+  }
+
+ private:
+  HttpServer& server_;
+  const Call& call_;
+  const std::size_t body_bytes_;
+  std::string body_;
+  std::shared_ptr<void> slot_;
+  std::shared_ptr<Work> work_;
+};
+
+HttpServer::HttpServer(int port)
+    : token_(make_access_token()),
+      slots_(std::make_shared<char>()),
+      daemon_(port, [this](const RequestHead& head) { return take(head); }) {}
+
+std::string HttpServer::address() const {
+  return format("http://127.0.0.1:%d/?token=%s", daemon_.port(), token_.c_str());
+}
+
+void HttpServer::add_file(const std::string& path, const std::string& type, std::string bytes) {
+  files_[path] = {type, std::move(bytes), nullptr, nullptr, false};
+}
+
+void HttpServer::add_file(const std::string& path, const std::string& type, std::function<std::string()> make) {
+  files_[path] = {type, {}, std::move(make), nullptr, true};
+}
+
+void HttpServer::add_call(const std::string& path, std::function<std::string(const std::string& body)> answer) {
+  calls_[path] = std::move(answer);
+}
+
+HttpServer::Taken HttpServer::take(const RequestHead& head) {
+  if (const Refusal refusal = check_request(head, daemon_.port()); refusal.status != 0)
+    return in_words(refusal.status, refusal.words);
+  const auto file = files_.find(head.path == "/" ? "/index.html" : head.path);
+  const bool runs_a_rig = !head.reads() || (file != files_.end() && file->second.needs_token);
+  if (head.reads() && file == files_.end()) return in_words(404, "there is no such file");
+  if (!head.reads() && !calls_.contains(head.path)) return in_words(404, "there is no such call");
+  if (runs_a_rig && !bears_token(head.authorization, token_))
+    return in_words(401, "this takes the token in the address that facebaker view has printed: open that address",
+                    {{"WWW-Authenticate", "Bearer"}});
+  if (head.reads()) return std::make_shared<FileExchange>(file->second, head);
+  return take_call(head);
+}
+
+HttpServer::Taken HttpServer::take_call(const RequestHead& head) {
+  const std::size_t body_bytes = decimal(head.content_length).value_or(0);
+  if (body_bytes > most_body_bytes - body_bytes_ || slots_.use_count() > most_calls)
+    return in_words(503, "there are too many calls at once");
+  return std::make_shared<CallExchange>(*this, calls_.find(head.path)->second, body_bytes);
+}
+
+bool HttpServer::run(const std::function<bool()>& stop) {
+  while (!stop()) daemon_.turn(between_asking);
+  return daemon_.stop(longest_end);
+}
 
 std::unique_ptr<ViewServer> open_http_server(int port) {
   return std::make_unique<HttpServer>(port);

@@ -10,7 +10,7 @@ constexpr std::size_t fixed_bytes = 10;
 
 }  // namespace
 
-std::string npy_bytes(std::span<const float> values, const std::vector<std::size_t>& shape) {
+std::string npy_header(const std::vector<std::size_t>& shape) {
   std::string sides;
   for (const std::size_t side : shape) sides += format("%zu, ", side);
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + sides + "), }";
@@ -20,6 +20,11 @@ std::string npy_bytes(std::span<const float> values, const std::vector<std::size
   bytes += static_cast<char>(header.size() & 0xff);
   bytes += static_cast<char>(header.size() >> 8);
   bytes += header;
+  return bytes;
+}
+
+std::string npy_bytes(std::span<const float> values, const std::vector<std::size_t>& shape) {
+  std::string bytes = npy_header(shape);
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
   return bytes;
 }

@@ -1,6 +1,7 @@
 #include "view/reference_clips.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@ namespace fb::tool {
 namespace {
 
 constexpr std::uint64_t most_position_bytes = std::uint64_t{256} << 20;
+constexpr std::chrono::milliseconds block_time{50};
 
 std::vector<std::uint32_t> readable_clips(const facebaker::SourceView& source, std::int32_t split) {
   std::vector<std::uint32_t> clips;
@@ -50,8 +52,21 @@ std::string reference_controls(const facebaker::SourceView& source, const Refere
   return npy_bytes({source.clip(clip.index).controls, clip.frames * width}, {clip.frames, width});
 }
 
-std::string reference_points(const facebaker::SourceView& source, const ReferenceClip& clip) {
-  return npy_bytes(source.read(clip.index, 0, clip.frames), {clip.frames, source.info().vertex_count, 3});
+std::string reference_points(const facebaker::SourceView& source, const ReferenceClip& clip,
+                             const std::function<bool()>& stop) {
+  using Clock = std::chrono::steady_clock;
+  std::string bytes = npy_header({clip.frames, source.info().vertex_count, 3});
+  bytes.reserve(bytes.size() + clip.frames * 3 * sizeof(float) * source.info().vertex_count);
+  std::uint64_t block = 1;  // frames that take about as long as nobody should wait for
+  for (std::uint64_t first = 0, count = 0; first < clip.frames; first += count) {
+    if (stop()) fail(Status::interrupted, "interrupted");
+    const auto start = Clock::now();
+    count = std::min(block, clip.frames - first);
+    const std::vector<float> points = source.read(clip.index, first, count);
+    bytes.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(float));
+    block = Clock::now() - start < block_time ? 2 * block : std::max<std::uint64_t>(block / 2, 1);
+  }
+  return bytes;
 }
 
 std::string reference_json(const facebaker::SourceView& source, const std::vector<ReferenceClip>& clips,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <facebaker/facebaker_bake.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,11 @@ struct ReferenceClip {
 // the first of each on, as come to 256 MiB of positions.
 std::vector<ReferenceClip> choose_reference_clips(const facebaker::SourceView& source);
 
-// NumPy files: frames x controls, and frames x vertices x 3, which evaluates a live rig.
+// NumPy files: frames x controls, and frames x vertices x 3, which evaluates a live rig, and fails with interrupted
+// within a tenth of a second, or a pose, after `stop` says so.
 std::string reference_controls(const facebaker::SourceView& source, const ReferenceClip& clip);
-std::string reference_points(const facebaker::SourceView& source, const ReferenceClip& clip);
+std::string reference_points(const facebaker::SourceView& source, const ReferenceClip& clip,
+                             const std::function<bool()>& stop);
 
 // A JSON object for the page: the source's name, whether it is live, and its clips, whose files are called
 // "N.controls.npy" and "N.points.npy" below `folder`.

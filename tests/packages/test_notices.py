@@ -96,9 +96,7 @@ def main(arguments: List[str]) -> int:
             problems.append(f"{user}: no object files or no libraries are known of it")
         packages = packages_of(used | libraries)
         # A shared library and its headers are two packages.
-        packages = {re.sub(r"^lib(meshoptimizer|cpp-httplib|openmpi|mpich)[\d.]+d?$", r"lib\1-dev", name) for name in packages}
-        if "libcpp-httplib-dev" in packages:  # its header includes those of libraries that it loads itself
-            packages -= {"libssl-dev", "libbrotli-dev"}
+        packages = {re.sub(r"^lib(meshoptimizer|microhttpd|openmpi|mpich)[\d.]+(d|t64)?$", r"lib\1-dev", name) for name in packages}
         listed = {one["package"] for one in notices.linked_into(binary)}
         problems += [f"{user}: {name} is used, and not in third_party.json" for name in sorted(packages - listed)]
         problems += [f"{user}: {name} is in third_party.json, and not used" for name in sorted(listed - packages)]

@@ -1,3 +1,4 @@
+import { takeToken } from "./app/access_token";
 import { type LoadedFace, loadFace, prepareFace } from "./app/open_faces";
 import { TimeToFace } from "./app/time_to_face";
 import { clipsBeside, readViewList, type ViewList } from "./app/view_list";
@@ -38,6 +39,7 @@ async function beginLoading(): Promise<Opening> {
 }
 
 byId("loading").hidden = false;
+takeToken();
 const opening = beginLoading();
 // The archive and the module are on their way while the picture is made.
 await opening.catch(() => undefined);

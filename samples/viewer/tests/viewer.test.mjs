@@ -190,12 +190,35 @@ test("a link carries pose, mode and camera", async () => {
   const address = await page.evaluate(() => navigator.clipboard.readText());
   const camera = await page.evaluate(() => globalThis.facebakerViewer.viewer.stage.view);
   await close();
+  assert.doesNotMatch(address, /token/);
   const other = await openPage(browser, address);
   await other.page.waitForFunction(() => globalThis.facebakerViewer.viewer.mode === "normals");
   assert.deepEqual(await controlsOf(other.page), set);
   const seen = await other.page.evaluate(() => globalThis.facebakerViewer.viewer.stage.view);
   camera.forEach((x, i) => assert.ok(Math.abs(x - seen[i]) < 0.01));
   await other.close();
+});
+
+test("without the token in its address it shows the face, and says what runs no rig", async () => {
+  const { page, close } = await openPage(browser, new URL("/", server.address).href);
+  await page.getByRole("tab", { name: "Clips" }).click();
+  await page.locator("#clips .clips button").first().click();
+  await page.getByText(/takes the token in the address/).first().waitFor();
+  await close();
+});
+
+test("a link of a page of elsewhere opens it; a frame, a picture and a script of one do not", async () => {
+  const { page, close } = await openPage(browser, "data:text/html,", { ready: false });
+  const here = new URL("/", server.address).href;
+  const answers = new Map();
+  page.on("response", (answer) => answers.set(answer.url(), answer.status()));
+  await page.goto(`data:text/html,<iframe src="${here}index.html"></iframe><img src="${here}icon.svg">
+    <script src="${here}view.json"></script><a href="${here}">the viewer</a>`);
+  assert.deepEqual([...answers].filter(([url]) => url.startsWith(here)).map(([url, status]) => [url.slice(here.length), status]).sort(),
+    [["icon.svg", 403], ["index.html", 403], ["view.json", 403]]);
+  await page.getByText("the viewer").click();
+  await page.waitForFunction(() => globalThis.facebakerViewer?.timing.milliseconds > 0);
+  await close();
 });
 
 test("shows two archives side by side, and their difference", async (t) => {
@@ -266,7 +289,7 @@ for (const [name, size] of [["wide", { width: 1280, height: 800 }], ["narrow", {
     });
 
 test("greets where there is no face", async () => {
-  const { page, close } = await openPage(browser, `${server.address}?face=none.fbk`, { ready: false });
+  const { page, close } = await openPage(browser, new URL("/?face=none.fbk", server.address).href, { ready: false });
   await page.getByRole("alert").waitFor();
   await page.getByRole("heading", { name: "Drop a face here" }).waitFor();
   await picture(page, "welcome");

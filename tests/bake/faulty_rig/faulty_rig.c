@@ -54,6 +54,15 @@ static fb_status nan_on_marked(void* user, uint64_t poses, const float* values, 
   return FB_OK;
 }
 
+/* For a minute. */
+static fb_status stuck_on_marked(void* user, uint64_t poses, const float* values, float* positions, char* message,
+                                 uint32_t message_size) {
+  const struct timespec time = {60, 0};
+  for (uint64_t p = 0; p < poses; ++p)
+    if (marked(values + p * controls)) nanosleep(&time, NULL);
+  return toy_evaluate(user, poses, values, positions, message, message_size);
+}
+
 static fb_status first_pose_only(void* user, uint64_t poses, const float* values, float* positions, char* message,
                                  uint32_t message_size) {
   (void)poses;
@@ -210,6 +219,7 @@ FB_API fb_status fb_rig_open(const char* path, fb_rig* rig, char* message, uint3
   FAULT("fails on a pose") rig->evaluate = fail_on_marked;
   FAULT("fails without words") rig->evaluate = fail_without_words;
   FAULT("fails on blocks") rig->evaluate = fail_on_blocks;
+  FAULT("stuck on a pose") rig->evaluate = stuck_on_marked;
   FAULT("nan on a pose") rig->evaluate = nan_on_marked;
   FAULT("first pose only") rig->evaluate = first_pose_only;
   FAULT("slow") rig->evaluate = evaluate_slowly;

@@ -3,83 +3,17 @@
 test_view.py FACEBAKER GOLDEN_FOLDER
 """
 
-import http.client
 import json
 import pathlib
-import signal
 import socket
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
 
+from viewing import Viewing, write_dataset, write_page
+
 TOOL, GOLDEN = sys.argv[1], pathlib.Path(sys.argv[2])
-
-
-def write_page(folder: pathlib.Path) -> None:
-    """A stand-in for the built viewer, and a file beside it that is not to be served."""
-    (folder / "page" / "assets").mkdir(parents=True)
-    (folder / "page" / "index.html").write_text("<title>FaceBaker viewer</title>")
-    (folder / "page" / "assets" / "face.wasm").write_bytes(b"\0asm")
-    (folder / "page" / "out").symlink_to(folder / "secret")
-    (folder / "secret").write_text("secret")
-
-
-def write_dataset(folder: pathlib.Path) -> None:
-    """Two controls that move a square, and a shot of three frames to measure on."""
-    folder.mkdir()
-
-    def save(name: str, shape: tuple[int, ...], values: list[float], kind: str = "f") -> None:
-        header = f"{{'descr': '<{kind}4', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
-        data = struct.pack(f"<{len(values)}{kind}", *values)
-        (folder / name).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + data)
-
-    rest = [0.0, 0, 0, 4, 0, 0, 4, 3, 0, 0, 3, 0]
-    save("rest.npy", (4, 3), rest)
-    save("faces.npy", (1, 4), [0, 1, 2, 3], "i")
-    clips = {"train": [[a / 9, b / 9] for a in range(10) for b in range(10)], "shot": [[0, 0], [0.5, 0.25], [1, 1]]}
-    for name, poses in clips.items():
-        points = [list(rest) for _ in poses]
-        for (up, out), point in zip(poses, points, strict=True):
-            point[7] += up * up
-            point[11] += out
-        save(f"{name}.controls.npy", (len(poses), 2), [value for pose in poses for value in pose])
-        save(f"{name}.points.npy", (len(poses), 4, 3), [value for point in points for value in point])
-    document = {
-        "format": "facebaker-dataset", "version": 1, "name": "square", "units": "cm", "up_axis": "y",
-        "rest": {"points": "rest.npy", "faces": "faces.npy"},
-        "controls": [{"name": name, "min": 0, "max": 1, "default": 0} for name in ("up", "out")],
-        "clips": [{"name": name, "kind": "dense" if name == "train" else "shot", "fps": 24,
-                   "split": "train" if name == "train" else "test",
-                   "controls": f"{name}.controls.npy", "points": f"{name}.points.npy"} for name in clips],
-    }  # fmt: skip
-    (folder / "dataset.json").write_text(json.dumps(document))
-
-
-class Viewing:
-    """A running `facebaker view`."""
-
-    def __init__(self, *arguments: str) -> None:
-        command = [TOOL, "view", "--no-open", "--port", "0", *arguments]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        assert self.process.stdout
-        self.address = self.process.stdout.readline().strip()
-        self.port = int(self.address.rstrip("/").rpartition(":")[2] or 0)
-
-    def ask(self, path: str, method: str = "GET", body: bytes | None = None, **headers: str) -> tuple[int, bytes]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
-        connection.request(method, path, body, {"Connection": "close", **headers})
-        answer = connection.getresponse()
-        data = answer.read()
-        self.type = answer.getheader("Content-Type", "")
-        connection.close()
-        return answer.status, data
-
-    def stop(self) -> int:
-        self.process.send_signal(signal.SIGINT)
-        self.process.communicate(timeout=10)
-        return self.process.returncode
 
 
 class TestView(unittest.TestCase):
@@ -89,8 +23,8 @@ class TestView(unittest.TestCase):
         self.page = str(self.folder / "page")
 
     def view(self, *arguments: str) -> Viewing:
-        viewing = Viewing("--page", self.page, *arguments)
-        self.addCleanup(viewing.process.kill)
+        viewing = Viewing(TOOL, "--page", self.page, *arguments)
+        self.addCleanup(viewing.close)
         return viewing
 
     def fails_with(self, *arguments: str) -> str:
@@ -134,7 +68,7 @@ class TestView(unittest.TestCase):
         clip = beside["clips"][0]
         self.assertEqual((clip["name"], clip["frames"], clip["fps"], clip["kind"]), ("shot", 3, 24, "shot"))
         for what in ("controls", "points"):
-            served = viewing.ask("/" + clip[what])[1]
+            served = viewing.ask("/" + clip[what], **viewing.bearer)[1]
             stored = (data / f"shot.{what}.npy").read_bytes()
             self.assertEqual(served[128:], stored[128:], what)
             self.assertEqual(served[:8], b"\x93NUMPY\x01\x00")

@@ -1,4 +1,5 @@
 import type { Clip } from "../clips/clip";
+import { tokenHeaders } from "./access_token";
 
 /** What the page is told about where it stands: see `facebaker view`. */
 export interface Beside {
@@ -57,7 +58,7 @@ export class TruePositions {
   async #ask(controls: Float32Array): Promise<void> {
     this.#busy = true;
     try {
-      const answer = await fetch("./beside/pose", { method: "POST", body: controls.buffer as ArrayBuffer });
+      const answer = await fetch("./beside/pose", { method: "POST", headers: tokenHeaders(), body: controls.buffer as ArrayBuffer });
       if (!answer.ok) throw new Error((await answer.text()).trim());
       this.#answer = new Float32Array(await answer.arrayBuffer());
       this.#asked = controls;

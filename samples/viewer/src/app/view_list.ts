@@ -1,6 +1,7 @@
 import type { Face } from "facebaker";
 import type { Clip } from "../clips/clip";
 import { controlsOf, parseNpy } from "../clips/npy";
+import { tokenHeaders } from "./access_token";
 
 /** view.json beside the page, which `facebaker view` and samples/viewer/build.sh write: what to show at the start. */
 export interface ViewList {
@@ -18,7 +19,7 @@ export async function readViewList(): Promise<ViewList> {
 }
 
 async function fetchArray(url: string): Promise<ArrayBuffer> {
-  const answer = await fetch(`./${url}`);
+  const answer = await fetch(`./${url}`, { headers: tokenHeaders() });
   if (!answer.ok) throw new Error((await answer.text()).trim() || `${url}: the server answers ${answer.status}`);
   return answer.arrayBuffer();
 }
