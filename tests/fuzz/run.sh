@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 what=${1:?give seconds, or keep}
 shift
-[ $# -gt 0 ] || set -- archive dataset npy gltf plugin rig_messages work
+[ $# -gt 0 ] || set -- archive dataset npy gltf plugin rig_messages work http
 build=build/fuzz
 sanitizers=address,undefined,fuzzer-no-link
 CC=clang CXX=clang++ cmake -S . -B $build -G Ninja -DFB_FUZZ=ON -DFB_SANITIZE=$sanitizers \
@@ -29,9 +29,11 @@ for name; do
   fi
   seeds=tests/golden
   [ "$name" = archive ] || seeds=
+  words=
+  [ ! -f tests/fuzz/"$name".dict ] || words=-dict=tests/fuzz/$name.dict
   echo "fuzz_$name:"
   nice -n 19 "$program" -max_total_time="$what" -timeout=20 -rss_limit_mb=4096 -max_len=65536 -reload=0 \
-    -print_final_stats=1 -artifact_prefix=$build/crashes/"$name"/ "$found" "$corpus" $seeds >$build/"$name".log 2>&1 || failed=1
+    $words -print_final_stats=1 -artifact_prefix=$build/crashes/"$name"/ "$found" "$corpus" $seeds >$build/"$name".log 2>&1 || failed=1
   grep -E "^#.*DONE|number_of_executed_units|slowest_unit|peak_rss|SUMMARY|artifact_prefix" $build/"$name".log || true
 done
 exit $failed
