@@ -6,12 +6,11 @@
 
 #ifdef _OPENMP
 #include <omp.h>
-#include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <vector>
+
+#include "base/forked_child.h"
+#include "base/thread_team.h"
 #endif
 
 #include "base/openmp_date.h"
@@ -46,62 +45,25 @@ struct Loop {
 
 #ifdef _OPENMP
 
-// A child made by fork() has none of the threads that OpenMP keeps from earlier loops, and would wait for them for
-// ever, or for locks of OpenMP that other threads held.
-std::atomic<bool> loops_ran{false}, threads_lost{false};
-std::atomic<int> asking{0};  // threads within default_workers()
-#ifdef _WIN32
-constexpr bool forks_are_noticed = true;  // there are none
-#else
-const bool forks_are_noticed = pthread_atfork(nullptr, nullptr, [] { threads_lost = loops_ran || asking > 0; }) == 0;
-#endif
+// What OpenMP said last; 0: it was not asked.
+std::atomic<int> default_threads{0};
 
 std::size_t default_workers() {
-  if (threads_lost) return 1;
-  ++asking;
-  const int threads = omp_get_max_threads();
-  --asking;
-  return static_cast<std::size_t>(std::max(1, threads));
+  if (!in_forked_child())
+    default_threads = omp_get_max_threads();
+  else if (default_threads == 0)
+    return workers_by_environment();
+  return static_cast<std::size_t>(std::max(1, default_threads.load()));
 }
-
-// A thread that only waits. It takes nothing from the heap, which would set aside address space for it.
-struct TrialThread {
-  pthread_t handle{};
-  pid_t id = 0;
-  std::atomic<bool>* ended = nullptr;
-
-  bool start() {
-    const auto wait = [](void* trial) -> void* {
-      auto* const self = static_cast<TrialThread*>(trial);
-#ifdef __linux__
-      self->id = gettid();
-#endif
-      self->ended->wait(false);
-      return nullptr;
-    };
-    return pthread_create(&handle, nullptr, wait, this) == 0;
-  }
-  void join() const {
-    pthread_join(handle, nullptr);
-#ifdef __linux__  // counts for limits until it is gone, a little later
-    for (int tries = 0; tries < 10000 && tgkill(getpid(), id, 0) == 0; ++tries) sched_yield();
-#endif
-  }
-};
 
 // How many threads, up to `wanted`, the system lets run at once beside those there are.
 std::size_t count_possible_threads(std::size_t wanted) {
-  std::vector<TrialThread> threads(wanted);
   std::atomic<bool> ended{false};
-  std::size_t count = 0;
-  for (; count < wanted; ++count) {
-    threads[count].ended = &ended;
-    if (!threads[count].start()) break;
-  }
+  const auto wait = [&](std::size_t) { ended.wait(false); };
+  const ThreadTeam team(wanted, wait);
   ended = true;
   ended.notify_all();
-  for (std::size_t i = 0; i < count; ++i) threads[i].join();
-  return count;
+  return team.count();
 }
 
 // The number of workers a loop can have, up to `wanted`. Where OpenMP cannot create a thread, it ends the process; so
@@ -109,14 +71,29 @@ std::size_t count_possible_threads(std::size_t wanted) {
 // its last loop had.
 std::size_t possible_workers(std::size_t wanted) {
   thread_local std::size_t kept = 1;
-  loops_ran = true;
-  if (threads_lost || !forks_are_noticed || omp_in_parallel()) return 1;
+  if (omp_in_parallel()) return 1;
   if (wanted > kept) {
     // One more, so that there is memory left beside the threads.
     const std::size_t more = count_possible_threads(wanted - kept + 1);
     wanted = std::min(wanted, kept + (more > 0 ? more - 1 : 0));
   }
   return kept = wanted;
+}
+
+thread_local bool in_team_loop = false;
+
+// Without OpenMP, which a child made by fork() cannot use: it would wait for ever for threads that only the parent
+// has, or for locks that other threads held.
+void run_with_team(Loop& loop, std::size_t count, std::size_t workers) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&](std::size_t worker) {
+    in_team_loop = true;
+    for (std::size_t index = next++; index < count; index = next++) loop.run(index, worker);
+    in_team_loop = false;
+  };
+  const auto work_beside = [&](std::size_t thread) { work(thread + 1); };
+  const ThreadTeam team(workers - 1, work_beside);
+  work(0);
 }
 
 // On its own, because clang calls OpenMP at the beginning of a function that has a pragma.
@@ -148,9 +125,11 @@ long openmp_date() {
 
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
   Loop loop{body, parallel.progress, {}, SIZE_MAX, nullptr};
-  [[maybe_unused]] std::size_t workers = std::min(worker_count(parallel), count);
+  std::size_t workers = std::min(worker_count(parallel), count);
 #ifdef _OPENMP
-  if (workers > 1 && !parallel.host) workers = possible_workers(workers);
+  const bool with_team = workers > 1 && !parallel.host && in_forked_child();
+  if (with_team && in_team_loop) workers = 1;
+  if (workers > 1 && !parallel.host && !with_team) workers = possible_workers(workers);
 #endif
   if (workers > 1 && parallel.host) {
     if (count > UINT32_MAX) fail(Status::limit, "a parallel loop of %zu items", count);
@@ -161,6 +140,8 @@ void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body) {
         },
         &loop);
 #ifdef _OPENMP
+  } else if (workers > 1 && with_team) {
+    run_with_team(loop, count, workers);
   } else if (workers > 1) {
     run_with_openmp(loop, count, workers);
 #endif

@@ -1,10 +1,16 @@
 #include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
+#include "base/forked_child.h"
+#include "base/openmp_date.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/status.h"
@@ -30,6 +36,31 @@ std::vector<int> calls_per_index(const Parallel& parallel, std::size_t count) {
 void backwards(void* user, std::uint32_t count, std::uint32_t workers, HostTask task, void* context) {
   ++*static_cast<int*>(user);
   for (std::uint32_t i = count; i-- > 0;) task(context, i, i % workers);
+}
+
+// Whether two workers are in a loop at once, within ten seconds.
+bool two_work_at_once() {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::seconds(10);
+  std::atomic<int> present{0};
+  std::atomic<bool> met{false};
+  parallel_for({2}, 2, [&](std::size_t, std::size_t) {
+    if (++present == 2) met = true;
+    while (!met && Clock::now() < end) std::this_thread::yield();
+    --present;
+  });
+  return met;
+}
+
+// What check() says in a child of fork() that has some seconds.
+bool holds_in_child(const std::function<bool()>& check) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(30);
+    _exit(check() ? 0 : 1);
+  }
+  int status = 0;
+  return waitpid(child, &status, 0) == child && status == 0;
 }
 
 }  // namespace
@@ -89,6 +120,43 @@ TEST_CASE("loops within loops are serial on the outer worker") {
     });
   });
   CHECK(calls == 40);
+}
+
+TEST_CASE("a child of fork() has as many workers as its parent") {
+  if (openmp_date() == 0) return;
+  CHECK_FALSE(in_forked_child());  // a new program
+  CHECK(two_work_at_once());
+  const std::size_t workers = worker_count({});
+  CHECK(holds_in_child([&] { return in_forked_child() && worker_count({}) == workers; }));
+  CHECK(holds_in_child([] { return two_work_at_once() && holds_in_child(two_work_at_once); }));
+  CHECK(holds_in_child([] { return calls_per_index({3}, 1000) == std::vector<int>(1000, 1); }));
+  CHECK(holds_in_child([] {  // loops within loops are serial
+    std::atomic<int> elsewhere{0};
+    parallel_for({2}, 2, [&](std::size_t, std::size_t) {
+      const auto outer = std::this_thread::get_id();
+      parallel_for({2}, 9, [&](std::size_t, std::size_t) { elsewhere += std::this_thread::get_id() != outer; });
+    });
+    return elsewhere == 0;
+  }));
+  CHECK(holds_in_child([] {
+    try {
+      parallel_for({3}, 100, [](std::size_t index, std::size_t) {
+        if (index % 10 == 7) fail(Status::rig, "index %zu", index);
+      });
+    } catch (const Error& error) {
+      return std::string(error.what()) == "index 7";
+    }
+    return false;
+  }));
+  CHECK(two_work_at_once());
+}
+
+TEST_CASE("without OpenMP, the environment says how many workers there are") {
+  setenv("OMP_NUM_THREADS", "3,2", 1);
+  CHECK(workers_by_environment() == 3);
+  unsetenv("OMP_NUM_THREADS");
+  CHECK(workers_by_environment() >= 1);
+  CHECK(workers_by_environment() <= std::thread::hardware_concurrency());
 }
 
 TEST_CASE("a host's scheduler without a thread count gets one worker") {

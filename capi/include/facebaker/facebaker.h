@@ -23,8 +23,8 @@
  * Hosts that live near such limits give a parallel_for, or a library built without OpenMP (FB_OPENMP=OFF), which
  * creates no threads at all.
  *
- * Fork: in a child of fork(), models and scratches that no call was using work as before. Where the parent had run a
- * batch on OpenMP's threads, the child's batches run on the calling thread, or on those of its parallel_for.
+ * Fork: in a child of fork(), models and scratches that no call was using work as before. Its batches run on threads
+ * made for each, instead of OpenMP's, whose threads and locks a child has lost, or on those of its parallel_for.
  *
  * Signals: no call installs a handler or changes a mask, and none may be made from a signal handler. Threads that
  * OpenMP creates have the signal mask of the thread that made the batch. Loading goes on after an interrupted system
