@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/input_file.h"
+#include "base/replaced_file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -47,18 +48,18 @@ void remove_folder(const std::filesystem::path& path) {
   if (error) fail(Status::io, "%s: cannot be removed: %s", shown(path).c_str(), error.message().c_str());
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  std::error_code unreadable;
-  const auto existing = std::filesystem::status(path_, unreadable);
-  if (std::filesystem::is_directory(existing)) fail(Status::io, "%s: is a directory, not a file", shown(path_).c_str());
-  // Renaming would replace a device by a file.
-  if (std::filesystem::exists(existing) && !std::filesystem::is_regular_file(existing))
-    fail(Status::io, "%s: cannot be written: is not a regular file", shown(path_).c_str());
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(resolve_links(path)) {
+  const ReplacedFile replaced(path_);
   partial_ = path_;
   partial_ += partial_suffix;
-  file_ = LockedFile::open(partial_, LockedFile::Missing::create);
-  if (!file_) fail(Status::io, "%s: is being written by another process", shown(path_).c_str());
-  if (!file_->empty()) file_->clear();
+  while (!file_) {
+    const bool created = replaced.create(partial_);
+    file_ = LockedFile::open(partial_, LockedFile::Missing::create);
+    if (!file_) fail(Status::io, "%s: is being written by another process", shown(path_).c_str());
+    if (created) break;
+    file_->remove();  // left behind by a killed process, with rights of its own
+    file_.reset();
+  }
 }
 
 AtomicFile::~AtomicFile() {

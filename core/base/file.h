@@ -24,9 +24,9 @@ void make_folder(const std::filesystem::path& path);
 void remove_folder(const std::filesystem::path& path);
 
 // Writes to "<path>.facebaker-partial" beside the target and renames it on commit(); the destructor removes an
-// uncommitted file. What a killed process left under that name is overwritten. Fails with the path and the system's
-// reason (disk full, no such folder, no permission), if another process is writing the same file, and if the target
-// exists and is not a regular file, such as a device.
+// uncommitted file. What a killed process left under that name is removed. The target of a link is written, and a file
+// that is replaced hands on its rights (replaced_file.h). Fails with the path and the system's reason (disk full, no
+// permission), if another process is writing the same file, and if the target is there and no regular file.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

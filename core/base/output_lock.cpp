@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "base/replaced_file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -87,7 +88,7 @@ OutputLock::OutputLock(const std::filesystem::path& output, const std::filesyste
 }
 
 OutputLock OutputLock::of_file(const std::filesystem::path& path) {
-  std::filesystem::path lock = path;
+  std::filesystem::path lock = resolve_links(path);
   return {path, lock += lock_suffix};
 }
 

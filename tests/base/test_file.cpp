@@ -1,6 +1,10 @@
 #include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "base/file.h"
 #include "base/shown_path.h"
@@ -19,6 +23,27 @@ Status status_of(const fs::path& path, std::uint64_t limit = UINT64_MAX) {
   } catch (const Error& error) {
     CHECK_MESSAGE(std::string(error.what()).ends_with("(" + shown(path.native()) + ")"), error.what());
     return error.status();
+  }
+}
+
+std::string text_of(const fs::path& path) {
+  const auto bytes = read_file(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+mode_t mode_of(const fs::path& path) {
+  struct stat found = {};
+  CHECK(::stat(path.c_str(), &found) == 0);
+  return found.st_mode & 07777;
+}
+
+// The message of writing to this path; "" if it succeeds.
+std::string refusal(const fs::path& path) {
+  try {
+    write_file(path, std::string("new"));
+    return "";
+  } catch (const Error& error) {
+    return error.what();
   }
 }
 
@@ -91,6 +116,88 @@ TEST_CASE("errors of writing name the file") {
   CHECK_THROWS_WITH_AS(write_file(folder.path() / "no" / "f", std::string()), doctest::Contains("cannot be written"),
                        Error);
   CHECK(folder.entries() == 0);
+}
+
+TEST_CASE("a file that is replaced hands on its rights and its owner") {
+  test::Folder folder;
+  const fs::path path = folder / "f";
+  const mode_t before = ::umask(027);
+  write_file(path, std::string("old"));
+  CHECK(mode_of(path) == 0640);  // a new file, by the umask
+  for (const mode_t mode : {0600, 0666, 0751, 0640}) {
+    ::chmod(path.c_str(), mode);
+    AtomicFile file(path);
+    const fs::path partial = path.native() + ".facebaker-partial";
+    CHECK(mode_of(partial) == mode);  // before there is anything to read
+    file.commit();
+    CHECK(mode_of(path) == mode);
+  }
+  if (::geteuid() == 0) {
+    REQUIRE(::chown(path.c_str(), 1234, 4321) == 0);
+    write_file(path, std::string("new"));
+    struct stat found = {};
+    CHECK(::stat(path.c_str(), &found) == 0);
+    CHECK(found.st_uid == 1234);
+    CHECK(found.st_gid == 4321);
+  }
+  ::umask(before);
+}
+
+TEST_CASE("what a killed process left behind hands on nothing") {
+  test::Folder folder;
+  const mode_t before = ::umask(022);
+  const fs::path partial = folder / "f.facebaker-partial";
+  std::ofstream(partial) << "left over";
+  ::chmod(partial.c_str(), 0600);
+  write_file(folder / "f", std::string("new"));
+  CHECK(text_of(folder / "f") == "new");
+  CHECK(mode_of(folder / "f") == 0644);
+  CHECK(folder.entries() == 1);
+  ::umask(before);
+}
+
+TEST_CASE("links are followed: what they point at is written") {
+  test::Folder folder;
+  make_folder(folder / "there");
+  fs::create_symlink("there/f", folder / "link");
+  fs::create_symlink(folder / "link", folder / "second");
+  write_file(folder / "second", std::string("first"));  // which nothing was at
+  CHECK(text_of(folder / "there/f") == "first");
+  ::chmod((folder / "there/f").c_str(), 0600);
+  write_file(folder / "second", std::string("next"));
+  CHECK(text_of(folder / "there/f") == "next");
+  CHECK(mode_of(folder / "there/f") == 0600);
+  CHECK(fs::is_symlink(folder / "second"));
+  CHECK(fs::is_symlink(folder / "link"));
+  CHECK(folder.entries() == 3);
+  fs::create_symlink("nowhere/f", folder / "lost");
+  CHECK(refusal(folder / "lost").find("nowhere/f") != std::string::npos);
+  fs::create_symlink("circle", folder / "circle");
+  CHECK(refusal(folder / "circle").find("symbolic links") != std::string::npos);
+  fs::create_symlink("there", folder / "folder");
+  CHECK(refusal(folder / "folder").ends_with("is a directory, not a file"));
+}
+
+TEST_CASE("a file that may not be written is refused, a link where one may not write is followed") {
+  test::Folder folder;
+  ::chmod(folder.path().c_str(), 0777);
+  make_folder(folder / "theirs");
+  make_folder(folder / "open");
+  ::chmod((folder / "open").c_str(), 0777);
+  fs::create_symlink("../open/f", folder / "theirs/link");
+  const pid_t child = ::fork();
+  if (child == 0) {  // as somebody who is not root
+    if (::geteuid() == 0 && ::setuid(65534) != 0) ::_exit(2);
+    if (!refusal(folder / "theirs/link").empty() || text_of(folder / "open/f") != "new") ::_exit(3);
+    ::chmod((folder / "open/f").c_str(), 0444);
+    if (!refusal(folder / "open/f").ends_with("cannot be written: Permission denied")) ::_exit(4);
+    if (::geteuid() == 65534 && !refusal(folder / "theirs/f").ends_with("Permission denied")) ::_exit(5);
+    ::_exit(0);
+  }
+  int status = 0;
+  CHECK(::waitpid(child, &status, 0) == child);
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(status == 0);
 }
 
 TEST_CASE("folders are made with their parents, also through a name that ends in a slash") {

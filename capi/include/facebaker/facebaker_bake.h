@@ -19,7 +19,7 @@
  * Files: fb_sample, fb_bake, fb_compare and fb_pack lock what they write, archive and work folder or dataset folder
  * (FILE.facebaker-lock, FOLDER/.facebaker-lock), and fail with IO if another call or process has it; the message names
  * that process. Files appear complete or not at all, and are on the disk when a call returns. What a killed process
- * left behind is removed by the next call that writes there.
+ * left behind is removed by the next call that writes there. Links are followed; a replaced file hands on its rights.
  *
  * Stability: declarations marked "Unstable" may still change in a minor version before 1.0; all others only grow.
  */
