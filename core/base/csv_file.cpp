@@ -1,9 +1,9 @@
 #include "base/csv_file.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/file.h"
+#include "base/parse_number.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -54,12 +54,11 @@ bool CsvFile::next() {
 
 float CsvFile::number(std::size_t column) const {
   const std::string& cell = cells_[column];
-  float value = 0;
-  const auto [stopped, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || stopped != cell.data() + cell.size())
+  const auto value = parse_number<float>(cell);
+  if (!value)
     fail(Status::bad_data, "%s, column \"%s\": \"%s\" is no number", where().c_str(), names_[column].c_str(),
          cell.c_str());
-  return value;
+  return *value;
 }
 
 std::string CsvFile::where() const {

@@ -1,10 +1,10 @@
 #include "commands/pose_controls.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <facebaker/facebaker_bake.hpp>
 
+#include "base/parse_number.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/live_link.h"
@@ -21,12 +21,12 @@ Setting parse_setting(const std::string& text, const facebaker::Model& model) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos || equals == 0)
     fail(Status::invalid_argument, "--set %s: give NAME=VALUE", shown(text).c_str());
-  Setting setting{model.find(text.substr(0, equals)), 0};
-  const char *first = text.data() + equals + 1, *last = text.data() + text.size();
-  const auto parsed = std::from_chars(first, last, setting.value);
-  if (parsed.ec != std::errc() || parsed.ptr != last || !std::isfinite(setting.value))
-    fail(Status::invalid_argument, "--set %s: \"%s\" is not a number", shown(text).c_str(), shown(first).c_str());
-  return setting;
+  const std::size_t control = model.find(text.substr(0, equals));
+  const std::string number = text.substr(equals + 1);
+  const auto value = parse_number<float>(number);
+  if (!value || !std::isfinite(*value))
+    fail(Status::invalid_argument, "--set %s: \"%s\" is not a number", shown(text).c_str(), shown(number).c_str());
+  return {control, *value};
 }
 
 std::vector<float> read_clip_controls(const std::string& path, const std::vector<fb_control>& controls) {

@@ -1,8 +1,9 @@
-#include <charconv>
+#include <algorithm>
 #include <string_view>
 
 #include "bake/dataset/rest_mesh.h"
 #include "base/file.h"
+#include "base/parse_number.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -25,21 +26,18 @@ struct ObjLine {
   // `what` needs it, for messages.
   float coordinate(const char* what) {
     const std::string_view word = take_word(rest);
-    float value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      fail(Status::bad_data, "%s, line %zu: %s", file, number, what);
-    return value;
+    const auto value = parse_number<float>(word);
+    if (!value) fail(Status::bad_data, "%s, line %zu: %s", file, number, what);
+    return *value;
   }
 
   // One of the indices of a corner, counted from one or back from the latest of `count`; what = "vertex".
   std::uint32_t index(std::string_view digits, std::size_t count, const char* what) const {
-    long long index = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
-    if (error != std::errc() || end != digits.data() + digits.size())
+    const auto parsed = parse_number<long long>(digits);
+    if (!parsed)
       fail(Status::bad_data, "%s, line %zu: \"%.*s\" is no corner of a face", file, number,
            static_cast<int>(digits.size()), digits.data());
-    const auto before = static_cast<long long>(count);
+    const long long index = *parsed, before = static_cast<long long>(count);
     const long long found = index > 0 ? index - 1 : before + index;
     if (index == 0 || found < 0 || found >= before)
       fail(Status::bad_data, "%s, line %zu: %s %lld, but %zu came before", file, number, what, index, count);
