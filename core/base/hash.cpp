@@ -4,6 +4,8 @@
 #include <vector>
 
 #define XXH_INLINE_ALL
+#define XXH_NO_XXH3  // which takes vector instructions that not every compiler has
+
 #include <xxhash.h>
 
 namespace fb {
