@@ -12,7 +12,8 @@ import numpy as np
 from ._arrays import ArrayLike, Floats, floats, indices, polygon_lists
 from ._character import About, Channel, Control, Image, Joint, Material, Mesh, Skin, Socket
 
-Evaluate = Callable[[Floats], Any]
+# Takes two axes exactly, so that a function for arrays of any shape, and one for those of two axes, are both accepted.
+Evaluate = Callable[["np.ndarray[Tuple[int, int], np.dtype[np.float32]]"], Any]
 
 KINDS = ("shot", "excitation", "regional", "calisthenics", "dense")
 SPLITS = ("train", "validation", "test")
@@ -116,7 +117,8 @@ class Rig:
         Raises what evaluate does, and ValueError on arrays of another shape."""
         if self.evaluate is None:
             raise TypeError(f"{self.name!r} is a recording, which has no new poses")
-        result = self.evaluate(controls)
+        given: Any = controls
+        result = self.evaluate(given)
         values: Any = np.zeros((len(controls), 0), np.float32)
         if self.channels:
             if not isinstance(result, tuple) or len(result) != 2:
@@ -128,7 +130,8 @@ class Rig:
     def _positions_at_rest(self) -> ArrayLike:
         if self.evaluate is None:
             raise ValueError("a recording needs rest_positions")
-        result = self.evaluate(self.rest_controls[None].copy())
+        rest: Any = self.rest_controls[None].copy()
+        result = self.evaluate(rest)
         if self.channels and isinstance(result, tuple):
             result = result[0]
         return np.array(floats(result, (1, None, 3), "positions that evaluate gave")[0])

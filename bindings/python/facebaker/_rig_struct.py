@@ -180,7 +180,7 @@ class HostRig:
             weights = np.asarray(socket.weights, np.float32)
             if weights.shape != (len(socket.vertices),):
                 raise ValueError(f'socket "{socket.name}": {weights.shape} weights of {len(socket.vertices)} vertices')
-            struct.weights = (c_float * len(weights))(*weights.tolist())
+            struct.weights = (c_float * len(weights))(*map(float, weights))
         if socket.frame is not None:
             struct.frame = _frame(socket.frame, f'socket "{socket.name}"')
         return struct
@@ -230,7 +230,7 @@ def _frame(values: Any, what: str) -> Any:
     numbers = np.asarray(values, np.float32).ravel()
     if len(numbers) != s.FRAME_FLOATS:
         raise ValueError(f"{what}: a frame of {len(numbers)} numbers, not (3, 4)")
-    return (c_float * s.FRAME_FLOATS)(*numbers.tolist())
+    return (c_float * s.FRAME_FLOATS)(*map(float, numbers))
 
 
 def _index(words: Sequence[str], word: str) -> int:

@@ -11,12 +11,17 @@ MYPY = shutil.which("mypy")
 PACKAGE = pathlib.Path(__file__).parents[1] / "facebaker"
 USER = """
 import numpy as np
+import numpy.typing as npt
 import facebaker
 from facebaker.serve import serve
 
 def evaluate(controls: "np.ndarray[tuple[int, int], np.dtype[np.float32]]") -> object:
     return controls
 
+def evaluate_any(controls: "npt.NDArray[np.float32]") -> object:
+    return controls
+
+facebaker.Rig(["a"], evaluate_any)
 rig = facebaker.Rig(["a", facebaker.Control("b", "mouth", -1, 1)], evaluate, polygons=[[0, 1, 2]])
 with facebaker.Source(rig, workers=2) as source:
     result = facebaker.bake(source, "a.fbk", use="variant", progress=print)
