@@ -336,18 +336,24 @@ TEST_CASE("buffers and images may lie beside a file, and nowhere else") {
   put("avatar 1.bin", changed);
   CHECK((*open_written()).version() != rig->version());
 
+  std::filesystem::create_directories(folder / "inner/textures");
+  put("inner/avatar 1.bin", avatar.buffer());
+  const auto check_outside = [&](const char* list, std::size_t index, const std::string& name) {
+    std::filesystem::create_symlink(folder / name, folder / "inner" / ("link " + name));
+    for (const std::string& uri : {"../" + name, "%2e%2e/" + name, (folder / name).string(), "link " + name}) {
+      CAPTURE(uri);
+      json changed = avatar.json;
+      changed[list][index]["uri"] = uri;
+      std::ofstream(folder / "inner/avatar.gltf") << changed.dump();
+      CHECK(contains(failure(Status::bad_data, [&] { open_source(folder / "inner/avatar.gltf"); }),
+                     "which does not lie in its folder"));
+    }
+  };
   put("secret.png", std::string(skin_png.begin(), skin_png.end()));
-  std::filesystem::create_directories(folder / "inner");
-  std::filesystem::create_symlink(folder / "secret.png", folder / "inner" / "link.png");
-  const std::string outside[] = {"../secret.png", "%2e%2e/secret.png", (folder / "secret.png").string(), "link.png"};
-  for (const std::string& uri : outside) {
-    CAPTURE(uri);
-    avatar.json["images"][1]["uri"] = uri;
-    std::ofstream(folder / "inner/avatar.gltf") << avatar.json.dump();
-    put("inner/avatar 1.bin", avatar.buffer());
-    CHECK(contains(failure(Status::bad_data, [&] { open_source(folder / "inner/avatar.gltf"); }),
-                   "which does not lie in its folder"));
-  }
+  check_outside("images", 1, "secret.png");
+  put("inner/textures/skin.png", std::string(skin_png.begin(), skin_png.end()));
+  put("secret.bin", avatar.buffer());
+  check_outside("buffers", 0, "secret.bin");
   for (const auto& [uri, status, message] :
        {std::tuple{"missing.png", Status::not_found, "missing.png"},
         std::tuple{"https://example.org/skin.png", Status::bad_data, "which is no file beside it"},

@@ -13,24 +13,13 @@
 #include "bake/rig/gltf/files_beside.h"
 #include "bake/rig/gltf/glb_chunks.h"
 #include "bake/rig/gltf/loadable_file.h"
+#include "bake/rig/gltf/loader_files.h"
 #include "bake/rig/gltf/meshopt_views.h"
 #include "base/checked.h"
 #include "base/json_depth.h"
 
 namespace fb::bake {
 namespace {
-
-// Lets the loader open no file but those beside.
-tinygltf::FsCallbacks callbacks_for(FilesBeside& beside) {
-  return {[](const std::string&, void*) { return true; }, [](const std::string& path, void*) { return path; },
-          [](std::vector<unsigned char>* to, std::string*, const std::string& path, void* user) {
-            const std::vector<std::byte> bytes = static_cast<FilesBeside*>(user)->read(path);
-            const auto* first = reinterpret_cast<const unsigned char*>(bytes.data());
-            to->assign(first, first + bytes.size());
-            return true;
-          },
-          nullptr, &beside};
-}
 
 // Keeps the bytes of an image in a data URI as they are. Those in a buffer view have not been checked: see view().
 bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
@@ -116,7 +105,7 @@ struct GltfFile::Scalars {
 GltfFile::GltfFile(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder)
     : model_(std::make_unique<tinygltf::Model>()), beside_(std::make_unique<FilesBeside>(std::move(folder))) {
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks(callbacks_for(*beside_));
+  open_files_beside<tinygltf::FsCallbacks>(loader, *beside_);
   loader.SetImageLoader(keep_image, nullptr);
   std::string error, warning;
   const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
@@ -195,7 +184,10 @@ std::vector<float> GltfFile::floats(int index, std::size_t width, std::optional<
 
 std::vector<std::uint32_t> GltfFile::sparse_elements(const tinygltf::Accessor& from, const char* what) const {
   const auto& sparse = from.sparse;
-  if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
+  // Offsets are of type int or size_t, by the version of the loader.
+  const auto indices_offset = static_cast<std::int64_t>(sparse.indices.byteOffset);
+  const auto values_offset = static_cast<std::int64_t>(sparse.values.byteOffset);
+  if (sparse.count < 1 || indices_offset < 0 || values_offset < 0)
     fail(Status::bad_data, "its sparse %s have a count or an offset below zero", what);
   return indices({sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
                   static_cast<std::size_t>(sparse.count), 1, sparse.indices.componentType},
