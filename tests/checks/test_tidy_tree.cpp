@@ -34,6 +34,7 @@ TEST_CASE("the tree is tidy") {
   const std::string version = typed_version();
   REQUIRE(version.size() >= 5);
   none(checks::typed_versions(tree, version));
+  none(checks::pinned_packages(tree));
 }
 
 TEST_CASE("the top of the tree holds what it is meant to hold") {
@@ -83,4 +84,12 @@ TEST_CASE("typed versions are found") {
   CHECK(typed("a.py", "11.2.3 1.2.34 0.1.2.3").empty());
   CHECK(typed("a.py", "version = \"1.2.3\"").size() == 1);
   CHECK(typed("README.md", "This is 1.2.3.").size() == 1);
+}
+
+TEST_CASE("packages in a version are found") {
+  const auto pinned = [](const char* path, const char* text) { return checks::pinned_packages({{path, text}}); };
+  CHECK(pinned("core/CMakeLists.txt", "find_package(draco REQUIRED CONFIG) # 1.5\nset(x 2)\n").empty());
+  CHECK(pinned("docs/x.md", "find_package(Eigen3 3.4 REQUIRED)").empty());
+  CHECK(pinned("core/CMakeLists.txt", "if(A)\n  find_package(Eigen3 3.4 REQUIRED NO_MODULE)\n").size() == 1);
+  CHECK(pinned("core/x.cmake", "fb_find_package(ZLIB::ZLIB ZLIB 1.2...1.9 REQUIRED)").size() == 1);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <sstream>
 
 namespace checks {
 
@@ -48,8 +49,7 @@ std::vector<std::string> long_functions(const SourceTree& tree) {
   };
   const auto begins_type_or_namespace = [](std::string_view line) {
     for (const std::string_view word :
-         {"namespace", "class", "struct", "enum", "union", "extern", "constexpr", "const ",
-          "typedef struct"})
+         {"namespace", "class", "struct", "enum", "union", "extern", "constexpr", "const ", "typedef struct"})
       if (line.starts_with(word)) return true;
     return false;
   };
@@ -84,6 +84,22 @@ std::vector<std::string> typed_versions(const SourceTree& tree, const std::strin
       const bool longer = (at > 0 && part_of_number(file.text[at - 1])) ||
                           (end < file.text.size() && std::isdigit(static_cast<unsigned char>(file.text[end])));
       if (!longer) offences.push_back(file.path + ": types the version, which only VERSION does");
+    }
+  }
+  return offences;
+}
+
+std::vector<std::string> pinned_packages(const SourceTree& tree) {
+  constexpr std::string_view call = "find_package(";
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    if (file.name() != "CMakeLists.txt" && file.extension() != ".cmake") continue;
+    for (std::size_t at = file.text.find(call); at != std::string::npos; at = file.text.find(call, at + 1)) {
+      const std::size_t first = at + call.size();
+      std::istringstream words(file.text.substr(first, file.text.find(')', first) - first));
+      for (std::string word; words >> word;)
+        if (std::isdigit(static_cast<unsigned char>(word[0])))
+          offences.push_back(file.path + ": find_package in version " + word + "; name none");
     }
   }
   return offences;

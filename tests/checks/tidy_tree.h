@@ -19,5 +19,8 @@ std::vector<std::string> long_files(const SourceTree& tree);
 std::vector<std::string> long_functions(const SourceTree& tree);
 // Places other than VERSION and the change log where the version is typed.
 std::vector<std::string> typed_versions(const SourceTree& tree, const std::string& version);
+// Packages that CMake is to find in a version: most say that they fit their own major version alone, so that the next
+// release of a system, with the next one, would be refused.
+std::vector<std::string> pinned_packages(const SourceTree& tree);
 
 }  // namespace checks

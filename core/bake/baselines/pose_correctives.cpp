@@ -107,7 +107,7 @@ Matrix rows_of(const Matrix& all, bool validation) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < all.rows(); ++i)
     if ((i % validation_stride == validation_stride - 1) == validation) rows.push_back(i);
-  return all(rows, Eigen::all);
+  return all(rows, Eigen::seqN(0, all.cols()));
 }
 
 bool is_zero(const PoseRows& rows, const Parallel& parallel) {
@@ -149,7 +149,7 @@ std::vector<Feature> pursue_features(const Samples& samples, const std::vector<F
   for (std::uint32_t round = 0; round < rounds; ++round) {
     const std::size_t wanted = max_count * (round + 1) / rounds - selected.size();
     const std::vector<Feature> added = select_features(
-        ramps, train.ramps(scored, Eigen::all),
+        ramps, train.ramps(scored, Eigen::seqN(0, train.ramps.cols())),
         residual(scored, Eigen::seqN(0, std::min(scored_components, residual.cols()))), selected, wanted, parallel);
     if (added.empty()) break;
     const Eigen::Index before = train_features.cols(), after = before + static_cast<Eigen::Index>(added.size());

@@ -141,7 +141,7 @@ BlockRegion block_region(Columns old, const RegionColumns& region) {
   Matrix root(values.cols(), region.count);
   for (Eigen::Index c = 0; c < values.cols(); ++c)
     root.row(c) = region.root.row(local.old.numbers[std::size_t(c)] - region.first);
-  const Matrix part = values(rows, Eigen::all);
+  const Matrix part = values(rows, Eigen::seqN(0, values.cols()));
   const Eigen::MatrixXd motion = (part * root).cast<double>();
   const EigenDecomposition eigen = decompose_symmetric(motion * motion.transpose());
   // Eigenvalues below the rounding error of the largest one are 0.
@@ -149,7 +149,7 @@ BlockRegion block_region(Columns old, const RegionColumns& region) {
   Eigen::Index count = 0;
   while (count < std::min(part.rows(), part.cols()) && eigen.values[count] > eigen.values[0] * rounding) ++count;
   local.directions = Matrix::Zero(values.rows(), count);
-  local.directions(rows, Eigen::all) = eigen.vectors.leftCols(count);
+  local.directions(rows, Eigen::seqN(0, count)) = eigen.vectors.leftCols(count);
   for (Eigen::Index k = 0; k < count; ++k) local.motion.push_back(std::sqrt(eigen.values[k]));
   return local;
 }
