@@ -1,4 +1,6 @@
 // What lies inside the head's openings: eyeballs, two rows of teeth, the tongue.
+#include <algorithm>
+
 #include "anatomy.h"
 #include "face_mesh.h"
 
@@ -82,7 +84,7 @@ void add_teeth(FaceMesh& mesh, bool upper) {
   for (std::size_t i = 0; i + 1 < sections.size(); ++i) mesh.bridge(sections[i + 1], sections[i]);
   mesh.cap(Ring(sections.front().rbegin(), sections.front().rend()), 2, 2);
   mesh.cap(sections.back(), 2, 2);
-  (upper ? mesh.upper_teeth : mesh.lower_teeth) = {first, Index(mesh.points.size()) - first};
+  (upper ? mesh.upper_teeth : mesh.lower_teeth) = Span{first, Index(mesh.points.size()) - first};
 }
 
 void add_tongue(FaceMesh& mesh) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 inline tinygltf::Model load_glb(const std::string& path) {
@@ -62,11 +63,10 @@ inline std::vector<float> floats(const tinygltf::Model& model, int index) {
 }
 
 // The node of this name.
-inline const tinygltf::Node& node_named(const tinygltf::Model& model, const std::string& name) {
+inline const tinygltf::Node& node_named(const tinygltf::Model& model, std::string_view name) {
   const auto found =
       std::find_if(model.nodes.begin(), model.nodes.end(), [&](const auto& n) { return n.name == name; });
-  CAPTURE(name);
-  REQUIRE(found != model.nodes.end());
+  REQUIRE_MESSAGE(found != model.nodes.end(), std::string(name));
   return *found;
 }
 

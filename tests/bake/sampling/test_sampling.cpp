@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "bake/dataset/npy.h"
 #include "bake/sampling/mirror_partners.h"
@@ -29,9 +30,9 @@ struct Recorder final : QuietProgress {
   std::vector<std::string> notes;
 };
 
-const Clip& clip_named(const PosePlan& plan, const std::string& name) {
+const Clip& clip_named(const PosePlan& plan, std::string_view name) {
   const auto found = std::find_if(plan.begin(), plan.end(), [&](const Clip& clip) { return clip.name == name; });
-  REQUIRE_MESSAGE(found != plan.end(), name);
+  REQUIRE_MESSAGE(found != plan.end(), std::string(name));
   return *found;
 }
 
