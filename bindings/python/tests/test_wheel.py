@@ -36,7 +36,7 @@ print(facebaker.__version__, facebaker.bake(rig, "face.fbk", use="variant", pose
 """
 
 # Of the standard library, what takes more than a few milliseconds to import, and what serves or starts processes.
-SLOW = {"asyncio", "concurrent", "email", "http", "logging", "multiprocessing", "socket", "ssl", "unittest", "urllib", "xml"}
+SLOW = set("asyncio concurrent email http logging multiprocessing socket ssl unittest urllib xml".split())
 
 
 def clean_environment(**variables):
