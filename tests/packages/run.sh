@@ -9,7 +9,7 @@ packages=${1:-build/packages}
 [ $# -gt 0 ] || packager/packages/build_debs.sh "$packages"
 packages=$(cd "$packages" && pwd)
 missing=""
-for package in lintian man-db groff-base mandoc file pkg-config libmeshoptimizer2d python3-numpy; do
+for package in lintian man-db groff-base mandoc file pkg-config libmeshoptimizer-dev python3-numpy; do
   dpkg-query --show --showformat='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
 done
 # shellcheck disable=SC2086

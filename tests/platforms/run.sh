@@ -99,7 +99,7 @@ msvc() {
   # The sources that a build for Windows has, by clang with the headers of the other compiler.
   cmake --preset windows-x64 -B build/windows-x64-sources >/dev/null
   includes=$(x86_64-w64-mingw32-g++-posix -E -x c++ -v - </dev/null 2>&1 | sed -n '/^#include </,/^End/s/^ \(.*\)/-isystem \1/p' |
-    grep -v '/include-fixed$\|/12-posix/include$')
+    grep -v '/include-fixed$\|/[0-9]*-posix/include$')
   count=0
   for source in $(git ls-files 'core/*.cpp' 'capi/*.cpp'); do
     grep -q "/$source\"" build/windows-x64-sources/compile_commands.json || continue
