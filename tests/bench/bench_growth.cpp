@@ -1,9 +1,14 @@
 // How the time of a pose grows with vertices, with controls and with controls that are moved, on made-up faces of the
-// proportions of a baked one. Prints comma-separated values; draws them on a page if given its name.
+// proportions of a baked one. Prints comma-separated values; draws them on a page if given its name. With --vertices,
+// only faces of so many vertices: 4,000,000 take 5 GB.
 //   bench_growth [PAGE.html]
+//   bench_growth --vertices N...
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <numeric>
 #include <vector>
 
 #include "base/file.h"
@@ -21,7 +26,8 @@ using namespace fb::runtime;
 using namespace fb::tool;
 
 constexpr std::uint32_t regions = 8, hidden = 112, outputs = 100, block_vertices = 64;
-constexpr std::size_t frames = 48, rounds = 7;
+constexpr std::size_t most_frames = 48, rounds = 7;
+constexpr std::size_t most_floats = 36'000'000;  // of the positions of all frames
 
 struct Size {
   std::uint32_t vertices, controls, moved;
@@ -32,6 +38,21 @@ struct Cost {
   std::uint64_t bytes = 0;
 };
 
+// Baked order of the vertices of a grid: neighbours follow each other (Morton order), as in the blocks of a baked face.
+std::vector<std::uint32_t> neighbours_together(std::uint32_t vertices, std::uint32_t across) {
+  const auto spread = [](std::uint64_t bits) {
+    std::uint64_t spread = 0;
+    for (int bit = 0; bit < 24; ++bit) spread |= (bits >> bit & 1) << 2 * bit;
+    return spread;
+  };
+  std::vector<std::uint32_t> order(vertices);
+  std::iota(order.begin(), order.end(), 0u);
+  std::vector<std::uint64_t> code(vertices);
+  for (std::uint32_t v = 0; v < vertices; ++v) code[v] = spread(v % across) | spread(v / across) << 1;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return code[a] < code[b]; });
+  return order;
+}
+
 // Every control has a curve of three knots, whose shapes reach a thirtieth of the face, and is an input of one of the
 // regions, each of which has a network and a stretch of the face.
 PackedModel made_up_face(const Size& size) {
@@ -40,6 +61,7 @@ PackedModel made_up_face(const Size& size) {
   const std::uint32_t across = static_cast<std::uint32_t>(std::sqrt(double(size.vertices)));
   model.rest = grid_mesh(across, size.vertices / across);
   const auto vertices = static_cast<std::uint32_t>(model.rest.vertex_count());
+  model.order = neighbours_together(vertices, across);
   const std::uint32_t chunks = (vertices + block_vertices - 1) / block_vertices;
   std::vector<std::vector<std::uint32_t>> columns(chunks);
   for (std::uint32_t r = 0; r < regions; ++r) {
@@ -85,6 +107,7 @@ PackedModel made_up_face(const Size& size) {
 
 Cost measure(const Size& size) {
   const Evaluator face(made_up_face(size));
+  const std::size_t frames = std::clamp<std::size_t>(most_floats / (3 * size.vertices), 4, most_frames);
   std::vector<float> controls(frames * size.controls), positions(frames * 3 * face.vertex_count());
   for (std::size_t frame = 0; frame < frames; ++frame)
     for (std::uint32_t m = 0; m < size.moved; ++m)
@@ -129,7 +152,13 @@ std::string series(const char* name, const std::vector<Size>& sizes, std::uint32
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  std::printf("varied,vertices,controls,moved controls,us alone,us in a batch of %zu,bytes of the model\n", frames);
+  std::printf("varied,vertices,controls,moved controls,us alone,us in a batch of up to %zu,bytes of the model\n",
+              most_frames);
+  if (argc > 1 && std::strcmp(argv[1], "--vertices") == 0) {
+    for (int i = 2; i < argc; ++i)
+      series("vertices", {{static_cast<std::uint32_t>(std::strtoul(argv[i], nullptr, 10)), 500, 100}}, &Size::vertices);
+    return 0;
+  }
   Html page("The time of a pose");
   page.raw(series(
       "vertices",
