@@ -62,7 +62,7 @@ class Candidates {
 
   Fitted fitted(const FitChoice& choice) {
     build(choice.precision);
-    return {blockwise_.model, packing(choice.precision), packed_, choice};
+    return {blockwise_.model, packing(choice.precision), packed_, choice, {}};
   }
 
  private:
@@ -206,19 +206,21 @@ Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarg
         [&](const Precision& precision) { return candidates.microseconds(precision); });
   };
   const FitChoice choice = choose(target);
+  std::string unmet;
   if (!met(target, choice)) {
-    std::string message = unmet_text(target, choice);
+    unmet = unmet_text(target, choice);
     if (!target.force && target.max_bytes > 0 && target.max_error > 0) {
       const FitChoice larger = choose({.max_error = target.max_error});
-      if (met({.max_error = target.max_error}, larger)) message += "; with that error it takes " + cost_text(larger);
+      if (met({.max_error = target.max_error}, larger)) unmet += "; with that error it takes " + cost_text(larger);
     }
-    if (!target.force) fail(Status::limit, "%s", message.c_str());
-    progress.note(message);
+    if (!target.force) fail(Status::limit, "%s", unmet.c_str());
   }
   progress.step(most_measured);
   progress.note(format("fitted: %s (basis precise to %.2g of it, weights of %d bits)", cost_text(choice).c_str(),
                        choice.precision.scale, choice.precision.weight_bits));
-  return candidates.fitted(choice);
+  Fitted fitted = candidates.fitted(choice);
+  fitted.unmet = std::move(unmet);
+  return fitted;
 }
 
 }  // namespace fb::bake

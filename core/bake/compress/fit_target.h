@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "bake/compress/blockwise_pca.h"
@@ -52,6 +53,7 @@ struct Fitted {
   PackOptions packing;
   PackedModel packed;  // pack_model(model, packing), what was measured
   FitChoice choice;
+  std::string unmet;  // what of the target was not met, with force; empty: nothing
 };
 
 // What else choosing a precision takes: see BlockwisePca and PackOptions.
@@ -65,7 +67,7 @@ struct FitInputs {
 
 // Compresses a model by blockwise PCA and packs it in the precision of choose_precision. `error` measures a candidate
 // on validation poses, `bytes` gives its archive's size. Notes what was reached. A target that cannot be met is a
-// failure with limit, which names what can be and its cost, or, with FitTarget::force, a note.
+// failure with limit, which names what can be and its cost, or, with FitTarget::force, Fitted::unmet.
 Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarget& target,
                   const std::function<double(const PackedModel&)>& error,
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,

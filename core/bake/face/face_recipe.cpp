@@ -34,8 +34,10 @@ std::vector<float> coefficient_covariance(const LocalBasis& basis, std::size_t p
 // Where the blendshapes leave no region, correctives may take half of the bytes that a pose reads: a pruned one would
 // need a network, which costs more. On Aura, compact with seed 4 pruned 28 of 151 for 150 kB: 656 kB and a worst vertex
 // of 4.5e-3 of the diagonal (bench_worst_poses), instead of 433 kB and 2.2e-3 with all of them.
-double most_corrective_bytes(const FaceRecipe& recipe, const std::vector<FaceRegion>& regions) {
-  return regions.empty() ? std::max(recipe.corrective_bytes, recipe.max_bytes_read / 2) : recipe.corrective_bytes;
+double most_corrective_bytes(const FaceRecipe& recipe, const std::vector<FaceRegion>& regions, std::size_t vertices) {
+  return recipe.bytes_for(
+      regions.empty() ? std::max(recipe.corrective_bytes, recipe.max_bytes_read / 2) : recipe.corrective_bytes,
+      vertices);
 }
 
 // The structure of a face: sparse blendshapes, and the regions of their residual with a basis each.
@@ -78,7 +80,7 @@ Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvalu
   face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
   const std::size_t dropped =
       prune_correctives(face.analysis, schema, without_shots(poses).subsampled(pruning_poses).controls(),
-                        rest.diagonal(), most_corrective_bytes(recipe, face.regions));
+                        rest.diagonal(), most_corrective_bytes(recipe, face.regions, rest.vertex_count()));
   if (dropped > 0) {
     progress.note(format("%zu of %zu correctives are left to the networks", dropped, face.analysis.correctives.size()));
     face.regions = find_regions(rest, schema, face.analysis.residual_motion, region_options);
@@ -112,6 +114,10 @@ std::vector<std::string> summary_notes(const Decomposition& face, double share_l
 }
 
 }  // namespace
+
+double FaceRecipe::bytes_for(double bytes, std::size_t vertices) const {
+  return bytes * std::max(1.0, double(vertices) / double(full_size_vertices));
+}
 
 TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
@@ -161,8 +167,18 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   packing.normal_weight = options.normal_weight;
   // Without networks, sparse shapes alone need the fewest bytes for an error with fewer dropped columns.
   if (face.model.network.regions.empty()) packing.drop *= 0.5;
-  RecipeResult result =
-      finish_face(face.model, face.covariance, localize, packing, poses, options, progress, recipe.max_bytes_read);
+  const std::size_t vertices = face.model.rest.vertex_count();
+  if (vertices > recipe.full_size_vertices && recipe.max_bytes_read > 0 && options.max_bytes == 0 &&
+      options.max_error <= 0) {
+    face.stats.notes.push_back(
+        format("poses may read %.3g MB: the %.3g MB of %zu vertices, in proportion to the %zu of this face",
+               recipe.bytes_for(recipe.max_bytes_read, vertices) / 1e6, recipe.max_bytes_read / 1e6,
+               recipe.full_size_vertices, vertices));
+    progress.note(face.stats.notes.back());
+  }
+  RecipeResult result = finish_face(face.model, face.covariance, localize, packing, poses, options, progress,
+                                    recipe.bytes_for(recipe.max_bytes_read, vertices));
+  face.stats.notes.insert(face.stats.notes.end(), result.stats.notes.begin(), result.stats.notes.end());
   result.stats = std::move(face.stats);
   result.held_back = held_back(poses, options.seed).validation;
   return result;

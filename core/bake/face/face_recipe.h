@@ -11,7 +11,8 @@
 
 namespace fb::bake {
 
-// Most values can be tried by `bench_packing hero|compact NAME=VALUE... -- SOURCE...`.
+// Bytes are those of a face of at most full_size_vertices; of a larger one they grow with its vertices, as its shapes
+// do. Most values can be tried by `bench_packing hero|compact NAME=VALUE... -- SOURCE...`.
 struct FaceRecipe {
   AnalysisOptions analysis;
   RegionOptions regions;
@@ -43,7 +44,12 @@ struct FaceRecipe {
   // on validation poses, but at least min_compression_error over the diagonal. Where single controls simply add up, the
   // minimum is at most 5e-6.
   double compression_error_share = 0.1, min_compression_error = 1e-6;
-  double max_bytes_read = 0;  // per pose on average; precision is lowered to keep to it, see finish_face; 0: any
+  // Per pose on average, beside what the rest pose reads too, whatever the precision (0.15 MB of the sample face).
+  // Precision is lowered to keep to it, see finish_face; 0: any.
+  double max_bytes_read = 0;
+  std::size_t full_size_vertices = 6500;
+
+  double bytes_for(double bytes, std::size_t vertices) const;
 };
 
 FaceRecipe hero_recipe();

@@ -34,14 +34,19 @@ PoseSet validation_poses(const PoseSet& poses, std::uint64_t seed) {
   return (split.validation.empty() ? poses : poses.picked(split.validation)).subsampled(measured_poses);
 }
 
-// Mean number of bytes that a frame of the clip reads.
+// What every pose reads, whatever the precision: a number for each control, feature, list entry and vertex.
+std::uint64_t constant_bytes(const PackedModel& packed) {
+  return BytesReadCounter(packed).of_pose(packed.schema.rest_pose());
+}
+
+// Mean number of bytes that a frame of the clip reads beside constant_bytes.
 double mean_bytes_read(const PackedModel& packed, const Clip& clip) {
   const BytesReadCounter counter(packed);
   const std::size_t width = packed.schema.control_count();
   double sum = 0;
   for (std::size_t frame = 0; frame < clip.frames; ++frame)
     sum += static_cast<double>(counter.of_pose(std::span(clip.controls).subspan(frame * width, width)));
-  return sum / static_cast<double>(clip.frames);
+  return sum / static_cast<double>(clip.frames) - static_cast<double>(constant_bytes(packed));
 }
 
 // The model with threshold, tolerance and steps multiplied by `factor`.
@@ -58,8 +63,9 @@ RecipeResult with_factor(const BlockwisePca& pca, double threshold, const PackOp
 // What poses of some shots may take on average; 0: any.
 struct PoseBounds {
   const Clip& shots;
-  double max_bytes_read, max_microseconds;
-  MachineClass machine;  // of max_microseconds
+  double max_bytes_read;    // the recipe's own
+  double max_microseconds;  // the user's
+  MachineClass machine;     // of max_microseconds
 
   bool keeps_bytes(const PackedModel& packed) const {
     return max_bytes_read <= 0 || mean_bytes_read(packed, shots) <= max_bytes_read;
@@ -69,38 +75,85 @@ struct PoseBounds {
   }
 };
 
+struct BoundedResult {
+  RecipeResult result;
+  double factor = 1;
+};
+
 // The result for the smallest factor found with which poses keep to the bounds: doubled until they do, then bisected.
-// make(factor): a packed result.
+// That of the largest factor where none does. make(factor): a packed result.
 template <class Make>
-RecipeResult fit_bounds(const PoseBounds& bounds, const Make& make) {
+BoundedResult fit_bounds(const PoseBounds& bounds, const Make& make) {
   const auto fits = [&](const RecipeResult& result) {
     return bounds.keeps_bytes(*result.packed) && bounds.keeps_time(*result.packed);
   };
-  RecipeResult best = make(1);
-  double too_small = 1, fitting = 1;
-  while (!fits(best) && fitting < largest_factor) {
-    too_small = fitting;
-    fitting *= 2;
-    best = make(fitting);
+  BoundedResult best{make(1)};
+  double too_small = 1;
+  while (!fits(best.result)) {
+    if (best.factor >= largest_factor) return best;
+    too_small = best.factor;
+    best = {make(2 * too_small), 2 * too_small};
   }
-  for (int step = 0; step < bisections && fitting > too_small; ++step) {
-    const double middle = std::sqrt(too_small * fitting);
+  for (int step = 0; step < bisections && best.factor > too_small; ++step) {
+    const double middle = std::sqrt(too_small * best.factor);
     RecipeResult other = make(middle);
-    const bool enough = fits(other);
-    (enough ? fitting : too_small) = middle;
-    if (enough) best = std::move(other);
+    if (fits(other))
+      best = {std::move(other), middle};
+    else
+      too_small = middle;
   }
   return best;
 }
 
-void refuse_time(const PoseBounds& bounds, const PackedModel& least, bool force, Progress& progress) {
-  const std::string message = format(
+std::string unmet_bytes_text(const PoseBounds& bounds, const PackedModel& least) {
+  return format(
+      "poses of this face cannot keep to the %.3g MB that the recipe lets them read: the least reached is %.3g MB, "
+      "with "
+      "the recipe's precision divided by %g; it keeps its precision instead",
+      bounds.max_bytes_read / 1e6, mean_bytes_read(least, bounds.shots) / 1e6, largest_factor);
+}
+
+std::string unmet_time_text(const PoseBounds& bounds, const PackedModel& least) {
+  return format(
       "asked for poses of %.4g microseconds on \"%s\", the least reached is %.4g as predicted, with the recipe's "
       "precision divided by %g",
       bounds.max_microseconds, bounds.machine.name.c_str(), mean_microseconds(least, bounds.shots, bounds.machine),
       largest_factor);
-  if (!force) fail(Status::limit, "%s", message.c_str());
-  progress.note(message);
+}
+
+// The precision of fit_bounds, told where it is not the recipe's own.
+std::string lowered_text(const PoseBounds& bounds, const BoundedResult& fitted) {
+  const PackedModel& packed = *fitted.result.packed;
+  std::string text = format(
+      "the recipe's precision is divided by %.3g: frames of synthetic shots then read %.3g MB on average, besides the "
+      "%.3g MB that every pose reads",
+      fitted.factor, mean_bytes_read(packed, bounds.shots) / 1e6, double(constant_bytes(packed)) / 1e6);
+  if (bounds.max_bytes_read > 0) text += format("; the recipe allows for %.3g MB", bounds.max_bytes_read / 1e6);
+  return text;
+}
+
+// Keeps to the bounds. Those of the recipe that cannot be met are a warning, and do not count: a face of a lower
+// precision that does not meet them either is good for nothing. Those of the user are a failure, or with `force` a
+// warning.
+template <class Make>
+RecipeResult bounded_result(PoseBounds bounds, bool force, Progress& progress, const Make& make) {
+  std::vector<std::string> warnings;
+  BoundedResult fitted = fit_bounds(bounds, make);
+  if (!bounds.keeps_bytes(*fitted.result.packed)) {
+    warnings.push_back(unmet_bytes_text(bounds, *fitted.result.packed));
+    bounds.max_bytes_read = 0;
+    fitted = fit_bounds(bounds, make);
+  }
+  if (!bounds.keeps_time(*fitted.result.packed)) {
+    warnings.push_back(unmet_time_text(bounds, *fitted.result.packed));
+    if (!force) fail(Status::limit, "%s", warnings.back().c_str());
+  }
+  fitted.result.warnings = std::move(warnings);
+  if (fitted.factor > 1) {
+    fitted.result.stats.notes.push_back(lowered_text(bounds, fitted));
+    progress.note(fitted.result.stats.notes.back());
+  }
+  return std::move(fitted.result);
 }
 
 // The materials that meshes name are not there yet: their bytes are reserved, as those of all that is not learnt.
@@ -164,14 +217,13 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
       result.packed = pack_model(result.model, result.packing, without_asking(options.parallel));
     };
     progress.begin("rounding", 0);
-    RecipeResult result = fit_bounds(bounds, [&](double factor) {
+    RecipeResult result = bounded_result(bounds, options.force, progress, [&](double factor) {
       return ask_during(progress, [&] {
         RecipeResult made = with_factor(pca, pca_options.threshold, packing, factor);
         pack(made, !bytes_alone);
         return made;
       });
     });
-    if (!bounds.keeps_time(*result.packed)) refuse_time(bounds, *result.packed, options.force, progress);
     if (bytes_alone) keep_asking(progress, [&] { pack(result, true); });
     return result;
   }
@@ -191,7 +243,9 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   Fitted fitted = fit_target(model, {covariance, sizes, samples, options.normal_weight, microseconds},
                              {options.max_bytes, options.max_error, options.max_microseconds, options.force}, error,
                              bytes, options.parallel, progress);
-  return {std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
+  RecipeResult result{std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
+  if (!fitted.unmet.empty()) result.warnings.push_back(std::move(fitted.unmet));
+  return result;
 }
 
 }  // namespace fb::bake

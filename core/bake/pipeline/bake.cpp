@@ -333,6 +333,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& gi
   baked.poses = poses.size();
   baked.coefficients = result.model.basis.columns;
   baked.parameters = result.model.network.parameter_count();
+  for (const std::string& warning : result.warnings) warn(baked, warning, progress);
   if (const auto note = overfitting_note(baked.stats, baked.poses)) {
     progress.note(*note);
     baked.stats.notes.push_back(*note);
@@ -404,9 +405,12 @@ Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
   } else {
     baked = bake_ordinary(source, options, progress);
   }
-  if (options.max_bytes > 0 && baked.archive.size() > options.max_bytes && !options.force)
-    fail(Status::limit, "the archive has %zu bytes with its certificate, more than the %llu asked for",
-         baked.archive.size(), static_cast<unsigned long long>(options.max_bytes));
+  if (options.max_bytes > 0 && baked.archive.size() > options.max_bytes) {
+    const std::string unmet = format("the archive has %zu bytes with its certificate, more than the %llu asked for",
+                                     baked.archive.size(), static_cast<unsigned long long>(options.max_bytes));
+    if (!options.force) fail(Status::limit, "%s", unmet.c_str());
+    warn(baked, unmet, progress);
+  }
   return baked;
 }
 

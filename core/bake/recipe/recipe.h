@@ -20,7 +20,8 @@ struct RecipeResult {
   PackOptions packing = {};
   BakeStats stats = {};
   std::vector<std::uint32_t> held_back = {};  // poses of the set that nothing was fitted to, ascending
-  std::optional<PackedModel> packed = {};  // pack_model(model, packing), if the recipe packed it to choose `packing`
+  std::optional<PackedModel> packed = {};     // pack_model(model, packing), if the recipe packed it to choose `packing`
+  std::vector<std::string> warnings = {};     // what was asked for, by the recipe itself too, and is not met
 };
 
 // The packed model of a result, packed once.

@@ -83,8 +83,12 @@ TEST_CASE("a bake keeps to the bytes asked for, or to the error, or says what it
                     doctest::Contains("asked for 10 bytes, the smallest reached is "));
   CHECK(notes.all.find("asked") == std::string::npos);
   options.force = true;
-  CHECK(bake_face(source, options, notes).archive.size() > 10);
-  CHECK(notes.all.find("asked for 10 bytes, the smallest reached is ") != std::string::npos);
+  const Baked forced = bake_face(source, options, notes);
+  CHECK(forced.archive.size() > 10);
+  REQUIRE(forced.warnings.size() >= 2);
+  CHECK(forced.warnings.front().find("asked for 10 bytes, the smallest reached is ") == 0);
+  CHECK(forced.warnings.back().find("with its certificate, more than the 10 asked for") != std::string::npos);
+  CHECK(notes.all.find("warning: " + forced.warnings[0]) != std::string::npos);
 
   options.recipe = "paper";
   CHECK_THROWS_WITH(bake_face(source, options, notes), doctest::Contains("\"paper\" supports neither"));
