@@ -65,26 +65,48 @@ std::vector<std::uint64_t> level_hashes(const runtime::Evaluator& face, std::spa
   return hashes;
 }
 
+// Evaluates poses one after the other, in the memory of one.
+class PoseByPose {
+ public:
+  explicit PoseByPose(const PackedModel& model)
+      : face_(model),
+        workspace_(face_, 1),
+        posed_{std::vector<float>(3 * face_.vertex_count()),
+               std::vector<float>(runtime::SocketFrames::frame_floats * face_.socket_count()),
+               std::vector<float>(face_.channel_count()), std::vector<float>(face_.error_count())} {
+    batch_.poses = 1;
+    batch_.positions = {posed_.positions.data(), posed_.positions.size()};
+    if (face_.socket_count() > 0) batch_.sockets = {posed_.frames.data(), posed_.frames.size()};
+    if (face_.channel_count() > 0) batch_.channels = {posed_.channels.data(), posed_.channels.size()};
+    if (face_.error_count() > 0) batch_.errors = {posed_.errors.data(), posed_.errors.size(), 0, &posed_.outside};
+  }
+
+  // Without the hashes of levels. Valid until the next call.
+  const Posed& evaluate(std::span<const float> controls) {
+    batch_.controls = controls;
+    face_.evaluate_batch(batch_, {&workspace_, 1});
+    return posed_;
+  }
+  const Posed& evaluate_with_levels(std::span<const float> controls) {
+    evaluate(controls);
+    posed_.level_hashes = level_hashes(face_, controls, workspace_);
+    return posed_;
+  }
+
+ private:
+  const runtime::Evaluator face_;
+  runtime::Workspace workspace_;
+  Posed posed_;
+  runtime::Batch batch_;
+};
+
 // Calls visit(pose, what it evaluates to) for every pose.
 template <class Visit>
 void for_each_pose(const PackedModel& model, std::span<const float> controls, Visit&& visit) {
-  const runtime::Evaluator face(model);
-  runtime::Workspace workspace(face);
-  Posed posed{std::vector<float>(3 * face.vertex_count()),
-              std::vector<float>(runtime::SocketFrames::frame_floats * face.socket_count()),
-              std::vector<float>(face.channel_count()), std::vector<float>(face.error_count())};
-  runtime::Batch batch;
-  batch.poses = 1;
-  batch.positions = {posed.positions.data(), posed.positions.size()};
-  if (face.socket_count() > 0) batch.sockets = {posed.frames.data(), posed.frames.size()};
-  if (face.channel_count() > 0) batch.channels = {posed.channels.data(), posed.channels.size()};
-  if (face.error_count() > 0) batch.errors = {posed.errors.data(), posed.errors.size(), 0, &posed.outside};
-  for (std::size_t pose = 0; pose < controls.size() / face.control_count(); ++pose) {
-    batch.controls = controls.subspan(pose * face.control_count(), face.control_count());
-    face.evaluate_batch(batch, {&workspace, 1});
-    posed.level_hashes = level_hashes(face, batch.controls, workspace);
-    visit(pose, posed);
-  }
+  PoseByPose face(model);
+  const std::size_t width = model.schema.control_count();
+  for (std::size_t pose = 0; pose < controls.size() / width; ++pose)
+    visit(pose, face.evaluate_with_levels(controls.subspan(pose * width, width)));
 }
 
 // Fails unless numbers have the same bits as those kept for a pose. what(i): names number i.
@@ -183,15 +205,13 @@ void write_verified_archive(const std::filesystem::path& path, std::span<const s
 }
 
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls) {
-  const std::size_t width = 3 * model.rest.surface_vertex_count();
-  std::vector<float> kept;
-  for_each_pose(model, controls, [&](std::size_t, const Posed& posed) {
-    kept.insert(kept.end(), posed.positions.begin(), posed.positions.end());
-  });
+  PoseByPose before(model), after(repacked);
+  const std::size_t width = model.schema.control_count();
   ErrorSums sums;
-  for_each_pose(repacked, controls, [&](std::size_t pose, const Posed& posed) {
-    sums.add_frame(posed.positions, std::span(kept).subspan(pose * width, width));
-  });
+  for (std::size_t pose = 0; pose < controls.size() / width; ++pose) {
+    const std::span<const float> values = controls.subspan(pose * width, width);
+    sums.add_frame(after.evaluate(values).positions, before.evaluate(values).positions);
+  }
   return sums.figures(model.rest.diagonal());
 }
 
@@ -200,18 +220,25 @@ Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, st
   const FloatFace exact(model);
   const runtime::Evaluator face(packed);
   const std::size_t width = face.control_count(), poses = controls.size() / width;
+  struct Worker {
+    runtime::Workspace workspace;
+    std::vector<float> points, expected;
+  };
+  std::vector<Worker> work;
+  for (std::size_t w = 0; w < worker_count(parallel); ++w)
+    work.push_back({runtime::Workspace(face, 1), std::vector<float>(face.rest_positions().size()),
+                    std::vector<float>(face.rest_positions().size())});
   std::vector<ErrorSums> sums(poses);
-  parallel_for(parallel, poses, [&](std::size_t pose, std::size_t) {
-    runtime::Workspace workspace(face);
-    std::vector<float> points(face.rest_positions().size());
+  parallel_for(parallel, poses, [&](std::size_t pose, std::size_t w) {
+    auto& [workspace, points, expected] = work[w];
     face.evaluate(controls.data() + pose * width, points.data(), workspace);
-    const std::vector<double> expected = exact.evaluate(controls.subspan(pose * width, width));
-    sums[pose].add_frame(points,
-                         std::vector<float>(expected.begin(), expected.begin() + std::ptrdiff_t(points.size())));
+    const std::vector<double> all = exact.evaluate(controls.subspan(pose * width, width));
+    std::copy_n(all.begin(), expected.size(), expected.begin());
+    sums[pose].add_frame(points, expected);
   });
-  ErrorSums all;
-  for (const ErrorSums& one : sums) all.append(one);
-  return all.figures(model.rest.diagonal());
+  ErrorSums total;
+  for (const ErrorSums& one : sums) total.append(one);
+  return total.figures(model.rest.diagonal());
 }
 
 }  // namespace fb::bake

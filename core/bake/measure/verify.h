@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "archive/proof.h"
 #include "archive/reader.h"
@@ -44,8 +44,7 @@ void write_verified_archive(const std::filesystem::path& path, std::span<const s
 Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                            const Parallel& parallel);
 
-// Displacements of a repacked model from the packed one, with the same controls and vertices. Allocates all positions
-// of one of them.
+// Displacements of a repacked model from the packed one, with the same controls and vertices.
 Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked, std::span<const float> controls);
 
 }  // namespace fb::bake
