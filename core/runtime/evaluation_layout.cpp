@@ -94,7 +94,11 @@ void EvaluationLayout::add_networks(const PackedModel& model, std::pmr::memory_r
 
 void EvaluationLayout::add_row_blocks(const PackedModel& model) {
   row_blocks.reserve(model.row_blocks.size());
-  for (const PackedRowBlock& block : model.row_blocks) row_blocks.emplace_back(kernels, block, memory);
+  for (const PackedRowBlock& block : model.row_blocks) {
+    row_blocks.emplace_back(kernels, block, memory);
+    max_block_rows = std::max<std::size_t>(max_block_rows, block.row_count);
+    blocks_of_vertices = blocks_of_vertices && block.first_row % 3 == 0;
+  }
 }
 
 void EvaluationLayout::find_list_offsets(const PackedModel& model) {

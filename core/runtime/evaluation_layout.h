@@ -105,6 +105,8 @@ struct EvaluationLayout {
   std::size_t coefficient_count;
   std::size_t max_width = 0, max_work_size = 0;  // of networks, see RegionNetwork
   std::size_t max_pass_entries = 0;              // row_block_entries() of a pass
+  std::size_t max_block_rows = 0;
+  bool blocks_of_vertices = true;  // whether no row block begins within a vertex
 
  private:
   void add_networks(const PackedModel& model, std::pmr::memory_resource& heap);

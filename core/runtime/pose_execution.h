@@ -70,16 +70,24 @@ class PoseExecution {
   void fade_coefficients(std::size_t region, std::size_t count, std::size_t poses);
   template <std::size_t poses>
   void quantise_inputs(std::size_t block, std::int16_t* to, QuantisedInputs& inputs);
+  // Where rows go, and from there positions.
+  struct RowTarget {
+    float* const* rows;                     // by pose
+    bool in_workspace = false;              // whether they are those that the workspace keeps
+    bool of_one_block = false;              // whether there is room for the rows of one block only
+    const PoseOutput* scattered = nullptr;  // whose positions are written block by block, by pose; null: none
+  };
   template <std::size_t poses>
-  void run_row_blocks(float* const* rows);
+  void run_row_blocks(const RowTarget& target);
   template <std::size_t poses>
-  void add_corrections(float* const* rows, bool in_workspace);
-  template <std::size_t poses>
-  void run_row_block(std::size_t block, const QuantisedInputs& inputs, float* const* rows, bool in_workspace);
+  void run_row_block(std::size_t block, const QuantisedInputs& inputs, const RowTarget& target);
+  bool add_corrections(std::size_t pose, std::size_t block, const float* rest, float* rows);
+  void scatter(std::size_t block, const float* rows, const PoseOutput& output);
+  bool scatters(const PoseOutput& output) const;
   template <class Visit>
   void visit_written(const Visit& visit) const;
   void slide(std::size_t pose, float* rows, bool in_workspace);
-  void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output);
+  void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output, bool positions);
   const float* with_missing_vertices(const float* of_level);
   void write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest = nullptr);
   bool is_plain(const VertexOutput& output, VertexOrder order) const;

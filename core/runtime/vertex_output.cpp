@@ -92,4 +92,46 @@ void VertexWriter::write(VertexRange range) const {
     write_range(range, [&](std::size_t v) { return std::size_t(index_[v]); });
 }
 
+namespace {
+
+// vertices[3 i ..] goes to the place of vertex first + i.
+template <class Number>
+void scatter(const Number* vertices, std::size_t count, std::size_t first, const std::uint32_t* places,
+             const VertexOutput& output) {
+  auto* const to = static_cast<Number*>(output.first);
+  const std::size_t stride = output.vertex_stride;
+  if (!places && stride == 3) {
+    std::memcpy(to + 3 * first, vertices, 3 * count * sizeof(Number));
+  } else if (!places) {
+    for (std::size_t i = 0; i < count; ++i)
+      std::memcpy(to + (first + i) * stride, vertices + 3 * i, 3 * sizeof(Number));
+  } else {
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < count; ++i)
+      std::memcpy(to + places[first + i] * stride, vertices + 3 * i, 3 * sizeof(Number));
+  }
+}
+
+}  // namespace
+
+void scatter_vertices(const PoseKernels& kernels, const float* rows, const float* rest, VertexRange range,
+                      const std::uint32_t* places, const VertexOutput& output) {
+  const bool halves = output.format == NumberFormat::float16;
+  if (!rest && !halves) return scatter(rows, range.end - range.begin, range.begin, places, output);
+  constexpr std::size_t chunk = 64;  // vertices
+  float floats[3 * chunk + padding] = {};
+  std::uint16_t converted[3 * chunk + padding];
+  for (std::size_t v = range.begin; v < range.end; v += chunk, rows += 3 * chunk) {
+    const std::size_t count = std::min<std::size_t>(chunk, range.end - v);
+    for (std::size_t i = 0; i < 3 * count; ++i) floats[i] = rest ? rows[i] - rest[i] : rows[i];
+    if (rest) rest += 3 * chunk;
+    if (!halves) {
+      scatter(floats, count, v, places, output);
+      continue;
+    }
+    kernels.convert_to_half(floats, converted, 3 * count);
+    scatter<std::uint16_t>(converted, count, v, places, output);
+  }
+}
+
 }  // namespace fb::runtime

@@ -50,4 +50,10 @@ class VertexWriter {
   const VertexOutput& output_;
 };
 
+// Writes vertices `range` of baked order from their rows, 3 floats a vertex of the range, while these are in the
+// caches. places[v]: where vertex v of baked order is in the output's order; null if both are the same. rest: of the
+// range too, subtracted from the rows; null: nothing is.
+void scatter_vertices(const PoseKernels& kernels, const float* rows, const float* rest, VertexRange range,
+                      const std::uint32_t* places, const VertexOutput& output);
+
 }  // namespace fb::runtime

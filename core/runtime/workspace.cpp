@@ -20,6 +20,7 @@ Workspace::Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr
       coefficients_(layout.coefficient_count * poses, &memory),
       layers_(layout.max_work_size * poses, &memory),
       rows_(layout.row_stride() * poses, &memory),
+      block_rows_(layout.max_block_rows * poses + padding, &memory),
       moved_(layout.row_blocks.size() * poses, &memory),
       halves_(layout.rest_positions.size() + padding, &memory),
       layer_inputs_(layout.max_width, poses, memory),

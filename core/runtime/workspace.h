@@ -50,6 +50,7 @@ class Workspace {
   // Positions in the order of rows, pose after pose, row_stride() apart. Row blocks without a mark in moved_ are at
   // rest.
   std::pmr::vector<float> rows_;
+  std::pmr::vector<float> block_rows_;      // of one row block, pose after pose, that need not be kept
   std::pmr::vector<std::uint8_t> moved_;    // by pose and row block
   std::pmr::vector<std::uint16_t> halves_;  // see VertexWriter
   QuantiseBuffers layer_inputs_;
