@@ -179,7 +179,9 @@ Json plan_of(const EvaluationPlan& plan) {
                       {"expected", stage.expected},
                       {"most", stage.most == UINT64_MAX ? Json() : Json(stage.most)},
                       {"seconds", static_cast<double>(stage.expected) * plan.pose_seconds}});
-  return {{"pose_seconds", plan.pose_seconds}, {"stages", std::move(stages)}};
+  return {{"pose_seconds", plan.pose_seconds},
+          {"stages", std::move(stages)},
+          {"disk_bytes", {{"sampled", plan.sampled_bytes}, {"kept", plan.kept_bytes}}}};
 }
 
 Json counts_of(const EvaluationCounts& counts) {

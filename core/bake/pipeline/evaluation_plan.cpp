@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 
 #include "bake/analysis/rig_analysis.h"
 #include "bake/measure/control_errors.h"
@@ -70,15 +71,47 @@ std::string pose_time_text(double seconds) {
   return seconds < 1 ? format("%.2g ms", 1e3 * seconds) : format("%.2g s", seconds);
 }
 
+// Of the rig's own clips.
+std::uint64_t sampled_frames(const RigEvaluator& rig, const SamplingOptions& sampling) {
+  std::uint64_t frames = 0;
+  for (const Clip& clip : rig.clips())
+    if (clip.split != Split::test && sampling.shots) frames += clip.frames;
+  return frames;
+}
+
 // The rig's own clips, those that are sampled and those that the face is measured on.
 std::uint64_t clip_frames(const RigEvaluator& rig, const SamplingOptions& sampling) {
-  std::uint64_t sampled = 0, test = 0, validation = 0;
+  std::uint64_t test = 0, validation = 0;
   for (const Clip& clip : rig.clips()) {
     if (clip.split == Split::test) test += clip.frames;
     if (clip.split == Split::validation) validation += clip.frames;
-    if (clip.split != Split::test && sampling.shots) sampled += clip.frames;
   }
-  return sampled + (test > 0 ? test : validation);
+  return sampled_frames(rig, sampling) + (test > 0 ? test : validation);
+}
+
+// On the disk of a folder that may not be there yet.
+std::uint64_t free_bytes_at(std::filesystem::path folder) {
+  std::error_code failed;
+  if (folder.empty()) folder = ".";
+  while (!std::filesystem::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
+  if (folder.empty()) folder = ".";
+  const std::filesystem::space_info space = std::filesystem::space(folder, failed);
+  return failed ? UINT64_MAX : space.available;
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  return bytes < 995'000'000 ? format("%.3g MB", double(bytes) / 1e6) : format("%.3g GB", double(bytes) / 1e9);
+}
+
+std::string disk_text(const EvaluationPlan& plan) {
+  const std::uint64_t all = plan.sampled_bytes + plan.kept_bytes;
+  std::string text = "the work folder will take about " + bytes_text(all) + " of the disk";
+  if (plan.kept_bytes > 0)
+    text += ", " + bytes_text(plan.kept_bytes) +
+            " of it for evaluations, without which a bake that is interrupted "
+            "evaluates again";
+  if (plan.free_bytes < all) text += "; there are only " + bytes_text(plan.free_bytes) + " free";
+  return text;
 }
 
 }  // namespace
@@ -112,6 +145,12 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
   const std::uint64_t clips = clip_frames(rig, sampling);
   add(EvaluationPurpose::clips, clips, clips);
   plan.pose_seconds = measure_pose_seconds(rig, progress);
+  std::uint64_t asked = 0;
+  for (const PlannedStage& stage : plan.stages) asked += stage.expected;
+  plan.sampled_bytes =
+      (poses + sampled_frames(rig, sampling)) * sizeof(float) * (rig.coordinate_count() + schema.control_count());
+  plan.kept_bytes = std::min(asked * rig.kept_pose_bytes(), budgeted ? UINT64_MAX : options.cache_bytes);
+  plan.free_bytes = free_bytes_at(options.work);
   return plan;
 }
 
@@ -120,9 +159,9 @@ std::string text_of(const EvaluationPlan& plan, bool budgeted) {
   for (const PlannedStage& stage : plan.stages) total += stage.expected;
   const double seconds = static_cast<double>(total) * plan.pose_seconds;
   if (!budgeted && seconds < short_seconds)
-    return format("the rig will be asked about %llu poses, which takes about %s at %s a pose",
+    return format("the rig will be asked about %llu poses, which takes about %s at %s a pose; %s",
                   static_cast<unsigned long long>(total), time_text(seconds).c_str(),
-                  pose_time_text(plan.pose_seconds).c_str());
+                  pose_time_text(plan.pose_seconds).c_str(), disk_text(plan).c_str());
   std::string text = format("what the rig will be asked, at %s a pose:", pose_time_text(plan.pose_seconds).c_str());
   const auto add = [&](const char* name, std::uint64_t expected, std::uint64_t most) {
     const std::string number = format("%llu", static_cast<unsigned long long>(expected));
@@ -132,7 +171,7 @@ std::string text_of(const EvaluationPlan& plan, bool budgeted) {
   };
   for (const PlannedStage& stage : plan.stages) add(name_of(stage.purpose), stage.expected, stage.most);
   add("in all, about", total, total);
-  return text;
+  return text + "\n" + disk_text(plan);
 }
 
 }  // namespace fb::bake

@@ -20,6 +20,9 @@ struct PlannedStage {
 struct EvaluationPlan {
   std::vector<PlannedStage> stages;  // in their order
   double pose_seconds = 0;           // measured; 0: could not be
+  // Of the disk, about, for the work folder: sampled poses, and evaluations that are kept (CacheLimit).
+  std::uint64_t sampled_bytes = 0, kept_bytes = 0;
+  std::uint64_t free_bytes = UINT64_MAX;  // there; UINT64_MAX: not known
 };
 
 // The plan of a bake whose recipe evaluates the rig itself, or does not. Evaluates a few single controls, which every
@@ -27,7 +30,8 @@ struct EvaluationPlan {
 EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, bool recipe_evaluates,
                                 Progress& progress);
 
-// A table of stages, or a sentence where there is no budget and all takes less than a minute.
+// A table of stages, or a sentence where there is no budget and all takes less than a minute; then what the disk is to
+// hold.
 std::string text_of(const EvaluationPlan& plan, bool budgeted);
 
 }  // namespace fb::bake

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
 #include <utility>
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/locked_file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -41,6 +45,11 @@ template <class Values>
 void write(std::ofstream& file, const Values& values) {
   const auto bytes = std::as_bytes(std::span(values));
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+// The system's reason for the last call that failed, after a stream did.
+std::string reason_of_system() {
+  return errno != 0 ? std::strerror(errno) : "the system gave no reason";
 }
 
 // Moves `offset` behind the header. Nothing where there is none, or a damaged one.
@@ -130,8 +139,9 @@ void EvaluationCache::open_for_writing() {
   if (!fresh) {
     std::error_code failed;
     std::filesystem::resize_file(path_, header_bytes_ + record_count_ * record_bytes(), failed);
-    if (failed) fail_writing();
+    if (failed) fail_writing(failed.message());
   }
+  errno = 0;
   writing_.open(path_, std::ios::binary | (fresh ? std::ios::trunc : std::ios::app));
   if (!fresh) return;
   const std::string text = text_of(rig_);
@@ -145,20 +155,49 @@ void EvaluationCache::open_for_writing() {
 
 void EvaluationCache::store(std::span<const float> controls, std::span<const float> points, Origin origin) {
   if (!writing_.is_open()) open_for_writing();
+  errno = 0;
   const RecordHeader head{record_hash(origin, controls, points), origin};
   write(writing_, std::span(&head, 1));
   write(writing_, controls);
   write(writing_, points);
-  if (!writing_) fail_writing();
+  if (!writing_) fail_writing(reason_of_system());
   records_[hash64_of(controls)] = record_count_++;
 }
 
 void EvaluationCache::flush() {
-  if (writing_.is_open() && !writing_.flush()) fail_writing();
+  errno = 0;
+  if (writing_.is_open() && !writing_.flush()) fail_writing(reason_of_system());
 }
 
-void EvaluationCache::fail_writing() const {
-  fail(Status::io, "%s: the rig's evaluations cannot be written", shown(path_).c_str());
+double EvaluationCache::measure_record_seconds() const {
+  constexpr std::uint64_t least_bytes = std::uint64_t{8} << 20;
+  const std::filesystem::path path = path_.string() + ".timed";
+  make_folder(path.has_parent_path() ? path.parent_path() : ".");
+  std::vector<std::uint64_t> bytes((record_bytes() + least_bytes) / sizeof(std::uint64_t));
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = hash64_of(std::span<const std::size_t>(&i, 1));
+  std::optional<LockedFile> file = LockedFile::open(path, LockedFile::Missing::create);
+  if (!file) fail_writing(shown(path) + " is in use");
+  const auto start = std::chrono::steady_clock::now();
+  std::chrono::duration<double> took{};
+  try {
+    file->clear();
+    file->write(std::as_bytes(std::span(bytes)));
+    file->sync();
+    const InputFile written(path);
+    std::uint64_t offset = 0;
+    read_values(written, offset, bytes);
+    hash64_of(std::span<const std::uint64_t>(bytes));
+    took = std::chrono::steady_clock::now() - start;
+  } catch (...) {
+    file->remove();
+    throw;
+  }
+  file->remove();
+  return took.count() * static_cast<double>(record_bytes()) / static_cast<double>(bytes.size() * sizeof bytes[0]);
+}
+
+void EvaluationCache::fail_writing(const std::string& reason) const {
+  fail(Status::io, "%s: the rig's evaluations cannot be written: %s", shown(path_).c_str(), reason.c_str());
 }
 
 }  // namespace fb::bake

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -31,13 +32,19 @@ class EvaluationCache {
   bool find(std::span<const float> controls, std::span<float> points);
   // Where points come from: evaluated in this folder, or before, by a version of the rig that gave the same.
   enum class Origin : std::uint64_t { evaluated = 0, reused = 1 };
-  // Appends a pose, creating file and folder first if need be. Fails with io where it cannot be written.
+  // Appends a pose, creating file and folder first if need be. Fails with io, naming the system's reason, where it
+  // cannot be written.
   void store(std::span<const float> controls, std::span<const float> points, Origin origin = Origin::evaluated);
-  // Hands what was stored to the operating system. Fails with io.
+  // Hands what was stored to the operating system. Fails as `store` does; what was not written is not found then.
   void flush();
+
+  // About the seconds that it takes to bring a pose to the disk and to read it again: measured with a file beside this
+  // one, which is removed, and with as many bytes as take long enough to tell. Fails as `store` does.
+  double measure_record_seconds() const;
 
   // Records so far, those included that are damaged or stored twice.
   std::uint64_t record_count() const { return record_count_; }
+  std::uint64_t record_bytes() const;
   // Of the file, with one record more.
   std::uint64_t bytes_with_another() const { return header_bytes_ + (record_count_ + 1) * record_bytes(); }
   // Reads a record; false if it is damaged or not flushed yet.
@@ -48,9 +55,8 @@ class EvaluationCache {
  private:
   void open_for_reading();
   void open_for_writing();
-  [[noreturn]] void fail_writing() const;
+  [[noreturn]] void fail_writing(const std::string& reason) const;
   std::uint64_t record_hash(Origin origin, std::span<const float> controls, std::span<const float> points) const;
-  std::uint64_t record_bytes() const;
 
   std::filesystem::path path_;
   RigIdentity rig_;

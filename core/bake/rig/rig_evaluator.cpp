@@ -13,6 +13,9 @@ namespace {
 constexpr std::size_t poses_in_memory = 128;  // 9 MB of 6,000 vertices
 constexpr std::size_t bytes_in_memory = std::size_t{1} << 28;
 constexpr std::chrono::microseconds slow_pose{500};
+// A pose is kept if the rig takes so many times as long for it as the disk: few that are kept are asked for again. The
+// disk is measured for rigs of more bytes a second than any disk takes.
+constexpr double kept_seconds = 4, bytes_of_any_disk = 20e6;
 
 std::vector<float> gathered(std::span<const float> controls, std::size_t width, std::span<const std::size_t> poses) {
   std::vector<float> some;
@@ -249,12 +252,44 @@ void RigEvaluator::evaluate_missing(std::span<const float> controls, std::span<c
   }
 }
 
-// Adds the answered poses of a block to the cache, if the rig is slow.
+// Adds the answered poses of a block to the cache, if that pays.
 void RigEvaluator::keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block, Keep keep) {
   const std::lock_guard lock(caching_);
   missing_time_ += took;
   missing_poses_ += block.count;
-  if (missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return;
+  while_writable([&] {
+    if (pays_to_keep()) keep_answered(block, keep);
+  });
+}
+
+// Runs what writes to the cache as long as that can be written.
+template <class Work>
+void RigEvaluator::while_writable(const Work& work) {
+  if (!cache_failure_.empty()) return;
+  try {
+    work();
+  } catch (const Error& error) {
+    if (error.status() != Status::io) throw;
+    cache_failure_ = error.what();
+  }
+}
+
+std::uint64_t RigEvaluator::kept_pose_bytes() {
+  const std::lock_guard lock(caching_);
+  bool kept = false;
+  if (cache_) while_writable([&] { kept = pays_to_keep(); });
+  return kept ? cache_->record_bytes() : 0;
+}
+
+bool RigEvaluator::pays_to_keep() {
+  if (missing_poses_ == 0 || missing_time_ < static_cast<std::int64_t>(missing_poses_) * slow_pose) return false;
+  const double pose = std::chrono::duration<double>(missing_time_).count() / static_cast<double>(missing_poses_);
+  if (static_cast<double>(cache_->record_bytes()) < pose * bytes_of_any_disk / kept_seconds) return true;
+  if (!record_seconds_) record_seconds_ = cache_->measure_record_seconds();
+  return pose >= kept_seconds * *record_seconds_;
+}
+
+void RigEvaluator::keep_answered(const EvaluationBlock& block, Keep keep) {
   const std::size_t width = rest_pose_.size(), size = coordinate_count();
   for (std::size_t i = 0; i < block.count; ++i) {
     if (!block.answered[i]) continue;
@@ -268,7 +303,11 @@ void RigEvaluator::keep_slow(std::chrono::steady_clock::duration took, const Eva
 }
 
 void RigEvaluator::tell_limit() {
-  if (!limit_reached_ || !parallel_.progress || std::exchange(limit_told_, true)) return;
+  if (!limit_reached_ && cache_failure_.empty()) return;
+  if (!parallel_.progress || std::exchange(limit_told_, true)) return;
+  if (!cache_failure_.empty())
+    return parallel_.progress->note(cache_failure_ +
+                                    ". The bake goes on without keeping them: it evaluates again what it needs again");
   parallel_.progress->note(format(
       "%llu evaluations of the rig are kept on the disk, as many as the limit of %.0f MiB "
       "allows: the others are not, and an interrupted bake evaluates them again",

@@ -111,6 +111,8 @@ class RigEvaluator final : public Source {
   void evaluate_apart(std::span<const float> controls, std::size_t count, std::span<float> points);
 
   void set_cache_limit(const CacheLimit& limit) { cache_limit_ = limit; }
+  // The bytes that the cache takes of each further pose, as long as its limit allows; 0 if none is kept.
+  std::uint64_t kept_pose_bytes();
   // What is kept in the file; null where there is none. Whoever reads it evaluates nothing meanwhile.
   EvaluationCache* cache() { return cache_ ? &*cache_ : nullptr; }
 
@@ -119,9 +121,10 @@ class RigEvaluator final : public Source {
   void recall(std::span<const float> controls) { spend(controls, controls.size() / rest_pose_.size()); }
 
   // evaluate, but poses in the cache are read from there. While the rig takes more than half a millisecond a pose,
-  // equal poses of the call are evaluated once and what is evaluated is added to the cache, within its limit;
-  // evaluating a pose of a quicker rig takes no longer than reading it. What was evaluated of a call that fails or is
-  // interrupted is added too.
+  // equal poses of the call are evaluated once. What is evaluated is added to the cache, within its limit, if the rig
+  // takes much longer for it than the disk; evaluating a pose of a quicker rig, or of one with many more vertices,
+  // takes no longer than keeping it. What was evaluated of a call that fails or is interrupted is added too. Where the
+  // cache cannot be written, nothing more is added, with a note.
   void evaluate_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
   // The same for frames of clips, which count against no budget.
   void evaluate_apart_cached(std::span<const float> controls, std::size_t count, std::span<float> points);
@@ -166,6 +169,10 @@ class RigEvaluator final : public Source {
   void run_cached(std::span<const float> controls, std::size_t count, std::span<float> points, Keep keep);
   void run_block(const EvaluationBlock& block);
   void keep_slow(std::chrono::steady_clock::duration took, const EvaluationBlock& block, Keep keep);
+  template <class Work>
+  void while_writable(const Work& work);
+  bool pays_to_keep();
+  void keep_answered(const EvaluationBlock& block, Keep keep);
   void tell_limit();
   void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points,
                         Keep keep);
@@ -177,6 +184,8 @@ class RigEvaluator final : public Source {
   std::optional<EvaluationCache> cache_;
   CacheLimit cache_limit_;
   bool limit_reached_ = false, limit_told_ = false;
+  std::optional<double> record_seconds_;      // what keeping a pose takes; nothing as long as nobody needs to know
+  std::string cache_failure_;                 // why nothing more is kept; empty: it is
   const EvaluationBudget* budget_ = nullptr;  // the innermost
   std::mutex requesting_;
   std::unordered_set<std::uint64_t> known_;  // hashes of the poses requested so far, and of the rest pose

@@ -43,6 +43,9 @@ TEST_CASE("a plan within a budget spends it, stage by stage") {
   options.use = Use::variant;
   const EvaluationPlan plan = plan_evaluations(evaluator, options, true, silent_progress());
   CHECK(plan.pose_seconds > 0);
+  CHECK(plan.sampled_bytes == 1200 * 4 * (10 + 3 * 25));  // what is asked for analysis is no part of the data
+  CHECK(plan.kept_bytes == 0);                            // of a quick rig
+  CHECK(plan.free_bytes < UINT64_MAX);
   CHECK(to_learn(plan) == 1800);
   CHECK(expected(plan, EvaluationPurpose::single_controls) == 40);  // at 4 values but rest
   CHECK(expected(plan, EvaluationPurpose::ensemble) == 580);        // half of the others
@@ -62,7 +65,17 @@ TEST_CASE("a plan within a budget spends it, stage by stage") {
 
 TEST_CASE("a plan is a sentence where all takes a moment, a table for a budget or a slow rig") {
   EvaluationPlan plan{{{EvaluationPurpose::drawn, 1000, 1000}, {EvaluationPurpose::analysis, 500, UINT64_MAX}}, 0.01};
-  CHECK(text_of(plan, false) == "the rig will be asked about 1500 poses, which takes about 15 s at 10 ms a pose");
+  plan.sampled_bytes = 2'000'000'000;
+  const std::string asked = "the rig will be asked about 1500 poses, which takes about 15 s at 10 ms a pose; ";
+  const std::string disk = "the work folder will take about 2 GB of the disk";
+  CHECK(text_of(plan, false) == asked + disk);
+  CHECK(text_of(plan, true).ends_with("\n" + disk));
+  plan.kept_bytes = 500'000'000;
+  plan.free_bytes = 40'000'000;
+  CHECK(text_of(plan, false) ==
+        asked +
+            "the work folder will take about 2.5 GB of the disk, 500 MB of it for evaluations, without which a bake "
+            "that is interrupted evaluates again; there are only 40 MB free");
   const std::string table = text_of(plan, true);
   CHECK(table.starts_with("what the rig will be asked, at 10 ms a pose:\n  drawn poses "));
   CHECK(table.find("5 s  or as many as it needs") != std::string::npos);

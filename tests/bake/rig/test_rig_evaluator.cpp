@@ -1,9 +1,11 @@
 #include "bake/rig/rig_evaluator.h"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <map>
 #include <thread>
 
@@ -370,6 +372,61 @@ TEST_CASE("a quick rig is evaluated again rather than read from a file") {
   for (int i = 0; i < 2; ++i) evaluator.evaluate_cached(poses, 100, points);
   CHECK(rig.evaluated() == 200);
   CHECK_FALSE(std::filesystem::exists(folder / "evaluations"));
+}
+
+TEST_CASE("a pose that takes longer to keep than to evaluate is evaluated again") {
+  constexpr std::size_t many = 700, poses = 3;  // 490,000 vertices: 6 MB a pose, in little more than a millisecond
+  struct LargeRig final : MemorySource {
+    LargeRig()
+        : MemorySource(
+              width, many, [](const float* c, std::span<float> points) { points[0] += c[0]; }, true) {}
+    void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override {
+      std::this_thread::sleep_for(std::chrono::milliseconds(count));
+      MemorySource::evaluate(controls, count, points);
+      evaluated += count;
+    }
+    std::size_t evaluated = 0;
+  };
+  const Folder folder;
+  LargeRig rig;
+  RigEvaluator evaluator(rig, {}, folder / "evaluations");
+  const std::vector<float> controls = random_poses(poses);
+  std::vector<float> first(poses * 3 * many * many), second(first.size());
+  evaluator.evaluate_cached(controls, poses, first);
+  evaluator.evaluate_cached(controls, poses, second);
+  CHECK(first == second);
+  CHECK(rig.evaluated == 2 * poses);
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_CASE("a full disk keeps no more evaluations, and ends nothing") {
+  const Folder folder;
+  CountingRig rig(true);
+  test::Notes notes;
+  RigEvaluator evaluator(rig, {.threads = 1, .progress = &notes}, folder / "evaluations");
+  const std::vector<float> poses = random_poses(60);
+  std::vector<float> points(60 * size);
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small = {8192, before.rlim_max};
+  const auto signal_before = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  for (int i = 0; i < 2; ++i) {
+    std::ranges::fill(points, 0.0f);
+    CHECK_NOTHROW(evaluator.evaluate_cached(poses, 60, points));
+    CHECK(points == truth(poses));
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, signal_before);
+  CHECK(notes.all.find("evaluations: the rig's evaluations cannot be written: File too large. The bake goes on") !=
+        std::string::npos);
+  CHECK(rig.evaluated() < 120);  // what had been written before is kept
+
+  CountingRig again(true);  // and of use to the next bake
+  RigEvaluator next(again, {}, folder / "evaluations");
+  next.evaluate_cached(poses, 60, points);
+  CHECK(points == truth(poses));
+  CHECK(again.evaluated() < 60);
 }
 
 TEST_CASE("a block in which poses fail is evaluated again, and a pose that fails twice is named") {
