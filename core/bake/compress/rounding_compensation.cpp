@@ -58,7 +58,10 @@ RoundingCompensation::RoundingCompensation(const PackedModel& model, std::span<c
   parallel_for(parallel, factors_.size(), [&](std::size_t b, std::size_t) {
     const auto& columns = model.row_blocks[b].columns;
     Eigen::MatrixXf coefficients(all.rows(), Eigen::Index(columns.size()));
-    for (std::size_t c = 0; c < columns.size(); ++c) coefficients.col(Eigen::Index(c)) = all.col(columns[c].column);
+    // Pose by pose: a pose of a large face has a million coefficients, of which a block's lie together.
+    for (Eigen::Index pose = 0; pose < all.rows(); ++pose)
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        coefficients(pose, Eigen::Index(c)) = all(pose, Eigen::Index(columns[c].column));
     factors_[b] = unit_factors(std::move(coefficients));
   });
 }
