@@ -27,6 +27,21 @@ cp LICENSE bindings/web/README.md "$out"
     cat "build/cross/wasm/$package.copyright"
   done
 } >"$out/THIRD-PARTY.txt"
-(cd "$out" && rm -rf dist/*.js dist/*.d.ts && npx tsc -p .)
+# ES modules, the same as CommonJS (three.js has none of its WebGPURenderer), and the worker as one script.
+rm -rf "$out/cjs"
+cp -r bindings/web/src "$out/cjs"
+mv "$out/cjs/asset_urls_cjs.ts" "$out/cjs/asset_urls.ts"
+rm -f "$out/cjs/worker_main.ts" "$out/cjs/three_webgpu.ts"
+echo '{ "type": "commonjs", "sideEffects": false }' | tee "$out/cjs/package.json" >"$out/package.cjs"
+sed 's|"src|"cjs|; s|"dist"|"dist/cjs"|' bindings/web/tsconfig.json >"$out/tsconfig.cjs.json"
+(
+  cd "$out"
+  rm -rf dist/*.js dist/*.d.ts dist/cjs
+  npx tsc -p .
+  npx tsc -p tsconfig.cjs.json
+  npx esbuild dist/worker_main.js --bundle --format=iife --target=es2022 --log-level=warning --allow-overwrite \
+    --outfile=dist/worker_main.js
+  mv package.cjs dist/cjs/package.json
+)
 cp build/wasm/bin/facebaker.wasm "$out/dist/facebaker.wasm"
 cp build/wasm-scalar/bin/facebaker.wasm "$out/dist/facebaker-scalar.wasm"

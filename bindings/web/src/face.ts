@@ -2,7 +2,7 @@ import { ContentsReader } from "./read_contents.js";
 import type { FaceContents } from "./contents.js";
 import { loadModel, type Model, type Outputs } from "./model.js";
 import { fetchBytes, type FetchOptions, type Source } from "./fetch_bytes.js";
-import { hasSimd, instanceOf, type Exports, type WasmSource } from "./instance.js";
+import { instanceOf, type Exports, type WasmSource } from "./instance.js";
 import { Heap } from "./heap.js";
 import { readRowBlocks, type RowBlock } from "./row_blocks.js";
 import { invalidArgument } from "./errors.js";
@@ -179,12 +179,11 @@ export class Face implements FaceContents {
   }
 }
 
-/** Loads a face from a URL or from its bytes. Throws a FaceBakerError if it cannot be read or is not whole: the message
- * names the byte offset. */
-export async function load(source: Source, options: LoadOptions = {}): Promise<Face> {
+/** `load` of load.ts, with a module that is known. */
+export async function loadWith(wasm: WasmSource, source: Source, options: LoadOptions): Promise<Face> {
   const fetching = fetchBytes(source, options);
   fetching.catch(() => undefined); // reported below
-  const exports = await instanceOf(options.wasm, options.simd ?? hasSimd());
+  const exports = await instanceOf(wasm);
   const bytes = await fetching;
   options.signal?.throwIfAborted();
   let heap = heaps.get(exports);

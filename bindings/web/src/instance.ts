@@ -57,6 +57,9 @@ function imports(memory: () => WebAssembly.Memory): WebAssembly.Imports {
   };
 }
 
+const magic = [0, 97, 115, 109]; // "\0asm"
+const remedy = "docs/bundlers.md says how each bundler is told of facebaker.wasm; the option `wasm` names another place";
+
 async function compile(source: WasmSource): Promise<WebAssembly.Module> {
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) return WebAssembly.compile(source as BufferSource);
   const address = source as string | URL;
@@ -67,11 +70,15 @@ async function compile(source: WasmSource): Promise<WebAssembly.Module> {
     return WebAssembly.compile(new Uint8Array(await readFile(path)));
   }
   const answer = await fetch(address);
-  if (!answer.ok) throw notRead(`${address}: the server answers ${answer.status} ${answer.statusText}`);
+  if (!answer.ok) throw notRead(`${address}: the server answers ${answer.status} ${answer.statusText}; ${remedy}`);
   // Servers that do not know the media type would have streaming fail.
   if (WebAssembly.compileStreaming && answer.headers.get("Content-Type")?.startsWith("application/wasm"))
     return WebAssembly.compileStreaming(answer);
-  return WebAssembly.compile(await answer.arrayBuffer());
+  const bytes = await answer.arrayBuffer();
+  // Some servers answer with their start page where there is no file.
+  if (!magic.every((byte, i) => new Uint8Array(bytes)[i] === byte))
+    throw notRead(`${address}: the server gives no WebAssembly module; ${remedy}`);
+  return WebAssembly.compile(bytes);
 }
 
 async function instantiate(source: WasmSource): Promise<Exports> {
@@ -86,11 +93,8 @@ async function instantiate(source: WasmSource): Promise<Exports> {
 
 const instances = new Map<unknown, Promise<Exports>>();
 
-/** The instance of a variant or of a module that the host gives, made on first use. */
-export function instanceOf(wasm: WasmSource | undefined, simd: boolean): Promise<Exports> {
-  // Both spelled out, because bundlers look for new URL(literal, import.meta.url).
-  const source = wasm ?? (simd ? new URL("./facebaker.wasm", import.meta.url)
-                               : new URL("./facebaker-scalar.wasm", import.meta.url));
+/** The instance of a module, made on first use. */
+export function instanceOf(source: WasmSource): Promise<Exports> {
   const key = source instanceof URL ? source.href : source;
   let found = instances.get(key);
   if (!found) {

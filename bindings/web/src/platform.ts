@@ -6,7 +6,7 @@ interface NodeModules {
   "fs/promises": { readFile(path: string): Promise<Uint8Array> };
   url: { fileURLToPath(url: string): string };
   worker_threads: {
-    Worker: new (script: URL) => {
+    Worker: new (script: URL | string) => {
       postMessage(message: unknown, transfer?: readonly unknown[]): void;
       on(event: "message" | "error", listener: (value: unknown) => void): void;
       terminate(): Promise<number>;
@@ -19,9 +19,11 @@ interface NodeModules {
   };
 }
 
-declare const process: { versions?: { node?: string } };
+declare const process: { versions?: { node?: string }; getBuiltinModule?(specifier: string): unknown };
 
-export function nodeModule<Name extends keyof NodeModules>(name: Name): Promise<NodeModules[Name]> {
+/** A module of Node; older than 20.16 it has nothing but `import` for that. */
+export async function nodeModule<Name extends keyof NodeModules>(name: Name): Promise<NodeModules[Name]> {
   const specifier = `node:${name}`;
-  return import(/* @vite-ignore */ /* webpackIgnore: true */ specifier) as Promise<NodeModules[Name]>;
+  return (process.getBuiltinModule?.(specifier) ??
+          (await import(/* @vite-ignore */ /* webpackIgnore: true */ specifier))) as NodeModules[Name];
 }

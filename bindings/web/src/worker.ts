@@ -1,9 +1,11 @@
 /** The same as "facebaker", in a worker: a page stays free while faces are loaded and posed. */
+import { startWorker, wasmUrl, workerUrl } from "./asset_urls.js";
 import { closestName } from "./closest_name.js";
 import type { FaceContents } from "./contents.js";
 import { FaceBakerError } from "./errors.js";
 import type { ExpectedError, LoadOptions } from "./face.js";
 import type { Source } from "./fetch_bytes.js";
+import { hasSimd } from "./instance.js";
 import type { Outputs } from "./model.js";
 import { isNode, nodeModule } from "./platform.js";
 import type { RowBlock } from "./row_blocks.js";
@@ -20,15 +22,16 @@ interface Thread {
   stop(): void;
 }
 
-async function startThread(receive: (answer: Answer) => void, fail: (message: string) => void): Promise<Thread> {
+async function startThread(script: URL | string | undefined, receive: (answer: Answer) => void,
+                           fail: (message: string) => void): Promise<Thread> {
   if (isNode) {
     const { Worker } = await nodeModule("worker_threads");
-    const worker = new Worker(new URL("./worker_main.js", import.meta.url));
+    const worker = new Worker(script === undefined ? workerUrl() : script);
     worker.on("message", (answer) => receive(answer as Answer));
     worker.on("error", (error) => fail(String(error)));
     return { post: (message, transfer) => worker.postMessage(message, transfer), stop: () => void worker.terminate() };
   }
-  const worker = new Worker(new URL("./worker_main.js", import.meta.url), { type: "module" });
+  const worker = script === undefined ? startWorker() : new Worker(script);
   worker.onmessage = (event) => receive(event.data as Answer);
   worker.onerror = (event) => fail(event.message || "the worker's script cannot be loaded");
   return { post: (message, transfer) => worker.postMessage(message, transfer as Transferable[]),
@@ -50,9 +53,9 @@ class Calls {
   private last = 0;
   private stopped = "";
 
-  static async start(): Promise<Calls> {
+  static async start(script: URL | string | undefined): Promise<Calls> {
     const calls = new Calls();
-    calls.thread = await startThread((answer) => calls.receive(answer), (message) => calls.stop(message));
+    calls.thread = await startThread(script, (answer) => calls.receive(answer), (message) => calls.stop(message));
     return calls;
   }
 
@@ -164,20 +167,25 @@ export class WorkerFace {
   }
 }
 
+export interface WorkerOptions extends LoadOptions {
+  /** Where the worker's script is, worker_main.js of the package; beside this script by default. */
+  worker?: URL | string | undefined;
+}
+
 /** Loads a face in a worker of its own. Bytes that are given as the source are copied. */
-export async function load(source: Source, options: LoadOptions = {}): Promise<WorkerFace> {
-  const { wasm, simd, limits, progress, signal } = options;
+export async function load(source: Source, options: WorkerOptions = {}): Promise<WorkerFace> {
+  const { limits, progress, signal, worker } = options;
   signal?.throwIfAborted();
   // Addresses are relative to the page, and URLs cannot be sent.
   const resolve = (address: string) => (isNode ? address : new URL(address, document.baseURI).href);
   const plain = <Kind>(given: Kind | URL | string): Kind | string =>
     given instanceof URL ? given.href : typeof given === "string" ? resolve(given) : given;
-  const calls = await Calls.start();
+  const wasm = options.wasm ?? wasmUrl(options.simd ?? hasSimd());
+  const calls = await Calls.start(worker);
   const abort = () => calls.stop("loading was aborted");
   signal?.addEventListener("abort", abort);
   try {
-    const contents = await calls.call({ call: "load", source: plain(source), simd, limits,
-                                        wasm: wasm === undefined ? undefined : plain(wasm),
+    const contents = await calls.call({ call: "load", source: plain(source), wasm: plain(wasm), limits,
                                         progress: progress !== undefined }, [], progress);
     return new WorkerFace(calls, contents);
   } catch (error) {

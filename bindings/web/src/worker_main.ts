@@ -1,6 +1,7 @@
-// Runs in a worker: holds one face and answers the messages of worker.ts.
+// Runs in a worker: holds one face and answers the messages of worker.ts. The package has it as one script without
+// imports (build.sh), which any tool may copy, and bundle as a script or as a module.
 import { FaceBakerError } from "./errors.js";
-import { load, type Face } from "./face.js";
+import { loadWith, type Face } from "./face.js";
 import { isNode, nodeModule } from "./platform.js";
 import { outputBuffers, type Answer, type Message, type Request } from "./worker_messages.js";
 
@@ -11,8 +12,8 @@ let face: Face | null = null;
 async function answer(request: Request, progress: (loaded: number, total: number) => void,
                       ): Promise<[unknown, ArrayBuffer[]]> {
   if (request.call === "load") {
-    const { source, wasm, simd, limits } = request;
-    face = await load(source, { wasm, simd, limits, progress: request.progress ? progress : undefined });
+    const { source, wasm, limits } = request;
+    face = await loadWith(wasm, source, { limits, progress: request.progress ? progress : undefined });
     return [face.contents(), []];
   }
   if (!face) throw new FaceBakerError(1, "FB_ERROR_INVALID_ARGUMENT", "the face is disposed of");
@@ -59,11 +60,13 @@ interface Port {
   onmessage: ((event: MessageEvent) => void) | null;
 }
 
-if (isNode) {
-  const { parentPort } = await nodeModule("worker_threads");
-  const receive = listen((message, transfer) => parentPort?.postMessage(message, transfer));
-  parentPort?.on("message", (message) => receive(message as Message));
-} else {
+// What arrives before this listens is kept.
+if (isNode)
+  void nodeModule("worker_threads").then(({ parentPort }) => {
+    const receive = listen((message, transfer) => parentPort?.postMessage(message, transfer));
+    parentPort?.on("message", (message) => receive(message as Message));
+  });
+else {
   const port = globalThis as unknown as Port;
   const receive = listen((message, transfer) => port.postMessage(message, transfer));
   port.onmessage = (event) => receive(event.data as Message);

@@ -7,8 +7,7 @@ import type { Outputs } from "./model.js";
 import type { RowBlock } from "./row_blocks.js";
 
 export type Request =
-  | { call: "load"; source: Source; wasm: WasmSource | undefined; simd: boolean | undefined;
-      limits: LoadLimits | undefined; progress: boolean }
+  | { call: "load"; source: Source; wasm: WasmSource; limits: LoadLimits | undefined; progress: boolean }
   | { call: "evaluate"; controls: Float32Array; positions: Float32Array }
   | { call: "evaluateBatch"; controls: Float32Array; count: number; outputs: Outputs }
   | { call: "coefficients"; controls: Float32Array }
