@@ -6,4 +6,5 @@ export { hasSimd, type WasmSource } from "./instance.js";
 export type { Source } from "./fetch_bytes.js";
 export type { EvaluateOptions, Outputs } from "./model.js";
 export type { RowBlock } from "./row_blocks.js";
+export { metresPerUnit } from "./units.js";
 export * from "./contents.js";

@@ -1,21 +1,20 @@
 /** A face in a scene of three.js. */
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, Mesh, Object3D, Sphere,
-         type MeshStandardMaterial } from "three";
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Object3D, Sphere, Vector3, type SkinnedMesh } from "three";
 import type { FaceContents } from "./contents.js";
 import type { Face } from "./face.js";
 import { renderMeshes, scatter, type RenderMesh } from "./render_mesh.js";
-import { MaterialSet, loadImage, type LoadTexture } from "./three_materials.js";
+import { FaceGroup, type FaceGroupOptions, type FaceMesh } from "./three_group.js";
+import { matrixOf } from "./three_skin.js";
 import type { Outputs } from "./model.js";
 
+export type { FaceGroupEvents, FaceMesh } from "./three_group.js";
 export { loadImage, type LoadTexture } from "./three_materials.js";
 
-export interface FaceBakerMeshOptions {
+export interface FaceBakerMeshOptions extends FaceGroupOptions {
   /** Whether normals follow the pose; true by default. */
   normals?: boolean;
   /** The level of detail whose polygons are drawn; 0, the whole, by default. */
   level?: number;
-  /** Makes textures; by default of what the browser decodes itself. For KTX2 give one that uses KTX2Loader. */
-  loadTexture?: LoadTexture;
 }
 
 /** What a pose has, see Outputs of "facebaker". */
@@ -23,34 +22,31 @@ export type PosedVertices = Pick<Outputs, "normals" | "sockets" | "bounds"> & { 
 
 // One mesh with the array that its geometry draws from.
 interface Part {
-  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial[]>;
+  readonly mesh: FaceMesh;
   readonly render: RenderMesh;
 }
 
-/** One Mesh for each mesh of the character. `update` poses it; `apply` takes poses that were evaluated elsewhere, such as
- * in a worker. Buffers are filled in place, nothing is allocated. Of faces whose up axis is z the group is turned. */
-export class FaceBakerMesh extends Group {
+/** One Mesh for each mesh of the character, on the archive's skin where it has one. `update` poses it; `apply` takes
+ * poses that were evaluated elsewhere, such as in a worker. Buffers are filled in place, nothing is allocated. */
+export class FaceBakerMesh extends FaceGroup {
   /** By mesh of the character. */
-  readonly meshes: readonly Mesh<BufferGeometry, MeshStandardMaterial[]>[];
-  /** By material of the face; the last one is for polygons without material. */
-  readonly materials: readonly MeshStandardMaterial[];
-  /** By socket of the face: they move with the surface; hang something on them by `add`. */
+  readonly meshes: readonly FaceMesh[];
+  /** By socket of the face: they move with the surface and its joints; hang something on them by `add`. With `metres`
+   * what hangs there is in metres. */
   readonly sockets: readonly Object3D[];
   private readonly parts: readonly Part[];
-  private readonly materialSet: MaterialSet;
   private readonly outputs: Required<Pick<Outputs, "positions" | "bounds">> & Outputs;
   private readonly face: Face | null;
   private readonly level: number;
   private readonly sphere = new Sphere();
+  private readonly frames: readonly Matrix4[]; // of sockets, before the skin
+  private readonly unscaled: Vector3; // what hangs on sockets is not scaled
 
   /** `face`: a loaded one, or the contents of one in a worker. */
   constructor(face: Face | FaceContents, options: FaceBakerMeshOptions = {}) {
-    super();
-    this.name = face.name;
+    super(face, options);
     this.face = "evaluateInto" in face ? face : null;
     this.level = Math.min(options.level ?? 0, face.levels.length - 1);
-    this.materialSet = new MaterialSet(face, options.loadTexture ?? loadImage);
-    this.materials = this.materialSet.all;
     const normals = options.normals ?? true;
     this.outputs = { positions: new Float32Array(3 * face.vertexCount), bounds: new Float32Array(6) };
     if (normals) this.outputs.normals = new Float32Array(3 * face.vertexCount);
@@ -58,21 +54,22 @@ export class FaceBakerMesh extends Group {
     this.parts = renderMeshes(face, face.levels[this.level]?.meshes).map((render, index) =>
       this.makePart(render, face.meshes[index]!.name, normals));
     this.meshes = this.parts.map(({ mesh }) => mesh);
-    this.sockets = face.sockets.map(({ name, frame }) => {
+    this.unscaled = new Vector3().setScalar(1 / this.scale.x);
+    this.frames = face.sockets.map(() => new Matrix4());
+    this.sockets = face.sockets.map(({ name }) => {
       const socket = new Object3D();
       socket.name = name;
       socket.matrixAutoUpdate = false;
-      setFrame(socket, frame, 0);
       return socket;
     });
-    if (this.meshes.length > 0) this.add(...this.meshes);
+    face.sockets.forEach(({ frame }, index) => this.setSocket(index, frame, 0));
     if (this.sockets.length > 0) this.add(...this.sockets);
-    if (face.upAxis === "z") this.rotation.x = -Math.PI / 2;
     if (this.face) this.update(face.restControls);
     else {
       this.apply({ positions: face.restPositions });
       if (normals) for (const mesh of this.meshes) mesh.geometry.computeVertexNormals();
     }
+    this.updateMatrixWorld(true); // a skin's bounding boxes are asked for before the first picture
   }
 
   private makePart(render: RenderMesh, name: string, normals: boolean): Part {
@@ -83,11 +80,8 @@ export class FaceBakerMesh extends Group {
     if (render.uvs) geometry.setAttribute("uv", new BufferAttribute(render.uvs, 2));
     geometry.setIndex(new BufferAttribute(
       render.vertexCount < 65536 ? Uint16Array.from(render.indices) : render.indices, 1));
-    render.groups.forEach(({ start, count }, index) => geometry.addGroup(start, count, index));
     geometry.boundingSphere = this.sphere;
-    const mesh = new Mesh(geometry, render.groups.map(({ material }) => this.materialSet.at(material)));
-    mesh.name = name;
-    return { mesh, render };
+    return { mesh: this.makeMesh(geometry, render, name), render };
   }
 
   /** Poses the face. `lod`: between this level of detail and the next one, 0 to 1, positions slide continuously. */
@@ -104,24 +98,37 @@ export class FaceBakerMesh extends Group {
       const normal = mesh.geometry.getAttribute("normal") as BufferAttribute | undefined;
       if (normal && pose.normals) fill(normal, render, pose.normals);
     }
-    if (pose.sockets)
-      for (let i = 0; i < this.sockets.length; ++i) setFrame(this.sockets[i]!, pose.sockets, 12 * i);
+    if (pose.sockets) for (let i = 0; i < this.sockets.length; ++i) this.setSocket(i, pose.sockets, 12 * i);
     this.setBounds(pose.bounds ?? boundsOf(pose.positions, this.outputs.bounds));
   }
 
-  /** Frees geometries, materials and textures; the face stays. */
-  override dispose(): void {
-    for (const { mesh } of this.parts) mesh.geometry.dispose();
-    this.materialSet.dispose();
-    this.removeFromParent();
+  /** As of every object; sockets then follow the joints. */
+  override updateMatrixWorld(force?: boolean): void {
+    super.updateMatrixWorld(force);
+    if (!this.skin || !this.sockets) return; // while it is constructed
+    this.sockets.forEach((socket, index) => {
+      this.skin!.carry(index, this.frames[index]!, this.matrixWorld, socket.matrix);
+      socket.updateMatrixWorld(true);
+    });
+  }
+
+  private setSocket(index: number, frames: ArrayLike<number>, at: number): void {
+    const frame = matrixOf(frames, at, this.frames[index]!), socket = this.sockets[index]!;
+    frame.scale(this.unscaled);
+    if (!this.skin) socket.matrix.copy(frame);
+    socket.matrixWorldNeedsUpdate = true;
   }
 
   private setBounds(bounds: Float32Array): void {
     const { center } = this.sphere;
     center.set((bounds[0]! + bounds[3]!) / 2, (bounds[1]! + bounds[4]!) / 2, (bounds[2]! + bounds[5]!) / 2);
     this.sphere.radius = Math.hypot(bounds[3]! - center.x, bounds[4]! - center.y, bounds[5]! - center.z);
+    if (this.skin) // three.js computes them of the skinned mesh where somebody asks
+      for (const mesh of this.meshes) if (isSkinned(mesh)) mesh.boundingBox = mesh.boundingSphere = null!;
   }
 }
+
+const isSkinned = (mesh: object): mesh is SkinnedMesh => "isSkinnedMesh" in mesh;
 
 function boundsOf(positions: Float32Array, bounds: Float32Array): Float32Array {
   bounds.fill(Infinity, 0, 3).fill(-Infinity, 3);
@@ -136,11 +143,4 @@ function boundsOf(positions: Float32Array, bounds: Float32Array): Float32Array {
 function fill(attribute: BufferAttribute, render: RenderMesh, values: Float32Array): void {
   scatter(render, values, attribute.array as Float32Array);
   attribute.needsUpdate = true;
-}
-
-// The upper three rows of a matrix, row after row.
-function setFrame(object: Object3D, f: ArrayLike<number>, at: number): void {
-  object.matrix.set(f[at]!, f[at + 1]!, f[at + 2]!, f[at + 3]!, f[at + 4]!, f[at + 5]!, f[at + 6]!, f[at + 7]!,
-                    f[at + 8]!, f[at + 9]!, f[at + 10]!, f[at + 11]!, 0, 0, 0, 1);
-  object.matrixWorldNeedsUpdate = true;
 }

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { basename } from "node:path";
 import { checkDocsPage } from "./docs_page.js";
 import type { GpuDifference } from "./gpu_page.js";
-import { addressOf, openChromium, web } from "./open_chromium.js";
+import { addressOf, openChromium, web, webGpuFlags } from "./open_chromium.js";
 
 const pairs = (process.env["FB_ARCHIVES"] ?? "").split(" ").filter(Boolean).map((pair) => pair.split("=")) as [string, string][];
 const refused = readFileSync(process.env["FB_REFUSED"]!, "utf8").trimEnd().split("\n").map((line) => line.split("\t"));
@@ -19,7 +19,7 @@ const faces = pairs.map(([archive, dump], index) => {
   files[face.dump] = dump;
   return face;
 });
-const { page, call, errors, close } = await openChromium(files);
+const { page, call, errors, close } = await openChromium(files, undefined, webGpuFlags);
 try {
   for (const { name, archive, dump } of faces)
     console.log(`${name}: ${await call("sameBits", archive, dump)}: the same bits`);
@@ -28,14 +28,19 @@ try {
   assert.equal(await call("refuses", addressOf("refused", broken[0])), `FB_ERROR_CORRUPT: ${broken[2]}`);
   assert.match(await call("refuses", "/nothing.fbk"), /FB_ERROR_IO: .*404/);
   console.log("broken and missing archives are refused");
-  for (const { name, archive, dump } of new Set([character, faces.at(-1)!])) {
-    const gpu = await call<GpuDifference>("drawOnGpu", archive, dump);
-    console.log(`${name} on the GPU: ${JSON.stringify(gpu)}`);
-    await page.locator("canvas").last().screenshot({ path: `${web}gpu-${name}.png` });
-    assert(gpu.position < 5e-5, `positions differ by ${gpu.position} of the diagonal`);
-    assert(gpu.normal < 0.5, `normals differ by ${gpu.normal} degrees`);
-    assert(gpu.covered > 1000 && gpu.differing < 0.002, "the pictures differ");
-  }
+  const body = faces.find(({ name }) => name === "body")!; // with a skin
+  for (const { name, archive, dump } of new Set([character, body, faces.at(-1)!]))
+    for (const kind of ["webgl", "webgpu", "webgpu-webgl2"]) {
+      const gpu = await call<GpuDifference>("drawOnGpu", archive, dump, kind, kind === "webgl" ? 64 : 8);
+      console.log(`${name} on the GPU: ${JSON.stringify(gpu)}`);
+      await page.screenshot({ path: `${web}gpu-${name}-${kind}.png`, timeout: 120_000 });
+      assert.equal(gpu.backend, kind);
+      assert.deepEqual(gpu.supported, { webgl: kind === "webgl", webgpu: kind !== "webgl" });
+      assert(gpu.position < 5e-5, `positions differ by ${gpu.position} of the diagonal`);
+      assert(gpu.normal < 0.5, `normals differ by ${gpu.normal} degrees`);
+      assert(gpu.covered > 1000 && gpu.brightness > 20 && gpu.differing < 0.002, "the pictures differ");
+      assert.equal(gpu.bones > 0, name === "body");
+    }
   assert.deepEqual(errors.filter((text) => !text.includes("404")), []);
 } finally {
   await close();
