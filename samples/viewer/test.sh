@@ -39,6 +39,12 @@ else
   face=$work/face.fbk source=sample
   [ -f "$face" ] || "$tool" bake sample --recipe compact --poses 600 --epochs 4 --out "$face" >/dev/null
 fi
+masked=$work/masked.fbk
+if [ ! -f "$masked" ]; then
+  node "$here/tests/make_masked.mjs" "$work/masked.glb"
+  "$tool" bake "$work/masked.glb" --recipe linear --out "$masked" >/dev/null
+fi
+export VIEWER_MASKED="$masked"
 export FACEBAKER="$tool" VIEWER_PAGE="$page" VIEWER_FACE="$face" VIEWER_SOURCE="$source" VIEWER_PICTURES="$work/pictures"
 if [ -n "$picture" ]; then
   cd "$work"

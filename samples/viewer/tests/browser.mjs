@@ -16,6 +16,7 @@ export const settings = {
   poses: process.env.VIEWER_POSES,
   data: process.env.VIEWER_DATA,
   character: process.env.VIEWER_CHARACTER,
+  masked: process.env.VIEWER_MASKED,
   characterPoses: process.env.VIEWER_CHARACTER_POSES,
   reports: process.env.VIEWER_REPORTS,
   pictures: process.env.VIEWER_PICTURES,
@@ -43,10 +44,11 @@ export async function view(...arguments_) {
   return { address, stop: () => (child.kill("SIGINT"), ended) };
 }
 
-/** A page of that size; whatever it logs as an error ends up in `errors`. */
-export async function openPage(browser, address, { width = 1280, height = 800, dark = false, ready = true } = {}) {
+/** A page of that size, in which `script` runs first; whatever it logs as an error ends up in `errors`. */
+export async function openPage(browser, address, { width = 1280, height = 800, dark = false, ready = true, script } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? "dark" : "light" });
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  if (script) await context.addInitScript(script);
   const page = await context.newPage();
   const errors = [];
   page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
@@ -64,6 +66,20 @@ export async function settle(page) {
 export async function picture(page, name) {
   await settle(page);
   await page.screenshot({ path: `${settings.pictures}/${name}.png` });
+}
+
+/** The share of the pixels of a page's picture that have about that colour. */
+export async function shareOf(page, colour) {
+  const png = (await page.screenshot()).toString("base64");
+  return page.evaluate(async ([png, colour]) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(png), (c) => c.charCodeAt(0))], { type: "image/png" }));
+    const context = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) count += colour.every((value, c) => Math.abs(data[i + c] - value) < 60) ? 1 : 0;
+    return (4 * count) / data.length;
+  }, [png, colour]);
 }
 
 /** What axe finds, a line each. */

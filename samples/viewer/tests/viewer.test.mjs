@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
-import { launch, openPage, picture, settings, settle, view, violations } from "./browser.mjs";
+import { launch, openPage, picture, settings, settle, shareOf, view, violations } from "./browser.mjs";
 
 const SLOWEST_FACE = 1000; // milliseconds
 const POSES = 256;
@@ -99,6 +99,28 @@ async function compareBits(t, face, poses) {
 
 test("random poses have the native bits", (t) => compareBits(t, settings.face, settings.poses));
 test("random poses of a character of several meshes have the native bits", (t) => compareBits(t, settings.character, settings.characterPoses));
+
+test("draws a face with an alpha-masked texture as soon as its picture is there, untouched", async (t) => {
+  const alone = await view(settings.masked);
+  t.after(alone.stop);
+  const { page, errors, close } = await openPage(browser, alone.address, { script: () => {
+    // Pictures come later than everything else.
+    const { set, ...rest } = Object.getOwnPropertyDescriptor(HTMLImageElement.prototype, "src");
+    Object.defineProperty(HTMLImageElement.prototype, "src", { ...rest, set(address) {
+      setTimeout(() => {
+        set.call(this, address);
+        this.decode().then(() => { globalThis.pictureCame = true; });
+      }, 2000);
+    } });
+  } });
+  await page.waitForFunction(() => globalThis.pictureCame);
+  await settle(page);
+  await picture(page, "masked");
+  const share = await shareOf(page, [255, 0, 200]);
+  assert.ok(share > 0.005, `its colour has ${share} of the picture`);
+  assert.deepEqual(errors, []);
+  await close();
+});
 
 test("says what is wrong with a broken file, and keeps the face", async () => {
   const { page, close } = await openPage(browser, server.address);

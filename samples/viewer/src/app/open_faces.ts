@@ -50,8 +50,9 @@ export function followedControls(shown: ShownFace, values: Float32Array): Float3
   return Float32Array.from(shown.follows, (from, index) => (from >= 0 ? values[from] : shown.face.restControls[index]));
 }
 
-/** Frees what a face takes. */
+/** Takes a face away and frees what it takes. */
 export function closeFace(shown: ShownFace): void {
+  shown.object.removeFromParent();
   shown.object.dispose();
   shown.face.dispose();
 }

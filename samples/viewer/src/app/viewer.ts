@@ -96,6 +96,7 @@ export class Viewer {
     for (const old of closed) closeFace(old);
     this.faces.push(shown);
     if (this.faces.length === 1) this.#start(shown);
+    shown.object.changed = () => this.stage.draw();
     this.stage.faces.add(shown.object);
     this.#arrange();
     this.mode = this.#mode;

@@ -16,10 +16,13 @@ export class FaceObject extends Group {
   #analysis: AnalysisMesh | null = null; // made when first looked at
   #look: Look = "shaded";
   readonly #scaled = new Group();
+  /** Called when it looks different by itself: a texture has its picture. */
+  changed: () => void = () => {};
 
   constructor(readonly face: Face) {
     super();
-    this.#shaded = new FaceBakerMesh(face);
+    this.#shaded = new FaceBakerMesh(face, { skin: false }); // its bones would stay at rest
+    this.#shaded.addEventListener("textureload", () => this.changed());
     if (face.materials.length === 0) this.#shaded.materials.at(-1)?.setValues(SKIN);
     const size = 1 / (face.diagonal || 1);
     const box = new Box3().setFromArray(face.restPositions);
@@ -57,7 +60,6 @@ export class FaceObject extends Group {
   }
 
   override dispose(): void {
-    this.removeFromParent();
     this.#shaded.dispose();
     this.#analysis?.dispose();
   }

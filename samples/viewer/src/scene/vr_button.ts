@@ -1,6 +1,6 @@
+import { metresPerUnit } from "facebaker";
 import type { Stage } from "./stage";
 
-const METRES: Record<string, number> = { m: 1, dm: 0.1, cm: 0.01, mm: 0.001, in: 0.0254, inch: 0.0254, ft: 0.3048 };
 const EYE_HEIGHT = 1.5;
 const DISTANCE = 0.7;
 
@@ -16,7 +16,7 @@ export async function offerHeadset(button: HTMLButtonElement, stage: Stage, size
     session = await xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] });
     const { renderer, faces } = stage;
     const { units, diagonal } = size();
-    faces.scale.setScalar(diagonal * (METRES[units] ?? 0.3 / diagonal));
+    faces.scale.setScalar(diagonal * (metresPerUnit(units) ?? 0.3 / diagonal));
     faces.position.set(0, EYE_HEIGHT, -DISTANCE);
     session.addEventListener("end", () => {
       session = null;
