@@ -1,0 +1,22 @@
+// What the page of every bundler does: a face here and one in a worker give the same positions.
+import { load } from "facebaker";
+import { load as loadInWorker } from "facebaker/worker";
+import { renderMeshes } from "facebaker/geometry";
+import { FaceBakerMesh } from "facebaker/three";
+
+export async function checkFace(address) {
+  const here = await load(address), far = await loadInWorker(address);
+  const controls = here.createPose().fill(0.5);
+  const expected = here.evaluate(controls), found = await far.evaluate(controls);
+  if (found.some((value, i) => value !== expected[i])) throw new Error("the worker gives other positions");
+  if (!found.some((value, i) => value !== here.restPositions[i])) throw new Error("the face does not move");
+  if (new FaceBakerMesh(here).meshes.length !== renderMeshes(here).length) throw new Error("a mesh is missing");
+  await far.dispose();
+  return { vertices: here.vertexCount };
+}
+
+/** Tells tests/browser/check_bundled.ts how it went. */
+export function report(address) {
+  checkFace(address).then((result) => { globalThis.facebakerResult = result; },
+                          (error) => { globalThis.facebakerResult = { error: String(error) }; });
+}

@@ -1,0 +1,3 @@
+import { report } from "./check_face.js";
+
+report("/face.fbk");
