@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Packs the add-on with all it needs into a zip that Blender installs:
+"""Packs the add-on with all it needs into a zip that Blender installs, as an extension from 4.2 on and as an add-on before:
 
     make_addon.py BUILD OUT.zip
 
 BUILD is a build folder of FaceBaker, such as build/release. In the zip are the add-on, the Python package, the tool and the
 libraries, with those they need that not every system has. Standard library only."""
 
+import ast
+import json
 import os
 import pathlib
+import platform
 import sys
 import zipfile
 
@@ -15,7 +18,9 @@ HERE = pathlib.Path(__file__).resolve().parent
 PYTHON = HERE.parent / "python"
 sys.path.insert(0, str(PYTHON / "wheel"))
 
-from facebaker_wheel import DATE, ROOT, needed_libraries, notices_of  # noqa: E402
+from facebaker_wheel import DATE, ROOT, needed_libraries, notices_of, version  # noqa: E402
+
+MACHINES = {"x86_64": "x64", "aarch64": "arm64"}  # as Blender calls them
 
 
 def addon_files(build):
@@ -36,7 +41,30 @@ def addon_files(build):
     for needed in needed_libraries(runtime):
         files[f"{carried}/facebaker/carried/{needed.name}"] = needed.read_bytes()
     files["facebaker_blender/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    files["facebaker_blender/blender_manifest.toml"] = manifest().encode()
     return files
+
+
+def manifest():
+    """What Blender wants to know of an extension, as TOML. Its strings and lists are written as JSON has them."""
+    tree = ast.parse((HERE / "facebaker_blender" / "__init__.py").read_text(encoding="utf-8"))
+    info = next(ast.literal_eval(item.value) for item in tree.body if isinstance(item, ast.Assign))
+    fields = {
+        "schema_version": "1.0.0",
+        "id": "facebaker_blender",  # also the folder that Blender unpacks it into, which the scripts import it by
+        "version": version(),
+        "name": info["name"],
+        "tagline": info["description"],
+        "maintainer": info["author"],
+        "type": "add-on",
+        "blender_version_min": "4.2.0",
+        "license": ["SPDX:Apache-2.0"],
+        "platforms": [f"linux-{MACHINES[platform.machine()]}"],
+        "tags": ["Animation", info["category"]],
+    }
+    lines = [f"{key} = {json.dumps(value)}" for key, value in fields.items()]
+    files = "Bakes copies of the scene, beside the archives that it writes"
+    return "\n".join([*lines, "", "[permissions]", f"files = {json.dumps(files)}", ""])
 
 
 def main(words):

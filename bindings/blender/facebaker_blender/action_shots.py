@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Any, Iterable, List, Optional, Sequence, Set, Tuple
 
 import bpy
 import numpy as np
 
+from .action_curves import ActionCurves, Curves
 from .bake_settings import BakeSettings, Shot
 from .bone_limits import bone_path, escaped, rotation_attribute
 from .channels import SceneControl, SettingsError
 from .rotations import vector_of_quaternion
-from .scene_channels import find_bone
-
-Curves = Dict[Tuple[str, int], Any]
-
-
-def curves_of(action: Any) -> Curves:
-    """The F-curves of an action by data path and index. From Blender 4.4 on an action has slots; the curves of all of
-    them count."""
-    curves = getattr(action, "fcurves", None)
-    if curves is None:
-        curves = [
-            curve
-            for layer in action.layers
-            for strip in layer.strips
-            for bag in strip.channelbags
-            for curve in bag.fcurves
-        ]
-    return {(curve.data_path, curve.array_index): curve for curve in curves}
+from .scene_channels import channel_block, find_bone
 
 
 def data_path(control: SceneControl) -> str:
@@ -74,28 +58,48 @@ def _rotation_values(control: SceneControl, curves: Curves, frames: Sequence[int
     return result
 
 
-def animated_values(
-    action: Any, controls: Sequence[SceneControl], first: int, last: int
-) -> "Tuple[np.ndarray[Any, np.dtype[np.float32]], List[int]]":
-    """(frames, controls), float32, of the frames from first to last; and the indices of the controls that the action
-    animates. The others are at rest."""
-    frames = range(first, last + 1)
-    values = np.empty((len(frames), len(controls)), np.float32)
-    curves, animated = curves_of(action), []
-    for column, control in enumerate(controls):
-        found = _values(control, curves, frames)
-        values[:, column] = control.rest if found is None else found
-        if found is not None:
-            animated.append(column)
-    return values, animated
+class Animation:
+    """What the actions of the file animate of some controls. Valid as ActionCurves is. Raises SettingsError, by name, on
+    channels that are not there."""
+
+    def __init__(self, controls: Sequence[SceneControl]) -> None:
+        self.controls = list(controls)
+        self._blocks = [channel_block(control.channel) for control in controls]
+        self._curves = ActionCurves()
+
+    def values(
+        self, action: Any, first: int, last: int
+    ) -> "Tuple[np.ndarray[Any, np.dtype[np.float32]], List[int]]":
+        """(frames, controls), float32, of the frames from first to last; and the indices of the controls that the action
+        animates. The others are at rest."""
+        frames = range(first, last + 1)
+        values = np.empty((len(frames), len(self.controls)), np.float32)
+        animated = []
+        for column, (control, block) in enumerate(zip(self.controls, self._blocks)):
+            found = _values(control, self._curves.of(action, block), frames)
+            values[:, column] = control.rest if found is None else found
+            if found is not None:
+                animated.append(column)
+        return values, animated
+
+    def frames(self, action: Any) -> Tuple[int, int]:
+        """The first and the last frame of the action: those that it is set to have, else those of its keys, of all curves
+        that animate data-blocks with controls."""
+        if getattr(action, "use_frame_range", False):
+            return int(round(action.frame_range[0])), int(round(action.frame_range[1]))
+        blocks = {block.as_pointer(): block for block in self._blocks}.values()
+        ranges = [curve.range() for block in blocks for curve in self._curves.of(action, block).values()]
+        if not ranges:
+            return 0, 0
+        return int(round(min(low for low, _ in ranges))), int(round(max(high for _, high in ranges)))
 
 
 def find_shots(controls: Sequence[SceneControl], actions: Optional[Iterable[Any]] = None) -> List[Shot]:
     """A shot for each action of the file, in the order of their names, that animates a control for two frames or more."""
-    shots = []
+    shots, animation = [], Animation(controls)
     for action in sorted(bpy.data.actions if actions is None else actions, key=lambda action: str(action.name)):
-        first, last = (int(round(frame)) for frame in action.frame_range)
-        if last > first and animated_values(action, controls, first, first)[1]:
+        first, last = animation.frames(action)
+        if last > first and animation.values(action, first, first)[1]:
             shots.append(Shot(action.name, first, last))
     return shots
 
@@ -105,9 +109,9 @@ def used_ranges(
 ) -> List[Optional[Tuple[float, float]]]:
     """The least and the largest value of each control in actions that animate it; None where none does."""
     used: List[Optional[Tuple[float, float]]] = [None] * len(controls)
+    animation = Animation(controls)
     for action in bpy.data.actions if actions is None else actions:
-        first, last = (int(round(frame)) for frame in action.frame_range)
-        values, animated = animated_values(action, controls, first, max(first, last))
+        values, animated = animation.values(action, *animation.frames(action))
         for column in animated:
             low, high = float(values[:, column].min()), float(values[:, column].max())
             before = used[column] or (low, high)
@@ -115,9 +119,10 @@ def used_ranges(
     return used
 
 
-def animated_paths() -> Set[Tuple[str, int]]:
-    """(data path, index) of all curves of all actions of the file."""
-    return {key for action in bpy.data.actions for key in curves_of(action)}
+def animated_paths(block: Any) -> Set[Tuple[str, int]]:
+    """(data path, index) of all curves that actions of the file have for a data-block."""
+    curves = ActionCurves()
+    return {key for action in bpy.data.actions for key in curves.of(action, block)}
 
 
 def shot_values(settings: BakeSettings, shot: Shot) -> "np.ndarray[Any, np.dtype[np.float32]]":
@@ -126,7 +131,7 @@ def shot_values(settings: BakeSettings, shot: Shot) -> "np.ndarray[Any, np.dtype
     action = bpy.data.actions.get(shot.action)
     if action is None:
         raise SettingsError(f'there is no action "{shot.action}"')
-    values, _ = animated_values(action, settings.controls, shot.first, shot.last)
+    values, _ = Animation(settings.controls).values(action, shot.first, shot.last)
     low = np.array([control.minimum for control in settings.controls], np.float32)
     high = np.array([control.maximum for control in settings.controls], np.float32)
     clipped: "np.ndarray[Any, np.dtype[np.float32]]" = np.clip(values, low, high)

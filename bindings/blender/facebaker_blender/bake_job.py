@@ -1,12 +1,16 @@
-"""What a bake of a scene needs on the disk: a copy of the scene and the settings, in a folder beside the archive."""
+"""What a bake of a scene needs on the disk: a copy of the scene and the settings, in a folder beside the archive; and what
+the rig answered before it was edited."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
 import pathlib
+import shutil
 import sys
-from typing import Any, Dict, List
+from dataclasses import replace
+from typing import Any, Dict, List, Optional
 
 import bpy
 
@@ -16,8 +20,12 @@ from .channels import SettingsError
 from .tool_command import BlenderCommand, bake_words, source_text, tool_environment
 
 
+_EVALUATIONS = "rig.evaluations"  # in a work folder: what the rig answered
+
+
 class BakeJob:
-    """The bake of one archive. Its folder is NAME.blender beside the archive NAME.fbk."""
+    """The bake of one archive. Its folder is NAME.blender beside the archive NAME.fbk. In it, `work` is the work folder of
+    the rig as it is, and `earlier`, until the bake is complete, holds what the rig answered before it was edited."""
 
     def __init__(self, archive: Path) -> None:
         self.archive = pathlib.Path(archive).resolve()
@@ -25,32 +33,58 @@ class BakeJob:
             raise SettingsError(f"{self.archive}: an archive's name ends in .fbk")
         self.folder = self.archive.with_suffix(".blender")
         self.scene, self.settings = self.folder / "scene.blend", self.folder / "settings.json"
-        self.work = self.folder / "work"
+        self.work, self.earlier = self.folder / "work", self.folder / "earlier"
         self.process = BakeProcess(self.folder)
 
-    def prepare(self, settings: BakeSettings) -> None:
+    def prepare(self, settings: BakeSettings, session: Optional[str] = None) -> None:
         """Saves a copy of the open file, and the settings. The copy of an earlier bake is used again if the file on disk is
-        as it was then and has no changes that are not saved: so the same command goes on with an interrupted bake.
-        Raises OSError, SettingsError."""
+        as it was then and has no changes that are not saved: so the same command goes on with an interrupted bake. session:
+        a digest of what was done since the file was read, from who knows; None: ask Blender whether there are changes,
+        which without a window it says of any file from 4.2 on. Raises OSError, SettingsError."""
         if self.process.running:
             raise SettingsError(f"a bake of {self.archive.name} is running")
         self.folder.mkdir(parents=True, exist_ok=True)
-        stamp, stamp_file = _file_stamp(), self.folder / "settings.version"
+        stamp, stamp_file = _file_stamp(session), self.folder / "settings.version"
         if not (stamp and self.scene.is_file() and _text(stamp_file) == stamp):
             stamp_file.unlink(missing_ok=True)
             bpy.ops.wm.save_as_mainfile(filepath=str(self.scene), copy=True, relative_remap=True, check_existing=False)
             stamp_file.write_text(stamp or hashlib.sha256(self.scene.read_bytes()).hexdigest()[:16])
         save_settings(settings, self.settings)
+        self._set_aside(f"{settings.deformation} {_text(stamp_file)} {self._source()}")
+
+    def _source(self) -> str:
+        return source_text(this_blender(), self.scene, self.settings)
+
+    def _set_aside(self, rig: str) -> None:
+        """Moves what another rig answered out of the work folder, so that this one's bake takes over what still holds; of
+        two such files the larger is kept, as an edit may be taken back. rig: a text that is another for another rig."""
+        known = self.folder / "work.version"
+        if _text(known) != rig:
+            answers, kept = self.work / _EVALUATIONS, self.earlier / _EVALUATIONS
+            if answers.is_file() and not (kept.is_file() and kept.stat().st_size > answers.stat().st_size):
+                self.earlier.mkdir(exist_ok=True)
+                os.replace(answers, kept)
+            if self.work.is_dir():
+                shutil.rmtree(self.work)
+            known.write_text(rig)
 
     def words(self, settings: BakeSettings, tool: str) -> List[str]:
         """The command line of the bake."""
-        source = source_text(this_blender(), self.scene, self.settings)
-        return [*bake_words(tool, source, self.archive, self.work, settings.bake), "--json"]
+        options = settings.bake
+        named = options.reuse and pathlib.Path(options.reuse).resolve()
+        if not named or named == self.work:
+            options = replace(options, reuse=str(self.earlier) if self.earlier.is_dir() else "")
+        return [*bake_words(tool, self._source(), self.archive, self.work, options), "--json"]
 
-    def start(self, settings: BakeSettings, tool: str) -> None:
+    def start(self, settings: BakeSettings, tool: str, session: Optional[str] = None) -> None:
         """Prepares and starts the bake in the background."""
-        self.prepare(settings)
+        self.prepare(settings, session)
         self.process.start(self.words(settings, tool), tool_environment(tool))
+
+    def tidy(self) -> None:
+        """Removes what the rig answered before it was edited, once a bake is complete."""
+        if self.process.document is not None and not self.process.running and self.earlier.is_dir():
+            shutil.rmtree(self.earlier)
 
     def go_on(self) -> None:
         """Goes on with a bake that was interrupted, from the copy of the scene that it had. Raises SettingsError."""
@@ -64,11 +98,11 @@ def _text(path: pathlib.Path) -> str:
     return path.read_text().strip() if path.is_file() else ""
 
 
-def _file_stamp() -> str:
+def _file_stamp(session: Optional[str]) -> str:
     """A digest of the open file as it lies on disk, and of the files it links; "" if it has changes that are not saved."""
-    if bpy.data.is_dirty or not bpy.data.filepath:
+    if session is None and bpy.data.is_dirty or not bpy.data.filepath:
         return ""
-    digest = hashlib.sha256(bpy.app.version_string.encode())
+    digest = hashlib.sha256(f"{bpy.app.version_string} {session or ''}".encode())
     for path in [bpy.data.filepath, *(bpy.path.abspath(library.filepath) for library in bpy.data.libraries)]:
         if not pathlib.Path(path).is_file():
             return ""
@@ -92,6 +126,7 @@ def bake_figures(document: Dict[str, Any]) -> Dict[str, Any]:
         "bytes": document.get("bytes", 0),
         "poses": document.get("poses", 0),
         "rig_calls": document.get("rig_calls", 0),
+        "reused": document.get("reused", 0),
         "train_seconds": document.get("train_seconds", 0.0),
         "mse": held.get("mse", 0.0),
     }

@@ -3,6 +3,7 @@ file."""
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass, replace
 from typing import Any, Dict, Iterable, List, Tuple
 
@@ -12,6 +13,21 @@ AXES = "xyz"
 
 class SettingsError(ValueError):
     """Something in a settings file, a scene or the options that cannot be baked; the message names it."""
+
+
+NAMED = 12  # names in a message, at most
+
+
+def there_are(names: Iterable[Any], like: str = "") -> str:
+    """What there is, for a message about a name that is not there: 'there are "brow", "jaw" and 20 more'. like: the name
+    that was given, to have those first that are spelt most like it."""
+    known = [str(name) for name in names]
+    if not known:
+        return "there are none"
+    if like and len(known) > 1:
+        known.sort(key=lambda name: -difflib.SequenceMatcher(None, like.lower(), name.lower()).ratio())
+    more = f" and {len(known) - NAMED} more" if len(known) > NAMED else ""
+    return "there are " + ", ".join(f'"{name}"' for name in known[:NAMED]) + more
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import time
-from typing import TYPE_CHECKING, Any, Dict, List, Optional
+from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import bpy
 import numpy as np
 
 from .bake_settings import BakeSettings, settings_document, settings_of
+from .baked_state import add_baked_meshes, baked_meshes, keep_modifiers, remove_baked_meshes
 from .channels import SettingsError
 from .error_colours import error_colours
+from .preview_object import ATTRIBUTE, make_object
 from .scene_channels import SceneChannels, find_object
 from .scene_evaluator import SceneEvaluator, evaluated_positions, scene_units, world_matrix
 
@@ -19,13 +21,12 @@ if TYPE_CHECKING:
     import facebaker
 
 ARCHIVE, SETTINGS, SCALE, COLOURS = "facebaker_archive", "facebaker_settings", "facebaker_scale", "facebaker_colours"
-ATTRIBUTE = "facebaker_error"
-BESIDE = 1.15  # widths of the face from one to the next
 
 
 class FacePreview:
     """What an object of a baked face needs while it follows the rig. Attributes: face_ms, of the last evaluation; max_error,
-    the largest distance from the rig in the last pose, over the diagonal, if colours are shown."""
+    the largest distance from the rig in the last pose, over the diagonal, if colours are shown; problem: why they are
+    not, "" if they are."""
 
     def __init__(self, preview: Any, face: "facebaker.Face", settings: BakeSettings) -> None:
         self.name, self.face, self.settings = preview.name, face, settings
@@ -38,12 +39,13 @@ class FacePreview:
         )
 
     def update(self, graph: Any, again: bool = False) -> bool:
-        """Poses the mesh as the scene's controls are; whether anything changed. again: even if they are as before."""
+        """Poses the mesh as a dependency graph has the scene's controls, which in a render are not those of the window;
+        whether anything changed. again: even if they are as before."""
         preview = bpy.data.objects.get(self.name)
         if preview is None:
             return False
         # Found by their names each time: an undo replaces them all.
-        controls = np.clip(SceneChannels(self.settings.controls).read(), self._low, self._high)
+        controls = np.clip(SceneChannels(self.settings.controls, graph).read(), self._low, self._high)
         if controls.tobytes() == self._seen and not again:
             return False
         self._seen = controls.tobytes()
@@ -53,26 +55,24 @@ class FacePreview:
         mesh = preview.data
         mesh.vertices.foreach_set("co", self.positions.ravel())
         if preview.get(COLOURS):
-            self._colour(mesh, graph, float(preview.get(SCALE, 1e-3)))
+            self._colour(preview, graph, float(preview.get(SCALE, 1e-3)))
         mesh.update()
         return True
 
-    def _colour(self, mesh: Any, graph: Any, scale: float) -> None:
-        """Distances from where the rig has the vertices now."""
-        objects = [find_object(name) for name in self.settings.meshes]
-        reference = find_object(self.settings.reference or self.settings.meshes[0]).evaluated_get(graph)
-        factor = scene_units(bpy.context.scene)[1]
+    def _colour(self, preview: Any, graph: Any, scale: float) -> None:
+        """Distances from where the rig has the vertices now, in the state in which it was baked."""
+        objects = baked_meshes(preview) or [find_object(name) for name in self.settings.meshes]
+        reference = find_object(self.settings.reference or self.settings.meshes[0], graph)
+        factor = scene_units(graph.scene)[1]
         true = evaluated_positions(objects, graph, np.linalg.inv(world_matrix(reference)), factor)
+        colours = preview.data.color_attributes[ATTRIBUTE].data
         if true.shape != self.positions.shape:
             self.problem = f"the rig has {len(true)} vertices now, the face {len(self.positions)}"
+            colours.foreach_set("color", np.ones(4 * len(self.positions), np.float32))
             return
-        distances = np.linalg.norm(self.positions - true, axis=1) / self.diagonal
+        distances = np.linalg.norm(self.positions - true, axis=1) / float(self.face.diagonal)
         self.max_error, self.problem = float(distances.max()), ""
-        mesh.color_attributes[ATTRIBUTE].data.foreach_set("color", error_colours(distances, scale).ravel())
-
-    @property
-    def diagonal(self) -> float:
-        return float(self.face.diagonal)
+        colours.foreach_set("color", error_colours(distances, scale).ravel())
 
 
 _loaded: Dict[str, FacePreview] = {}
@@ -89,63 +89,27 @@ def add_preview(
     face = facebaker.load(archive)
     if [control.name for control in face.controls] != [control.name for control in settings.controls]:
         raise SettingsError(f"{archive}: has other controls than the settings")
-    mesh = bpy.data.meshes.new(f"{settings.name} baked")
-    mesh.from_pydata(face.rest_positions.tolist(), [], _polygons(face))
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), bool))
-    mesh.color_attributes.new(ATTRIBUTE, "FLOAT_COLOR", "POINT")
-    mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
-    preview = bpy.data.objects.new(mesh.name, mesh)
+    preview = make_object(face, settings, place, scene_units(context.scene)[1], colours)
     context.scene.collection.objects.link(preview)
     preview[ARCHIVE], preview[SETTINGS] = str(archive), json.dumps(settings_document(settings))
-    preview[SCALE], preview[COLOURS] = scale, colours
-    _place(preview, face, settings, place, scene_units(context.scene)[1])
-    _add_materials(mesh, settings, colours)
+    # A render in the window poses the mesh in a thread of its own, while the window would draw it.
+    context.scene.render.use_lock_interface = True
     state = _loaded[preview.name] = FacePreview(preview, face, settings)
+    keep_modifiers(context, settings, preview)
+    show_colours(context, preview, colours, scale)
     context.view_layer.update()
     state.update(context.evaluated_depsgraph_get(), again=True)
     return preview
 
 
-def _polygons(face: "facebaker.Face") -> List[List[int]]:
-    ends = np.cumsum(face.polygon_sizes)
-    corners = face.polygon_corners.tolist()
-    return [corners[end - size : end] for size, end in zip(face.polygon_sizes.tolist(), ends.tolist())]
-
-
-def _place(preview: Any, face: "facebaker.Face", settings: BakeSettings, place: int, factor: float) -> None:
-    from mathutils import Matrix
-
-    reference = find_object(settings.reference or settings.meshes[0])
-    width = float(np.ptp(face.rest_positions[:, 0])) / factor
-    beside = Matrix.Translation((BESIDE * place * width, 0, 0))
-    preview.matrix_world = reference.matrix_world @ beside @ Matrix.Scale(1 / factor, 4)
-
-
-def _add_materials(mesh: Any, settings: BakeSettings, colours: bool) -> None:
-    """The rig's own, or one that shows errors."""
-    if not colours:
-        sources = [find_object(name).data for name in settings.meshes]
-        slots: Dict[str, int] = {}
-        indices: List[int] = []
-        for source in sources:
-            known = []
-            for material in source.materials:
-                if material is not None and material.name not in slots:
-                    slots[material.name] = len(slots)
-                    mesh.materials.append(material)
-                known.append(slots[material.name] if material is not None else 0)
-            indices += [known[p.material_index] if p.material_index < len(known) else 0 for p in source.polygons]
-        if slots and len(indices) == len(mesh.polygons):
-            mesh.polygons.foreach_set("material_index", indices)
-        return
-    material = bpy.data.materials.new("FaceBaker error")
-    material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    attribute = nodes.new("ShaderNodeAttribute")
-    attribute.attribute_name = ATTRIBUTE
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    links.new(attribute.outputs["Color"], shader.inputs["Base Color"])
-    mesh.materials.append(material)
+def show_colours(context: Any, preview: Any, colours: bool, scale: float) -> None:
+    """Whether a preview shows its errors, red from `scale` on. Raises SettingsError."""
+    state = preview_of(preview)
+    if colours and state is not None:
+        add_baked_meshes(context, state.settings, preview)
+    else:
+        remove_baked_meshes(preview)
+    preview[COLOURS], preview[SCALE] = colours, scale
 
 
 def preview_of(scene_object: Any) -> Optional[FacePreview]:
@@ -174,14 +138,15 @@ def shown_preview(scene_object: Any) -> Optional[FacePreview]:
 
 
 def update_previews(scene: Any, graph: Any, again: bool = False) -> None:
-    """Poses all preview objects of a scene. Called by Blender after updates and changes of the frame."""
+    """Poses all preview objects of a scene that a dependency graph shows. Called by Blender after updates and changes of
+    the frame, of the window and of renders."""
     global _busy
     if _busy or SceneEvaluator.active:
         return
     _busy = True
     try:
         for scene_object in scene.objects:
-            if ARCHIVE not in scene_object.keys() or not scene_object.visible_get():
+            if ARCHIVE not in scene_object.keys() or not _is_shown(scene_object, graph):
                 continue
             state = preview_of(scene_object)
             if state is not None:
@@ -193,31 +158,46 @@ def update_previews(scene: Any, graph: Any, again: bool = False) -> None:
         _busy = False
 
 
+def _is_shown(preview: Any, graph: Any) -> bool:
+    if graph.mode == "RENDER":
+        return not preview.hide_render
+    return bool(preview.visible_get(view_layer=graph.view_layer))
+
+
 def _after_update(scene: Any, graph: Any = None) -> None:
     update_previews(scene, graph or bpy.context.evaluated_depsgraph_get())
 
 
+def _after_undo(scene: Any, _: Any = None) -> None:
+    """The mesh is as it was then, whatever the controls are."""
+    update_previews(scene, bpy.context.evaluated_depsgraph_get(), again=True)
+
+
 def _after_load(_: Any, __: Any = None) -> None:
     _loaded.clear()
+    update_previews(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), again=True)
 
 
 def add_handlers() -> None:
     """Has Blender call this module, also in files that are opened later."""
-    handlers = bpy.app.handlers
-    for handler in _after_update, _after_load:
-        handlers.persistent(handler)
-    for place, handler in _places():
-        if handler not in getattr(handlers, place):
-            getattr(handlers, place).append(handler)
+    for place, handler in _PLACES:
+        bpy.app.handlers.persistent(handler)
+        if handler not in getattr(bpy.app.handlers, place):
+            getattr(bpy.app.handlers, place).append(handler)
 
 
 def remove_handlers() -> None:
     """The reverse of add_handlers()."""
-    for place, handler in _places():
+    for place, handler in _PLACES:
         if handler in getattr(bpy.app.handlers, place):
             getattr(bpy.app.handlers, place).remove(handler)
     _loaded.clear()
 
 
-def _places() -> Any:
-    return ("depsgraph_update_post", _after_update), ("frame_change_post", _after_update), ("load_post", _after_load)
+_PLACES = (
+    ("depsgraph_update_post", _after_update),
+    ("frame_change_post", _after_update),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
+    ("load_post", _after_load),
+)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Dict, List, Sequence, Set, Tuple
 
 import numpy as np
 
 from .action_shots import animated_paths, used_ranges
+from .bone_choice import FindOptions, check_options, chosen_bones
 from .bone_limits import bone_path, driven_paths, escaped, is_locked, limits_of, property_range, rotation_attribute
 from .channels import Channel, SceneControl, named_apart
-from .control_names import face_part, matches, mirror_channel_name
+from .control_names import face_part, mirror_channel_name
 from .ranges import assumed_range, control_range
 from .scene_evaluator import SceneEvaluator
+from .time_dependence import frame_drivers
 
 Paths = Set[Tuple[str, int]]
 MOVES = 1e-6  # of the diagonal: what moves less moves nothing
@@ -20,29 +22,16 @@ MOVES = 1e-6  # of the diagonal: what moves less moves nothing
 _PRIVATE = ("_RNA_UI", "rigify", "rig_ui", "cycles", "facebaker", "cycles_visibility", "rig_id")
 
 
-@dataclass(frozen=True)
-class FindOptions:
-    """What is looked at. bones: patterns of names ("lip.*"); none: all. collections: names of bone collections, or before
-    Blender 4 numbers of bone layers, counted from 0; none: those that are visible. selected: only bones that are
-    selected. kinds: of channels of bones; others are looked at only where they are limited or animated. shape_keys, properties: whether they are looked at."""
-
-    bones: Tuple[str, ...] = ()
-    collections: Tuple[str, ...] = ()
-    selected: bool = False
-    kinds: Tuple[str, ...] = ("location", "rotation")
-    shape_keys: bool = True
-    properties: bool = True
-
-
 def find_controls(
     armatures: Sequence[Any], meshes: Sequence[Any], options: FindOptions
 ) -> Tuple[List[SceneControl], List[str]]:
     """The controls of these objects, and notes about what was left out. Their ranges contain what the file's actions
-    animate. Changes nothing in the scene."""
+    animate. Changes nothing in the scene. Raises SettingsError on options that choose nothing."""
+    check_options(armatures, options)
     found: List[SceneControl] = []
     notes: List[str] = []
-    animated = animated_paths()
     for armature in armatures:
+        animated = animated_paths(armature)
         bones, driven = chosen_bones(armature, options), driven_paths(armature)
         found += [c for bone in bones for c in _bone_channels(armature, bone, options, driven, animated)]
         if options.properties:
@@ -54,6 +43,8 @@ def find_controls(
             found += _shape_keys(mesh, notes)
         if options.properties:
             found += _properties(mesh, mesh, "", False, notes) + _properties(mesh, mesh.data, "", True, notes)
+    keys = [mesh.data.shape_keys for mesh in meshes if mesh.data.shape_keys]
+    notes += frame_drivers([*armatures, *meshes, *keys])
     return named_apart(_ranged(found, armatures, _diagonal(meshes))), notes
 
 
@@ -61,39 +52,6 @@ def _diagonal(meshes: Sequence[Any]) -> float:
     """Of the box round all meshes, as they are now."""
     corners = [np.array(mesh.matrix_world) @ (*corner, 1) for mesh in meshes for corner in mesh.bound_box]
     return float(np.linalg.norm(np.ptp(np.array(corners)[:, :3], 0))) if corners else 0.0
-
-
-def chosen_bones(armature: Any, options: FindOptions) -> List[Any]:
-    """The pose bones that the options choose, in the armature's order."""
-    return [
-        bone
-        for bone in armature.pose.bones
-        if not _is_hidden(bone)
-        and (not options.selected or _is_selected(bone))
-        and matches(bone.name, list(options.bones))
-        and _in_collections(armature.data, bone.bone, options)
-    ]
-
-
-def _is_hidden(bone: Any) -> bool:
-    return bool(getattr(bone.bone, "hide", False) or getattr(bone, "hide", False))  # moved in Blender 5
-
-
-def _is_selected(bone: Any) -> bool:
-    return bool(getattr(bone, "select", False) or getattr(bone.bone, "select", False))  # moved in Blender 5
-
-
-def _in_collections(data: Any, bone: Any, options: FindOptions) -> bool:
-    collections = getattr(bone, "collections", None)
-    if collections is None:  # before Blender 4
-        places = [index for index, inside in enumerate(bone.layers) if inside]
-        if options.collections:
-            return any(str(index) in options.collections for index in places)
-        return any(data.layers[index] for index in places) or bool(options.bones)
-    if options.collections:
-        return any(collection.name in options.collections for collection in collections)
-    visible = any(getattr(collection, "is_visible_effectively", collection.is_visible) for collection in collections)
-    return visible or not len(collections) or bool(options.bones)
 
 
 def _group(armature: Any, bone: Any) -> str:

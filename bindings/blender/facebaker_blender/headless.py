@@ -9,18 +9,22 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import pathlib
 import signal
 import sys
 import time
+import traceback
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, List, Sequence
 
 if __name__ == "__main__":
     sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
-from facebaker_blender.bake_settings import MODIFIER_POLICIES, BakeOptions, BakeSettings, load_settings, save_settings
-from facebaker_blender.channels import SettingsError
+from facebaker_blender.bake_settings import (
+    MODIFIER_POLICIES, BakeOptions, BakeSettings, Shot, load_settings, save_settings,
+)  # fmt: skip
+from facebaker_blender.channels import SettingsError, there_are
 from facebaker_blender.tool_command import add_package_path, find_tool
 
 if TYPE_CHECKING:
@@ -81,7 +85,8 @@ def _add_bake_options(parser: argparse.ArgumentParser) -> None:
     for option in "--poses", "--epochs", "--seed", "--threads":
         add(option, type=int, default=None)
     add("--workers", type=int, default=None, help=f"Blender processes that evaluate (default: {usual.workers})")
-    add("--reuse", default=None, metavar="DIR", help="work folder of an earlier bake, NAME.blender/work")
+    add("--reuse", default=None, metavar="DIR",
+        help="work folder of another bake, NAME.blender/work; of this one's, what still holds is taken over anyway")  # fmt: skip
     add("--tool", default="", metavar="FACEBAKER", help="the program; by default the one found")
     add("--only-prepare", action="store_true", help="write the copy of the scene and print the command line")
 
@@ -99,14 +104,16 @@ def found_settings(options: argparse.Namespace) -> BakeSettings:
     import bpy
 
     from facebaker_blender.action_shots import find_shots
-    from facebaker_blender.find_controls import FindOptions, find_controls, groups_of, still_controls
+    from facebaker_blender.bone_choice import FindOptions
+    from facebaker_blender.find_controls import find_controls, groups_of, still_controls
     from facebaker_blender.scene_choice import chosen_armatures, chosen_meshes
     from facebaker_blender.scene_evaluator import SceneEvaluator
 
     meshes = chosen_meshes(bpy.context, options.mesh)
     armatures = chosen_armatures(meshes, options.armature)
-    collections = tuple(name for words in options.collections for name in words.split(","))
-    find = FindOptions(tuple(options.bones), collections, kinds=tuple(options.channels.split(",")))
+    collections = tuple(name.strip() for words in options.collections for name in words.split(",") if name.strip())
+    kinds = tuple(kind.strip() for kind in options.channels.split(",") if kind.strip())
+    find = FindOptions(tuple(options.bones), collections, kinds=kinds)
     controls, notes = find_controls(armatures, meshes, find)
     if not controls:
         raise SettingsError("no controls were found: no unlocked channels of visible bones, shape keys or properties")
@@ -123,15 +130,30 @@ def found_settings(options: argparse.Namespace) -> BakeSettings:
             notes.append(f"{len(still)} of {len(controls)} channels move no vertex and are left out")
         if not settings.controls:
             raise SettingsError("none of the channels that were found moves a vertex")
-    shots = [
-        replace(shot, split="train") if shot.action in options.train_shot else shot
-        for shot in find_shots(settings.controls)
-    ]
+    shots = _with_splits(find_shots(settings.controls), options.train_shot)
     for note in notes:
         say(f"note: {note}")
     groups = ", ".join(f"{name or 'no group'} {count}" for name, count in sorted(groups_of(settings.controls).items()))
     say(f"{len(settings.controls)} controls: {groups}; {len(shots)} shots")
     return replace(settings, shots=tuple(shots))
+
+
+def _with_splits(shots: "List[Shot]", learnt: Sequence[str]) -> "List[Shot]":
+    """The shots, those of these actions to learn from. Raises SettingsError if there is no such shot."""
+    for action in learnt:
+        if action not in [shot.action for shot in shots]:
+            known = there_are((shot.action for shot in shots), action)
+            raise SettingsError(f'no action that animates controls is called "{action}"; {known}')
+    return [replace(shot, split="train") if shot.action in learnt else shot for shot in shots]
+
+
+def refuse_find_options(options: argparse.Namespace) -> None:
+    """Raises SettingsError if the command line says what is baked although a settings file does."""
+    parser = _Parser(add_help=False)
+    _add_find_options(parser)
+    for name, usual in vars(parser.parse_args([])).items():
+        if getattr(options, name) != usual:
+            raise SettingsError(f"--settings says what is baked; --{name.replace('_', '-')} has no meaning beside it")
 
 
 def with_bake_options(settings: BakeSettings, options: argparse.Namespace) -> BakeSettings:
@@ -159,20 +181,39 @@ def run_bake(options: argparse.Namespace) -> None:
     begin = time.monotonic()
     job = BakeJob(options.out)
     tool = find_tool(options.tool)
+    if options.settings:
+        refuse_find_options(options)
     settings = load_settings(options.settings) if options.settings else found_settings(options)
     settings = with_bake_options(settings, options)
+    session = session_digest(sys.argv)
     if options.only_prepare:
-        job.prepare(settings)
+        job.prepare(settings, session)
         print(shlex.join(job.words(settings, tool)))
         return
     # Blender would take Ctrl-C for itself, and the bake in its own session would go on.
     for number in signal.SIGINT, signal.SIGTERM:
         signal.signal(number, signal.default_int_handler)
-    job.start(settings, tool)
+    job.start(settings, tool, session)
     _follow(job)
+    job.tidy()
     say(f"baked in {time.monotonic() - begin:.0f} s")
     _show(job.archive, settings, options)
     say(f"all done in {time.monotonic() - begin:.0f} s")
+
+
+def session_digest(arguments: Sequence[str]) -> str:
+    """A digest of what Blender's command line did to the file that it opened: its options before --, and the scripts that
+    these name, without this one."""
+    words = list(arguments[1 : arguments.index("--")] if "--" in arguments else arguments[1:])
+    digest = hashlib.sha256()
+    for word in words:
+        script = pathlib.Path(word)
+        if script.suffix == ".py" and script.is_file():
+            own = script.resolve() == pathlib.Path(__file__).resolve()
+            digest.update(b"" if own else script.read_bytes())
+        else:
+            digest.update(word.encode() + b"\0")
+    return digest.hexdigest()
 
 
 def _follow(job: "BakeJob") -> None:
@@ -230,10 +271,22 @@ def main(words: Sequence[str]) -> int:
     try:
         add_package_path()
         {"controls": run_controls, "bake": run_bake, "show": run_show}[options.command](options)
-    except (SettingsError, OSError) as error:
+    except KeyboardInterrupt:
+        say(f"facebaker_blender {options.command}: interrupted")
+        return 1
+    except Exception as error:  # Blender would end with 0 after any that reaches it
+        if not isinstance(error, (SettingsError, OSError)) and not _is_of_library(error):
+            traceback.print_exc()
+            error = RuntimeError(f"failed, which it should not: {type(error).__name__}: {error}")
         say(f"facebaker_blender {options.command}: {error}")
         return 1
     return 0
+
+
+def _is_of_library(error: Exception) -> bool:
+    """Whether it is a facebaker.Error, whose text is for people."""
+    package = sys.modules.get("facebaker")
+    return package is not None and isinstance(error, package.Error)
 
 
 def own_words(arguments: List[str]) -> List[str]:

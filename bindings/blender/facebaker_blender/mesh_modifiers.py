@@ -1,18 +1,10 @@
-"""Modifiers whose result a face cannot have: another number of vertices, or one that depends on what was before."""
+"""Modifiers that change the number of vertices."""
 
 from __future__ import annotations
 
 from typing import Any, List
 
 from .channels import SettingsError
-
-# Their result depends on the frames before.
-SIMULATIONS = {
-    "CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "EXPLODE", "PARTICLE_SYSTEM", "PARTICLE_INSTANCE", "OCEAN",
-    "SURFACE", "COLLISION", "BUILD",
-}  # fmt: skip
-_HARMLESS = {"SURFACE", "COLLISION", "PARTICLE_SYSTEM"}  # they leave the mesh as it is
-
 
 def _vertices(context: Any, mesh_object: Any) -> int:
     context.view_layer.update()
@@ -42,16 +34,6 @@ def count_changers(context: Any, mesh_object: Any) -> List[Any]:
             modifier.show_viewport = True
         context.view_layer.update()
     return found
-
-
-def refuse_simulations(mesh_object: Any) -> None:
-    """Raises SettingsError if the mesh has a modifier that depends on time."""
-    for modifier in mesh_object.modifiers:
-        if modifier.show_viewport and modifier.type in SIMULATIONS - _HARMLESS:
-            raise SettingsError(
-                f'"{mesh_object.name}": modifier "{modifier.name}" ({modifier.type}) depends on the frames before, so '
-                "that controls alone do not say where vertices are; switch it off in the viewport"
-            )
 
 
 def refuse_count_changers(context: Any, mesh_object: Any) -> None:

@@ -7,47 +7,59 @@ from typing import Any, Dict, List, Sequence, Tuple
 import bpy
 import numpy as np
 
-from .channels import Channel, SceneControl, SettingsError
+from .channels import Channel, SceneControl, SettingsError, there_are
 from .rotations import quaternion_of_vector, vector_of_quaternion
 
 
-def find_object(name: str) -> Any:
-    """The object of the file that has this name. Raises SettingsError."""
+def find_object(name: str, graph: Any = None) -> Any:
+    """The object of the file that has this name; graph: as this dependency graph has evaluated it. Raises SettingsError."""
     found = bpy.data.objects.get(name)
     if found is None:
-        raise SettingsError(f'there is no object "{name}"')
-    return found
+        raise SettingsError(f'there is no object "{name}"; {there_are((o.name for o in bpy.data.objects), name)}')
+    return found.evaluated_get(graph) if graph else found
 
 
-def find_bone(object_name: str, bone: str) -> Any:
+def find_bone(object_name: str, bone: str, graph: Any = None) -> Any:
     """The pose bone. Raises SettingsError."""
-    owner = find_object(object_name)
-    found = owner.pose.bones.get(bone) if owner.pose else None
+    owner = find_object(object_name, graph)
+    bones = owner.pose.bones if owner.pose else {}
+    found = bones.get(bone)
     if found is None:
-        raise SettingsError(f'"{object_name}" has no bone "{bone}"')
+        raise SettingsError(f'"{object_name}" has no bone "{bone}"; {there_are(bones.keys(), bone)}')
     return found
 
 
-def property_owner(channel: Channel) -> Any:
+def property_owner(channel: Channel, graph: Any = None) -> Any:
     """What has the custom property of a channel: a pose bone, an object or its data. Raises SettingsError."""
     if channel.bone:
-        owner = find_bone(channel.object, channel.bone)
+        owner = find_bone(channel.object, channel.bone, graph)
+    elif channel.on_data:
+        data = find_object(channel.object).data
+        owner = data.evaluated_get(graph) if graph else data
     else:
-        owner = find_object(channel.object)
-        owner = owner.data if channel.on_data else owner
+        owner = find_object(channel.object, graph)
     if channel.key not in owner.keys():
         raise SettingsError(f'"{channel.bone or channel.object}" has no custom property "{channel.key}"')
     return owner
 
 
-def find_shape_key(channel: Channel) -> Any:
+def find_shape_key(channel: Channel, graph: Any = None) -> Any:
     """The key block. Raises SettingsError."""
-    data = find_object(channel.object).data
-    keys = getattr(data, "shape_keys", None)
-    found = keys.key_blocks.get(channel.key) if keys else None
+    keys = getattr(find_object(channel.object).data, "shape_keys", None)
+    if keys and graph:
+        keys = keys.evaluated_get(graph)
+    blocks = keys.key_blocks if keys else {}
+    found = blocks.get(channel.key)
     if found is None:
-        raise SettingsError(f'"{channel.object}" has no shape key "{channel.key}"')
+        raise SettingsError(f'"{channel.object}" has no shape key "{channel.key}"; {there_are(blocks.keys(), channel.key)}')
     return found
+
+
+def channel_block(channel: Channel) -> Any:
+    """The data-block whose animation sets the channel: an object, its data or its shape keys. Raises SettingsError."""
+    if channel.of_bone:
+        return find_bone(channel.object, channel.bone).id_data
+    return (find_shape_key(channel) if channel.kind == "shape_key" else property_owner(channel)).id_data
 
 
 class _BoneVector:
@@ -157,9 +169,10 @@ class _Property:
 
 class SceneChannels:
     """The channels of a list of controls, resolved in the open file. Valid until objects are removed, an undo, or
-    another file. Raises SettingsError, by name, on what is not there."""
+    another file. graph: to read them as this dependency graph has evaluated them, with the animation of its frame; such
+    channels cannot be written. Raises SettingsError, by name, on what is not there."""
 
-    def __init__(self, controls: Sequence[SceneControl]) -> None:
+    def __init__(self, controls: Sequence[SceneControl], graph: Any = None) -> None:
         self.count = len(controls)
         self._targets: List[Any] = []
         vectors: Dict[Tuple[str, str, str], List[Tuple[int, int]]] = {}
@@ -168,11 +181,12 @@ class SceneChannels:
             if channel.of_bone:
                 vectors.setdefault((channel.object, channel.bone, channel.kind), []).append((channel.axis, column))
             elif channel.kind == "shape_key":
-                self._targets.append(_ShapeKey(find_shape_key(channel), column))
+                self._targets.append(_ShapeKey(find_shape_key(channel, graph), column))
             else:
-                self._targets.append(_Property(property_owner(channel), channel.key, channel.whole, column))
-        for (owner, name, kind), pairs in vectors.items():
-            bone, axes, columns = find_bone(owner, name), [axis for axis, _ in pairs], [column for _, column in pairs]
+                owner = property_owner(channel, graph)
+                self._targets.append(_Property(owner, channel.key, channel.whole, column))
+        for (rig, name, kind), pairs in vectors.items():
+            bone, axes, columns = find_bone(rig, name, graph), [axis for axis, _ in pairs], [c for _, c in pairs]
             rotates = kind == "rotation"
             self._targets.append(
                 _BoneRotation(bone, axes, columns) if rotates else _BoneVector(bone, kind, axes, columns)

@@ -10,8 +10,9 @@ import numpy as np
 
 from .bake_settings import BakeSettings
 from .channels import SettingsError, bones_of
-from .mesh_modifiers import count_changers, refuse_count_changers, refuse_simulations
+from .mesh_modifiers import count_changers, refuse_count_changers
 from .scene_channels import SceneChannels, find_object
+from .time_dependence import refuse_time_dependence
 
 # Names of units that Blender's unit scale stands for.
 _UNITS = {1.0: "m", 0.1: "dm", 0.01: "cm", 0.001: "mm"}
@@ -112,7 +113,7 @@ class SceneEvaluator:
 
     def _settle_modifiers(self, stack: contextlib.ExitStack) -> None:
         for mesh_object in self.objects:
-            refuse_simulations(mesh_object)
+            refuse_time_dependence(mesh_object)
             if self.settings.modifiers == "refuse":
                 refuse_count_changers(self.context, mesh_object)
             elif self.settings.modifiers == "off":

@@ -158,7 +158,9 @@ def _material(material: Any) -> Any:
     import facebaker
 
     colour, metallic, roughness = tuple(material.diffuse_color), float(material.metallic), float(material.roughness)
-    nodes = material.node_tree.nodes if material.use_nodes and material.node_tree else ()
+    # Without nodes there may be a tree that is not used, until Blender 5.
+    used = material.node_tree and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
+    nodes = material.node_tree.nodes if used else ()
     for node in nodes:
         if node.type == "BSDF_PRINCIPLED":
             inputs = node.inputs

@@ -10,7 +10,8 @@ import numpy as np
 
 from .action_shots import shot_values
 from .bake_settings import BakeSettings, Path
-from .face_preview import BESIDE, add_preview, update_previews
+from .face_preview import add_preview, update_previews
+from .preview_object import BESIDE
 from .scene_channels import SceneChannels
 
 ERROR_SCALE = 1e-3  # of the diagonal: red in pictures; a third of a millimetre on a head
@@ -61,7 +62,9 @@ def render_beside(settings: BakeSettings, coloured: Any, path: Path) -> None:
     for turn, strength in (((0.9, 0, 0.4), 2.5), ((1.2, 0, -0.9), 1.2)):
         lamp = bpy.data.objects.new("FaceBaker sun", bpy.data.lights.new("FaceBaker sun", "SUN"))
         lamp.rotation_euler, lamp.data.energy = turn, strength
-        lamp.data.angle, lamp.data.use_shadow, lamp.data.cycles.cast_shadow = 0, False, False
+        lamp.data.angle, lamp.data.use_shadow = 0, False
+        if hasattr(getattr(lamp.data, "cycles", None), "cast_shadow"):  # before Blender 4
+            lamp.data.cycles.cast_shadow = False
         scene.collection.objects.link(lamp)
     render = scene.render
     render.engine = "CYCLES"

@@ -11,8 +11,9 @@ import bpy
 from .action_shots import find_shots
 from .bake_job import BakeJob, bake_figures
 from .bake_settings import BakeSettings
+from .bone_choice import FindOptions
 from .channels import SettingsError
-from .find_controls import FindOptions, find_controls, still_controls
+from .find_controls import find_controls, still_controls
 from .scene_choice import chosen_armatures, chosen_meshes
 from .scene_evaluator import SceneEvaluator
 from .tool_command import add_package_path, find_tool
@@ -170,12 +171,13 @@ class FACEBAKER_OT_colours(_Failing, bpy.types.Operator):
 
     def work(self, context: Any) -> None:
         offer_package(context)
-        from .face_preview import ARCHIVE, COLOURS, SCALE, update_previews
+        from .face_preview import ARCHIVE, show_colours, update_previews
 
         chosen = context.scene.facebaker
         for scene_object in context.scene.objects:
             if ARCHIVE in scene_object.keys():
-                scene_object[COLOURS], scene_object[SCALE] = chosen.colours, chosen.scale
+                show_colours(context, scene_object, chosen.colours, chosen.scale)
+        context.view_layer.update()
         update_previews(context.scene, context.evaluated_depsgraph_get(), again=True)
         for area in context.screen.areas if context.screen else ():
             if area.type == "VIEW_3D" and chosen.colours:
@@ -191,6 +193,8 @@ def start_watching() -> None:
 def watch() -> Optional[float]:
     """Called by Blender while bakes run: reads how far they have come and has the panel drawn again."""
     running = [job for job in _jobs.values() if job.process.poll()]
+    for job in _jobs.values():
+        job.tidy()
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
@@ -204,9 +208,11 @@ def result_lines(job: BakeJob) -> "list[str]":
     if document is None:
         return [job.process.progress.error] if job.process.progress.error else []
     figures = bake_figures(document)
+    reused = [f"{figures['reused']} answers taken over"] if figures["reused"] else []
     return [
         f"{figures['bytes'] / 1e6:.2f} MB, {figures['poses']} poses",
         f"{figures['rig_calls']} rig calls",
+        *reused,
         f"unseen poses: mse {figures['mse']:.1e}",
     ]
 

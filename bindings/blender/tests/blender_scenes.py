@@ -46,6 +46,12 @@ def armature(bones, name="rig"):
     return rig
 
 
+def select_bone(rig, name):
+    """Selects a bone for posing."""
+    pose_bone = rig.pose.bones[name]
+    (pose_bone if hasattr(pose_bone, "select") else pose_bone.bone).select = True  # moved in Blender 5
+
+
 def drive(owner, path, target, target_path, expression="value", index=-1):
     """A driver of one variable, `value`."""
     curve = owner.driver_add(path, index) if index >= 0 else owner.driver_add(path)
@@ -153,6 +159,38 @@ def _limit(bone, kind, space="LOCAL", **settings):
     constraint.owner_space = space
     for name, value in settings.items():
         setattr(constraint, name, value)
+
+
+def two_rigs():
+    """Two armatures with a bone "jaw" each, on which a grid each hangs: ann, bob and ann face, bob face."""
+    empty_scene()
+    rigs = []
+    for place, name in enumerate(("ann", "bob")):
+        rig = armature([("jaw", (0, 0, -1), (0, 0, 0), "")], name)
+        face = grid(f"{name} face", 4)
+        face.parent, face.parent_type, face.parent_bone = rig, "BONE", "jaw"
+        rig.pose.bones["jaw"].rotation_mode = "XYZ"
+        rig.location.x = 3 * place
+        rigs.append(rig)
+    bpy.context.view_layer.update()
+    return rigs
+
+
+def geometry_nodes(scene_object, build, name="Nodes"):
+    """A modifier with a node tree; build(tree, geometry) gives the geometry of its output from that of its input."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for way in "INPUT", "OUTPUT":
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    else:  # before Blender 4
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    tree.links.new(build(tree, start.outputs[0]), end.inputs[0])
+    if scene_object is not None:
+        modifier = scene_object.modifiers.new(name, "NODES")
+        modifier.node_group = tree
+    return tree
 
 
 def _vector(values):

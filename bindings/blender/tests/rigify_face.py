@@ -100,12 +100,23 @@ def hang_on_bone(mesh, rig, bone):
     mesh.matrix_world = mathutils.Matrix.Identity(4)
 
 
+def face_collections(rig):
+    """Where Rigify puts the bones of a face: the main controls, then finer ones. Before Blender 4, numbers of layers."""
+    return ("0", "1", "2") if hasattr(rig.data, "layers") else ("Face", "Face (Primary)", "Face (Secondary)")
+
+
+def bones_in(rig, collection):
+    if hasattr(rig.data, "layers"):
+        return [bone.name for bone in rig.data.bones if bone.layers[int(collection)]]
+    return [bone.name for bone in rig.data.bones if collection in bone.collections]
+
+
 def add_action(rig, name, frames, seed, strength):
     """Eyes look, lids blink, brows and lips move, the jaw opens: smooth random curves with keys every 6 frames."""
     rig.animation_data.action = action = bpy.data.actions.new(name)
     action.use_fake_user = True
     random = np.random.default_rng(seed)
-    face = [b.name for b in rig.data.bones if b.layers[1]]
+    face = bones_in(rig, face_collections(rig)[1])
     for frame in range(1, frames + 1, 6):
         opened = strength * random.beta(1, 1.5)
         keyed = {("jaw_master", "rotation_quaternion"): mathutils.Euler((0.35 * opened, 0, 0.05 * random.normal())).to_quaternion()}

@@ -1,0 +1,157 @@
+"""Bakes through the tool, in processes of their own; in_blender.py runs it."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+import bpy
+import numpy as np
+from addon_support import HEADLESS, BakingTest, found
+
+import facebaker
+from facebaker_blender import face_preview
+from facebaker_blender.bake_job import BakeJob, this_blender
+from facebaker_blender.bake_settings import BakeOptions, BakeSettings, load_settings, save_settings
+from facebaker_blender.scene_channels import SceneChannels
+from facebaker_blender.scene_choice import chosen_meshes
+from facebaker_blender.scene_evaluator import SceneEvaluator
+from facebaker_blender.tool_command import find_tool
+
+
+class BakeTest(BakingTest):
+    def test_one_command_bakes_measures_and_shows(self):
+        out = self.folder / "face.fbk"
+        printed = self.headless(
+            "bake", "--out", out, "--armature", "rig", "--recipe", "linear", "--rig-budget", 200, "--workers", 2,
+            "--json", self.folder / "measure.json", "--preview", self.folder / "preview.blend",
+        )  # fmt: skip
+        self.assertIn("controls: ", printed)
+        measure = json.loads((self.folder / "measure.json").read_text())
+        self.assertEqual([errors["name"] for errors in measure["errors"]], ["nod", "drawn poses"])
+        self.assertGreater(measure["times_faster"], 1)
+        # The recipe is linear blendshapes, so its error is that of those which are measured beside it.
+        drawn = measure["errors"][1]
+        self.assertLess(abs(drawn["mse"] - drawn["linear_mse"]), 0.05 * drawn["linear_mse"])
+        face = facebaker.load(out)
+        settings = load_settings(self.folder / "face.blender" / "settings.json")
+        self.assertEqual([c.name for c in face.controls], [c.name for c in settings.controls])
+        self.assertEqual((face.units, face.up_axis, len(face.uvs)), ("m", "z", 64))
+        self.check_preview(face, settings)
+        self.check_window(settings)
+
+    def check_preview(self, face, settings):
+        """In a new file of the same scene: the baked face follows the rig, by the window's handlers, with its errors."""
+        bpy.ops.wm.open_mainfile(filepath=str(self.folder / "preview.blend"))
+        face_preview.add_handlers()
+        previews = [o for o in bpy.context.scene.objects if face_preview.ARCHIVE in o.keys()]
+        self.assertEqual(len(previews), 2)
+        self.assertEqual([mesh.name for mesh in chosen_meshes(bpy.context, [])], ["face"])
+        keys = bpy.data.objects["face"].data.shape_keys.key_blocks
+        keys["smile.L"].value, keys["smile.R"].value = 1.0, 0.5
+        bpy.context.view_layer.update()
+        pose = SceneChannels(settings.controls).read()
+        for preview in previews:
+            shown = np.array([vertex.co for vertex in preview.data.vertices])
+            np.testing.assert_allclose(shown, face.evaluate(pose), atol=1e-6)
+        state = face_preview.preview_of(previews[1])
+        with SceneEvaluator(settings) as evaluator:
+            truth = evaluator.evaluate(pose[None])[0]
+        error = np.linalg.norm(face.evaluate(pose) - truth, axis=1).max() / face.diagonal
+        self.assertAlmostEqual(state.max_error, error, delta=1e-3 * error)
+        self.assertGreater(error, 0.01)  # linear blendshapes have no crease
+        colours = np.empty(4 * face.vertex_count, np.float32)
+        previews[1].data.color_attributes[face_preview.ATTRIBUTE].data.foreach_get("color", colours)
+        self.assertGreater(len(np.unique(colours.reshape(-1, 4), axis=0)), 5)
+        bpy.data.objects["rig"].animation_data.action = bpy.data.actions["nod"]
+        for frame in 11, 17:
+            bpy.context.scene.frame_set(frame)
+            shown = np.array([vertex.co for vertex in previews[0].data.vertices])
+            played = face.evaluate(SceneChannels(settings.controls).read())
+            np.testing.assert_allclose(shown, played, atol=1e-6)
+        face_preview.remove_handlers()
+
+    def check_window(self, settings):
+        """The buttons, without a window to press them in."""
+        import facebaker_blender
+
+        bpy.ops.wm.open_mainfile(filepath=str(self.scene))
+        facebaker_blender.register()
+        try:
+            chosen = bpy.context.scene.facebaker
+            for scene_object in bpy.context.scene.objects:
+                scene_object.select_set(True)
+            self.assertEqual(bpy.ops.facebaker.choose(), {"FINISHED"})
+            self.assertEqual(bpy.ops.facebaker.find(), {"FINISHED"})
+            self.assertEqual([item.name for item in chosen.controls], [c.name for c in settings.controls])
+            chosen.out, chosen.recipe, chosen.rig_budget, chosen.workers = "//window.fbk", "linear", 100, 1
+            self.assertEqual(bpy.ops.facebaker.bake(), {"FINISHED"})
+            from facebaker_blender import window_operators
+
+            job = window_operators.job_of(bpy.context)
+            with self.assertRaisesRegex(RuntimeError, "is running"):
+                bpy.ops.facebaker.bake()
+            self.assertTrue(job.process.wait(200))
+            self.assertIsNone(window_operators.watch())
+            self.assertIsNotNone(job.process.document, job.process.log.read_text())
+            self.assertTrue(job.process.progress.finished)
+            chosen.colours = True
+            self.assertEqual(bpy.ops.facebaker.show(), {"FINISHED"})
+            self.assertIn("times faster", chosen.measured)
+            self.assertEqual(bpy.ops.facebaker.colours(), {"FINISHED"})
+        finally:
+            facebaker_blender.unregister()
+
+    def test_a_killed_bake_goes_on(self):
+        out = self.folder / "killed.fbk"
+        bpy.ops.wm.open_mainfile(filepath=str(self.scene))
+        settings, _ = found()
+        options = BakeOptions("compact", rig_budget=1000, workers=1, epochs=20)
+        settings = BakeSettings("face", settings.meshes, settings.controls, "rig", bake=options)
+        job = BakeJob(out)
+        job.start(settings, find_tool())
+        while job.process.poll() and not job.process.progress.finished:
+            time.sleep(0.02)
+        self.assertTrue(job.process.running, job.process.log.read_text())
+        os.killpg(json.loads((job.folder / "process.json").read_text())["process"], signal.SIGKILL)
+        job.process.wait(20)
+        later = BakeJob(out)  # another session of Blender
+        self.assertTrue(later.process.unfinished)
+        later.go_on()
+        self.assertTrue(later.process.wait(300))
+        self.assertIsNotNone(later.process.document, later.process.log.read_text())
+        self.assertFalse(later.process.unfinished)
+        self.assertTrue(out.is_file())
+
+    def test_ctrl_c_ends_the_bake_too(self):
+        out = self.folder / "stopped.fbk"
+        words = ["bake", "--out", str(out), "--recipe", "linear", "--rig-budget", "2000"]
+        command = [this_blender().program, "-b", self.scene, "--factory-startup", "-P", HEADLESS, "--", *words]
+        started = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        state = self.folder / "stopped.blender" / "process.json"
+        while started.poll() is None and not state.is_file():
+            time.sleep(0.1)
+        time.sleep(0.5)
+        started.send_signal(signal.SIGINT)
+        printed = started.communicate(timeout=60)[1]
+        self.assertEqual(started.returncode, 1, printed)
+        self.assertIn("run the same command to go on", printed)
+        self.assertTrue(BakeJob(out).process.unfinished)
+        copied = BakeJob(out).scene.stat().st_mtime_ns
+        self.headless(*words)
+        self.assertTrue(out.is_file())
+        self.assertEqual(BakeJob(out).scene.stat().st_mtime_ns, copied)  # went on with the same copy
+
+    def test_failures_are_told(self):
+        printed = self.headless("bake", "--out", self.folder / "x.fbk", "--mesh", "nobody", ends=1)
+        self.assertIn('no object "nobody"', printed)
+        self.assertIn("ends in .fbk", self.headless("bake", "--out", self.folder / "x.txt", ends=1))
+        broken = self.folder / "broken.json"
+        settings, _ = found()
+        save_settings(settings, broken)
+        broken.write_text(broken.read_text().replace('"smile.L"', '"frown.L"'))
+        printed = self.headless("bake", "--settings", broken, "--out", self.folder / "x.fbk", ends=1)
+        self.assertIn('no shape key "frown.L"', printed)
+        self.assertFalse((self.folder / "x.fbk").exists())
