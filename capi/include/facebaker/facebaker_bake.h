@@ -293,8 +293,8 @@ typedef struct fb_bake_desc {
                        once the archive is whole */
   fb_callbacks callbacks;
   const char* reuse; /**< work folder of an earlier bake, whose source was an earlier version of this one, with the same
-                        controls and polygons: what was evaluated then is taken over as far as it still holds, checked
-                        on a sample, and counts against no budget. Null (default), or a struct_size that ends before
+                        polygons: what was evaluated then is taken over as far as it still holds, by the names of
+                        controls, checked on a sample, and counts against no budget. Null (default), or a struct_size that ends before
                         it: none */
   uint32_t skip_failing;  /**< 1: leaves out what a live source cannot evaluate where that is possible, with a note:
                              drawn poses, see fb_sample_desc; the analysis of the rig, in place of which blendshapes are

@@ -30,7 +30,7 @@ ChangedPose furthest(std::uint64_t record, std::span<const float> before, std::s
 
 }  // namespace
 
-RigComparison::RigComparison(RigEvaluator& rig, EvaluationCache& earlier, EvaluationCache* answers)
+RigComparison::RigComparison(RigEvaluator& rig, EarlierEvaluations& earlier, EvaluationCache* answers)
     : rig_(rig), earlier_(earlier), answers_(answers) {}
 
 void RigComparison::evaluate(std::span<const float> controls, std::span<float> points) {
@@ -112,7 +112,8 @@ void check_rig_unchanged(RigEvaluator& rig, std::uint64_t seed, const std::files
     records.push_back(first + random.below(static_cast<std::uint32_t>(end - first)));
   }
   EvaluationStage stage(progress, "evaluating kept poses again", poses);
-  RigComparison comparison(rig, *cache);
+  EarlierEvaluations earlier(*cache);
+  RigComparison comparison(rig, earlier);
   const std::vector<ChangedPose> changes = comparison.compare(records, stage);
   const auto worst = std::ranges::max_element(changes, {}, &ChangedPose::distance);
   if (worst == changes.end() || worst->distance <= least_rig_tolerance) return;

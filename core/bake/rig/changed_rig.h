@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/rig/evaluation_cache.h"
+#include "bake/rig/earlier_evaluations.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
 
@@ -27,9 +27,9 @@ inline constexpr double least_rig_tolerance = 1e-5;
 class RigComparison {
  public:
   // `answers`: takes what is evaluated, and what it has is not evaluated; null: neither. All must outlive this.
-  RigComparison(RigEvaluator& rig, EvaluationCache& earlier, EvaluationCache* answers = nullptr);
+  RigComparison(RigEvaluator& rig, EarlierEvaluations& earlier, EvaluationCache* answers = nullptr);
 
-  // In the order of the records; without those that are damaged.
+  // In the order of the records; without those that cannot be read.
   std::vector<ChangedPose> compare(std::span<const std::uint64_t> records, EvaluationStage& stage);
   // What distances may be without the rig being another: least_rig_tolerance, as rest poses are held to, or four times
   // what lies between two evaluations of up to 8 of these records, where that is more.
@@ -39,7 +39,7 @@ class RigComparison {
   void evaluate(std::span<const float> controls, std::span<float> points);
 
   RigEvaluator& rig_;
-  EvaluationCache& earlier_;
+  EarlierEvaluations& earlier_;
   EvaluationCache* const answers_;
 };
 

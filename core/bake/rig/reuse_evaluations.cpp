@@ -27,13 +27,14 @@ using Records = std::vector<std::uint64_t>;
 class ReuseCheck {
  public:
   // `answers`: takes what is evaluated for the check.
-  ReuseCheck(RigEvaluator& rig, EvaluationCache& earlier, EvaluationCache& answers, std::uint64_t seed,
+  ReuseCheck(RigEvaluator& rig, EarlierEvaluations& earlier, EvaluationCache& answers, std::uint64_t seed,
              Progress& progress);
 
   void run();
   // What was kept, and what was evaluated, into the cache of the new bake.
   void store(EvaluationCache& to);
-  std::string text() const;
+  // What was kept and what was not. `difference`: the first one in controls, if there is one.
+  std::string text(const std::optional<std::string>& difference) const;
 
  private:
   bool off_rest(std::size_t pose, std::size_t control) const {
@@ -50,7 +51,7 @@ class ReuseCheck {
   bool explain(std::size_t pose);
 
   RigEvaluator& rig_;
-  EvaluationCache& earlier_;
+  EarlierEvaluations& earlier_;
   EvaluationCache& answers_;
   const std::uint64_t seed_;
   Progress& progress_;
@@ -67,7 +68,7 @@ class ReuseCheck {
   std::optional<double> tolerance_;
 };
 
-ReuseCheck::ReuseCheck(RigEvaluator& rig, EvaluationCache& earlier, EvaluationCache& answers, std::uint64_t seed,
+ReuseCheck::ReuseCheck(RigEvaluator& rig, EarlierEvaluations& earlier, EvaluationCache& answers, std::uint64_t seed,
                        Progress& progress)
     : rig_(rig),
       earlier_(earlier),
@@ -209,10 +210,12 @@ void ReuseCheck::store(EvaluationCache& to) {
   to.flush();
 }
 
-std::string ReuseCheck::text() const {
+std::string ReuseCheck::text(const std::optional<std::string>& difference) const {
   const auto kept = static_cast<std::size_t>(std::ranges::count(kept_, 1));
-  std::string text = format("of %zu evaluations %zu are reused and %zu dropped, %zu were evaluated again",
-                            records_.size(), kept, records_.size() - kept, asked_.size());
+  const auto all = static_cast<std::size_t>(earlier_.record_count());
+  std::string text = format("of %zu evaluations %zu are reused and %zu dropped, %zu were evaluated again", all, kept,
+                            all - kept, asked_.size());
+  if (difference) text += "; " + *difference;
   const RigSchema& schema = rig_.schema();
   if (unexplained_) {
     std::vector<float> controls(width_), points(rig_.coordinate_count());
@@ -248,11 +251,24 @@ std::optional<RigIdentity> reusable(const RigEvaluator& rig, const fs::path& fro
     return std::nullopt;
   }
   const RigIdentity now = identity_of(rig);
-  if (const auto differs = difference_in_shape(*before, now))
-    fail(Status::invalid_argument, "%s: its evaluations cannot be reused: %s", shown(folder).c_str(), differs->c_str());
-  if (before->rest == now.rest) return before;
-  progress.note(shown(folder) + ": no evaluation is reused, as the rest mesh lies elsewhere now");
+  const auto differs = difference_in_points(*before, now);
+  if (!differs && before->rest == now.rest) return before;
+  progress.note(shown(folder) + ": no evaluation is reused: " + differs.value_or("the rest mesh lies elsewhere now"));
   return std::nullopt;
+}
+
+// Whether one of the earlier poses is one of the rig's.
+bool any_fits(EarlierEvaluations& earlier, const RigEvaluator& rig) {
+  std::vector<float> controls(rig.rest_pose().size()), points(rig.coordinate_count());
+  for (std::uint64_t record = 0; record < earlier.record_count(); ++record)
+    if (earlier.read(record, controls, points)) return true;
+  return false;
+}
+
+// Removes what was evaluated for a check of another version of the rig.
+void remove_stale(const fs::path& answers, const RigIdentity& now) {
+  const std::optional<RigIdentity> rig = EvaluationCache::rig_of(answers);
+  if (rig && difference(*rig, now)) fs::remove(answers);
 }
 
 }  // namespace
@@ -264,11 +280,19 @@ bool reuse_evaluations(RigEvaluator& rig, const fs::path& from, const fs::path& 
   const RigIdentity now = identity_of(rig);
   const EvaluationCache begun(to, now);
   if (!begun.reused_poses().empty()) return false;
-  EvaluationCache earlier(from, *before);
+  EvaluationCache kept(from, *before);
+  EarlierEvaluations earlier(kept, before->schema, now.schema);
+  const std::optional<std::string> controls = difference_in_controls(before->schema, now.schema);
+  if (!any_fits(earlier, rig)) {
+    progress.note(shown(from.parent_path()) +
+                  ": no evaluation is reused: " + controls.value_or("none of them is whole"));
+    return false;
+  }
   if (begun.record_count() > 0)
     fail(Status::invalid_argument, "%s: has evaluations already; evaluations are reused by a bake that begins",
          shown(to.parent_path()).c_str());
   const fs::path answers_path = to.string() + ".asked", copy_path = to.string() + ".copy";
+  remove_stale(answers_path, now);
   {
     EvaluationCache answers(answers_path, now);
     ReuseCheck check(rig, earlier, answers, seed, progress);
@@ -276,7 +300,7 @@ bool reuse_evaluations(RigEvaluator& rig, const fs::path& from, const fs::path& 
     fs::remove(copy_path);
     EvaluationCache copy(copy_path, now);
     check.store(copy);
-    progress.note(shown(from.parent_path()) + ": " + check.text());
+    progress.note(shown(from.parent_path()) + ": " + check.text(controls));
   }
   const bool any = fs::exists(copy_path);
   if (any) fs::rename(copy_path, to);

@@ -15,6 +15,8 @@ std::string range_text(const Control& control) {
   return format("%g to %g, at rest %g", double(control.minimum), double(control.maximum), double(control.rest));
 }
 
+}  // namespace
+
 std::optional<std::string> difference_in_controls(const RigSchema& before, const RigSchema& now) {
   for (const Control& control : before.controls)
     if (!now.find(control.name)) return "the control \"" + shown(control.name) + "\" is gone";
@@ -30,8 +32,6 @@ std::optional<std::string> difference_in_controls(const RigSchema& before, const
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 RigIdentity identity_of(const Source& rig) {
   const Mesh& rest = rig.rest();
@@ -82,8 +82,7 @@ std::optional<RigIdentity> identity_from(std::string_view text) {
   }
 }
 
-std::optional<std::string> difference_in_shape(const RigIdentity& before, const RigIdentity& now) {
-  if (auto controls = difference_in_controls(before.schema, now.schema)) return controls;
+std::optional<std::string> difference_in_points(const RigIdentity& before, const RigIdentity& now) {
   const auto same_channel = [](const Channel& a, const Channel& b) {
     return a.name == b.name && a.minimum == b.minimum && a.maximum == b.maximum && a.rest == b.rest;
   };
@@ -101,7 +100,8 @@ std::optional<std::string> difference_in_shape(const RigIdentity& before, const 
 }
 
 std::optional<std::string> difference(const RigIdentity& before, const RigIdentity& now) {
-  if (auto shape = difference_in_shape(before, now)) return shape;
+  if (auto controls = difference_in_controls(before.schema, now.schema)) return controls;
+  if (auto points = difference_in_points(before, now)) return points;
   if (before.rest != now.rest) return "the rest mesh lies elsewhere";
   if (before.version != now.version)
     return "the rig declared the version \"" + shown(before.version) + "\" and declares \"" + shown(now.version) + "\"";

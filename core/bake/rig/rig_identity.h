@@ -26,10 +26,12 @@ RigIdentity identity_of(const Source& rig);
 std::string text_of(const RigIdentity& identity);
 std::optional<RigIdentity> identity_from(std::string_view text);
 
-// What a pose and its points are made of: the first difference in controls, their order and ranges, units, axis,
-// number of vertices and polygons, in words ("the control "jawOpen" is gone"); nothing where they agree.
-std::optional<std::string> difference_in_shape(const RigIdentity& before, const RigIdentity& now);
-// The same, or the first difference in rest mesh, declared version and program.
+// The first difference in controls, their order and ranges, in words ("the control "jawOpen" is gone"); nothing where
+// they agree.
+std::optional<std::string> difference_in_controls(const RigSchema& before, const RigSchema& now);
+// What the points of a pose are: the first difference in channels, units, axis, number of vertices and polygons.
+std::optional<std::string> difference_in_points(const RigIdentity& before, const RigIdentity& now);
+// The first difference in any of these, rest mesh, declared version and program.
 std::optional<std::string> difference(const RigIdentity& before, const RigIdentity& now);
 
 }  // namespace fb::bake
