@@ -9,6 +9,7 @@ import numpy as np
 
 from .bake_settings import BakeSettings
 from .mesh_modifiers import count_changers
+from .node_inputs import copy_inputs
 from .scene_channels import find_object
 
 _PREFIX = "FaceBaker "  # of modifiers that have the baked meshes evaluated
@@ -100,8 +101,8 @@ def _copy_modifier(modifier: Any, preview: Any) -> None:
     for entry in modifier.bl_rna.properties:
         if not entry.is_readonly and entry.identifier not in ("name", "type"):
             setattr(copy, entry.identifier, getattr(modifier, entry.identifier))
-    for key in modifier.keys() if modifier.type == "NODES" else ():  # the inputs of its tree
-        copy[key] = modifier[key]
+    if modifier.type == "NODES":
+        copy_inputs(modifier, copy)
 
 
 def _creases(mesh: Any, first: int, own: Sequence[Any]) -> Tuple[Any, Any]:

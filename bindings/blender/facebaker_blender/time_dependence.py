@@ -9,6 +9,7 @@ from typing import Any, Dict, Iterator, List, Optional, Set
 import bpy
 
 from .channels import SettingsError
+from .node_inputs import input_values
 
 _BEFORE, _FRAME = "the frames before", "the frame"
 _MODIFIERS = {
@@ -56,7 +57,8 @@ def _dependence(scene_object: Any, seen: Set[str]) -> str:
                     if node.bl_idname in _NODES and not node.mute:
                         place = f'node "{node.label or node.name}" of "{tree.name}"'
                         return f"{what}: {place} depends on {_NODES[node.bl_idname]}"
-            others += [*_input_objects(modifier), *(o for nodes in trees.values() for o in _socket_objects(nodes))]
+            others += [o for value in input_values(modifier).values() for o in _objects_in(value)]
+            others += [o for nodes in trees.values() for o in _socket_objects(nodes)]
         for other in others:
             found = _dependence(other, seen) if other is not None else ""
             if found:
@@ -94,12 +96,6 @@ def _used_nodes(tree: Any) -> List[Any]:
             used[node.name] = node
             waiting += sources.get(node.name, [])
     return list(used.values())
-
-
-def _input_objects(modifier: Any) -> Iterator[Any]:
-    """The objects that a modifier gives to its node tree."""
-    for key in modifier.keys():
-        yield from _objects_in(modifier[key])
 
 
 def _socket_objects(nodes: List[Any]) -> Iterator[Any]:

@@ -27,8 +27,11 @@ class BakeTest(BakingTest):
         printed = self.headless(
             "bake", "--out", out, "--armature", "rig", "--recipe", "linear", "--rig-budget", 200, "--workers", 2,
             "--json", self.folder / "measure.json", "--preview", self.folder / "preview.blend",
+            "--picture", self.folder / "beside.png",
         )  # fmt: skip
         self.assertIn("controls: ", printed)
+        self.assertNotIn("Traceback", printed)
+        self.assertTrue((self.folder / "beside.png").read_bytes().startswith(b"\x89PNG"))
         measure = json.loads((self.folder / "measure.json").read_text())
         self.assertEqual([errors["name"] for errors in measure["errors"]], ["nod", "drawn poses"])
         self.assertGreater(measure["times_faster"], 1)

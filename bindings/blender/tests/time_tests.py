@@ -108,6 +108,20 @@ class TimeTest(unittest.TestCase):
 
         geometry_nodes(self.face, with_hull, "Joined")
         self.refused('modifier "Joined" takes the shape of another object: "hull": modifier "Rags"')
+        # Or as an input that the modifier gives.
+        self.face.modifiers.clear()
+        tree = geometry_nodes(self.face, lambda _, geometry: geometry, "Given")
+        if hasattr(tree, "interface"):
+            key = tree.interface.new_socket("Hull", in_out="INPUT", socket_type="NodeSocketObject").identifier
+        else:
+            key = tree.inputs.new("NodeSocketObject", "Hull").identifier
+        self.accepted()
+        modifier = self.face.modifiers["Given"]
+        if hasattr(modifier, "properties"):  # from Blender 5.2 on
+            getattr(modifier.properties.inputs, key).value = hull
+        else:
+            modifier[key] = hull
+        self.refused('modifier "Given" takes the shape of another object: "hull": modifier "Rags"')
 
     def test_drivers_that_read_the_frame_are_noted(self):
         keys = self.face.data.shape_keys
