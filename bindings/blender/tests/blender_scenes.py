@@ -77,6 +77,7 @@ def shape_key_scene():
     }
     for name, offset in offsets.items():
         key = face.shape_key_add(name=name)
+        key.value = 0  # from Blender 5 on it is 1
         for vertex, point in zip(face.data.vertices, key.data):
             point.co = vertex.co + _vector(offset(vertex.co.x, vertex.co.z))
     keys = face.data.shape_keys
