@@ -11,14 +11,14 @@ import facebaker
 from facebaker_blender.bake_job import BakeJob
 from facebaker_blender.bake_settings import load_settings, save_settings
 
-BAKE = "--recipe", "linear", "--rig-budget", 300, "--workers", 1, "--drawn", 10
+BAKE = "--recipe", "linear", "--rig-budget", 150, "--workers", 1, "--drawn", 5
 
 
 def slow_down():
     """Gives the face a fine mesh to wrap, so that evaluations take long enough to be kept."""
     face, hull = bpy.data.objects["face"], grid("hull", 60)
     hull.location.y = 0.05
-    hull.modifiers.new("Finer", "SUBSURF").levels = 2
+    hull.modifiers.new("Finer", "SUBSURF").levels = 1
     hull.hide_render = True
     keys = hull.shape_key_add(name="Basis"), hull.shape_key_add(name="bulge")
     hull.data.shape_keys.key_blocks["bulge"].driver_add("value").driver.expression = "0"
@@ -125,7 +125,7 @@ class RebakeTest(BakingTest):
             bpy.ops.facebaker.choose()
             bpy.ops.facebaker.find()
             chosen = bpy.context.scene.facebaker
-            chosen.out, chosen.recipe, chosen.rig_budget, chosen.workers = "//window.fbk", "linear", 300, 1
+            chosen.out, chosen.recipe, chosen.rig_budget, chosen.workers = "//window.fbk", "linear", 150, 1
             for less in False, True:
                 chosen.controls[0].use = not less
                 self.assertEqual(bpy.ops.facebaker.bake(), {"FINISHED"})
