@@ -97,6 +97,13 @@ class TimeTest(unittest.TestCase):
         self.accepted()
         hull.modifiers.new("Rags", "CLOTH")
         self.refused('modifier "Wrap" takes the shape of another object: "hull": modifier "Rags".*the frames before')
+        for kind, attribute in {
+            "SURFACE_DEFORM": "target", "VERTEX_WEIGHT_PROXIMITY": "target", "MESH_DEFORM": "object",
+            "DATA_TRANSFER": "object", "BOOLEAN": "object",
+        }.items():  # fmt: skip
+            self.face.modifiers.clear()
+            setattr(self.face.modifiers.new("Near", kind), attribute, hull)
+            self.refused('modifier "Near" takes the shape of another object: "hull": modifier "Rags"')
         self.face.modifiers.clear()
 
         def with_hull(tree, geometry):
