@@ -21,9 +21,12 @@ if ! command -v mcs > /dev/null || ! command -v mono > /dev/null; then
 fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-export OMP_WAIT_POLICY=PASSIVE LD_LIBRARY_PATH="$build/lib:$work${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" PYTHONDONTWRITEBYTECODE=1
+export OMP_WAIT_POLICY=PASSIVE PYTHONDONTWRITEBYTECODE=1
 package=bindings/csharp
 compile="mcs -unsafe -langversion:latest -warn:4 -warnaserror"
+# The library lies beside the program, as in what a user ships.
+cp "$build/lib/engines/libfacebaker.so" "$work/"
+link="-L$work -lfacebaker -Wl,-rpath,\$ORIGIN"
 cc="${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include"
 
 python3 $package/generate_interop.py --headers capi/include/facebaker --out "$work/NativeInterop.cs" \
@@ -40,8 +43,8 @@ mono "$work/layouts.exe" | sort > "$work/mono.layout"
 diff "$work/c.layout" "$work/mono.layout"
 echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C compiler"
 
-$cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" -L"$build/lib" -lfacebaker
-$cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" -L"$build/lib" -lfacebaker
+$cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" $link
+$cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" $link
 mkdir "$work/poses"
 for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk \
   "$build/../quickstart/sample.fbk"; do
@@ -67,7 +70,7 @@ $compile -r:"$work/FaceBaker.dll" -out:"$work/page.exe" "$work"/pages/csharp_*.c
 mono "$work/page.exe" "$build/fixtures/character.fbk"
 
 # The Unity package as it is packed, in one assembly with stubs of Unity's classes.
-python3 $package/pack_unity.py --out "$work/unity" --library linux-x64="$build/lib/libfacebaker.so"
+python3 $package/pack_unity.py --out "$work/unity" --library linux-x64="$build/lib/engines/libfacebaker.so"
 python3 $package/tests/check_package.py "$work/unity"
 $compile -define:UNITY_5_3_OR_NEWER -out:"$work/stubbed_unity.exe" "$work"/unity/Runtime/*.cs "$work"/unity/Editor/*.cs \
   $package/tests/unity_stubs/*.cs $package/tests/CheckMain.cs $package/tests/StubbedUnityTests.cs "$work"/pages/unity_*.cs

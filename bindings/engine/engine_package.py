@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import os
 import pathlib
+import struct
 import sys
 import tempfile
 from typing import Callable, Iterable, List, Optional, Tuple
@@ -13,8 +14,32 @@ from typing import Callable, Iterable, List, Optional, Tuple
 Libraries = List[Tuple[str, pathlib.Path]]
 
 
+def soname(file: pathlib.Path) -> Optional[str]:
+    """The name under which a 64-bit ELF library is looked for by what was linked with it; None if it has none, or is no
+    such library."""
+    data = file.read_bytes()
+    if data[:6] != b"\x7fELF\x02\x01":
+        return None
+    offset, = struct.unpack_from("<Q", data, 32)
+    size, count = struct.unpack_from("<HH", data, 54)
+    headers = [struct.unpack_from("<IIQQQQ", data, offset + size * i) for i in range(count)]
+    tags = {}
+    for kind, _, start, _, _, length in headers:
+        if kind == 2:  # PT_DYNAMIC
+            tags = dict(reversed([struct.unpack_from("<QQ", data, at) for at in range(start, start + length, 16)]))
+    if 14 not in tags:  # DT_SONAME
+        return None
+    table = tags[5]  # DT_STRTAB, an address
+    for kind, _, start, address, _, length in headers:
+        if kind == 1 and address <= table < address + length:  # PT_LOAD
+            begin = start + table - address + tags[14]
+            return data[begin:data.index(b"\0", begin)].decode()
+    return None
+
+
 def read_libraries(texts: Iterable[str], platforms: Iterable[str]) -> Libraries:
-    """The platforms and files of --library. Raises ValueError on what is no PLATFORM=FILE."""
+    """The platforms and files of --library. Raises ValueError on what is no PLATFORM=FILE, and on a library that programs
+    would look for under another name than its own."""
     libraries = []
     for text in texts:
         platform, equals, file = text.partition("=")
@@ -22,6 +47,9 @@ def read_libraries(texts: Iterable[str], platforms: Iterable[str]) -> Libraries:
             raise ValueError(f"--library takes PLATFORM=FILE, with one of {', '.join(platforms)}, and not \"{text}\"")
         if not pathlib.Path(file).is_file():
             raise ValueError(f"there is no library {file}")
+        wanted = soname(pathlib.Path(file))
+        if wanted not in (None, pathlib.Path(file).name):
+            raise ValueError(f"{file}: programs look for it as {wanted} (its SONAME); a build has one to pack in lib/engines")
         libraries.append((platform, pathlib.Path(file)))
     return libraries
 

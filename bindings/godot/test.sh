@@ -1,6 +1,7 @@
 #!/bin/sh
 # Builds the GDNative module for Godot 3.x and runs a scene in godot3-server, which it installs (Debian) where there is none:
-# positions against the C interface's, bit for bit, errors, signals, sliders. GDNative's headers are taken from Debian's source
+# positions against the C interface's, bit for bit, errors, signals, sliders, materials; then once more as an exported game, in a
+# folder of its own. GDNative's headers are taken from Debian's source
 # package of Godot (22 MB), or from the folder --headers names. With --gdextension HEADER (gdextension_interface.h of Godot
 # 4.2 or later) it also calls the module for Godot 4 over stubs of that interface. Takes a minute.
 # --offline installs and fetches nothing, and ends with 77 where Godot or the folder of --headers is missing.
@@ -34,28 +35,36 @@ if ! command -v godot3-server > /dev/null; then
 fi
 [ -n "$headers" ] || { bindings/godot/get_headers.sh "$work/headers"; headers=$work/headers; }
 
-bindings/godot/build_addon.sh --godot 3 --headers "$headers" --libraries "$build/lib" --out "$work/addon"
+bindings/godot/build_addon.sh --godot 3 --headers "$headers" --libraries "$build/lib/engines" --out "$work/addon"
 project=$work/project
 cp -r bindings/godot/tests/project "$project"
 mkdir "$project/addons" "$project/faces"
 mv "$work/addon" "$project/addons/facebaker"
 ${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include bindings/engine/tests/dump_poses.c -o "$work/dump_poses" \
-  -L"$build/lib" -lfacebaker
+  -L"$build/lib" -lfacebaker -Wl,-rpath,"$build/lib"
 for face in "$build"/fixtures/*.fbk "$build/../quickstart/sample.fbk"; do
   [ -e "$face" ] || continue  # the quickstart's, where it was run
   cp "$face" "$project/faces/"
-  LD_LIBRARY_PATH=$build/lib "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
+  "$work/dump_poses" "$face" "$project/faces/$(basename "$face" .fbk).poses"
 done
 cp "$build/golden/rejected/corrupt-bit.fbk" "$project/faces/broken.bin"
-export HOME="$work/home" LANG=en_GB.UTF-8 OMP_WAIT_POLICY=PASSIVE
-mkdir -p "$HOME/.local/share" "$HOME/.config" "$HOME/.cache"
-timeout 90 godot3-server --path "$project" || { echo "the scene failed" >&2; exit 1; }
+bindings/engine/tests/run_packed.sh "$work/project" "$build" timeout 90 godot3-server --path . ||
+  { echo "the scene failed" >&2; exit 1; }
+
+# The game that Godot's editor exports, with the server in place of the player that a release would have.
+mkdir "$work/game"
+HOME=$project/home timeout 90 godot3-server --path "$project" --export linux "$work/game/game" > "$work/export.log" 2>&1 ||
+  { cat "$work/export.log"; exit 1; }
+mv "$project" "$work/moved"
+bindings/engine/tests/run_packed.sh "$work/game" "$build" timeout 90 ./game ||
+  { echo "the exported game failed" >&2; exit 1; }
 
 [ -z "$extension" ] || {
-  bindings/godot/build_addon.sh --godot 4 --headers "$(dirname "$extension")" --libraries "$build/lib" --out "$work/addon4"
+  bindings/godot/build_addon.sh --godot 4 --headers "$(dirname "$extension")" --libraries "$build/lib/engines" \
+    --out "$work/addon4"
   ${CXX:-c++} -std=c++17 -O1 -g -fsanitize=address -Wall -Wextra -Werror -isystem "$(dirname "$extension")" \
     bindings/godot/tests/stubbed_godot4.cpp -o "$work/stubbed_godot4" -ldl
   ASAN_OPTIONS=detect_leaks=0 "$work/stubbed_godot4" "$work/addon4/bin/libfacebaker_godot4.so" \
-    "$project/faces/character.fbk" "$project/faces/character.poses" "$project/faces/broken.bin"
+    "$work/moved/faces/character.fbk" "$work/moved/faces/character.poses" "$work/moved/faces/broken.bin"
   echo "the module for Godot 4 was called over stubs, and not run in Godot"
 }

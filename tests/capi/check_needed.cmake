@@ -1,5 +1,5 @@
-# Fails if LIBRARY needs anything but the system's own libraries, or, where it is OPTIMISED, is larger than a runtime may
-# be.
+# Fails if LIBRARY needs anything but the system's own libraries, is looked for under another name than SONAME, or, where it
+# is OPTIMISED, is larger than a runtime may be.
 execute_process(COMMAND ${READELF} --dynamic ${LIBRARY} OUTPUT_VARIABLE dynamic COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE "[][]" " " dynamic "${dynamic}") # brackets would join the elements of a list
 string(REGEX MATCHALL "Shared library: +[^ ]+" entries "${dynamic}")
@@ -12,6 +12,10 @@ foreach(entry ${entries})
     message(FATAL_ERROR "${LIBRARY} needs ${name}")
   endif()
 endforeach()
+
+if(NOT "${dynamic}" MATCHES "Library soname: +${SONAME} ")
+  message(FATAL_ERROR "${LIBRARY}: the SONAME is not ${SONAME} in\n${dynamic}")
+endif()
 
 set(stripped ${OUT}.stripped)
 execute_process(COMMAND ${STRIP} -o ${stripped} ${LIBRARY} COMMAND_ERROR_IS_FATAL ANY)
