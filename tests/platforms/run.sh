@@ -3,7 +3,7 @@
 # archive on, with the hash that every machine gives. Installs compilers and emulators (Debian) where they are missing.
 #   tests/platforms/run.sh BUILD_DIR [windows|aarch64|msvc]...
 # BUILD_DIR is a built tree of the project, for its fixtures. Without names: all.
-#   windows  libfacebaker.dll by MinGW, tests under Wine: 1.1 GB of packages
+#   windows  facebaker.dll by MinGW, tests under Wine: 1.1 GB of packages
 #   aarch64  libfacebaker.so, tests under QEMU: 390 MB
 #   msvc     syntax alone: public headers for MSVC's target, the runtime's sources with clang and MinGW's headers
 set -eu
@@ -42,7 +42,7 @@ windows() {
   export WINEPREFIX WINEDEBUG
   build_and_test windows-x64
   # The DLL imports the system's libraries alone, and exports what the map lists.
-  dll=$root/build/windows-x64/bin/libfacebaker.dll
+  dll=$root/build/windows-x64/bin/facebaker.dll
   x86_64-w64-mingw32-objdump -p "$dll" >"$dll.headers"
   imports=$(sed -n 's/^[[:space:]]*DLL Name: //p' "$dll.headers")
   [ -n "$imports" ] || fail "$dll imports nothing"

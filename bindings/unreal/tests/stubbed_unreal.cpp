@@ -1,8 +1,12 @@
 /* The plugin for Unreal over stubs of its classes, which call what the engine would; that it does so is not tested
  * here.
  *
- *     stubbed_unreal FIXTURES BROKEN.fbk
+ *     stubbed_unreal FIXTURES BROKEN.fbk PLUGIN
+ *
+ * PLUGIN: the packed plugin, whose library is to be the one that is loaded.
  */
+#include <dlfcn.h>
+
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,6 +17,8 @@
 #include "FaceBakerComponent.h"
 #include "FaceBakerFactory.h"
 #include "UnrealFace.h"
+
+std::unique_ptr<IModuleInterface> stub_module_FaceBaker();
 
 namespace {
 
@@ -84,10 +90,32 @@ void check_component(UFaceBakerAsset* asset) {
   that(!component.SetControlAt(0, 1), "it is closed");
 }
 
-/* A bone that has moved moves the vertices of its joint as far. */
+/* A skeleton with a bone for each joint, all of them at this height at rest, and moved from there by 5 along x. */
+void make_skeleton(USkeletalMeshComponent& skeleton, const std::vector<std::string>& joints, double height) {
+  for (const std::string& joint : joints) {
+    skeleton.mesh.skeleton.names.push_back(joint);
+    skeleton.mesh.skeleton.places.Add({FVector(0, 0, height)});
+    skeleton.mesh.skeleton.parents.push_back(-1);
+    skeleton.bones.push_back({FVector(5, 0, height)});
+  }
+}
+
+using StubSection = UProceduralMeshComponent::StubSection;
+
+void check_moved(const StubSection& rest, const StubSection& moved, double x, const char* what) {
+  bool all = rest.vertices.Num() > 0 && rest.vertices.Num() == moved.vertices.Num();
+  for (int32 i = 0; all && i < rest.vertices.Num(); ++i) {
+    all = std::abs(moved.vertices[i].X - rest.vertices[i].X - x) < 1e-2 &&
+          std::abs(moved.vertices[i].Z - rest.vertices[i].Z) < 1e-2;
+    if (!all) std::fprintf(stderr, "vertex %d went from z %g to %g\n", i, rest.vertices[i].Z, moved.vertices[i].Z);
+  }
+  that(all, what);
+}
+
+/* A bone that has moved moves the vertices of its joint as far, whatever skeleton it was of before. */
 void check_skeleton(UFaceBakerAsset* asset) {
   UFaceBakerComponent component{FObjectInitializer()};
-  USkeletalMeshComponent skeleton;
+  USkeletalMeshComponent skeleton, higher, other;
   component.Asset = asset;
   component.Skeleton = &skeleton;
   component.OnRegister();
@@ -95,23 +123,61 @@ void check_skeleton(UFaceBakerAsset* asset) {
   const auto model = asset->Load();
   const auto names = facebaker::unreal::UnrealFace::make(*model, error)->joint_names();
   that(!names.empty(), "the face has joints");
-  for (const std::string& joint : names) {
-    skeleton.mesh.skeleton.names.push_back(joint);
-    skeleton.mesh.skeleton.places.Add({FVector(0, 0, 1)});
-    skeleton.mesh.skeleton.parents.push_back(-1);
-    skeleton.bones.push_back({FVector(5, 0, 1)});  // all have moved by 5 along x
-  }
-  const UProceduralMeshComponent::StubSection rest = component.sections[0];
+  make_skeleton(skeleton, names, 1);
+  make_skeleton(higher, names, 100);
+  make_skeleton(other, {"a bone of nothing"}, 1);
+  const StubSection rest = component.sections[0];
   tick(component);
-  const UProceduralMeshComponent::StubSection& moved = component.sections[0];
-  bool all = rest.vertices.Num() > 0;
-  for (int32 i = 0; i < rest.vertices.Num(); ++i)
-    all = all && std::abs(moved.vertices[i].X - rest.vertices[i].X - 5) < 1e-2 &&
-          std::abs(moved.vertices[i].Z - rest.vertices[i].Z) < 1e-2;
-  that(all, "vertices follow the bones");
+  check_moved(rest, component.sections[0], 5, "vertices follow the bones");
+  component.Skeleton = &higher;
+  component.Reload();
+  tick(component);
+  check_moved(rest, component.sections[0], 5, "and those of another skeleton once the asset is loaded anew");
+  component.Skeleton = &skeleton;
+  tick(component);
+  check_moved(rest, component.sections[0], 5, "and at once");
+  component.Skeleton = &other;
+  tick(component);
+  check_moved(rest, component.sections[0], 0, "without bones of their names they are at rest");
+}
+
+/* Windows: the plugin's own library is loaded as long as the module runs. */
+void check_module(const std::string& folder) {
+  const std::string library = folder + "/Source/ThirdParty/FaceBaker/Win64/facebaker.dll";
+  auto& plugin = IPluginManager::Get().plugins["FaceBaker"] = std::make_shared<IPlugin>();
+  plugin->folder = folder.c_str();
+  const auto module = stub_module_FaceBaker();
+  module->StartupModule();
+  that(FPlatformProcess::loaded == std::vector<std::string>{library}, "the module loads the plugin's library");
+  that(FPlatformProcess::folders.empty(), "the search path is as it was");
+  module->ShutdownModule();
+  that(FPlatformProcess::loaded.empty(), "and frees it");
+  plugin->folder = "no such folder";
+  const std::size_t logged = stub_log().size();
+  module->StartupModule();
+  that(stub_log().size() == logged + 1 && stub_log().back().find("facebaker.dll") != std::string::npos,
+       "a library that is not there is logged");
+  module->ShutdownModule();
+}
+
+/* What this process runs is the library in the package. */
+void check_library(const std::string& plugin) {
+  Dl_info info = {};
+  char found[4096], expected[4096];
+  that(dladdr(reinterpret_cast<void*>(&fb_load), &info) != 0 && realpath(info.dli_fname, found) &&
+           realpath((plugin + "/Source/ThirdParty/FaceBaker/Linux/libfacebaker.so").c_str(), expected) &&
+           std::string(found) == expected,
+       "the library is the packed one");
 }
 
 }  // namespace
+
+void* FPlatformProcess::GetDllHandle(const char* file) {
+  const std::string path = file;
+  if (folders.empty() || folders.back() != path.substr(0, path.rfind('/')) || !std::ifstream(path)) return nullptr;
+  loaded.push_back(path);
+  return &loaded;
+}
 
 bool FFileHelper::LoadFileToArray(TArray<uint8>& to, const char* path) {
   std::ifstream file(path, std::ios::binary);
@@ -121,12 +187,16 @@ bool FFileHelper::LoadFileToArray(TArray<uint8>& to, const char* path) {
 }
 
 int main(int count, char** arguments) {
-  if (count != 3) return std::fputs("usage: stubbed_unreal FIXTURES BROKEN.fbk\n", stderr), 2;
+  if (count != 4) return std::fputs("usage: stubbed_unreal FIXTURES BROKEN.fbk PLUGIN\n", stderr), 2;
+  check_library(arguments[3]);
+  check_module(arguments[3]);
   const std::string fixtures = arguments[1];
   FFeedbackContext context;
   UFaceBakerAsset* face = import_file(fixtures + "/character.fbk", context);
   that(face && context.sentences.empty(), "an archive is imported");
   if (!face) return 1;
+  that(face->AssetImportData && face->AssetImportData->file == (fixtures + "/character.fbk").c_str(),
+       "the editor knows its file");
   check_component(face);
   UFaceBakerAsset* body = import_file(fixtures + "/body.fbk", context);
   that(body != nullptr, "so is one with a skin");
@@ -137,7 +207,9 @@ int main(int count, char** arguments) {
   UFaceBakerAsset damaged;
   damaged.Archive.Add(1);
   that(!damaged.Load() && !stub_log().empty(), "a damaged asset is logged");
+  delete face->AssetImportData;
   delete face;
+  if (body) delete body->AssetImportData;
   delete body;
   std::printf("%d checks over stubs of Unreal, %d failed\n", checks, failures);
   return failures == 0 ? 0 : 1;

@@ -14,7 +14,9 @@
 #include <vector>
 
 #define UCLASS(...)
+#ifndef UPROPERTY  // test.sh lists the properties of what is cooked by it
 #define UPROPERTY(...)
+#endif
 #define UFUNCTION(...)
 #define GENERATED_BODY()
 #define FACEBAKER_API
@@ -24,7 +26,14 @@
 #define DECLARE_LOG_CATEGORY_EXTERN(name, level, most) extern int name
 #define DEFINE_LOG_CATEGORY(name) int name = 0
 #define UE_LOG(category, level, ...) (stub_log().push_back(stub_format(__VA_ARGS__)))
-#define IMPLEMENT_MODULE(type, name)
+#define IMPLEMENT_MODULE(type, name)                       \
+  std::unique_ptr<IModuleInterface> stub_module_##name() { \
+    return std::make_unique<type>();                       \
+  }
+#define PLATFORM_WINDOWS 1  // for what the module does there
+#ifndef WITH_EDITORONLY_DATA
+#define WITH_EDITORONLY_DATA 1
+#endif
 #define DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(name, type, parameter) using name = StubDelegate<type>
 
 using uint8 = std::uint8_t;
@@ -99,6 +108,20 @@ template <typename T>
 using TObjectPtr = T*;
 
 template <typename T>
+class TWeakObjectPtr {
+ public:
+  TWeakObjectPtr& operator=(T* object) {
+    object_ = object;
+    return *this;
+  }
+  T* Get() const { return object_; }
+  void Reset() { object_ = nullptr; }
+
+ private:
+  T* object_ = nullptr;
+};
+
+template <typename T>
 T&& MoveTemp(T& from) {
   return static_cast<T&&>(from);
 }
@@ -149,6 +172,55 @@ template <typename T>
 T* NewObject(UObject*, UClass*, FName, EObjectFlags) {
   return new T;
 }
+template <typename T>
+T* NewObject(UObject*, FName) {
+  return new T;
+}
+
+/* Keeps the path as it is given; Unreal's makes it one from the project. */
+class UAssetImportData : public UObject {
+ public:
+  FString file;
+  void Update(const FString& path) { file = path; }
+};
+
+class IModuleInterface {
+ public:
+  virtual ~IModuleInterface() = default;
+  virtual void StartupModule() {}
+  virtual void ShutdownModule() {}
+};
+using FDefaultModuleImpl = IModuleInterface;
+
+struct FPaths {
+  static FString Combine(const FString& folder, const char* path) {
+    return (std::string(*folder) + "/" + path).c_str();
+  }
+};
+
+/* Loads nothing: keeps what is asked for, and finds the files that are there. */
+struct FPlatformProcess {
+  static inline std::vector<std::string> folders, loaded;
+  static void PushDllDirectory(const char* folder) { folders.push_back(folder); }
+  static void PopDllDirectory(const char*) { folders.pop_back(); }
+  static void* GetDllHandle(const char* file);
+  static void FreeDllHandle(void*) { loaded.pop_back(); }
+};
+
+class IPlugin {
+ public:
+  FString folder;
+  FString GetBaseDir() const { return folder; }
+};
+class IPluginManager {
+ public:
+  std::map<std::string, std::shared_ptr<IPlugin>> plugins;
+  static IPluginManager& Get() {
+    static IPluginManager manager;
+    return manager;
+  }
+  std::shared_ptr<IPlugin> FindPlugin(const char* name) { return plugins.at(name); }
+};
 
 class FReferenceSkeleton {
  public:

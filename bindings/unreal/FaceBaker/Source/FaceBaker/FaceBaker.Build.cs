@@ -8,6 +8,7 @@ public class FaceBaker : ModuleRules
         PCHUsage = PCHUsageMode.UseExplicitOrSharedPCHs;
         bEnableExceptions = true; // facebaker.hpp reports errors so; UnrealFace.cpp catches all of them
         PublicDependencyModuleNames.AddRange(new[] { "Core", "CoreUObject", "Engine", "ProceduralMeshComponent" });
+        PrivateDependencyModuleNames.Add("Projects"); // where the plugin's folder is
 
         // ThirdParty is made by pack_plugin.py: headers, and a library for each platform.
         string thirdParty = Path.Combine(PluginDirectory, "Source", "ThirdParty", "FaceBaker");
@@ -15,8 +16,8 @@ public class FaceBaker : ModuleRules
         if (Target.Platform == UnrealTargetPlatform.Win64)
         {
             PublicAdditionalLibraries.Add(Path.Combine(thirdParty, "Win64", "facebaker.lib"));
-            PublicDelayLoadDLLs.Add("facebaker.dll");
-            RuntimeDependencies.Add("$(BinaryOutputDir)/facebaker.dll", Path.Combine(thirdParty, "Win64", "facebaker.dll"));
+            PublicDelayLoadDLLs.Add("facebaker.dll"); // FaceBakerModule.cpp loads it
+            RuntimeDependencies.Add(Path.Combine(thirdParty, "Win64", "facebaker.dll"));
         }
         else if (Target.Platform == UnrealTargetPlatform.Linux)
         {

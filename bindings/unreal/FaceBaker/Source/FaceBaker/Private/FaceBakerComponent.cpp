@@ -36,7 +36,7 @@ void UFaceBakerComponent::Fail(const std::string& Error) {
 void UFaceBakerComponent::Reload() {
   Face.reset();
   ClearAllMeshSections();
-  Bones.Reset();
+  JointMesh.Reset();
   Model = Asset ? Asset->Load() : nullptr;
   if (!Model) return;
   std::string Error;
@@ -92,25 +92,32 @@ void UFaceBakerComponent::TickComponent(float Seconds, ELevelTick TickType, FAct
     FillSection(static_cast<int32>(Section), false);
 }
 
+// The bone of each joint; joints are at rest until their bones move them.
+void UFaceBakerComponent::FindBones(const USkeletalMesh& Mesh) {
+  static const float Rest[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  const FReferenceSkeleton& Reference = Mesh.GetRefSkeleton();
+  JointBones.Reset();
+  for (const std::string& Name : Face->joint_names()) {
+    const int32 Bone = Reference.FindBoneIndex(FName(UTF8_TO_TCHAR(Name.c_str())));
+    FTransform Place = FTransform::Identity;
+    for (int32 Up = Bone; Up >= 0; Up = Reference.GetParentIndex(Up)) Place = Place * Reference.GetRefBonePose()[Up];
+    Face->set_joint_motion(static_cast<std::uint32_t>(JointBones.Num()), Rest);
+    JointBones.Add({Bone, Place});
+  }
+  JointMesh = &Mesh;
+}
+
 // Joints follow bones by how these have moved from their reference pose, whatever way their axes lie.
 void UFaceBakerComponent::MoveJoints() {
   if (!Skeleton || Face->joint_names().empty()) return;
   const USkeletalMesh* Mesh = Skeleton->GetSkeletalMeshAsset();
   if (!Mesh) return;
-  if (Bones.Num() == 0) {
-    const FReferenceSkeleton& Reference = Mesh->GetRefSkeleton();
-    for (const std::string& Name : Face->joint_names()) {
-      const int32 Bone = Reference.FindBoneIndex(FName(UTF8_TO_TCHAR(Name.c_str())));
-      FTransform Place = FTransform::Identity;
-      for (int32 Up = Bone; Up >= 0; Up = Reference.GetParentIndex(Up)) Place = Place * Reference.GetRefBonePose()[Up];
-      Bones.Add(Bone);
-      References.Add(Place);
-    }
-  }
-  for (int32 Joint = 0; Joint < Bones.Num(); ++Joint) {
-    if (Bones[Joint] < 0) continue;
-    const FTransform Now = Skeleton->GetBoneTransform(Bones[Joint], FTransform::Identity);
-    const FMatrix Matrix = (References[Joint].Inverse() * Now).ToMatrixWithScale();  // of rows: vectors come first
+  if (JointMesh.Get() != Mesh) FindBones(*Mesh);
+  for (int32 Joint = 0; Joint < JointBones.Num(); ++Joint) {
+    if (JointBones[Joint].Bone < 0) continue;
+    const FTransform Now = Skeleton->GetBoneTransform(JointBones[Joint].Bone, FTransform::Identity);
+    const FMatrix Matrix =
+        (JointBones[Joint].Reference.Inverse() * Now).ToMatrixWithScale();  // of rows: vectors come first
     float Motion[12];
     for (int32 Row = 0; Row < 3; ++Row)
       for (int32 Column = 0; Column < 4; ++Column) Motion[4 * Row + Column] = static_cast<float>(Matrix.M[Column][Row]);

@@ -7,6 +7,7 @@
 
 #include "FaceBakerAsset.generated.h"
 
+class UAssetImportData;
 namespace facebaker {
 class Model;
 }
@@ -21,9 +22,11 @@ class FACEBAKER_API UFaceBakerAsset : public UObject {
   UPROPERTY()
   TArray<uint8> Archive;
 
-  /** Where it was imported from, for reimporting. */
-  UPROPERTY(VisibleAnywhere, Category = "FaceBaker")
-  FString SourceFile;
+#if WITH_EDITORONLY_DATA
+  /** The file it was imported from, as a path from the project where it lies there; no part of cooked assets. */
+  UPROPERTY(VisibleAnywhere, Instanced, Category = "FaceBaker")
+  TObjectPtr<UAssetImportData> AssetImportData;
+#endif
 
   /** The face, loaded by the first who asks and freed with the last who holds it; null, and a log message, if the
    * archive is damaged. Game thread only. */

@@ -2,12 +2,14 @@
 
 #include "CoreMinimal.h"
 #include "ProceduralMeshComponent.h"
+#include "UObject/WeakObjectPtr.h"
 
 #include <memory>
 
 #include "FaceBakerComponent.generated.h"
 
 class UFaceBakerAsset;
+class USkeletalMesh;
 class USkeletalMeshComponent;
 
 namespace facebaker {
@@ -80,6 +82,7 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
 
  private:
   void Fail(const std::string& Error);
+  void FindBones(const USkeletalMesh& Mesh);
   void MoveJoints();
   void FillSection(int32 Section, bool bCreate);
 
@@ -87,9 +90,13 @@ class FACEBAKER_API UFaceBakerComponent : public UProceduralMeshComponent {
   // Shared, because code that Unreal generates sees these types without their definitions.
   std::shared_ptr<facebaker::unreal::UnrealFace> Face;
   FString Reported;
-  // Of each joint: the bone of the skeleton, and where that is in its reference pose.
-  TArray<int32> Bones;
-  TArray<FTransform> References;
+  // Of each joint: the bone of a skeletal mesh, -1 for none, and where that is in its reference pose.
+  struct FJointBone {
+    int32 Bone;
+    FTransform Reference;
+  };
+  TArray<FJointBone> JointBones;
+  TWeakObjectPtr<const USkeletalMesh> JointMesh;  // whose bones they are
   // Buffers of a section, kept between frames.
   TArray<FVector> Vertices, Normals;
   TArray<FVector2D> Uvs, MotionXy, MotionZ;

@@ -1,5 +1,6 @@
 #include "FaceBakerFactory.h"
 
+#include "EditorFramework/AssetImportData.h"
 #include "FaceBakerAsset.h"
 #include "Misc/FeedbackContext.h"
 #include "Misc/FileHelper.h"
@@ -26,6 +27,7 @@ UObject* UFaceBakerFactory::FactoryCreateFile(UClass* InClass, UObject* InParent
   }
   UFaceBakerAsset* Asset = NewObject<UFaceBakerAsset>(InParent, InClass, InName, Flags);
   Asset->Archive = MoveTemp(Bytes);
-  Asset->SourceFile = Filename;
+  Asset->AssetImportData = NewObject<UAssetImportData>(Asset, TEXT("AssetImportData"));
+  Asset->AssetImportData->Update(Filename);
   return Asset;
 }
