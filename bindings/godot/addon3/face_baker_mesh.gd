@@ -26,6 +26,8 @@ var _stored := {}  # values of controls that a scene sets before the face is loa
 var _paths := []  # the property of each control
 var _indices := {}  # the control of each property
 var _reported := ""  # what is wrong with the values that are set
+var _made: ArrayMesh = null  # what is shown, and filled
+var _overrides := []  # of materials by surface, for the next mesh
 
 
 func set_face_file(path: String) -> void:
@@ -37,7 +39,8 @@ func set_metres(value: bool) -> void:
 	metres = value
 	if face:
 		face.set_metres(metres)
-		_make_mesh()
+		if _made:
+			_fill_mesh()
 
 
 func set_level_of_detail(value: float) -> void:
@@ -100,7 +103,7 @@ func reset_controls() -> void:
 
 # Shows what was set. Called in every frame; call it to have the mesh at once.
 func update_pose() -> void:
-	if not face:
+	if not face or not _made:
 		return
 	var result: int = face.pose()
 	if result < 0:
@@ -111,9 +114,7 @@ func update_pose() -> void:
 	_reported = ""
 	if result == 0:
 		return
-	for s in mesh.get_surface_count():
-		mesh.surface_update_region(s, 0, face.surface_bytes(s))
-	mesh.custom_aabb = _bounds()
+	_fill_mesh()
 	emit_signal("posed")
 
 
@@ -126,7 +127,9 @@ func _process(_delta: float) -> void:
 
 
 func _open() -> void:
+	_keep_overrides()
 	face = null
+	_made = null
 	mesh = null
 	_paths = []
 	_indices = {}
@@ -167,14 +170,12 @@ func _bounds() -> AABB:
 	return AABB(corners[0], corners[1] - corners[0])
 
 
-# A mesh of the current pose.
+# A mesh of the current pose; the only place that makes surfaces.
 func _make_mesh() -> void:
 	if face.pose() < 0:
 		_fail(face.last_error())
 		return
-	var made: ArrayMesh = mesh if mesh is ArrayMesh else ArrayMesh.new()
-	for s in made.get_surface_count():
-		made.surface_remove(0)
+	var made := ArrayMesh.new()
 	for s in face.surface_count():
 		var arrays := []
 		arrays.resize(Mesh.ARRAY_MAX)
@@ -188,8 +189,26 @@ func _make_mesh() -> void:
 		made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], SURFACE_FLAGS)
 		made.surface_set_material(s, _material(face.surface_material(s)))
 	made.custom_aabb = _bounds()
-	if mesh != made:
-		mesh = made
+	_made = made
+	mesh = made
+	for s in min(_overrides.size(), made.get_surface_count()):
+		set_surface_material(s, _overrides[s])
+
+
+# Writes the last pose over the vertices. Surfaces, their materials and overrides stay.
+func _fill_mesh() -> void:
+	for s in _made.get_surface_count():
+		_made.surface_update_region(s, 0, face.surface_bytes(s))
+	_made.custom_aabb = _bounds()
+
+
+# Overrides are lost when the mesh goes.
+func _keep_overrides() -> void:
+	if get_surface_material_count() == 0:
+		return
+	_overrides = []
+	for s in get_surface_material_count():
+		_overrides.append(get_surface_material(s))
 
 
 func _material(index: int) -> SpatialMaterial:

@@ -1,8 +1,8 @@
 @tool
 class_name FaceBakerMesh
 extends MeshInstance3D
-# A baked face (.fbk) in a scene of Godot 4.2 or later. Not run here. Shows all meshes of the character as surfaces of one
-# ArrayMesh, which is made anew whenever a control has changed. In the inspector the controls are sliders, "controls/GROUP/NAME".
+# A baked face (.fbk) in a scene of Godot 4.2 or later. Shows all meshes of the character as surfaces of one ArrayMesh, and
+# fills it in place whenever a control has changed. In the inspector the controls are sliders, "controls/GROUP/NAME".
 
 # The face was loaded; its controls can be set.
 signal face_loaded
@@ -23,7 +23,8 @@ var _stored := {}  # values of controls that a scene sets before the face is loa
 var _paths := []  # the property of each control
 var _indices := {}  # the control of each property
 var _reported := ""  # what is wrong with the values that are set
-var _materials := []  # of each surface
+var _made: ArrayMesh = null  # what is shown, and filled
+var _overrides := []  # of materials by surface, for the next mesh
 
 
 func set_face_file(path: String) -> void:
@@ -35,7 +36,8 @@ func set_metres(value: bool) -> void:
 	metres = value
 	if face:
 		face.set_metres(metres)
-		_make_mesh()
+		if _made:
+			_fill_mesh()
 
 
 func set_level_of_detail(value: float) -> void:
@@ -98,7 +100,7 @@ func reset_controls() -> void:
 
 # Shows what was set. Called in every frame; call it to have the mesh at once.
 func update_pose() -> void:
-	if not face:
+	if not face or not _made:
 		return
 	var result: int = face.pose()
 	if result < 0:
@@ -122,7 +124,9 @@ func _process(_delta: float) -> void:
 
 
 func _open() -> void:
+	_keep_overrides()
 	face = null
+	_made = null
 	mesh = null
 	_paths = []
 	_indices = {}
@@ -146,9 +150,6 @@ func _open() -> void:
 		_indices[_paths[i]] = i
 		if _stored.has(_paths[i]):
 			face.set_control(i, _stored[_paths[i]])
-	_materials = []
-	for s in face.surface_count():
-		_materials.append(_material(face.surface_material(s)))
 	_make_mesh()
 	notify_property_list_changed()
 	face_loaded.emit()
@@ -164,19 +165,12 @@ func _bounds() -> AABB:
 	return AABB(corners[0], corners[1] - corners[0])
 
 
-# A mesh of the current pose.
+# A mesh of the current pose; the only place that makes surfaces.
 func _make_mesh() -> void:
 	if face.pose() < 0:
 		_fail(face.last_error())
 		return
-	if not mesh is ArrayMesh:
-		mesh = ArrayMesh.new()
-	_fill_mesh()
-
-
-func _fill_mesh() -> void:
-	var made: ArrayMesh = mesh
-	made.clear_surfaces()
+	var made := ArrayMesh.new()
 	for s in face.surface_count():
 		var arrays := []
 		arrays.resize(Mesh.ARRAY_MAX)
@@ -187,9 +181,49 @@ func _fill_mesh() -> void:
 			arrays[Mesh.ARRAY_TEX_UV] = uvs
 			arrays[Mesh.ARRAY_TANGENT] = face.surface_tangents(s)
 		arrays[Mesh.ARRAY_INDEX] = face.surface_indices(s)
-		made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
-		made.surface_set_material(s, _materials[s])
+		made.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, [], {}, Mesh.ARRAY_FLAG_USE_DYNAMIC_UPDATE)
+		made.surface_set_material(s, _material(face.surface_material(s)))
+		if not _layout_is_known(made, s):
+			face = null
+			_fail("this version of Godot lays out vertices in another way; take a later FaceBaker")
+			return
 	made.custom_aabb = _bounds()
+	_made = made
+	mesh = made
+	for s in mini(_overrides.size(), made.get_surface_count()):
+		set_surface_override_material(s, _overrides[s])
+
+
+# Whether vertices lie as surface_vertex_data() has them: positions first, then normals and tangents.
+func _layout_is_known(made: ArrayMesh, surface: int) -> bool:
+	var count := made.surface_get_array_len(surface)
+	var format := made.surface_get_format(surface)
+	var normals := RenderingServer.mesh_surface_get_format_offset(format, count, Mesh.ARRAY_NORMAL)
+	var tangents := RenderingServer.mesh_surface_get_format_offset(format, count, Mesh.ARRAY_TANGENT)
+	return (RenderingServer.mesh_surface_get_format_vertex_stride(format, count) == 12 and normals == 12 * count
+			and (not _has_tangents(made, surface) or tangents == normals + 4))
+
+
+# Godot makes tangents of its own where there are none.
+func _has_tangents(made: ArrayMesh, surface: int) -> bool:
+	return made.surface_get_format(surface) & Mesh.ARRAY_FORMAT_TANGENT != 0
+
+
+# Writes the last pose over the vertices. Surfaces, their materials and overrides stay.
+func _fill_mesh() -> void:
+	for s in _made.get_surface_count():
+		var bytes: PackedByteArray = face.surface_vertex_data(s, _has_tangents(_made, s))
+		RenderingServer.mesh_surface_update_vertex_region(_made.get_rid(), s, 0, bytes)
+	_made.custom_aabb = _bounds()
+
+
+# Overrides are lost when the mesh goes.
+func _keep_overrides() -> void:
+	if get_surface_override_material_count() == 0:
+		return
+	_overrides = []
+	for s in get_surface_override_material_count():
+		_overrides.append(get_surface_override_material(s))
 
 
 func _material(index: int) -> StandardMaterial3D:

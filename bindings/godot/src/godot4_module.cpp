@@ -1,5 +1,5 @@
 /** @file
- * The GDExtension for Godot 4.2 and later: the class FaceBakerFace of godot_face.h. Compiled, but not run here.
+ * The GDExtension for Godot 4.2 and later: the class FaceBakerFace of godot_face.h.
  */
 #include <gdextension_interface.h>
 

@@ -2,6 +2,10 @@
 
 #include <facebaker/facebaker_character.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -310,6 +314,76 @@ Value surface_bytes(GodotFace& face, const Value* arguments) {
   return of_array(Kind::bytes, out.data(), out.size() * sizeof(float));
 }
 
+// A vector of unit length as Godot 4 stores it: octahedral coordinates (Cigolle et al. 2014) from 0 to 1; z where there
+// is no direction.
+std::array<float, 2> octahedral(const float* v) {
+  const float sum = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+  if (!(sum > 0)) return {0.5f, 0.5f};
+  float x = v[0] / sum, y = v[1] / sum;
+  if (v[2] / sum < 0) {  // the lower half is folded over the upper one
+    const float folded = (1 - std::abs(y)) * (x < 0 ? -1.0f : 1.0f);
+    y = (1 - std::abs(x)) * (y < 0 ? -1.0f : 1.0f);
+    x = folded;
+  }
+  return {x * 0.5f + 0.5f, y * 0.5f + 0.5f};
+}
+
+// Godot cuts off what is below 1/65535.
+std::uint16_t unorm16(float value) {
+  return static_cast<std::uint16_t>(std::clamp(value * 65535, 0.0f, 65535.0f));
+}
+
+// Tangents have their sign in y: 0 to 1/2 is negative, 1/2 to 1 positive, 1/2 itself neither.
+std::array<std::uint16_t, 2> packed_tangent(const float* tangent, float sign) {
+  const std::array<float, 2> at = octahedral(tangent);
+  const float y = std::max(at[1], 1.0f / 32767) * 0.5f + 0.5f;
+  const std::array<std::uint16_t, 2> packed = {unorm16(at[0]), unorm16(sign < 0 ? 1 - y : y)};
+  if (packed[0] == 0 && packed[1] == 65535)
+    return {65535, 65535};  // the same direction; Godot has its own use for (0, 1)
+  return packed;
+}
+
+// Any direction across a normal, for what has no texture coordinates: along the cross product with its shortest axis.
+void across(const float* normal, float* out) {
+  std::size_t axis = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::abs(normal[k]) < std::abs(normal[axis])) axis = k;
+  const std::size_t next = (axis + 1) % 3, last = (axis + 2) % 3;
+  out[axis] = 0;
+  out[next] = normal[last];
+  out[last] = -normal[next];
+}
+
+// The vertex buffer of Godot 4.2 and later for a surface without compression: all positions, and behind them the normal
+// and, where the second argument says so, the tangent of each vertex, in two halfwords each.
+Value surface_vertex_data(GodotFace& face, const Value* arguments) {
+  const engine::RenderSurface& surface = surface_at(face, arguments[0]);
+  const auto frame = posed(*face.state).current();
+  const engine::Axes& axes = face.state->axes;
+  const bool tangents = arguments[1].integer != 0;
+  const std::size_t vertices = surface.sources.size(), words = tangents ? 2 : 1;
+  std::vector<float>& out = face.state->floats;
+  out.resize((3 + words) * vertices);
+  float* directions = out.data() + 3 * vertices;
+  for (std::size_t i = 0; i < vertices; ++i) {
+    const std::size_t from = 3 * static_cast<std::size_t>(surface.sources[i]);
+    axes.convert_position(frame->positions.data() + from, out.data() + 3 * i);
+    float normal[3], tangent[3];
+    axes.convert_direction(frame->normals.data() + from, normal);
+    const std::array<float, 2> place = octahedral(normal);
+    const std::array<std::uint16_t, 2> packed = {unorm16(place[0]), unorm16(place[1])};
+    std::memcpy(directions + words * i, packed.data(), sizeof packed);
+    if (!tangents) continue;
+    if (surface.uvs.empty())
+      across(normal, tangent);
+    else
+      axes.convert_direction(frame->tangents.data() + from, tangent);
+    const auto second = packed_tangent(tangent, surface.uvs.empty() ? 1 : surface.tangent_signs[i]);
+    std::memcpy(directions + words * i + 1, second.data(), sizeof second);
+  }
+  return of_array(Kind::bytes, out.data(), out.size() * sizeof(float));
+}
+
 }  // namespace
 
 const std::vector<Method>& methods() {
@@ -387,6 +461,7 @@ const std::vector<Method>& methods() {
       {"surface_tangents", {Kind::integer}, Kind::floats, surface_tangents},
       {"surface_uvs", {Kind::integer}, Kind::vectors2, surface_uvs},
       {"surface_bytes", {Kind::integer}, Kind::bytes, surface_bytes},
+      {"surface_vertex_data", {Kind::integer, Kind::boolean}, Kind::bytes, surface_vertex_data},
   };
   return all;
 }

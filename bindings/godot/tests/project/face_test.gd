@@ -24,6 +24,8 @@ func _ready() -> void:
 	_that(compared >= 4, "there are several faces")
 	_check_errors()
 	_check_properties()
+	_check_materials()
+	_check_saved_scene()
 	_time()
 	print("%d checks of %d faces, %d failed" % [checks, compared, failures])
 	get_tree().quit(0 if failures == 0 and checks > 100 else 1)
@@ -183,6 +185,62 @@ func _check_properties() -> void:
 		_that(node.get(property.name) == node.face.get_control(sliders), property.name + " is set")
 		sliders += 1
 	_that(sliders == node.face.control_count(), "there is a slider for each control")
+	_free(node)
+
+
+# Materials of the mesh and overrides of the node, of every surface, stay whatever is posed, scaled or loaded.
+func _check_materials() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.face_file = "res://faces/character.fbk"
+	var count: int = node.mesh.get_surface_count()
+	_that(count > 1, "there are several surfaces")
+	var overrides := []
+	var materials := []
+	for s in count:
+		overrides.append(SpatialMaterial.new())
+		materials.append(SpatialMaterial.new())
+		node.set_surface_material(s, overrides[s])
+		node.mesh.surface_set_material(s, materials[s])
+	node.set_control_at(0, node.face.control_maximum(0))
+	node.update_pose()
+	_check_kept(node, overrides, materials, "after a pose")
+	node.metres = false
+	_check_kept(node, overrides, materials, "after another unit")
+	node.face_file = "res://faces/broken.bin"
+	node.face_file = "res://faces/character.fbk"
+	_check_kept(node, overrides, [], "after the file was loaded anew")
+	_free(node)
+
+
+func _check_kept(node: MeshInstance, overrides: Array, materials: Array, when: String) -> void:
+	for s in overrides.size():
+		_that(s < node.get_surface_material_count() and node.get_surface_material(s) == overrides[s],
+				"surface %d has its override %s" % [s, when])
+	for s in materials.size():
+		_that(node.mesh.surface_get_material(s) == materials[s], "surface %d has its material %s" % [s, when])
+
+
+# A scene that is saved and loaded has its controls and overrides.
+func _check_saved_scene() -> void:
+	var node = FaceBakerMesh.new()
+	add_child(node)
+	node.face_file = "res://faces/character.fbk"
+	for s in node.mesh.get_surface_count():
+		var material := SpatialMaterial.new()
+		material.resource_name = "override %d" % s
+		node.set_surface_material(s, material)
+	node.set_control_at(1, node.face.control_maximum(1))
+	node.update_pose()
+	var packed := PackedScene.new()
+	_that(packed.pack(node) == OK and ResourceSaver.save("user://saved.tscn", packed) == OK, "the scene is saved")
+	var loaded: MeshInstance = ResourceLoader.load("user://saved.tscn", "", true).instance()
+	add_child(loaded)
+	_that(loaded.face != null and loaded.face.get_control(1) == node.face.control_maximum(1), "it has the control")
+	for s in node.mesh.get_surface_count():
+		var material: Material = loaded.get_surface_material(s)
+		_that(material != null and material.resource_name == "override %d" % s, "it has the override of surface %d" % s)
+	_free(loaded)
 	_free(node)
 
 

@@ -1,0 +1,291 @@
+extends Node3D
+# Poses the face of the scene, and every other one in faces/, and compares positions with those that dump_poses has written
+# beside them by the C interface. Ends the process with 0 only if every check held. With a renderer (not --headless) it also reads
+# back what the graphics card has.
+
+const FaceBakerMesh4 = preload("res://addons/facebaker/face_baker_mesh.gd")
+
+var failures := 0
+var checks := 0
+var signals := {}
+var rendered := DisplayServer.get_name() != "headless"
+
+
+func _ready() -> void:
+	_check_scene()
+	var compared := 0
+	for file in DirAccess.get_files_at("res://faces"):
+		if file.ends_with(".fbk"):
+			_compare("res://faces/" + file.get_basename())
+			compared += 1
+	_that(compared >= 4, "there are several faces")
+	_check_errors()
+	_check_properties()
+	_check_materials()
+	_check_saved_scene()
+	_time()
+	print("%d checks of %d faces in Godot %s%s, %d failed" % [checks, compared, Engine.get_version_info()["string"],
+			", with the buffers of " + RenderingServer.get_video_adapter_name() if rendered else ", headless", failures])
+	get_tree().quit(0 if failures == 0 and checks > 100 else 1)
+
+
+func _that(holds: bool, what: String) -> void:
+	checks += 1
+	if not holds:
+		failures += 1
+		printerr("not so: " + what)
+
+
+func _make_node() -> MeshInstance3D:
+	var node := FaceBakerMesh4.new()
+	add_child(node)
+	return node
+
+
+# The face that the scene file names is loaded, posed by its script and shown.
+func _check_scene() -> void:
+	var node: MeshInstance3D = $Face
+	_that(node.face != null, "the scene's face is loaded")
+	if node.face == null:
+		return
+	_that(node.mesh.get_surface_count() == node.face.surface_count(), "it has its surfaces")
+	_that(node.face.mesh_count() > 1, "of several meshes")
+	var before: PackedByteArray = node.face.positions().to_byte_array()
+	_that(node.set_control(node.face.control_name(0), node.face.control_maximum(0)), "a control is set by its name")
+	node.update_pose()
+	_that(node.face.positions().to_byte_array() != before, "the pose has changed")
+	node.reset_controls()
+	node.update_pose()
+	_that(node.face.positions().to_byte_array() == before, "it is at rest again")
+
+
+func _compare(path: String) -> void:
+	var file := FileAccess.open(path + ".poses", FileAccess.READ)
+	var poses := file.get_32()
+	var controls := file.get_32()
+	var vertices := file.get_32()
+	var sockets := file.get_32()
+	var channels := file.get_32()
+	var tangents := file.get_32()
+	var node := _make_node()
+	node.metres = false
+	node.face_file = path + ".fbk"
+	_that(node.face != null and node.face.vertex_count() == vertices, path + " is loaded")
+	if node.face == null:
+		return
+	for p in poses:
+		var values := file.get_buffer(4 * controls).to_float32_array()
+		var floats := file.get_buffer(12 * vertices)
+		var expected := PackedVector3Array()
+		for v in vertices:
+			expected.append(Vector3(floats.decode_float(12 * v), floats.decode_float(12 * v + 4), floats.decode_float(12 * v + 8)))
+		file.seek(file.get_position() + 4 * 3 * vertices * (1 + tangents))
+		var frames := file.get_buffer(4 * sockets).to_float32_array()
+		file.seek(file.get_position() + 4 * channels)
+		node.set_controls(values)
+		node.update_pose()
+		_that(node.face.positions().to_byte_array() == floats, "%s, pose %d: positions" % [path, p])
+		for s in node.face.socket_count():
+			_check_socket(node, s, frames, "%s, pose %d" % [path, p])
+		_check_mesh(node, expected, "%s, pose %d: " % [path, p])
+	node.metres = true
+	_check_buffers(node, path + " in metres: ")
+	var unit: float = {"m": 1.0, "cm": 0.01, "mm": 0.001}[node.face.units()]
+	var first: Vector3 = node.face.surface_vertices(0)[0]
+	var source: Vector3 = node.face.positions()[node.face.surface_sources(0)[0]]
+	_that(absf(first.length() - source.length() * unit) < 1e-4 * source.length(), path + " in metres")
+	node.free()
+
+
+func _check_socket(node: MeshInstance3D, socket: int, frames: PackedFloat32Array, where: String) -> void:
+	var found: PackedFloat32Array = node.face.socket_frame(socket)
+	if node.face.up_axis() == "y":
+		_that(found.to_byte_array() == frames.slice(12 * socket, 12 * socket + 12).to_byte_array(), where + ": socket")
+	var place: Transform3D = node.socket_transform(node.face.socket_name(socket))
+	_that(place.origin == Vector3(found[3], found[7], found[11]), where + ": origin of the socket")
+	_that(absf(place.basis.determinant() - 1.0) < 1e-3, where + ": the socket is turned and not mirrored")
+
+
+# The mesh in the scene, which was filled in place, against one that the engine makes of the arrays of the same pose.
+func _check_mesh(node: MeshInstance3D, expected: PackedVector3Array, where: String) -> void:
+	var shown: ArrayMesh = node.mesh
+	_check_buffers(node, where)
+	node._make_mesh()
+	_that(node.mesh != shown and node.mesh.get_surface_count() == shown.get_surface_count(), where + "surfaces are as before")
+	var seen := {}
+	for s in node.mesh.get_surface_count():
+		var vertices: PackedVector3Array = node.mesh.surface_get_arrays(s)[Mesh.ARRAY_VERTEX]
+		var wanted := PackedVector3Array()
+		for source in node.face.surface_sources(s):
+			var v: Vector3 = expected[source]
+			wanted.append(Vector3(v.x, v.z, -v.y) if node.face.up_axis() == "z" else v)
+			seen[source] = true
+		_that(vertices.to_byte_array() == wanted.to_byte_array(), where + "the mesh in the scene has the positions")
+	_that(seen.size() <= expected.size() and seen.size() > 0, where + "vertices are shown")
+	var box: AABB = node.mesh.custom_aabb.grow(1e-3 + 1e-4 * node.mesh.custom_aabb.size.length())
+	var within := true
+	for v in node.face.surface_vertices(0):
+		within = within and box.has_point(v)
+	_that(within, where + "vertices are within the bounds")
+
+
+# The bytes of an update are those that the engine makes of the arrays of the pose; where there is a renderer, its vertex buffer
+# has them.
+func _check_buffers(node: MeshInstance3D, where: String) -> void:
+	for s in node.mesh.get_surface_count():
+		var arrays := []
+		arrays.resize(Mesh.ARRAY_MAX)
+		arrays[Mesh.ARRAY_VERTEX] = node.face.surface_vertices(s)
+		arrays[Mesh.ARRAY_NORMAL] = node.face.surface_normals(s)
+		if node.face.surface_uvs(s).size() > 0:
+			arrays[Mesh.ARRAY_TEX_UV] = node.face.surface_uvs(s)
+			arrays[Mesh.ARRAY_TANGENT] = node.face.surface_tangents(s)
+		var fresh := ArrayMesh.new()
+		fresh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+		var stored: PackedByteArray = RenderingServer.mesh_get_surface(fresh.get_rid(), 0)["vertex_data"]
+		var tangents: bool = fresh.surface_get_format(0) & Mesh.ARRAY_FORMAT_TANGENT != 0
+		var written: PackedByteArray = node.face.surface_vertex_data(s, tangents)
+		_that(stored.size() > 0 and stored.size() == written.size(), where + "an update has the size of the vertex buffer")
+		_that(_is_same(stored, written, node, s), where + "the bytes of an update are as the engine stores vertices")
+		if rendered:
+			_that(_is_same(RenderingServer.mesh_get_surface(node.mesh.get_rid(), s)["vertex_data"], written, node, s),
+					where + "the renderer has the pose")
+
+
+# But for tangents of what has no texture coordinates, which mean nothing.
+func _is_same(one: PackedByteArray, other: PackedByteArray, node: MeshInstance3D, surface: int) -> bool:
+	if node.face.surface_uvs(surface).size() > 0:
+		return one == other
+	var count: int = node.face.surface_sources(surface).size()
+	var stride := (one.size() / count) - 12
+	if one.slice(0, 12 * count) != other.slice(0, 12 * count):
+		return false
+	for i in count:
+		var at := 12 * count + stride * i
+		if one.decode_u32(at) != other.decode_u32(at):
+			return false
+	return true
+
+
+func _on_signal(which: String) -> void:
+	signals[which] = signals.get(which, 0) + 1
+
+
+func _on_failed(message: String) -> void:
+	signals["failed"] = message
+
+
+func _check_errors() -> void:
+	var node := _make_node()
+	node.face_failed.connect(_on_failed)
+	node.face_loaded.connect(_on_signal.bind("loaded"))
+	node.posed.connect(_on_signal.bind("posed"))
+	node.face_file = "res://faces/broken.bin"
+	_that(node.face == null and "broken.bin" in str(signals.get("failed")), "a broken archive is refused by name: " + str(signals))
+	node.face_file = "res://no_such.fbk"
+	_that("no_such.fbk" in str(signals.get("failed")), "so is one that is not there")
+	node.face_file = "res://faces/tiny.fbk"
+	_that(signals.get("loaded") == 1, "face_loaded")
+	_that(not node.set_control(node.face.control_name(0) + "x", 1.0), "an unknown control is refused")
+	_that(node.face.control_name(0) in node.face.last_error(), "with the closest name: " + node.face.last_error())
+	node.set_control_at(0, node.face.control_maximum(0))
+	node.update_pose()
+	node.update_pose()
+	_that(signals.get("posed") == 1, "posed once a change")
+	node.set_control_at(0, NAN)
+	node.update_pose()
+	_that(node.face.control_name(0) in str(signals.get("failed")), "NaN is refused by the control's name")
+	node.set_control_at(0, node.face.control_maximum(0) * 0.5)
+	node.update_pose()
+	_that(signals.get("posed") == 2, "it goes on with a number")
+	node.set_control_at(99, 1.0)  # reported as an error, and nothing happens
+	_that(node.face.load_bytes(PackedByteArray()) != "", "no bytes are no archive")
+	_that(not node.face.is_loaded(), "nothing is loaded then")
+	node.free()
+
+
+func _check_properties() -> void:
+	var node := FaceBakerMesh4.new()
+	node.set("controls/" + "later", 0.5)  # as a scene does before the face is loaded
+	add_child(node)
+	node.face_file = "res://faces/tiny.fbk"
+	var sliders := 0
+	for property in node.get_property_list():
+		if not property.name.begins_with("controls/"):
+			continue
+		_that(property.hint == PROPERTY_HINT_RANGE, property.name + " is a slider")
+		node.set(property.name, node.face.control_maximum(sliders))
+		_that(node.get(property.name) == node.face.get_control(sliders), property.name + " is set")
+		sliders += 1
+	_that(sliders == node.face.control_count(), "there is a slider for each control")
+	node.free()
+
+
+# Materials of the mesh and overrides of the node, of every surface, stay whatever is posed, scaled or loaded.
+func _check_materials() -> void:
+	var node := _make_node()
+	node.face_file = "res://faces/character.fbk"
+	var count: int = node.mesh.get_surface_count()
+	_that(count > 1, "there are several surfaces")
+	var overrides := []
+	var materials := []
+	for s in count:
+		overrides.append(StandardMaterial3D.new())
+		materials.append(StandardMaterial3D.new())
+		node.set_surface_override_material(s, overrides[s])
+		node.mesh.surface_set_material(s, materials[s])
+	node.set_control_at(0, node.face.control_maximum(0))
+	node.update_pose()
+	_check_kept(node, overrides, materials, "after a pose")
+	node.metres = false
+	_check_kept(node, overrides, materials, "after another unit")
+	node.face_file = "res://faces/broken.bin"
+	node.face_file = "res://faces/character.fbk"
+	_check_kept(node, overrides, [], "after the file was loaded anew")
+	node.free()
+
+
+func _check_kept(node: MeshInstance3D, overrides: Array, materials: Array, when: String) -> void:
+	for s in overrides.size():
+		_that(s < node.get_surface_override_material_count() and node.get_surface_override_material(s) == overrides[s],
+				"surface %d has its override %s" % [s, when])
+	for s in materials.size():
+		_that(node.mesh.surface_get_material(s) == materials[s], "surface %d has its material %s" % [s, when])
+
+
+# A scene that is saved and loaded has its controls and overrides.
+func _check_saved_scene() -> void:
+	var node := _make_node()
+	node.face_file = "res://faces/character.fbk"
+	for s in node.mesh.get_surface_count():
+		var material := StandardMaterial3D.new()
+		material.resource_name = "override %d" % s
+		node.set_surface_override_material(s, material)
+	node.set_control_at(1, node.face.control_maximum(1))
+	node.update_pose()
+	var packed := PackedScene.new()
+	_that(packed.pack(node) == OK and ResourceSaver.save(packed, "user://saved.tscn") == OK, "the scene is saved")
+	var loaded: MeshInstance3D = ResourceLoader.load("user://saved.tscn", "", ResourceLoader.CACHE_MODE_IGNORE).instantiate()
+	add_child(loaded)
+	_that(loaded.face != null and loaded.face.get_control(1) == node.face.control_maximum(1), "it has the control")
+	for s in node.mesh.get_surface_count():
+		var material: Material = loaded.get_surface_override_material(s)
+		_that(material != null and material.resource_name == "override %d" % s, "it has the override of surface %d" % s)
+	loaded.free()
+	node.free()
+
+
+# How long a frame takes in which a control has changed, of the largest face.
+func _time() -> void:
+	var node := _make_node()
+	var path := "res://faces/character.fbk"
+	if FileAccess.file_exists("res://faces/sample.fbk"):
+		path = "res://faces/sample.fbk"
+	node.face_file = path
+	var control: int = node.face.control_count() / 2
+	var begin := Time.get_ticks_usec()
+	for i in 500:
+		node.set_control_at(control, node.face.control_maximum(control) * (i % 10 + 1) * 0.1)
+		node.update_pose()
+	print("%.1f us a frame of %s (%d vertices)" % [(Time.get_ticks_usec() - begin) * 0.002, path, node.face.vertex_count()])
+	node.free()
