@@ -312,6 +312,18 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
   return model;
 }
 
+// character_model() baked anew from a rig in which two controls have changed places and the last one has another name;
+// its materials have one name, and textures of one name.
+inline PackedModel rebaked_model(std::uint64_t seed = 1) {
+  PackedModel model = character_model(seed);
+  std::swap(model.schema.controls[0], model.schema.controls[1]);
+  model.schema.controls.back().name = "nose_flare";
+  for (Material& material : model.character.materials) material.name = "skin";
+  model.character.materials[1].textures = {{TextureSlot::base_colour, 1}};
+  model.character.images[1].name = "skin";
+  return model;
+}
+
 // character_model() with two exact poses that disturb neither each other nor the rest pose; the second corrects nothing
 // in the first row block.
 inline PackedModel exact_model(std::uint64_t seed = 1) {

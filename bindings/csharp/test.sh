@@ -45,15 +45,17 @@ echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C co
 
 $cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" $link
 $cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" $link
-mkdir "$work/poses"
-for face in "$build"/fixtures/*.fbk "$build"/golden/accepted/regular.fbk "$build"/golden/accepted/uvs.fbk \
-  "$build/../quickstart/sample.fbk"; do
+mkdir "$work/poses" "$work/data"
+cp -rL "$build/fixtures" "$build/golden" "$work/data/"
+[ ! -e "$build/../quickstart/sample.fbk" ] || cp "$build/../quickstart/sample.fbk" "$work/data/"
+for face in "$work"/data/fixtures/*.fbk "$work"/data/golden/accepted/regular.fbk "$work"/data/golden/accepted/uvs.fbk \
+  "$work/data/sample.fbk"; do
   [ -e "$face" ] || continue  # the quickstart's, where it was run
   name=$(basename "$face" .fbk)
   "$work/dump_poses" "$face" "$work/poses/$name.poses"
   echo "$face" > "$work/poses/$name.path"
 done
-mono "$work/tests.exe" "$build" "$work/poses"
+bindings/engine/tests/run_packed.sh "$work" "$build" mono ./tests.exe data poses
 
 # The blocks of the pages: docs/csharp.md is a program with a class, docs/unity.md a script of the package.
 mkdir "$work/pages"
@@ -67,18 +69,21 @@ for page in ("csharp", "unity"):
         pathlib.Path(sys.argv[1], f"{page}_{number}.cs").write_text(text, encoding="utf-8")
 END
 $compile -r:"$work/FaceBaker.dll" -out:"$work/page.exe" "$work"/pages/csharp_*.cs
-mono "$work/page.exe" "$build/fixtures/character.fbk"
+bindings/engine/tests/run_packed.sh "$work" "$build" mono ./page.exe data/fixtures/character.fbk
 
-# The Unity package as it is packed, in one assembly with stubs of Unity's classes.
+# The Unity package as it is packed, in one assembly with stubs of Unity's classes, beside its library as in a player.
 python3 $package/pack_unity.py --out "$work/unity" --library linux-x64="$build/lib/engines/libfacebaker.so"
 python3 $package/tests/check_package.py "$work/unity"
-$compile -define:UNITY_5_3_OR_NEWER -out:"$work/stubbed_unity.exe" "$work"/unity/Runtime/*.cs "$work"/unity/Editor/*.cs \
+mkdir "$work/player"
+cp "$work/unity/Plugins/linux-x64/libfacebaker.so" "$work/player/"
+cp -r "$work/data" "$work/poses" "$work/player/"
+$compile -define:UNITY_5_3_OR_NEWER -out:"$work/player/stubbed_unity.exe" "$work"/unity/Runtime/*.cs "$work"/unity/Editor/*.cs \
   $package/tests/unity_stubs/*.cs $package/tests/CheckMain.cs $package/tests/StubbedUnityTests.cs "$work"/pages/unity_*.cs
-mono "$work/stubbed_unity.exe" "$build" "$work/poses"
+bindings/engine/tests/run_packed.sh "$work/player" "$build" mono ./stubbed_unity.exe data poses
 
 [ -n "$aot" ] || exit 0
 mkdir "$work/aot"
-cp "$work/FaceBaker.dll" "$work/tests.exe" "$work/aot/"
+cp "$work/FaceBaker.dll" "$work/tests.exe" "$work"/*.so "$work/aot/"
 libraries=$(dirname "$(dirname "$(realpath "$(command -v mono)")")")/lib/mono/4.5
 for assembly in mscorlib System System.Core System.Configuration System.Xml System.Security System.Numerics Mono.Security; do
   cp -L "$libraries/$assembly.dll" "$work/aot/"
@@ -87,4 +92,4 @@ cd "$work/aot"
 export MONO_PATH=$work/aot
 for assembly in *.dll tests.exe; do mono --aot=full "$assembly" > log 2>&1 || { cat log >&2; exit 1; }; done
 echo "ahead of time:"
-mono --full-aot tests.exe "$build" "$work/poses"
+mono --full-aot tests.exe "$work/data" "$work/poses"

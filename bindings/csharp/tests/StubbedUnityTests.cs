@@ -4,8 +4,10 @@ using System.IO;
 using System.Reflection;
 using FaceBaker.Unity;
 using FaceBaker.Unity.Editor;
+using UnityEditor;
 using UnityEditor.AssetImporters;
 using UnityEngine;
+using UnityEngine.Rendering;
 using static FaceBaker.Tests.CheckMain;
 
 namespace FaceBaker.Tests
@@ -46,8 +48,9 @@ namespace FaceBaker.Tests
                 UnityEngine.Mesh mesh = component.GetComponent<MeshFilter>().sharedMesh;
                 SameBits(expected, mesh.Streams[0], "vertices");
                 SameBits(render.Uvs, mesh.Streams[1], "texture coordinates");
-                Same(render.Parts.Count, mesh.Parts.Count, "parts");
+                Same(render.Parts.Count, mesh.Parts.Length, "parts");
                 That(mesh.bounds.min.x < mesh.bounds.max.x && mesh.bounds.min.z <= mesh.bounds.max.z, "bounds");
+                foreach (SubMeshDescriptor part in mesh.Parts) CheckPart(part, mesh, render.VertexFloats);
             }
             Matrix4x4 frame = component.GetSocket(0);
             float rest = face.Sockets[0].Frame[3] * AxisConversion.MetresPer(face.Units);
@@ -60,6 +63,24 @@ namespace FaceBaker.Tests
             Call(component, "OnEnable");
             That(component.Face != null, "opened again");
             Call(component, "OnDisable");
+        }
+
+        // Its ranges hold all its indices and nothing else, its bounds all its vertices.
+        private static void CheckPart(SubMeshDescriptor part, UnityEngine.Mesh mesh, int floats)
+        {
+            int first = int.MaxValue, last = -1;
+            for (int i = part.indexStart; i < part.indexStart + part.indexCount; ++i)
+            {
+                int vertex = mesh.Indices[i];
+                first = Math.Min(first, vertex);
+                last = Math.Max(last, vertex);
+                float x = mesh.Streams[0][vertex * floats], y = mesh.Streams[0][vertex * floats + 1];
+                That(part.bounds.min.x <= x && x <= part.bounds.max.x && part.bounds.min.y <= y && y <= part.bounds.max.y,
+                     "vertex " + vertex + " is within the bounds of its part");
+            }
+            That(part.indexCount > 0, "a part has triangles");
+            Same(first, part.firstVertex, "first vertex");
+            Same(last - first + 1, part.vertexCount, "vertices of the part");
         }
 
         public static void AFrameAllocatesNothing()
@@ -85,12 +106,65 @@ namespace FaceBaker.Tests
             new FbkImporter().OnImportAsset(context);
             Same(0, context.Errors.Count, string.Join(" ", context.Errors));
             That(context.Main is GameObject && context.Objects["archive"] is FaceBakerAsset, "objects");
-            That(context.Objects.ContainsKey("material 0"), "materials");
+            That(context.Objects.ContainsKey("material skin") && context.Objects.ContainsKey("no material"), "materials");
             string broken = Array.Find(Golden("rejected"), file => file.EndsWith("corrupt-bit.fbk"));
             context = new AssetImportContext { assetPath = broken };
             new FbkImporter().OnImportAsset(context);
             That(context.Errors.Count == 1 && context.Main == null, "an import error");
             That(context.Errors[0].Contains("corrupt-bit.fbk"), context.Errors[0]);
+        }
+
+        public static void ObjectsOfOneNameHaveIdentifiersOfTheirOwn()
+        {
+            var context = new AssetImportContext { assetPath = Fixture("rebaked.fbk") };
+            new FbkImporter().OnImportAsset(context);
+            Same(0, context.Errors.Count, string.Join(" ", context.Errors));
+            foreach (string identifier in new[] { "material skin", "material skin 2", "image skin", "image skin 2" })
+                That(context.Objects.ContainsKey(identifier),
+                     identifier + " is one of " + string.Join(", ", context.Objects.Keys));
+            var texture = ((UnityEngine.Material)context.Objects["material skin 2"]).mainTexture;
+            That(texture == context.Objects["image skin 2"], "each material has its own texture");
+        }
+
+        // As Unity does it: the asset's fields are read anew, and then all postprocessors are called.
+        public static void OpenComponentsShowAnArchiveThatIsImportedAnew()
+        {
+            FaceBakerFace component = Open("character.fbk");
+            FaceBakerAsset asset = component.Asset;
+            var other = new GameObject("other").AddComponent<FaceBakerFace>();
+            other.enabled = true;
+            other.Asset = asset;
+            AssetDatabase.Paths[asset] = "Assets/face.fbk";
+            Face old = component.Face;
+            var expected = new Dictionary<string, float>();
+            foreach (Control control in old.Controls)
+            {
+                expected[control.Name] = control.Minimum + 0.75f * (control.Maximum - control.Minimum);
+                component.SetControl(control.Index, expected[control.Name]);
+            }
+            typeof(FaceBakerAsset).GetField("archive", BindingFlags.Instance | BindingFlags.NonPublic)
+                .SetValue(asset, File.ReadAllBytes(Fixture("rebaked.fbk")));
+            Debug.Warnings.Clear();
+            typeof(FbkImporter).Assembly.GetType("FaceBaker.Unity.Editor.FbkPostprocessor", true)
+                .GetMethod("OnPostprocessAllAssets", BindingFlags.Static | BindingFlags.NonPublic)
+                .Invoke(null, new object[] { new[] { "Assets/face.fbk" }, new string[0], new string[0], new string[0] });
+            Face now = component.Face;
+            That(now != null && now != old && other.Face == now, "both components show the new face");
+            Throws<ObjectDisposedException>(() => old.FindControl("jaw_open"));
+            That(now.Controls[0].Name != "jaw_open", "its controls are in another order");
+            int kept = 0;
+            foreach (Control control in now.Controls)
+            {
+                float value;
+                if (expected.TryGetValue(control.Name, out value)) ++kept;
+                else value = control.Rest;
+                Same(value, component.GetControl(control.Index), control.Name);
+            }
+            That(kept >= 3 && kept < now.ControlCount, kept + " controls have kept their values");
+            Same(2, Debug.Warnings.FindAll(text => text.Contains("nose_wrinkle")).Count, "warnings about the one that has gone");
+            That(EditorApplication.Queued > 0, "the editor shows it");
+            Call(component, "OnDisable");
+            Call(other, "OnDisable");
         }
 
         public static void TheInspectorHasASliderForEveryControl()

@@ -39,7 +39,30 @@ namespace UnityEditor
     }
 
     public static class Undo { public static void RecordObject(UnityEngine.Object changed, string name) { } }
-    public static class EditorUtility { public static void SetDirty(UnityEngine.Object changed) { } }
+    public static class EditorUtility
+    {
+        public static void SetDirty(UnityEngine.Object changed) { }
+        public static bool IsPersistent(UnityEngine.Object asked) { return false; }
+    }
+
+    public class AssetPostprocessor { }
+
+    public static class AssetDatabase
+    {
+        public static readonly Dictionary<UnityEngine.Object, string> Paths = new Dictionary<UnityEngine.Object, string>();
+
+        public static string GetAssetPath(UnityEngine.Object asset)
+        {
+            string path;
+            return asset != null && Paths.TryGetValue(asset, out path) ? path : "";
+        }
+    }
+
+    public static class EditorApplication
+    {
+        public static int Queued;
+        public static void QueuePlayerLoopUpdate() { ++Queued; }
+    }
 }
 
 namespace UnityEditor.AssetImporters

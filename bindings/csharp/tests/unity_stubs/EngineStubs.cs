@@ -71,14 +71,19 @@ namespace UnityEngine.Rendering
         }
     }
 
+    // Unity takes ranges and bounds as they are where DontRecalculateBounds is set.
     public struct SubMeshDescriptor
     {
-        public readonly int Start, Count;
+        public int indexStart { get; set; }
+        public int indexCount { get; set; }
+        public int firstVertex { get; set; }
+        public int vertexCount { get; set; }
+        public Bounds bounds { get; set; }
 
-        public SubMeshDescriptor(int indexStart, int indexCount)
+        public SubMeshDescriptor(int indexStart, int indexCount) : this()
         {
-            Start = indexStart;
-            Count = indexCount;
+            this.indexStart = indexStart;
+            this.indexCount = indexCount;
         }
     }
 
@@ -147,7 +152,8 @@ namespace UnityEngine
 
     public static class Debug
     {
-        public static readonly List<string> Errors = new List<string>();
+        public static readonly List<string> Errors = new List<string>(), Warnings = new List<string>();
+        public static void LogWarning(object message, Object context) { Warnings.Add("" + message); }
         public static void LogError(object message, Object context) { Errors.Add("" + message); }
     }
 
@@ -161,6 +167,19 @@ namespace UnityEngine
     public class ScriptableObject : Object
     {
         public static T CreateInstance<T>() where T : ScriptableObject, new() { return new T(); }
+    }
+
+    public static class Resources
+    {
+        internal static readonly List<Object> Made = new List<Object>();
+
+        public static T[] FindObjectsOfTypeAll<T>() where T : Object
+        {
+            var found = new List<T>();
+            foreach (Object made in Made)
+                if (made is T) found.Add((T)made);
+            return found.ToArray();
+        }
     }
 
     public class Component : Object
@@ -210,6 +229,7 @@ namespace UnityEngine
                 if (component is T) return (T)component;
             var made = new T { gameObject = this, name = name };
             components.Add(made);
+            Resources.Made.Add(made);
             return made;
         }
     }
@@ -221,8 +241,13 @@ namespace UnityEngine
     {
         public readonly float[][] Streams = new float[2][];
         public int[] Indices;
-        public readonly List<SubMeshDescriptor> Parts = new List<SubMeshDescriptor>();
-        public int subMeshCount { get; set; }
+        public SubMeshDescriptor[] Parts = new SubMeshDescriptor[0];
+        public int subMeshCount
+        {
+            get { return Parts.Length; }
+            set { Array.Resize(ref Parts, value); }
+        }
+
         public Bounds bounds { get; set; }
 
         public void MarkDynamic() { }
@@ -251,6 +276,6 @@ namespace UnityEngine
             Array.Copy(data, from, Indices, to, count);
         }
 
-        public void SetSubMesh(int index, SubMeshDescriptor part, MeshUpdateFlags flags) { Parts.Add(part); }
+        public void SetSubMesh(int index, SubMeshDescriptor part, MeshUpdateFlags flags) { Parts[index] = part; }
     }
 }

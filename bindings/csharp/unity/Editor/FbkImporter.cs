@@ -1,3 +1,4 @@
+using System.Collections.Generic;
 using System.IO;
 using UnityEditor.AssetImporters;
 using UnityEngine;
@@ -6,8 +7,9 @@ using UnityEngine.Rendering;
 namespace FaceBaker.Unity.Editor
 {
     /// <summary>Imports an .fbk archive as an asset, and an object with a component for each mesh to drag into scenes. An
-    /// archive that is damaged is an import error with the library's message.</summary>
-    [ScriptedImporter(1, "fbk")]
+    /// archive that is damaged is an import error with the library's message. Materials and textures are known to projects by
+    /// their names; of those of one name the second is "NAME 2".</summary>
+    [ScriptedImporter(2, "fbk")]
     public sealed class FbkImporter : ScriptedImporter
     {
         /// <summary>Called by Unity.</summary>
@@ -67,28 +69,44 @@ namespace FaceBaker.Unity.Editor
             Shader shader = GraphicsSettings.defaultRenderPipeline != null ? GraphicsSettings.defaultRenderPipeline.defaultShader
                                                                            : Shader.Find("Standard");
             var made = new UnityEngine.Material[face.Materials.Count + 1];
+            var used = new HashSet<string>();
+            var textures = new Texture2D[face.Images.Count];
             for (int i = 0; i < made.Length; ++i)
             {
                 made[i] = new UnityEngine.Material(shader) { name = "default" };
-                if (i < face.Materials.Count) Fill(made[i], face, face.Materials[i], context);
-                context.AddObjectToAsset("material " + i, made[i]);
+                bool own = i < face.Materials.Count;
+                if (own) Fill(made[i], face, face.Materials[i], textures);
+                context.AddObjectToAsset(Identifier(own ? "material " + made[i].name : "no material", used), made[i]);
+            }
+            for (int i = 0; i < textures.Length; ++i)
+            {
+                if (textures[i] == null) continue;
+                if (!textures[i].LoadImage(face.Images[i].Bytes.ToArray()))
+                    context.LogImportWarning("image " + i + ", " + face.Images[i].MediaType + ", cannot be read by Unity");
+                context.AddObjectToAsset(Identifier("image " + textures[i].name, used), textures[i]);
             }
             return made;
         }
 
-        private static void Fill(UnityEngine.Material to, Face face, FaceMaterial from, AssetImportContext context)
+        // Two objects of one identifier are one to Unity.
+        private static string Identifier(string name, HashSet<string> used)
+        {
+            string identifier = name;
+            for (int number = 2; !used.Add(identifier); ++number) identifier = name + " " + number;
+            return identifier;
+        }
+
+        // textures: of each image; those that the material shows are made.
+        private static void Fill(UnityEngine.Material to, Face face, FaceMaterial from, Texture2D[] textures)
         {
             to.name = from.Name;
             to.color = new Color(from.BaseColour[0], from.BaseColour[1], from.BaseColour[2], from.BaseColour[3]).gamma;
             foreach (FaceTexture texture in from.Textures)
             {
                 if (texture.Slot != TextureSlot.BaseColour) continue;
-                FaceImage image = face.Images[texture.Image];
-                var picture = new Texture2D(2, 2) { name = image.Name };
-                if (!picture.LoadImage(image.Bytes.ToArray()))
-                    context.LogImportWarning("image " + texture.Image + ", " + image.MediaType + ", cannot be read by Unity");
-                context.AddObjectToAsset("image of " + to.name, picture);
-                to.mainTexture = picture;
+                int image = texture.Image;
+                if (textures[image] == null) textures[image] = new Texture2D(2, 2) { name = face.Images[image].Name };
+                to.mainTexture = textures[image];
             }
         }
     }

@@ -20,8 +20,8 @@ namespace FaceBaker.Unity
             return asset;
         }
 
-        /// <summary>The face, loaded by the first who asks; to be given back by <see cref="Release"/>. Main thread
-        /// only.</summary>
+        /// <summary>The face, loaded by the first who asks; to be given back by <see cref="Release"/>. An archive that was
+        /// imported anew is loaded once all have given back the old one. Main thread only.</summary>
         /// <exception cref="FaceBakerException">The archive is damaged.</exception>
         public Face Acquire()
         {

@@ -1,4 +1,5 @@
 using System;
+using System.Collections.Generic;
 using UnityEngine;
 using UnityEngine.Rendering;
 using Unity.Collections;
@@ -18,13 +19,16 @@ namespace FaceBaker.Unity
         [SerializeField] private string meshName = "";
         [SerializeField] private FaceBakerFace leader;
         [SerializeField, HideInInspector] private float[] values = new float[0];
+        [SerializeField, HideInInspector] private string[] names = new string[0]; // of the controls that have these values
         [SerializeField, Min(0)] private float levelOfDetail;
 
         private Face face;
+        private FaceBakerAsset opened; // where the face comes from
         private FaceInstance instance;
         private RenderMesh render;
         private UnityEngine.Mesh mesh;
         private NativeArray<float> vertices;
+        private SubMeshDescriptor[] parts;
         private int poseCount, written = -1;
 
         /// <summary>The archive. Setting it puts all controls at rest.</summary>
@@ -36,7 +40,7 @@ namespace FaceBaker.Unity
                 if (asset == value) return;
                 Close();
                 asset = value;
-                values = new float[0];
+                ForgetValues();
                 if (isActiveAndEnabled) Open();
             }
         }
@@ -69,7 +73,18 @@ namespace FaceBaker.Unity
             asset = archive;
             meshName = nameOfMesh;
             leader = shownPose;
-            values = new float[0];
+            ForgetValues();
+        }
+
+        /// <summary>For importers whose archives have changed: opens the faces of these components anew, all of them at once,
+        /// because they share them. Controls of the same names keep their values.</summary>
+        public static void Reload(IEnumerable<FaceBakerFace> components)
+        {
+            var open = new List<FaceBakerFace>();
+            foreach (FaceBakerFace component in components)
+                if (component.face != null || component.isActiveAndEnabled) open.Add(component);
+            foreach (FaceBakerFace component in open) component.Close();
+            foreach (FaceBakerFace component in open) component.Open();
         }
 
         /// <summary>The loaded face; null while the component is disabled, or without an asset.</summary>
@@ -182,7 +197,8 @@ namespace FaceBaker.Unity
             try
             {
                 face = asset.Acquire();
-                if (values.Length != face.ControlCount) values = face.RestControls.ToArray();
+                opened = asset;
+                MatchValues();
                 instance = new FaceInstance(face);
                 render = new RenderMesh(face, meshName.Length == 0 ? 0 : face.FindMesh(meshName), AxisConversion.ToUnity(face));
                 MakeMesh();
@@ -192,6 +208,34 @@ namespace FaceBaker.Unity
                 Debug.LogError(name + ": " + exception.Message, this);
                 Close();
             }
+        }
+
+        private void ForgetValues()
+        {
+            values = new float[0];
+            names = new string[0];
+        }
+
+        // Values go to the controls of their names, for the order of controls changes when a face is baked anew; other controls
+        // are at rest. Values without names are of earlier versions of this package.
+        private void MatchValues()
+        {
+            var kept = new Dictionary<string, float>();
+            bool named = names.Length == values.Length;
+            if (!named && values.Length != face.ControlCount) values = new float[0];
+            for (int i = 0; i < values.Length; ++i) kept[named ? names[i] : face.Controls[i].Name] = values[i];
+            values = face.RestControls.ToArray();
+            names = new string[values.Length];
+            foreach (Control control in face.Controls)
+            {
+                names[control.Index] = control.Name;
+                float value;
+                if (!kept.TryGetValue(control.Name, out value)) continue;
+                values[control.Index] = value;
+                kept.Remove(control.Name);
+            }
+            if (kept.Count > 0)
+                Debug.LogWarning(name + ": the face no longer has the controls " + string.Join(", ", kept.Keys) + ".", this);
         }
 
         // Stream 0 is written in every pose, stream 1, texture coordinates, once.
@@ -211,12 +255,30 @@ namespace FaceBaker.Unity
             mesh.SetIndexBufferParams(indices.Length, IndexFormat.UInt32);
             mesh.SetIndexBufferData(indices, 0, 0, indices.Length, Quiet);
             mesh.subMeshCount = render.Parts.Count;
-            for (int i = 0; i < render.Parts.Count; ++i)
-                mesh.SetSubMesh(i, new SubMeshDescriptor(render.Parts[i].FirstIndex, render.Parts[i].IndexCount), Quiet);
+            parts = new SubMeshDescriptor[render.Parts.Count];
+            for (int i = 0; i < parts.Length; ++i) parts[i] = Describe(render.Parts[i], indices);
+            if (Pose()) WriteMesh(instance);
             GetComponent<MeshFilter>().sharedMesh = mesh;
             written = -1;
         }
 
+        // With the range of vertices, which Unity leaves to the caller where it does not compute bounds.
+        private static SubMeshDescriptor Describe(RenderPart part, int[] indices)
+        {
+            int first = int.MaxValue, last = -1;
+            for (int i = part.FirstIndex; i < part.FirstIndex + part.IndexCount; ++i)
+            {
+                first = Math.Min(first, indices[i]);
+                last = Math.Max(last, indices[i]);
+            }
+            return new SubMeshDescriptor(part.FirstIndex, part.IndexCount)
+            {
+                firstVertex = last < 0 ? 0 : first,
+                vertexCount = last < 0 ? 0 : last - first + 1,
+            };
+        }
+
+        // Bounds are those of the pose, which are known.
         private const MeshUpdateFlags Quiet = MeshUpdateFlags.DontRecalculateBounds | MeshUpdateFlags.DontValidateIndices |
                                               MeshUpdateFlags.DontNotifyMeshUsers;
 
@@ -228,6 +290,11 @@ namespace FaceBaker.Unity
             render.Axes.ApplyBounds(from.Bounds, new Span<float>(corners, 6));
             var bounds = new Bounds();
             bounds.SetMinMax(new Vector3(corners[0], corners[1], corners[2]), new Vector3(corners[3], corners[4], corners[5]));
+            for (int i = 0; i < parts.Length; ++i)
+            {
+                parts[i].bounds = bounds;
+                mesh.SetSubMesh(i, parts[i], Quiet);
+            }
             mesh.bounds = bounds;
         }
 
@@ -236,8 +303,9 @@ namespace FaceBaker.Unity
             if (mesh != null) DestroyImmediate(mesh);
             if (vertices.IsCreated) vertices.Dispose();
             if (instance != null) instance.Dispose();
-            if (face != null) asset.Release();
+            if (face != null) opened.Release();
             mesh = null;
+            opened = null;
             instance = null;
             render = null;
             face = null;
