@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "commands/results.h"
 #include "report/face_report.h"
@@ -36,7 +37,7 @@ namespace {
 
 // CLI11 check of the name of an archive to write.
 std::string archive_name(const std::string& name) {
-  return name.ends_with(".fbk") ? "" : shown(name) + ": the name of an archive ends in .fbk";
+  return file_extension(name) == ".fbk" ? "" : shown(name) + ": the name of an archive ends in .fbk";
 }
 
 const CLI::Range& pose_counts() {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/file_extension.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -44,7 +45,7 @@ struct ExportCommand {
   void run();
 
  private:
-  std::string extension() const { return std::filesystem::path(out).extension().string(); }
+  std::string extension() const { return file_extension(out); }
   void check_options() const;
   ExportResult write(const facebaker::Archive& opened) const;
   ExportResult write_moving(const facebaker::Archive& opened, const facebaker::Model& model) const;

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/clip_files.h"
@@ -33,7 +33,7 @@ struct PlanCommand {
 void PlanCommand::run() {
   std::vector<std::string> notes;
   std::optional<facebaker::Source> opened;
-  const bool is_schema = std::filesystem::path(source).extension() == ".json";
+  const bool is_schema = file_extension(source) == ".json";
   if (!is_schema) opened.emplace(rigs.open({source}, notes));
   if (is_schema && !clips.empty())
     fail(Status::invalid_argument,

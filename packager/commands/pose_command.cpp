@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/file_extension.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -116,7 +117,7 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
   std::optional<facebaker::Source> reference;
   if (!beside.empty()) reference = open_beside(beside, rigs, model, archive, notes);
   std::optional<PoseRenderer> renderer;
-  if (out.ends_with(".png")) {
+  if (file_extension(out) == ".png") {
     const std::array<std::vector<float>, 8> bounds = bounds_of(evaluator, poses);
     renderer.emplace(evaluator.character().mesh, MeshPoses{bounds.begin(), bounds.end()}, fb_up_axis(model.get()), view,
                      resolution_from(size), parallel);
@@ -149,14 +150,15 @@ void PoseCommand::print(const Poses& poses) const {
 }
 
 void PoseCommand::check_options() const {
-  const bool picture = out.ends_with(".png");
-  if (!out.ends_with(".glb") && !picture && !out.ends_with(".obj"))
+  const std::string form = file_extension(out);
+  const bool picture = form == ".png";
+  if (form != ".glb" && !picture && form != ".obj")
     fail(Status::invalid_argument, "--out %s: the name must end in .glb, .obj or .png", shown(out).c_str());
   if (!beside.empty() && !picture) fail(Status::invalid_argument, "--beside needs a picture: --out NAME.png");
-  if (lod > 0 && out.ends_with(".glb"))
+  if (lod > 0 && form == ".glb")
     fail(Status::invalid_argument, "--lod needs --out NAME.obj or NAME.png: morph targets are those of the whole");
   if (frame && request.animation().empty()) fail(Status::invalid_argument, "--frame needs --clip or --livelink");
-  scene.check(out.ends_with(".glb"));
+  scene.check(form == ".glb");
 }
 
 Poses PoseCommand::read_frames(const facebaker::Model& model) const {
@@ -185,7 +187,7 @@ void PoseCommand::run() {
   if (expected_)
     if (const auto warning = outside_warning(*expected_, poses.frames)) print_notes({*warning});
   PoseEvaluator evaluator(model, parallel, lod);
-  if (out.ends_with(".glb")) {
+  if (file_extension(out) == ".glb") {
     summary_ = write_scene(evaluator, poses, scene, out);
     print_notes(summary_->notes);
     files_.push_back(out);

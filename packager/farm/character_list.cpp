@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "farm/shell_words.h"
@@ -46,7 +47,7 @@ std::string name_of_source(const std::string& source) {
   std::filesystem::path path(source);
   if (!path.has_filename()) path = path.parent_path();
   std::string name = path.stem().string();
-  if (path.extension() == ".so" && name.starts_with(plugin_prefix)) name = name.substr(plugin_prefix.size());
+  if (file_extension(path) == ".so" && name.starts_with(plugin_prefix)) name = name.substr(plugin_prefix.size());
   if (!is_name(name))
     fail(Status::bad_data,
          "\"%s\" cannot be a name of files: write NAME=SOURCE, of letters, digits, \".\", \"_\", \"-\"",

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -28,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 11> media_types =
 }};
 
 std::string type_of(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
+  const std::string extension = file_extension(path);
   for (const auto& [ending, type] : media_types)
     if (extension == ending) return type;
   return "application/octet-stream";

@@ -94,7 +94,7 @@ def plan(
     desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
     assign(desc, threads=threads, poses=poses, seed=seed, shots=shots)
     _set_plan(desc, folder, mix, examples)
-    if isinstance(source, (str, os.PathLike)) and pathlib.Path(source).suffix == ".json":
+    if isinstance(source, (str, os.PathLike)) and pathlib.Path(source).suffix.lower() == ".json":
         if clips:
             raise ValueError("clips of a schema are planned by hand: name their controls in dataset.json")
         with Call(progress, note) as call:

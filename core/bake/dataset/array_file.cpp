@@ -3,6 +3,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/dataset/point_cache.h"
 #include "base/checked.h"
+#include "base/file_extension.h"
 #include "base/input_file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -56,7 +57,7 @@ void ArrayFile::read(std::size_t first, std::size_t count, std::span<float> valu
 }
 
 std::unique_ptr<const ArrayFile> open_array(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
+  const std::string extension = file_extension(path);
   if (extension == ".mdd") return std::make_unique<MddFile>(path);
   if (extension == ".pc2") return std::make_unique<Pc2File>(path);
   return std::make_unique<NpyFile>(path);

@@ -8,6 +8,7 @@
 
 #include "bake/rig/character_json.h"
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/json_depth.h"
 #include "base/path_inside.h"
 #include "base/shown_path.h"
@@ -352,9 +353,10 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
 
 std::string shard_name(const std::string& name, std::size_t number) {
   std::size_t end = name.size();
+  const std::string lower = lower_case(name);
   for (const char* suffix :
        {".points.npy", ".controls.npy", ".channels.npy", ".npy", ".points.mdd", ".mdd", ".points.pc2", ".pc2"})
-    if (name.ends_with(suffix)) {
+    if (lower.ends_with(suffix)) {
       end = name.size() - std::char_traits<char>::length(suffix);
       break;
     }

@@ -15,6 +15,7 @@
 #include "bake/rig/source.h"
 #include "bake/rig_process/process_source.h"
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/hash.h"
 #include "base/match_names.h"
 #include "base/output_lock.h"
@@ -74,7 +75,7 @@ OpenedSource open_in_children(const std::string& source, std::vector<std::string
 }
 
 bool is_gltf(const std::string& source) {
-  const std::string extension = fs::path(source).extension().string();
+  const std::string extension = file_extension(source);
   return !source.starts_with(command_prefix) && (extension == ".glb" || extension == ".gltf" || extension == ".vrm");
 }
 
@@ -112,9 +113,8 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
       fail(Status::not_found, "%s: is no dataset folder: it holds no %s", shown(source).c_str(), dataset_file);
     return std::make_unique<DatasetSource>(path);
   }
-  const std::string extension = path.extension().string();
   if (is_gltf(source)) return open_gltf_rig(source, running.gltf);
-  if (extension == ".so") return open_rig_plugin(source);
+  if (file_extension(path) == ".so") return open_rig_plugin(source);
   fail(Status::invalid_argument,
        "%s: neither a dataset folder, a rig plugin (.so), a glTF file (.glb, .gltf, .vrm) nor a command (exec:COMMAND)",
        shown(source).c_str());

@@ -9,6 +9,7 @@
 #include "bake/rig/gltf/gltf_mesh.h"
 #include "base/checked.h"
 #include "base/file.h"
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -78,7 +79,7 @@ void write_faces(const std::filesystem::path& path, const std::vector<std::uint3
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
-  const std::string extension = path.extension().string();
+  const std::string extension = file_extension(path);
   if (extension != ".obj" && extension != ".glb")
     fail(Status::bad_data, "%s: a rest mesh is read from .obj or .glb", shown(path).c_str());
   const Mesh mesh = extension == ".obj" ? read_obj(path) : read_glb(path);

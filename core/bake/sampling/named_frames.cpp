@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "bake/sampling/read_examples.h"
+#include "base/file_extension.h"
 #include "base/shown_path.h"
 #include "model/exact_poses.h"
 
@@ -44,7 +45,7 @@ class NamedFrameList {
     const auto clip = clip_named(source_, wanted.substr(0, colon));
     if (colon != std::string::npos && clip) return add_frames(*clip, wanted.substr(colon + 1));
     const std::filesystem::path path(wanted);
-    if (path.extension() == ".csv" || path.extension() == ".npy") return add_file(wanted);
+    if (const std::string kind = file_extension(path); kind == ".csv" || kind == ".npy") return add_file(wanted);
     const std::string_view closest = closest_clip(source_, wanted.substr(0, colon));
     fail(Status::not_found, "\"%s\" is no clip of \"%s\", no CLIP:FRAME and no .csv or .npy%s%s%s", wanted.c_str(),
          source_.schema().name.c_str(), closest.empty() ? "" : "; the closest clip is \"", std::string(closest).c_str(),

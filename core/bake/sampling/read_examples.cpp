@@ -10,6 +10,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/sampling/sampling.h"
 #include "base/csv_file.h"
+#include "base/file_extension.h"
 #include "base/hash.h"
 #include "base/match_names.h"
 #include "base/shown_path.h"
@@ -105,7 +106,7 @@ void read_one(const std::string& file, const RigSchema& schema, std::vector<floa
   const std::size_t before = frames.size(), width = schema.control_count();
   if (fs::is_directory(path)) {
     read_folder(path, schema, frames, progress);
-  } else if (path.extension() == ".csv") {
+  } else if (file_extension(path) == ".csv") {
     read_csv(path, schema, frames, progress);
   } else {
     const Clip clip = read_clip(file, path, schema);
