@@ -9,11 +9,13 @@
 
 namespace fb {
 
-// Reads a file of comma-separated values whose first line names its columns, line by line. Quotes and blanks around
-// cells, a byte order mark, line ends of Windows and empty lines are left out. Messages name file, line and column.
+// Reads a file of separated values whose first line names its columns, line by line, as spreadsheets of any language
+// save them: in UTF-8 or UTF-16, and separated by commas, semicolons or tabs, whichever the first line has, or says
+// ("sep=;"). With semicolons and tabs, numbers may have a decimal comma. Quotes and blanks around cells, a byte order
+// mark, line ends of Windows and empty lines are left out. Messages name file, line and column.
 class CsvFile {
  public:
-  // Fails as read_file does, with limit beyond 1 GiB.
+  // Fails as read_file does, with limit beyond 1 GiB, and with bad_data on UTF-16 that is not whole.
   explicit CsvFile(const std::filesystem::path& path);
 
   const std::vector<std::string>& names() const { return names_; }
@@ -32,6 +34,7 @@ class CsvFile {
   std::istringstream text_;
   std::vector<std::string> names_, cells_;
   std::size_t line_ = 1;
+  char separator_ = ',';
 };
 
 }  // namespace fb
