@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "base/shown_path.h"
+
 namespace fb {
 namespace {
 
@@ -72,6 +74,21 @@ std::optional<std::string> nearest_name(const std::string& word, const std::vect
       nearest = name;
     }
   return nearest;
+}
+
+std::string list_of_names(const std::vector<std::string>& names, std::size_t most) {
+  std::string list;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+    list += (i > 0 ? ", \"" : "\"") + shown(names[i]) + "\"";
+  if (names.size() > most) list += format(" and %zu more", names.size() - most);
+  return list;
+}
+
+std::string names_there_are(const std::string& word, const std::vector<std::string>& names) {
+  if (names.empty()) return "; there are none";
+  const auto nearest = nearest_name(word, names);
+  return (nearest ? "; the closest is \"" + shown(*nearest) + "\"" : std::string()) + "; there are " +
+         list_of_names(names);
 }
 
 }  // namespace fb

@@ -16,4 +16,10 @@ std::vector<std::optional<std::size_t>> match_names(const std::vector<std::strin
 // with their neighbour, at most one in three of the word's; the first of several. Nothing where none is that near.
 std::optional<std::string> nearest_name(const std::string& word, const std::vector<std::string>& names);
 
+// The rest of a sentence that begins with a word which is none of `names`: `; the closest is "jaw"; there are "jaw",
+// "brow" and 3 more`. Ten are listed.
+std::string names_there_are(const std::string& word, const std::vector<std::string>& names);
+// `"jaw", "brow" and 3 more`.
+std::string list_of_names(const std::vector<std::string>& names, std::size_t most = 10);
+
 }  // namespace fb

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/match_names.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "commands/commands.h"
@@ -47,9 +48,12 @@ std::string own_program() {
 std::vector<FarmCharacter> FarmCommand::chosen() const {
   std::vector<FarmCharacter> all = read_character_list(list);
   if (only.empty()) return all;
+  std::vector<std::string> names;
+  for (const FarmCharacter& character : all) names.push_back(character.name);
   for (const std::string& name : only)
-    if (std::ranges::find(all, name, &FarmCharacter::name) == all.end())
-      fail(Status::not_found, "%s has no character \"%s\"", shown(list).c_str(), shown(name).c_str());
+    if (std::ranges::find(names, name) == names.end())
+      fail(Status::not_found, "%s has no character \"%s\"%s", shown(list).c_str(), shown(name).c_str(),
+           names_there_are(name, names).c_str());
   std::erase_if(all,
                 [&](const FarmCharacter& character) { return std::ranges::find(only, character.name) == only.end(); });
   return all;

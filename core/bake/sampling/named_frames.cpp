@@ -6,6 +6,7 @@
 
 #include "bake/sampling/read_examples.h"
 #include "base/file_extension.h"
+#include "base/match_names.h"
 #include "base/shown_path.h"
 #include "model/exact_poses.h"
 
@@ -47,9 +48,12 @@ class NamedFrameList {
     const std::filesystem::path path(wanted);
     if (const std::string kind = file_extension(path); kind == ".csv" || kind == ".npy") return add_file(wanted);
     const std::string_view closest = closest_clip(source_, wanted.substr(0, colon));
-    fail(Status::not_found, "\"%s\" is no clip of \"%s\", no CLIP:FRAME and no .csv or .npy%s%s%s", wanted.c_str(),
-         source_.schema().name.c_str(), closest.empty() ? "" : "; the closest clip is \"", std::string(closest).c_str(),
-         closest.empty() ? "" : "\"");
+    std::vector<std::string> clips;
+    for (const Clip& one : source_.clips()) clips.push_back(one.name);
+    fail(Status::not_found, "\"%s\" is no clip of \"%s\", no CLIP:FRAME and no .csv or .npy%s%s%s; %s%s",
+         wanted.c_str(), source_.schema().name.c_str(), closest.empty() ? "" : "; the closest clip is \"",
+         std::string(closest).c_str(), closest.empty() ? "" : "\"", clips.empty() ? "it has no clips" : "it has ",
+         list_of_names(clips).c_str());
   }
 
   std::vector<NamedFrame> frames;

@@ -43,8 +43,9 @@ class Columns {
       }
     }
     if (known == 0)
-      fail(Status::bad_data, "%s: no column has the name of a control of \"%s\"; the first is \"%s\"", file.c_str(),
-           schema.name.c_str(), names.empty() ? "" : names[0].c_str());
+      fail(Status::bad_data, "%s: no column has the name of a control of \"%s\"; there are columns %s, and controls %s",
+           file.c_str(), schema.name.c_str(), list_of_names(names, most_named).c_str(),
+           list_of_names(names_alone(schema), most_named).c_str());
     if (unknown_count > most_named) unknown += format(" and %zu more", unknown_count - most_named);
     if (unknown_count > 0) progress.note(format("%s: no controls are called %s", file.c_str(), unknown.c_str()));
     if (known < schema.control_count())
@@ -55,6 +56,12 @@ class Columns {
   const std::vector<std::optional<std::size_t>>& controls() const { return controls_; }
 
  private:
+  static std::vector<std::string> names_alone(const RigSchema& schema) {
+    std::vector<std::string> names;
+    for (const Control& control : schema.controls) names.push_back(control.name);
+    return names;
+  }
+
   static std::vector<std::vector<std::string>> names_of(const RigSchema& schema) {
     std::vector<std::vector<std::string>> names;
     for (const Control& control : schema.controls)
