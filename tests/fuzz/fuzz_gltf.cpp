@@ -1,5 +1,6 @@
 // Feeds arbitrary bytes to the glTF rig, in memory: as they are, and with the sizes of a .glb corrected so that the
-// JSON and the buffer behind them are reached. Joints are ignored, and controls. Accepted rigs are posed. Files beside
+// JSON and the buffer behind them are reached. Joints are ignored, and controls, and
+// broken parts left out. Accepted rigs are posed. Files beside
 // are refused: there are none in memory.
 #include <algorithm>
 #include <span>
@@ -40,9 +41,11 @@ Bytes with_valid_sizes(Bytes bytes) {
 }
 
 void open_and_pose(const Bytes& bytes) {
-  for (const auto joints : {fb::bake::JointUse::ignored, fb::bake::JointUse::controls})
+  using fb::bake::JointUse;
+  for (const auto joints : {JointUse::ignored, JointUse::controls, JointUse::automatic})
     fuzz::expect_message([&] {
-      const auto rig = fb::bake::open_gltf_rig(std::as_bytes(std::span(bytes)), "fuzzed", {joints, {}});
+      const fb::bake::GltfOptions options = {joints, {}, joints == JointUse::automatic};
+      const auto rig = fb::bake::open_gltf_rig(std::as_bytes(std::span(bytes)), "fuzzed", options);
       std::vector<float> pose, points(rig->rest().points.size());
       for (const fb::Control& control : rig->schema().controls) pose.push_back(control.maximum);
       rig->evaluate(pose, 1, points);

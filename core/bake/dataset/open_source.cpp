@@ -86,6 +86,7 @@ std::vector<std::string> host_arguments(const std::string& source, const RigRunn
   if (running.gltf.joints != JointUse::automatic)
     arguments.emplace_back(running.gltf.joints == JointUse::controls ? "--joints=controls" : "--joints=ignore");
   for (const std::string& name : running.gltf.control_joints) arguments.push_back("--control-joint=" + name);
+  if (running.gltf.skip_broken) arguments.emplace_back("--skip-broken");
   return arguments;
 }
 
@@ -123,7 +124,8 @@ OpenedSource open_source(const std::string& source, const RigRunning& running) {
 OpenedSource open_sources(const std::vector<std::string>& sources, const RigRunning& running) {
   if (sources.empty()) fail(Status::invalid_argument, "no source is given");
   if (running.gltf != GltfOptions{} && std::ranges::none_of(sources, is_gltf))
-    fail(Status::invalid_argument, "joints are chosen as controls or ignored, but no source is a glTF file");
+    fail(Status::invalid_argument,
+         "joints are chosen as controls or ignored, or broken parts left out, but no source is a glTF file");
   if (sources.size() == 1) return open_source(sources[0], running);
   std::vector<std::unique_ptr<Source>> opened;
   for (const std::string& source : sources) opened.push_back(open_source(source, running));

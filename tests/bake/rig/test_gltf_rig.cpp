@@ -229,11 +229,9 @@ TEST_CASE("what cannot be a rig is refused by name") {
     Status status;
     const char* message;
   } wrongs[] = {
-      {R"(,"targets":[{"POSITION":4},{"POSITION":6}])", "", Status::bad_data, "primitive 1 has 2 morph targets"},
-      {R"("mesh":1,)", R"("mesh":1,"skin":0,)", Status::bad_data, "has a skin, and a primitive without joints"},
+      {R"("mesh":1,)", R"("mesh":1,"skin":0,)", Status::bad_data, "has a skin, and vertices without joints"},
       {R"("scale":[2,2,2])", R"("scale":[2,2,2],"children":[0])", Status::bad_data, "nodes are their own parents"},
       {R"("indices":1,)", R"("indices":1,"mode":9,)", Status::bad_data, "the unknown mode 9"},
-      {R"("indices":1,)", "", Status::bad_data, "4 corners make no triangles"},
       {R"({"POSITION":6})", R"({"POSITION":5})", Status::bad_data, "has 3 moves of target 1 where 4 are needed"},
       {R"({"POSITION":6})", R"({"POSITION":99})", Status::bad_data, "no accessor 99 for its moves of target 1"},
       {R"({"POSITION":6})", R"({"POSITION":9})", Status::unsupported, "moves of target 1 are not three floats"},
@@ -242,17 +240,13 @@ TEST_CASE("what cannot be a rig is refused by name") {
       {R"("sparse":{"count":1)", R"("sparse":{"count":-1)", Status::bad_data, "moves of target 1"},
       {R"("byteOffset":48,"componentType":5123)", R"("byteOffset":8,"componentType":5123)", Status::bad_data,
        "of its triangles is"},
-      {R"(["jaw","brow"])", R"(["jaw"])", Status::bad_data, "1 names for 2 morph targets"},
-      {R"(["jaw","brow"])", R"(["jaw","jaw"])", Status::bad_data, "extras.targetNames: \"jaw\" occurs twice"},
-      {R"(["jaw","brow"])", R"(["jaw",3])", Status::bad_data, "target 1 is no text"},
-      {R"({"name":"toy",)", R"({"name":"toy","weights":[0],)", Status::bad_data, "1 default weights for 2"},
       {R"("interpolation":"STEP")", R"("interpolation":"CUBICSPLINE")", Status::bad_data,
        "animation \"talk (2)\": has 6 key weights where 18 are needed"},
       {R"("interpolation":"STEP")", R"("interpolation":"EASE")", Status::bad_data,
        "animation \"talk (2)\": its weights are interpolated by EASE"},
       {R"("input":8,"output":9)", R"("input":9,"output":9)", Status::bad_data, "has 6 key weights where 12 are needed"},
-      {R"("asset")", R"("extensionsRequired":["EXT_mesh_gpu_instancing"],"asset")", Status::unsupported,
-       "requires the glTF extension EXT_mesh_gpu_instancing"},
+      {R"("asset")", R"("extensionsRequired":["EXT_unheard_of"],"asset")", Status::unsupported,
+       "requires the glTF extension EXT_unheard_of"},
       {R"({"byteLength":240})", R"({"byteLength":240,"uri":"face.bin"})", Status::not_found, "face.bin"},
       {R"({"byteLength":240})", R"({"byteLength":241})", Status::bad_data, "is no whole glTF file"},
       {R"({"byteLength":240})", R"({"byteLength":0})", Status::bad_data, "is no whole glTF file: a buffer is empty"},
@@ -271,7 +265,7 @@ TEST_CASE("what cannot be a rig is refused by name") {
   CHECK(contains(failure(Status::bad_data, [&] { still.open(); }), "shows no mesh with morph targets"));
 }
 
-TEST_CASE("numbers that are not finite, and times that do not increase, are refused by name") {
+TEST_CASE("numbers that are not finite, and times that decrease, are refused by name") {
   const struct {
     std::size_t offset;
     float value;
@@ -280,7 +274,7 @@ TEST_CASE("numbers that are not finite, and times that do not increase, are refu
   } wrongs[] = {
       {12, NAN, Status::not_finite, "vertex 1 is not finite"},
       {152, INFINITY, Status::not_finite, "target 0: vertex 4 is not finite"},
-      {208, 0, Status::bad_data, "the time of key 1 is 0"},
+      {208, -1, Status::bad_data, "the time of key 1 is -1"},
       {212, 1e30f, Status::limit, "animation \"talk\": 1e+30 s"},
       {220, NAN, Status::not_finite, "animation \"talk\": key 0: the weight of \"brow\""},
   };
@@ -297,7 +291,7 @@ TEST_CASE("few keys are not resampled to very many frames") {
   const std::vector<float> rest(64);
   KeyTrack track{{0, 10000}, {0, 1}, {3}};  // 19.2 million values at 30 frames a second
   std::vector<std::size_t> contested;
-  const auto frames = [&] { return resample(std::span(&track, 1), rest, 30, contested).frames; };
+  const auto frames = [&] { return resample(std::span(&track, 1), rest, {}, contested).frames; };
   CHECK(contains(failure(Status::limit, frames), "10000 s of 64 values are too long"));
   for (std::size_t key = 1; track.times.size() < 75016; ++key) {
     track.times.insert(track.times.end() - 1, 0.1f * static_cast<float>(key));

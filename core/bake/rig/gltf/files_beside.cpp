@@ -62,11 +62,20 @@ std::string decode_percent(std::string_view uri) {
   return text;
 }
 
-std::vector<std::byte> FilesBeside::read(const std::string& path) {
-  if (path.starts_with("data:")) fail(Status::bad_data, "a data URI is not base64, or of an unknown media type");
-  if (has_scheme(path)) fail(Status::bad_data, "names \"%s\", which is no file beside it", shown(path).c_str());
-  if (!folder_) fail(Status::bad_data, "names \"%s\"; other files are not read here", shown(path).c_str());
-  std::vector<std::byte> bytes = read_file(path_inside(*folder_, path), left_);
+std::filesystem::path FilesBeside::path_of(const std::string& name) const {
+  if (has_scheme(name)) fail(Status::bad_data, "names \"%s\", which is no file beside it", shown(name).c_str());
+  if (!folder_) fail(Status::bad_data, "names \"%s\"; other files are not read here", shown(name).c_str());
+  return path_inside(*folder_, name);
+}
+
+std::vector<std::byte> FilesBeside::read(const std::string& uri) {
+  if (uri.starts_with("data:")) fail(Status::bad_data, "a data URI is not base64, or of an unknown media type");
+  const std::string decoded = decode_percent(uri);
+  std::filesystem::path path = path_of(decoded);
+  std::error_code unknown;
+  if (decoded != uri && !std::filesystem::exists(path, unknown))
+    if (const std::filesystem::path literal = path_of(uri); std::filesystem::exists(literal, unknown)) path = literal;
+  std::vector<std::byte> bytes = read_file(path, left_);
   left_ -= bytes.size();
   return bytes;
 }

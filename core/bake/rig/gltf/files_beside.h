@@ -24,11 +24,14 @@ class FilesBeside {
   // Without a folder there are none.
   explicit FilesBeside(std::optional<std::filesystem::path> folder) : folder_(std::move(folder)) {}
 
-  // `path`: relative, decoded. Fails with bad_data on another kind of address, on what lies elsewhere, and where there
-  // is no folder; with not_found; and with limit beyond 2 GiB in all.
-  std::vector<std::byte> read(const std::string& path);
+  // `uri`: relative, as the file has it. Where no file has its name without percent-encoding, one that has it as it
+  // stands is read: "example 10%.bin". Fails with bad_data on another kind of address, on what lies elsewhere, and
+  // where there is no folder; with not_found; and with limit beyond 2 GiB in all.
+  std::vector<std::byte> read(const std::string& uri);
 
  private:
+  std::filesystem::path path_of(const std::string& name) const;
+
   std::optional<std::filesystem::path> folder_;
   std::uint64_t left_ = std::uint64_t{1} << 31;  // bytes
 };

@@ -2,12 +2,11 @@
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <map>
-#include <optional>
 #include <set>
 
 #include "bake/rig/gltf/gltf_mesh.h"
-#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -19,39 +18,56 @@ const tinygltf::Value* target_names(const tinygltf::Mesh& mesh) {
   return nullptr;
 }
 
-std::vector<std::string> read_names(const tinygltf::Value& names, std::size_t count) {
-  if (!names.IsArray() || names.ArrayLen() != count)
-    fail(Status::bad_data, "extras.targetNames holds %zu names for %zu morph targets", names.ArrayLen(), count);
-  std::vector<std::string> read;
+// Names of morph targets that a mesh has once each. `mesh`: its name; a target without a name is called by it.
+std::vector<std::string> read_names(const tinygltf::Value& names, std::size_t count, const std::string& mesh,
+                                    LeftOut& left_out) {
+  std::vector<std::string> read(count);
+  std::set<std::string> taken;
+  const std::size_t listed = names.IsArray() ? names.ArrayLen() : 0;
+  for (std::size_t t = 0; t < std::min(count, listed); ++t)
+    if (const tinygltf::Value& name = names.Get(static_cast<int>(t)); name.IsString())
+      taken.insert(read[t] = name.Get<std::string>());
+  if (listed > count) left_out.add("extras.targetNames holds more names than morph targets, and the first count", mesh);
   std::set<std::string> once;
+  std::map<std::string, int> next;  // number of each name
   for (std::size_t t = 0; t < count; ++t) {
-    const tinygltf::Value& name = names.Get(static_cast<int>(t));
-    if (!name.IsString()) fail(Status::bad_data, "extras.targetNames: the name of target %zu is no text", t);
-    read.push_back(name.Get<std::string>());
-    if (!once.insert(read.back()).second)
-      fail(Status::bad_data, "extras.targetNames: \"%s\" occurs twice", read.back().c_str());
+    const bool unnamed = read[t].empty();
+    if (unnamed) read[t] = format("%s target %zu", mesh.c_str(), t);
+    const std::string name = read[t];
+    int& number = next.try_emplace(name, 2).first->second;
+    while ((read[t] != name && taken.contains(read[t])) || !once.insert(read[t]).second)
+      read[t] = format("%s %d", name.c_str(), number++);
+    if (unnamed)
+      left_out.add("morph targets without a name are controls by their numbers", read[t]);
+    else if (read[t] != name)
+      left_out.add("morph targets of one mesh with one name are told apart by numbers", read[t]);
   }
   return read;
 }
 
-// The default weights of a shown mesh, of its node or its own; empty: all 0.
-const std::vector<double>& default_weights(const tinygltf::Model& model, const ShownMesh& shown, std::size_t count) {
+// The default weights of a shown mesh, of its node or its own, one a morph target.
+std::vector<double> default_weights(const tinygltf::Model& model, const ShownMesh& shown, std::size_t count,
+                                    LeftOut& left_out) {
   const std::vector<double>& of_mesh = model.meshes[shown.mesh].weights;
   const bool of_node = shown.node >= 0 && !model.nodes[static_cast<std::size_t>(shown.node)].weights.empty();
-  const std::vector<double>& weights = of_node ? model.nodes[static_cast<std::size_t>(shown.node)].weights : of_mesh;
+  std::vector<double> weights = of_node ? model.nodes[static_cast<std::size_t>(shown.node)].weights : of_mesh;
   if (!weights.empty() && weights.size() != count)
-    fail(Status::bad_data, "has %zu default weights for %zu morph targets", weights.size(), count);
+    left_out.add(
+        "the number of default weights is not that of morph targets: those too many are left out, and others 0",
+        shown.name);
+  weights.resize(count);
   return weights;
 }
 
 // Names of the morph targets of each mesh of the file that is shown.
 class TargetNames {
  public:
-  TargetNames(const tinygltf::Model& model, const std::vector<ShownMesh>& shown) : model_(model) {
+  TargetNames(const tinygltf::Model& model, const std::vector<ShownMesh>& shown, LeftOut& left_out)
+      : model_(model), left_out_(left_out) {
     for (const ShownMesh& one : shown) {
+      shown_as_.try_emplace(one.mesh, one.name);
       const tinygltf::Mesh& mesh = model.meshes[one.mesh];
-      const std::size_t count = with_context("mesh \"" + one.name + "\"", [&] { return target_count(mesh); });
-      if (count > 0 && !target_names(mesh)) unnamed_.try_emplace(one.mesh, one.name);
+      if (target_count(mesh) > 0 && !target_names(mesh)) unnamed_.insert(one.mesh);
     }
   }
 
@@ -59,42 +75,44 @@ class TargetNames {
     const tinygltf::Mesh& mesh = model_.meshes[index];
     const std::size_t count = target_count(mesh);
     if (count == 0) return {};
-    if (const tinygltf::Value* names = target_names(mesh)) return read_names(*names, count);
+    const std::string& name = shown_as_.at(index);
+    if (const tinygltf::Value* names = target_names(mesh)) return read_names(*names, count, name, left_out_);
     std::vector<std::string> made;
     for (std::size_t t = 0; t < count; ++t)
-      made.push_back((unnamed_.size() > 1 ? unnamed_.at(index) + "." : "") + format("target%zu", t));
+      made.push_back((unnamed_.size() > 1 ? name + "." : "") + format("target%zu", t));
     return made;
   }
 
  private:
   const tinygltf::Model& model_;
-  std::map<std::size_t, std::string> unnamed_;  // meshes without names of targets, and the names they have
+  LeftOut& left_out_;
+  std::map<std::size_t, std::string> shown_as_;  // name of the first that shows a mesh
+  std::set<std::size_t> unnamed_;                // meshes without names of targets
 };
 
 }  // namespace
 
 GltfControls read_controls(const GltfFile& file, const std::vector<ShownMesh>& shown, LeftOut& left_out) {
   const tinygltf::Model& model = file.model();
-  const TargetNames target_names_of(model, shown);
+  const TargetNames target_names_of(model, shown, left_out);
   GltfControls controls;
   std::map<std::string, std::size_t> known;
-  for (const ShownMesh& one : shown)
-    with_context("mesh \"" + one.name + "\"", [&] {
-      const std::vector<std::string> names = target_names_of.of(one.mesh);
-      const std::vector<double>& weights = default_weights(model, one, names.size());
-      std::vector<std::size_t>& of_targets = controls.of_shown.emplace_back();
-      for (std::size_t t = 0; t < names.size(); ++t) {
-        const auto [at, fresh] = known.try_emplace(names[t], controls.names.size());
-        const float rest = weights.empty() ? 0 : static_cast<float>(weights[t]);
-        of_targets.push_back(at->second);
-        if (fresh) {
-          controls.names.push_back(names[t]);
-          controls.rest.push_back(rest);
-        } else if (controls.rest[at->second] != rest) {
-          left_out.add("default weights of one control differ between meshes, and the first is taken", names[t]);
-        }
+  for (const ShownMesh& one : shown) {
+    const std::vector<std::string> names = target_names_of.of(one.mesh);
+    const std::vector<double> weights = default_weights(model, one, names.size(), left_out);
+    std::vector<std::size_t>& of_targets = controls.of_shown.emplace_back();
+    for (std::size_t t = 0; t < names.size(); ++t) {
+      const auto [at, fresh] = known.try_emplace(names[t], controls.names.size());
+      const auto rest = static_cast<float>(weights[t]);
+      of_targets.push_back(at->second);
+      if (fresh) {
+        controls.names.push_back(names[t]);
+        controls.rest.push_back(rest);
+      } else if (controls.rest[at->second] != rest) {
+        left_out.add("default weights of one control differ between meshes, and the first is taken", names[t]);
       }
-    });
+    }
+  }
   return controls;
 }
 

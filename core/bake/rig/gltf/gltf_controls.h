@@ -17,8 +17,9 @@ struct GltfControls {
 };
 
 // Names are those of extras.targetNames; without these, target0, target1, ..., preceded by the name of the mesh where
-// several meshes have none. Of default weights that contradict each other the first counts. Fails where the numbers of
-// names, weights and morph targets differ, and on a name that a mesh has twice.
+// several meshes have none. A target whose name is missing is "MESH target 3", and of two with one name in a mesh the
+// second is "NAME 2", with notes. Of default weights that contradict each other the first counts; those that are
+// missing are 0.
 GltfControls read_controls(const GltfFile& file, const std::vector<ShownMesh>& shown, LeftOut& left_out);
 
 }  // namespace fb::bake

@@ -32,8 +32,8 @@ bool keep_image(tinygltf::Image* image, int, std::string*, std::string*, int, in
 // those that store geometry in ways that are read.
 constexpr std::array<std::string_view, 6> harmless_extensions = {
     "KHR_materials_", "KHR_texture_", "EXT_texture_", "VRMC_", "KHR_lights_punctual", "KHR_xmp"};
-constexpr std::array<std::string_view, 3> read_extensions = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
-                                                             "VRM"};
+constexpr std::array<std::string_view, 5> read_extensions = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
+                                                             "VRM", "EXT_mesh_gpu_instancing", "KHR_animation_pointer"};
 
 void check_extensions(const tinygltf::Model& model) {
   for (const std::string& name : model.extensionsRequired) {
@@ -253,7 +253,7 @@ std::span<const std::byte> GltfFile::view(int index, const char* what) const {
 
 std::vector<std::byte> GltfFile::read_uri(const std::string& uri) const {
   if (auto data = decode_data_uri(uri)) return *std::move(data);
-  return beside_->read(decode_percent(uri));
+  return beside_->read(uri);
 }
 
 }  // namespace fb::bake

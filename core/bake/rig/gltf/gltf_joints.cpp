@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "bake/rig/gltf/animation_target.h"
 #include "base/checked.h"
 #include "base/status.h"
 
@@ -53,10 +54,11 @@ double size_of(const std::vector<float>& points, Eigen::Vector3d& middle) {
 std::vector<bool> animated_nodes(const tinygltf::Model& model) {
   std::vector<bool> animated(model.nodes.size());
   for (const tinygltf::Animation& animation : model.animations)
-    for (const tinygltf::AnimationChannel& channel : animation.channels)
-      if (channel.target_path != "weights" && channel.target_node >= 0 &&
-          static_cast<std::size_t>(channel.target_node) < animated.size())
-        animated[static_cast<std::size_t>(channel.target_node)] = true;
+    for (const tinygltf::AnimationChannel& channel : animation.channels) {
+      const AnimationTarget target = target_of(channel);
+      if (target.moves_node() && target.node >= 0 && static_cast<std::size_t>(target.node) < animated.size())
+        animated[static_cast<std::size_t>(target.node)] = true;
+    }
   return animated;
 }
 
@@ -133,6 +135,18 @@ std::optional<std::size_t> GltfJoints::moving_joint(std::size_t node) const {
   return static_cast<std::size_t>(joint);
 }
 
+bool GltfJoints::mirrored(std::size_t s) const {
+  const ShownMesh& shown = scene_.meshes()[s];
+  if (shown.skin < 0)
+    return shown.node >= 0 &&
+           (scene_.world(static_cast<std::size_t>(shown.node)) * shown.instance).linear().determinant() < 0;
+  const std::vector<double>& sides = skins_[static_cast<std::size_t>(shown.skin)].sides;
+  const VertexJoints& from = meshes_[s].joints;
+  double sum = 0;
+  for (std::size_t k = 0; k < from.joints.size(); ++k) sum += double(from.weights[k]) * sides[from.joints[k]];
+  return sum < 0;
+}
+
 // A node becomes a joint, and so do all above it, before it.
 void GltfJoints::add_node(std::size_t node) {
   std::vector<std::size_t> chain;
@@ -195,6 +209,8 @@ void GltfJoints::read_skin(int index, FileSkin& skin) const {
     skin.inverses.push_back(Map::Identity());
     if (!inverses.empty())
       skin.inverses.back() = Map(Eigen::Map<const Eigen::Matrix4f>(&inverses[16 * j]).cast<double>());
+    const double volume = (scene_.world(skin.nodes.back()) * skin.inverses.back()).linear().determinant();
+    skin.sides.push_back(volume < 0 ? -1 : volume > 0 ? 1 : 0);
   }
   skin.joints.resize(skin.nodes.size());
 }
@@ -208,7 +224,7 @@ void GltfJoints::place_skins() {
     const int index = scene_.meshes()[s].skin;
     if (index < 0) continue;
     FileSkin& skin = skins_[static_cast<std::size_t>(index)];
-    with_context("mesh \"" + scene_.meshes()[s].name + "\"", [&] {
+    in_mesh(scene_.meshes()[s], [&] {
       if (!skin.nodes.empty()) return;
       read_skin(index, skin);
       std::vector<std::size_t> order(skin.nodes.size());
@@ -314,11 +330,14 @@ void GltfJoints::place_unskinned() {
     const ShownMesh& shown = scene_.meshes()[s];
     if (shown.skin >= 0 || shown.node < 0) continue;
     std::tie(rigid_[s], maps_[s]) = find_joint(static_cast<std::size_t>(shown.node), to_joint);
+    maps_[s] = maps_[s] * shown.instance;
     if (rigid_[s] < 0) continue;
     const auto back = inverse_of(*inverse_bind_[static_cast<std::size_t>(rigid_[s])]);
-    if (!back)
-      fail(Status::bad_data, "mesh \"%s\": the inverse bind matrix of its joint \"%s\" cannot be inverted",
-           shown.name.c_str(), joints_[static_cast<std::size_t>(rigid_[s])].name.c_str());
+    in_mesh(shown, [&] {
+      if (!back)
+        fail(Status::bad_data, "the inverse bind matrix of its joint \"%s\" cannot be inverted",
+             joints_[static_cast<std::size_t>(rigid_[s])].name.c_str());
+    });
     maps_[s] = *back * maps_[s];
   }
 }

@@ -39,6 +39,9 @@ class GltfJoints {
 
   // From a shown mesh, without node transform and before skinning, to the space of the character.
   const Eigen::Affine3d& map(std::size_t shown) const { return maps_[shown]; }
+  // Whether a shown mesh is mirrored where the file shows it at rest, which turns the corners of its faces: glTF 2.0,
+  // section 3.7.4. With a skin, which leaves the transform of the node out: where most of its vertices are.
+  bool mirrored(std::size_t shown) const;
   const std::vector<Joint>& joints() const { return joints_; }
   // Of the vertices of all meshes, one after the other.
   const Skin& skin() const { return skin_; }
@@ -60,6 +63,7 @@ class GltfJoints {
     std::vector<Map> inverses;          // inverse bind matrices
     std::vector<double> weights;        // of all vertices, by joint
     std::vector<std::uint32_t> joints;  // of joints_, by its own
+    std::vector<double> sides;          // of its joints at rest: below 0 where one mirrors
     Map map = Map::Identity();          // from its meshes to the space of the character
   };
 

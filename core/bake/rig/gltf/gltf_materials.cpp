@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "bake/rig/gltf/gltf_image.h"
@@ -14,18 +15,19 @@
 namespace fb::bake {
 namespace {
 
-Wrap wrap_from(int mode) {
+// Nothing of a mode that there is not.
+std::optional<Wrap> wrap_from(int mode) {
   if (mode == TINYGLTF_TEXTURE_WRAP_REPEAT) return Wrap::repeat;
   if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp;
   if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::mirror;
-  fail(Status::bad_data, "a sampler has the unknown wrap mode %d", mode);
+  return std::nullopt;
 }
 
-AlphaMode alpha_mode_from(const std::string& name) {
+std::optional<AlphaMode> alpha_mode_from(const std::string& name) {
   if (name.empty() || name == "OPAQUE") return AlphaMode::opaque;
   if (name == "MASK") return AlphaMode::mask;
   if (name == "BLEND") return AlphaMode::blend;
-  fail(Status::bad_data, "has the unknown alpha mode \"%s\"", name.c_str());
+  return std::nullopt;
 }
 
 // Whether a KHR_texture_transform changes anything.
@@ -55,7 +57,9 @@ class MaterialReader {
     std::ranges::transform(from.emissiveFactor, to.emissive.begin(), [](double x) { return static_cast<float>(x); });
     to.metallic = static_cast<float>(pbr.metallicFactor);
     to.roughness = static_cast<float>(pbr.roughnessFactor);
-    to.alpha_mode = alpha_mode_from(from.alphaMode);
+    const auto alpha_mode = alpha_mode_from(from.alphaMode);
+    if (!alpha_mode) left_out_.add("unknown alpha modes are OPAQUE, of materials", name_);
+    to.alpha_mode = alpha_mode.value_or(AlphaMode::opaque);
     to.alpha_cutoff = static_cast<float>(from.alphaCutoff);
     to.double_sided = from.doubleSided;
     if (const auto strength = from.extensions.find("KHR_materials_emissive_strength");
@@ -108,7 +112,7 @@ class MaterialReader {
   void add_texture(TextureSlot slot, const TextureInfo& info, double scale, Material& to) {
     if (info.index < 0) return;
     if (static_cast<std::size_t>(info.index) >= model_.textures.size())
-      fail(Status::bad_data, "names texture %d of %zu", info.index, model_.textures.size());
+      return left_out_.add("textures that there are not are left out, of materials", name_);
     const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(info.index)];
     if (coordinates_of(info) != 0)
       return left_out_.add("textures that use other texture coordinates than the first are left out, of materials",
@@ -117,11 +121,14 @@ class MaterialReader {
     if (image < 0) return left_out_.add("textures without an image are left out, of materials", name_);
     Texture read{slot, static_cast<std::uint32_t>(image), Wrap::repeat, Wrap::repeat, static_cast<float>(scale)};
     if (texture.sampler >= 0) {
-      if (static_cast<std::size_t>(texture.sampler) >= model_.samplers.size())
-        fail(Status::bad_data, "names sampler %d of %zu", texture.sampler, model_.samplers.size());
-      const tinygltf::Sampler& sampler = model_.samplers[static_cast<std::size_t>(texture.sampler)];
-      read.wrap_u = wrap_from(sampler.wrapS);
-      read.wrap_v = wrap_from(sampler.wrapT);
+      const bool known = static_cast<std::size_t>(texture.sampler) < model_.samplers.size();
+      const tinygltf::Sampler sampler =
+          known ? model_.samplers[static_cast<std::size_t>(texture.sampler)] : tinygltf::Sampler();
+      const auto wrap_u = wrap_from(sampler.wrapS), wrap_v = wrap_from(sampler.wrapT);
+      if (!known || !wrap_u || !wrap_v)
+        left_out_.add("unknown ways to wrap textures are to repeat them, of materials", name_);
+      read.wrap_u = wrap_u.value_or(Wrap::repeat);
+      read.wrap_v = wrap_v.value_or(Wrap::repeat);
     }
     to.textures.push_back(read);
   }
@@ -134,13 +141,16 @@ class MaterialReader {
 
 // Sets the materials of parts, which are those of the file, to their places among those that are used. Returns the
 // indices in the file.
-std::set<std::uint32_t> use_materials(std::vector<MeshPart>& parts, std::size_t count) {
+std::set<std::uint32_t> use_materials(std::vector<MeshPart>& parts, std::size_t count, LeftOut& left_out) {
   std::set<std::uint32_t> used;
-  for (const MeshPart& part : parts)
-    for (const MaterialRun& run : part.materials) {
+  for (MeshPart& part : parts)
+    for (MaterialRun& run : part.materials) {
       if (run.material == no_material) continue;
-      if (run.material >= count)
-        fail(Status::bad_data, "mesh \"%s\" names material %u of %zu", part.name.c_str(), run.material, count);
+      if (run.material >= count) {
+        left_out.add("materials that there are not are left out, of meshes", part.name);
+        run.material = no_material;
+        continue;
+      }
       used.insert(run.material);
     }
   std::map<std::uint32_t, std::uint32_t> places;
@@ -160,7 +170,13 @@ std::vector<Image> use_images(const GltfFile& file, std::vector<Material>& mater
   std::vector<Image> images;
   std::map<std::uint32_t, std::uint32_t> places;
   for (const std::uint32_t index : used) {
-    Image image = read_gltf_image(file, index);
+    Image image;
+    try {
+      image = read_gltf_image(file, index);
+    } catch (const Error& error) {
+      left_out.add_broken(error.what());
+      continue;
+    }
     if (image.media_type.empty()) {
       left_out.add("images that are no PNG, JPEG, KTX2 or WebP are left out", shown_name(image.name));
       continue;
@@ -181,7 +197,7 @@ Character read_gltf_materials(const GltfFile& file, std::vector<MeshPart>& parts
   const std::vector<tinygltf::Material>& materials = file.model().materials;
   MaterialReader reader(file.model(), left_out);
   Character character;
-  for (const std::uint32_t index : use_materials(parts, materials.size()))
+  for (const std::uint32_t index : use_materials(parts, materials.size(), left_out))
     with_context(format("material %u (\"%s\")", index, materials[index].name.c_str()),
                  [&] { character.materials.push_back(reader.read(materials[index])); });
   character.images = use_images(file, character.materials, left_out);

@@ -41,7 +41,10 @@ std::vector<TrianglePrimitive> triangle_primitives(const GltfFile& file, const t
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
       fail(Status::bad_data, "a primitive has the unknown mode %d", primitive.mode);
     const int positions = accessor_of(primitive.attributes, "POSITION");
-    if (positions < 0) fail(Status::bad_data, "a primitive has no positions");
+    if (positions < 0) {
+      left_out.add("primitives without positions are left out", shown_name(mesh.name));
+      continue;
+    }
     const std::size_t vertices = file.count(positions, "positions");
     const auto [at, fresh] = same_vertices.try_emplace({primitive.attributes, primitive.targets}, end);
     found.push_back({primitive, at->second, vertices, !fresh});
@@ -51,12 +54,11 @@ std::vector<TrianglePrimitive> triangle_primitives(const GltfFile& file, const t
 }
 
 // glTF 2.0, section 3.7.2.1: vertices of the triangles that a list, strip or fan of corners makes.
-std::vector<std::uint32_t> triangles_of(const std::vector<std::uint32_t>& corners, int mode) {
+std::vector<std::uint32_t> triangles_of(std::vector<std::uint32_t> corners, int mode) {
   if (mode == TINYGLTF_MODE_TRIANGLES) {
-    if (corners.size() % 3 != 0) fail(Status::bad_data, "%zu corners make no triangles", corners.size());
+    corners.resize(corners.size() / 3 * 3);
     return corners;
   }
-  if (corners.size() < 3) fail(Status::bad_data, "%zu corners make no triangles", corners.size());
   std::vector<std::uint32_t> triangles;
   for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
     const bool odd = i % 2 == 1;
@@ -124,6 +126,10 @@ Mesh read_surface(const GltfFile& file, const std::vector<TrianglePrimitive>& pr
     if (!from.shared) {
       const std::vector<float> points =
           file.floats(from.primitive.attributes.at("POSITION"), 3, std::nullopt, "positions");
+      const auto broken = std::ranges::find_if(points, [](float x) { return !std::isfinite(x); });
+      if (broken != points.end())
+        fail(Status::not_finite, "vertex %zu is not finite",
+             from.first + static_cast<std::size_t>(broken - points.begin()) / 3);
       mesh.points.insert(mesh.points.end(), points.begin(), points.end());
     }
     const std::vector<std::uint32_t> corners = triangles_of(file, from);
@@ -152,8 +158,8 @@ void add_offsets(MorphTarget& target, const std::vector<float>& offsets, std::si
 std::vector<MorphTarget> read_targets(const GltfFile& file, const std::vector<TrianglePrimitive>& primitives,
                                       std::size_t count) {
   std::vector<MorphTarget> targets(count);
-  for (std::size_t t = 0; t < count; ++t)
-    for (const TrianglePrimitive& from : primitives)
+  for (const TrianglePrimitive& from : primitives)
+    for (std::size_t t = 0; t < std::min(count, from.primitive.targets.size()); ++t)
       if (const int accessor = accessor_of(from.primitive.targets[t], "POSITION"); accessor >= 0 && !from.shared)
         add_offsets(targets[t], file.floats(accessor, 3, from.vertices, format("moves of target %zu", t).c_str()),
                     from.first, t);
@@ -165,11 +171,11 @@ VertexJoints read_joints(const GltfFile& file, const std::vector<TrianglePrimiti
   VertexJoints joints;
   for (const TrianglePrimitive& from : primitives) {
     const Attributes& attributes = from.primitive.attributes;
-    if (!attributes.contains("JOINTS_0")) fail(Status::bad_data, "has a skin, and a primitive without joints");
     std::size_t sets = 0;
     while (attributes.contains(format("JOINTS_%zu", sets))) ++sets;
     joints.per_vertex = std::max(joints.per_vertex, 4 * sets);
   }
+  if (joints.per_vertex == 0) fail(Status::bad_data, "has a skin, and vertices without joints");
   joints.joints.resize(checked_multiply(vertices, joints.per_vertex, "joints"));
   joints.weights.resize(joints.joints.size());
   for (const TrianglePrimitive& from : primitives)
@@ -177,13 +183,16 @@ VertexJoints read_joints(const GltfFile& file, const std::vector<TrianglePrimiti
       const int of_joints = accessor_of(from.primitive.attributes, format("JOINTS_%zu", set)),
                 of_weights = accessor_of(from.primitive.attributes, format("WEIGHTS_%zu", set));
       if (of_joints < 0) break;
-      const std::vector<std::uint32_t> indices = file.indices(of_joints, 4, from.vertices, limit, "joints");
+      const std::vector<std::uint32_t> indices = file.indices(of_joints, 4, from.vertices, SIZE_MAX, "joints");
       const std::vector<float> weights = file.floats(of_weights, 4, from.vertices, "weights of joints");
       for (std::size_t v = 0; v < from.vertices; ++v)
         for (std::size_t k = 0; k < 4; ++k) {
           const std::size_t to = (from.first + v) * joints.per_vertex + 4 * set + k;
-          joints.joints[to] = indices[4 * v + k];
           joints.weights[to] = weights[4 * v + k];
+          if (indices[4 * v + k] < limit)
+            joints.joints[to] = indices[4 * v + k];
+          else if (joints.weights[to] != 0)  // others fill up what is not used
+            fail(Status::bad_data, "index %zu of its joints is %u of %zu", 4 * v + k, indices[4 * v + k], limit);
         }
     }
   return joints;
@@ -196,11 +205,8 @@ const char* shown_name(const std::string& name) {
 }
 
 std::size_t target_count(const tinygltf::Mesh& mesh) {
-  const std::size_t count = mesh.primitives.empty() ? 0 : mesh.primitives[0].targets.size();
-  for (std::size_t p = 0; p < mesh.primitives.size(); ++p)
-    if (mesh.primitives[p].targets.size() != count)
-      fail(Status::bad_data, "primitive %zu has %zu morph targets, primitive 0 has %zu", p,
-           mesh.primitives[p].targets.size(), count);
+  std::size_t count = 0;
+  for (const tinygltf::Primitive& primitive : mesh.primitives) count = std::max(count, primitive.targets.size());
   return count;
 }
 
@@ -214,9 +220,15 @@ GltfMesh read_gltf_mesh(const GltfFile& file, const tinygltf::Mesh& mesh, std::s
   const std::vector<TrianglePrimitive> primitives = triangle_primitives(file, mesh, left_out);
   GltfMesh read;
   read.surface = read_surface(file, primitives, read.materials);
+  std::erase_if(read.materials, [](const MaterialRun& run) { return run.polygons == 0; });
   read.targets = read_targets(file, primitives, target_count(mesh));
   if (joints > 0) read.joints = read_joints(file, primitives, read.surface.vertex_count(), joints);
   for (const TrianglePrimitive& from : primitives) {
+    if (from.primitive.targets.size() < read.targets.size())
+      left_out.add("some primitives have fewer morph targets than others of their mesh, and do not move by the rest",
+                   shown_name(mesh.name));
+    if (joints > 0 && !from.primitive.attributes.contains("JOINTS_0"))
+      left_out.add("some primitives of a mesh with a skin have no joints, and follow the first", shown_name(mesh.name));
     if (from.primitive.attributes.contains("COLOR_0"))
       left_out.add("vertex colours are left out", shown_name(mesh.name));
     if (!read.surface.uvs.empty() && !from.primitive.attributes.contains("TEXCOORD_0"))

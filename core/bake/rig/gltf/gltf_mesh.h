@@ -41,12 +41,14 @@ struct GltfMesh {
 
 // The name, or "(unnamed)"; for messages.
 const char* shown_name(const std::string& name);
-// Morph targets of a mesh. Fails where its primitives do not have the same number.
+// Morph targets of a mesh: those of the primitive that has most.
 std::size_t target_count(const tinygltf::Mesh& mesh);
 
-// The surface alone. Points and lines are left out. Fails on what is not whole, and on what makes no triangles.
+// The surface alone. Left out are points and lines, primitives without positions, and corners behind the last whole
+// triangle. Fails on what is not whole or not finite.
 Mesh read_gltf_surface(const GltfFile& file, const tinygltf::Mesh& mesh);
-// With everything else that moves or colours it. `joints`: joints of its skin; 0: it has none.
+// With everything else that moves or colours it. Primitives that lack morph targets or joints which others have do not
+// move by them. `joints`: joints of its skin; 0: it has none.
 GltfMesh read_gltf_mesh(const GltfFile& file, const tinygltf::Mesh& mesh, std::size_t joints, LeftOut& left_out);
 
 }  // namespace fb::bake

@@ -17,6 +17,7 @@ enum class JointUse : std::uint32_t {
 struct GltfOptions {
   JointUse joints = JointUse::automatic;
   std::vector<std::string> control_joints;  // names of the nodes that are controls; empty: those that animations move
+  bool skip_broken = false;                 // meshes and animations that cannot be read are left out, with a note
 
   bool operator==(const GltfOptions&) const = default;
 };

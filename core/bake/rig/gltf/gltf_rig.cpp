@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "bake/rig/gltf/gltf_clips.h"
 #include "bake/rig/gltf/gltf_controls.h"
@@ -13,12 +16,14 @@
 #include "bake/rig/gltf/gltf_materials.h"
 #include "bake/rig/gltf/gltf_mesh.h"
 #include "bake/rig/gltf/joint_choice.h"
+#include "bake/rig/gltf/joint_noise.h"
 #include "bake/rig/gltf/skinned_morph.h"
 #include "bake/rig/rig_description.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/match_names.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -86,12 +91,18 @@ class GltfSource final : public Source {
 
 class GltfRigReader {
  public:
-  GltfRigReader(const GltfFile& file, const std::string& name, const GltfOptions& options)
+  // `broken`: meshes that are left out, and why.
+  GltfRigReader(const GltfFile& file, const std::string& name, const GltfOptions& options,
+                const std::map<std::string, std::string>& broken)
       : file_(file),
-        scene_(file),
+        skip_broken_(options.skip_broken),
+        scene_(file, names_of(broken), left_out_),
         controls_(read_controls(file, scene_.meshes(), left_out_)),
         choice_(options, file, !controls_.names.empty()) {
     rig_.description.schema = {name, "m", "y", {}};
+    for (const auto& [mesh, reason] : broken) left_out_.add_broken(reason);
+    if (!broken.empty() && scene_.meshes().empty())
+      fail(Status::bad_data, "none of its meshes can be read: %s", broken.begin()->second.c_str());
   }
 
   GltfRig read() {
@@ -103,28 +114,31 @@ class GltfRigReader {
     rig_.targets.resize(controls_.names.size());
     std::vector<GltfMesh> meshes;
     for (const ShownMesh& mesh : shown)
-      with_context("mesh \"" + mesh.name + "\"", [&] {
+      in_mesh(mesh, [&] {
         meshes.push_back(read_gltf_mesh(file_, file_.model().meshes[mesh.mesh], joint_count(file_, mesh), left_out_));
       });
     const GltfJoints joints(file_, scene_, meshes, choice_.moving(), choice_.controls());
-    for (std::size_t s = 0; s < shown.size(); ++s) add(shown[s].name, meshes[s], joints.map(s), controls_.of_shown[s]);
+    for (std::size_t s = 0; s < shown.size(); ++s) add(s, meshes[s], joints);
     add_expressions(expressions, meshes, joints);
     fill_uvs();
     RigDescription& to = rig_.description;
     const bool one_mesh = std::ranges::all_of(shown, [&](const ShownMesh& s) { return s.mesh == shown[0].mesh; });
     const std::string& mesh_name = file_.model().meshes[shown[0].mesh].name;
     if (one_mesh && !mesh_name.empty()) to.schema.name = mesh_name;
-    std::vector<MovedNode> moved = choice_.moved(scene_, joints);
-    to.clips = read_gltf_clips(file_, shown, controls_, moved, left_out_);
+    std::vector<MovedNode> moved = choice_.moved(scene_, joints, to.rest.points);
     to.character = read_gltf_materials(file_, to.rest.parts, left_out_);
     if (choice_.controls()) {
+      to.clips = read_gltf_clips(file_, shown, controls_, moved, skip_broken_, left_out_);
       rig_.joints.emplace(joints,
-                          JointControls(std::move(moved), to.clips, controls_.names.size(), to.rest.diagonal()));
+                          JointControls(std::move(moved), to.clips, controls_.names.size(), rotation_step(file_)));
     } else {
+      to.clips = read_gltf_clips(file_, shown, controls_, {}, skip_broken_, left_out_);
       to.character.joints = joints.joints();
       to.character.skin = joints.skin();
+      if (!choice_.told()) note_moving_joints(std::move(moved));
     }
     rig_.description.notes = left_out_.notes();
+    if (!joint_note_.empty()) rig_.description.notes.push_back(joint_note_);
     set_controls();
     add_joint_controls();
     rig_.base = to.rest.points;
@@ -139,17 +153,43 @@ class GltfRigReader {
   static constexpr std::uint32_t no_uv = UINT32_MAX;
   static constexpr std::size_t most_moved = std::size_t{1} << 25;  // by all expressions
 
-  // map: from the mesh to the space of the character.
-  void add(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map,
-           const std::vector<std::size_t>& controls) {
-    if (from.surface.points.empty()) return;  // points and lines
-    const std::size_t first = rig_.description.rest.vertex_count();
-    add_surface(name, from, map);
-    for (std::size_t t = 0; t < controls.size(); ++t)
-      add_offsets(from.targets[t], map, first, rig_.targets[controls[t]]);
+  static std::set<std::string> names_of(const std::map<std::string, std::string>& broken) {
+    std::set<std::string> names;
+    for (const auto& [mesh, reason] : broken) names.insert(mesh);
+    return names;
   }
 
-  void add_surface(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map) {
+  // Of joints that are no controls: names those that would be.
+  void note_moving_joints(std::vector<MovedNode> moved) {
+    if (moved.empty()) return;
+    std::vector<std::string> names;
+    try {
+      LeftOut unread;
+      std::vector<Clip> clips = read_gltf_clips(file_, scene_.meshes(), controls_, moved, true, unread);
+      const JointControls would(std::move(moved), clips, controls_.names.size(), rotation_step(file_));
+      for (const Control& control : would.controls())
+        if (names.empty() || names.back() != control.group) names.push_back(control.group);
+    } catch (const Error&) {  // more values than can be read
+      return;
+    }
+    if (!names.empty())
+      joint_note_ =
+          "animations move joints that are no controls; --joints controls makes all of them controls, "
+          "--control-joint NAME one: " +
+          list_of_names(names, 40);
+  }
+
+  void add(std::size_t shown, const GltfMesh& from, const GltfJoints& joints) {
+    if (from.surface.points.empty()) return;  // points and lines
+    const std::size_t first = rig_.description.rest.vertex_count();
+    const std::vector<std::size_t>& controls = controls_.of_shown[shown];
+    add_surface(scene_.meshes()[shown].name, from, joints.map(shown), joints.mirrored(shown));
+    for (std::size_t t = 0; t < controls.size(); ++t)
+      add_offsets(from.targets[t], joints.map(shown), first, rig_.targets[controls[t]]);
+  }
+
+  // map: from the mesh to the space of the character. mirrored: the corners of triangles go the other way round.
+  void add_surface(const std::string& name, const GltfMesh& from, const Eigen::Affine3d& map, bool mirrored) {
     const Mesh& surface = from.surface;
     Mesh& to = rig_.description.rest;
     const std::size_t first = to.vertex_count(), first_uv = to.uvs.size() / 2;
@@ -158,6 +198,7 @@ class GltfRigReader {
       const Eigen::Vector3f placed = (map * point).cast<float>();
       to.points.insert(to.points.end(), placed.begin(), placed.end());
     }
+    const std::size_t first_corner = to.polygon_corners.size();
     for (const std::uint32_t corner : surface.polygon_corners)
       to.polygon_corners.push_back(checked_u32(first + corner, "vertices"));
     to.polygon_sizes.insert(to.polygon_sizes.end(), surface.polygon_sizes.begin(), surface.polygon_sizes.end());
@@ -165,6 +206,10 @@ class GltfRigReader {
     for (const std::uint32_t corner : surface.uv_corners)
       to.uv_corners.push_back(checked_u32(first_uv + corner, "texture coordinates"));
     to.uv_corners.resize(to.polygon_corners.size(), no_uv);
+    for (std::size_t c = first_corner; mirrored && c + 2 < to.polygon_corners.size(); c += 3) {
+      std::swap(to.polygon_corners[c + 1], to.polygon_corners[c + 2]);
+      std::swap(to.uv_corners[c + 1], to.uv_corners[c + 2]);
+    }
     to.parts.push_back({name, checked_u32(surface.vertex_count(), "vertices"),
                         checked_u32(surface.polygon_sizes.size(), "triangles"), from.materials});
   }
@@ -236,6 +281,9 @@ class GltfRigReader {
       fail(Status::bad_data, "no animation moves a joint that moves vertices: name the joints that are to be controls");
     rig_.description.notes.push_back(format("%zu joints are controls (%zu), and positions are after skinning",
                                             rig_.joints->controls().nodes().size(), joint_control_count()));
+    if (const std::size_t noise = rig_.joints->controls().noise_count())
+      rig_.description.notes.push_back(
+          format("%zu channels of joints move by no more than the rounding of the file, and are no controls", noise));
   }
 
   // Each becomes a target of its own: the sum of those that it moves.
@@ -258,7 +306,9 @@ class GltfRigReader {
   }
 
   LeftOut left_out_;
+  std::string joint_note_;
   const GltfFile& file_;
+  const bool skip_broken_;
   const GltfScene scene_;
   GltfControls controls_;
   const JointChoice choice_;
@@ -267,8 +317,17 @@ class GltfRigReader {
 
 OpenedSource open_rig(std::span<const std::byte> bytes, std::optional<std::filesystem::path> folder,
                       const std::string& name, const GltfOptions& options) {
+  constexpr std::size_t most_broken = 256;  // each is found by reading the others again
   const GltfFile file(bytes, std::move(folder));
-  return std::make_unique<GltfSource>(GltfRigReader(file, name, options).read());
+  std::map<std::string, std::string> broken;
+  while (true) {
+    try {
+      return std::make_unique<GltfSource>(GltfRigReader(file, name, options, broken).read());
+    } catch (const BrokenMesh& error) {
+      if (!options.skip_broken || broken.size() == most_broken) throw;
+      broken.emplace(error.mesh(), error.what());
+    }
+  }
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <tiny_gltf.h>
 
-#include "base/status.h"
-
 namespace fb::bake {
 namespace {
 
@@ -50,10 +48,11 @@ std::vector<int> roots_of(const std::vector<int>& parents) {
   return roots;
 }
 
-// Calls visit(node) for nodes and all below them, parents first. Each node has one parent at most.
+// Calls visit(node) for nodes and all below them, parents first, but for those that are seen, which it marks. Each node
+// has one parent at most.
 template <class Visit>
-void visit_tree(const std::vector<tinygltf::Node>& nodes, std::vector<int> next, const Visit& visit) {
-  std::vector<bool> seen(nodes.size());
+void visit_tree(const std::vector<tinygltf::Node>& nodes, std::vector<int> next, std::vector<bool>& seen,
+                const Visit& visit) {
   while (!next.empty()) {
     const auto node = static_cast<std::size_t>(next.back());
     next.pop_back();
@@ -79,6 +78,26 @@ std::vector<int> nodes_of_scene(const tinygltf::Model& model, const std::vector<
 std::string name_of_shown(const tinygltf::Mesh& mesh, std::size_t index, const std::string& node) {
   if (!node.empty()) return node;
   return mesh.name.empty() ? format("mesh%zu", index) : mesh.name;
+}
+
+// The first instance of EXT_mesh_gpu_instancing; nothing of a node without.
+std::optional<Eigen::Affine3d> first_instance(const GltfFile& file, const tinygltf::Node& node) {
+  const auto found = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (found == node.extensions.end() || !found->second.IsObject()) return std::nullopt;
+  const tinygltf::Value& attributes = found->second.Get("attributes");
+  const auto first = [&](const char* name, std::size_t width) {
+    if (!attributes.IsObject() || !attributes.Get(name).IsInt()) return std::vector<float>();
+    std::vector<float> all = file.floats(attributes.Get(name).GetNumberAsInt(), width, std::nullopt, "instances");
+    all.resize(width);
+    return all;
+  };
+  NodeParts parts;
+  if (const auto at = first("TRANSLATION", 3); !at.empty())
+    parts.translation = Eigen::Vector3f(at.data()).cast<double>();
+  if (const auto turn = first("ROTATION", 4); !turn.empty())
+    parts.rotation = Eigen::Quaternionf(turn.data()).cast<double>().normalized();
+  if (const auto scale = first("SCALE", 3); !scale.empty()) parts.scale = Eigen::Vector3f(scale.data()).cast<double>();
+  return place_of(parts);
 }
 
 }  // namespace
@@ -116,22 +135,51 @@ std::string UniqueNames::add(const std::string& name) {
   return unique;
 }
 
-GltfScene::GltfScene(const GltfFile& file) {
+void GltfScene::place_nodes(const GltfFile& file) {
   const tinygltf::Model& model = file.model();
-  parents_ = parents_of(model.nodes);
-  const std::vector<int> roots = roots_of(parents_);
   std::size_t placed = 0;
+  std::vector<bool> seen(model.nodes.size());
   locals_.resize(model.nodes.size());
   worlds_.resize(model.nodes.size());
-  visit_tree(model.nodes, roots, [&](std::size_t n) {
+  visit_tree(model.nodes, roots_of(parents_), seen, [&](std::size_t n) {
     locals_[n] = worlds_[n] = local_map(model.nodes[n]);
     if (parents_[n] >= 0) worlds_[n] = worlds_[static_cast<std::size_t>(parents_[n])] * locals_[n];
     ++placed;
   });
   if (placed < model.nodes.size()) fail(Status::bad_data, "some of its nodes are their own parents");
+}
 
+// `shown`: of nodes.
+void GltfScene::note_hidden(const GltfFile& file, const std::vector<bool>& shown, LeftOut& left_out) const {
+  const tinygltf::Model& model = file.model();
+  std::vector<bool> seen = shown;
+  const auto note = [&](std::size_t n) {
+    const auto mesh = static_cast<std::size_t>(model.nodes[n].mesh);
+    if (model.nodes[n].mesh < 0 || mesh >= model.meshes.size()) return false;
+    left_out.add("meshes that the default scene does not show are left out",
+                 name_of_shown(model.meshes[mesh], mesh, model.nodes[n].name));
+    return true;
+  };
+  for (std::size_t s = 0; s < model.scenes.size(); ++s) {
+    const std::string& name = model.scenes[s].name;
+    std::vector<int> nodes = model.scenes[s].nodes;
+    std::erase_if(nodes, [&](int n) { return n < 0 || static_cast<std::size_t>(n) >= seen.size(); });
+    bool hidden = false;
+    visit_tree(model.nodes, std::move(nodes), seen, [&](std::size_t n) { hidden |= note(n); });
+    if (hidden)
+      left_out.add("scenes besides the default one are left out", name.empty() ? format("scene%zu", s) : name);
+  }
+  for (std::size_t n = 0; n < seen.size(); ++n)
+    if (!seen[n]) note(n);
+}
+
+GltfScene::GltfScene(const GltfFile& file, const std::set<std::string>& broken, LeftOut& left_out) {
+  const tinygltf::Model& model = file.model();
+  parents_ = parents_of(model.nodes);
+  place_nodes(file);
   std::vector<bool> shown(model.nodes.size());
-  visit_tree(model.nodes, nodes_of_scene(model, roots), [&](std::size_t n) { shown[n] = true; });
+  visit_tree(model.nodes, nodes_of_scene(model, roots_of(parents_)), shown, [](std::size_t) {});
+  note_hidden(file, shown, left_out);
   UniqueNames names;
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     const tinygltf::Node& node = model.nodes[n];
@@ -141,10 +189,17 @@ GltfScene::GltfScene(const GltfFile& file) {
     if (node.mesh < 0) continue;
     const auto mesh = static_cast<std::size_t>(node.mesh);
     const std::string name = name_of_shown(model.meshes[mesh], mesh, node.name);
-    meshes_.push_back({names.add(name), mesh, static_cast<int>(n), node.skin});
+    ShownMesh made{names.add(name), mesh, static_cast<int>(n), node.skin};
+    if (broken.contains(made.name)) continue;
+    const auto instance = in_mesh(made, [&] { return first_instance(file, node); });
+    made.instance = instance.value_or(made.instance);
+    meshes_.push_back(std::move(made));
+    if (instance) left_out.add("EXT_mesh_gpu_instancing: the first instance is read, and others are left out", name);
   }
-  for (std::size_t m = 0; model.nodes.empty() && m < model.meshes.size(); ++m)
-    meshes_.push_back({names.add(name_of_shown(model.meshes[m], m, "")), m, -1, -1});
+  for (std::size_t m = 0; model.nodes.empty() && m < model.meshes.size(); ++m) {
+    const std::string name = names.add(name_of_shown(model.meshes[m], m, ""));
+    if (!broken.contains(name)) meshes_.push_back({name, m, -1, -1});
+  }
 }
 
 }  // namespace fb::bake

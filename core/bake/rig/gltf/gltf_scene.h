@@ -4,10 +4,13 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "bake/rig/gltf/gltf_file.h"
+#include "bake/rig/gltf/left_out.h"
+#include "base/status.h"
 
 namespace tinygltf {
 struct Node;
@@ -32,15 +35,40 @@ struct ShownMesh {
   std::size_t mesh;  // index in the file
   int node;          // -1: none, in a file without nodes
   int skin;          // -1: none
+  // From the mesh to the node: of EXT_mesh_gpu_instancing the first instance.
+  Eigen::Affine3d instance = Eigen::Affine3d::Identity();
 };
+
+// What refuses a mesh that cannot be read.
+class BrokenMesh : public Error {
+ public:
+  BrokenMesh(const Error& reason, const std::string& mesh)
+      : Error(reason.status(), "mesh \"" + mesh + "\": " + reason.what()), mesh_(mesh) {}
+  const std::string& mesh() const { return mesh_; }  // its name
+
+ private:
+  std::string mesh_;
+};
+
+// Calls work(), which reads a mesh; an Error becomes a BrokenMesh.
+template <class Work>
+auto in_mesh(const ShownMesh& mesh, Work&& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw BrokenMesh(error, mesh.name);
+  }
+}
 
 // The nodes of a glTF file and the meshes that they show.
 class GltfScene {
  public:
   // Fails on nodes, meshes and skins that there are not, nodes with two parents, and nodes that are their own parents.
-  explicit GltfScene(const GltfFile& file);
+  // `broken`: names of meshes to leave out.
+  GltfScene(const GltfFile& file, const std::set<std::string>& broken, LeftOut& left_out);
 
   // In the order of nodes: those of the default scene, or all where there is none. In a file without nodes, all meshes.
+  // Meshes of other scenes, and instances besides the first, are left out, with notes.
   const std::vector<ShownMesh>& meshes() const { return meshes_; }
   // From a node to the scene.
   const Eigen::Affine3d& world(std::size_t node) const { return worlds_.at(node); }
@@ -50,6 +78,9 @@ class GltfScene {
   int parent(std::size_t node) const { return parents_.at(node); }
 
  private:
+  void place_nodes(const GltfFile& file);
+  void note_hidden(const GltfFile& file, const std::vector<bool>& shown, LeftOut& left_out) const;
+
   std::vector<Eigen::Affine3d> locals_, worlds_;
   std::vector<int> parents_;
   std::vector<ShownMesh> meshes_;

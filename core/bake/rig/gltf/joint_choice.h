@@ -1,6 +1,7 @@
 // Which joints of a glTF file are controls.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,17 @@ class JointChoice {
 
   // Whether joints are controls, and positions after skinning.
   bool controls() const { return controls_; }
+  // Whether the options say what joints are.
+  bool told() const { return told_; }
   // Of each node, whether it moves: by animations, or by controls.
   const std::vector<bool>& moving() const { return moving_; }
-  // Those nodes, of the ones that move, which move vertices. Fails on a chosen node that moves none, and on one whose
-  // matrix shears.
-  std::vector<MovedNode> moved(const GltfScene& scene, const GltfJoints& joints) const;
+  // Those nodes, of the ones that move, which move vertices. `points`: of all vertices, before skinning. Fails on a
+  // chosen node that moves none, and, where joints are controls, on one whose matrix shears.
+  std::vector<MovedNode> moved(const GltfScene& scene, const GltfJoints& joints, std::span<const float> points) const;
 
  private:
   const GltfFile& file_;
-  bool controls_ = false, chosen_ = false;
+  bool told_, controls_ = false, chosen_ = false;
   std::vector<bool> moving_;
 };
 

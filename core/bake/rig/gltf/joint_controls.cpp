@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "bake/rig/gltf/joint_noise.h"
+
 namespace fb::bake {
 namespace {
 
@@ -15,8 +17,6 @@ constexpr double half_turn = 180, whole_turn = 360;  // degrees
 // Rotation vectors are no longer, in degrees: near a whole turn a small rotation changes them much.
 constexpr double most_turn = 270;
 constexpr float chosen_turn = 30;  // degrees
-// Offsets that are smaller are rounding: translations in the scene over the size of the character, degrees, scales.
-constexpr double least_translation = 1e-7, least_turn = 1e-4, least_scale = 1e-6;
 constexpr const char* offset_names[] = {".tx", ".ty", ".tz", ".rx", ".ry", ".rz", ".sx", ".sy", ".sz"};
 constexpr const char* offset_units[] = {"m", "degrees", ""};
 
@@ -57,9 +57,10 @@ std::array<float, moved_columns> rest_columns(const NodeParts& rest) {
   return columns;
 }
 
-JointControls::JointControls(std::vector<MovedNode> nodes, std::vector<Clip>& clips, std::size_t before, double size)
+JointControls::JointControls(std::vector<MovedNode> nodes, std::vector<Clip>& clips, std::size_t before,
+                             double rotation_step)
     : nodes_(std::move(nodes)) {
-  choose(read_offsets(clips, before), size);
+  choose(read_offsets(clips, before), rotation_step);
   keep_columns(clips, before);
 }
 
@@ -90,15 +91,25 @@ std::vector<JointControls::Range> JointControls::read_offsets(std::vector<Clip>&
   return ranges;
 }
 
-void JointControls::choose(const std::vector<Range>& ranges, double size) {
+void JointControls::choose(const std::vector<Range>& ranges, double rotation_step) {
+  const auto largest = [](const Vector3d& rest, const Range* range) {  // of a vector
+    Vector3d most;
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      most[axis] = std::max(std::abs(rest[axis] + range[axis].least), std::abs(rest[axis] + range[axis].most));
+    return most.norm();
+  };
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    const double least[] = {nodes_[n].scale > 0 ? least_translation * size / nodes_[n].scale : 0, least_turn,
-                            least_scale};
+    const Range* const of_node = &ranges[offsets * n];
+    const JointNoise noise = noise_of(nodes_[n], largest(nodes_[n].rest.translation, of_node),
+                                      largest(nodes_[n].rest.scale, of_node + 6), rotation_step);
+    const double least[] = {noise.translation, noise.turn * half_turn / std::numbers::pi, noise.scale};
     bool turns = false;
     for (std::size_t i = 0; i < offsets; ++i) {
-      const Range range = ranges[offsets * n + i];
-      const bool moved = double(range.most) - range.least > least[i / 3];
+      const Range range = of_node[i];
+      const double moves = double(range.most) - range.least;
+      const bool moved = moves > least[i / 3];
       turns |= moved && i / 3 == 1;
+      noise_count_ += moves > 0 && !moved;
       if (!moved && i == 5 && !turns && nodes_[n].chosen) {
         for (std::size_t axis = 3; axis < 6; ++axis) add(n, axis, {-chosen_turn, chosen_turn});
       } else if (moved) {

@@ -61,20 +61,28 @@ class TrackSampler {
   double seconds_ = 0, share_ = 0;  // from key to next
 };
 
-// How many values the frames of tracks may have.
+}  // namespace
+
 double most_values(std::span<const KeyTrack> tracks) {
   double of_keys = 0;
   for (const KeyTrack& track : tracks) of_keys += static_cast<double>(track.values.size());
   return std::clamp(256 * of_keys, double(1 << 24), double(1 << 27));
 }
 
-}  // namespace
+double frame_count(std::span<const KeyTrack> tracks, double fps) {
+  double start = INFINITY, end = -INFINITY;
+  for (const KeyTrack& track : tracks) {
+    start = std::min<double>(start, track.times.front());
+    end = std::max<double>(end, track.times.back());
+  }
+  return std::ceil((end - start) * fps) + 1;
+}
 
-Clip resample(std::span<const KeyTrack> tracks, std::span<const float> rest, double fps,
+Clip resample(std::span<const KeyTrack> tracks, std::span<const float> rest, const FrameRate& rate,
               std::vector<std::size_t>& contested) {
   constexpr std::size_t none = SIZE_MAX;
   constexpr float same = 1e-5f;
-  const double near = 1e-3 / fps;  // times are rounded
+  const double fps = rate.fps, near = rate.near;
   double start = INFINITY, end = -INFINITY;
   std::vector<std::size_t> mover(rest.size(), none);
   for (std::size_t k = 0; k < tracks.size(); ++k) {

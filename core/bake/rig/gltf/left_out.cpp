@@ -10,6 +10,10 @@ void LeftOut::add(const std::string& text, const std::string& name) {
   if (kind.names.insert(name).second && kind.first.size() < most_shown) kind.first.push_back(name);
 }
 
+void LeftOut::add_broken(const std::string& reason) {
+  kinds_.try_emplace("left out, as it cannot be read: " + reason, Kind{kinds_.size(), {}, {}});
+}
+
 std::vector<std::string> LeftOut::notes() const {
   std::vector<std::string> notes(kinds_.size());
   for (const auto& [text, kind] : kinds_) {

@@ -13,6 +13,8 @@ class LeftOut {
  public:
   // `kind`: "skins are left out"; `name`: of what has it. Names that occur twice are named once.
   void add(const std::string& kind, const std::string& name);
+  // A part that cannot be read: `reason` names it.
+  void add_broken(const std::string& reason);
   // One a kind, in the order in which they were added: "skins are left out: \"head\", \"teeth\"". Of more than three
   // names, the others are counted.
   std::vector<std::string> notes() const;

@@ -5,6 +5,7 @@
 
 #include "bake/rig/gltf/glb_chunks.h"
 #include "bake/rig/gltf/meshopt_views.h"
+#include "base/status.h"
 
 namespace fb::bake {
 namespace {
@@ -55,15 +56,61 @@ bool give_indices_a_view(json& file) {
   return changed;
 }
 
+bool give_pointers_a_node(json& file) {
+  if (!member_of(file, "animations").is_array()) return false;
+  bool changed = false;
+  for (json& animation : file["animations"]) {
+    if (!member_of(animation, "channels").is_array()) continue;
+    for (json& channel : animation["channels"]) {
+      const json& target = member_of(channel, "target");
+      if (!target.is_object() || target.contains("node") || !target.contains("extensions")) continue;
+      channel["target"]["node"] = 0;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+// Whether a URI, of whatever, needs encode_uris.
+bool has_odd_uri(std::string_view text) {
+  constexpr std::string_view key = "\"uri\"";
+  for (std::size_t at = text.find(key); at != std::string_view::npos; at = text.find(key, at)) {
+    at = text.find('"', at + key.size());
+    if (at == std::string_view::npos) return false;
+    const std::string_view uri = text.substr(at + 1, text.find('"', at + 1) - at - 1);
+    if (!uri.starts_with("data:") && uri.find_first_of("+%\\") != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+bool encode_uris(json& file) {
+  if (!member_of(file, "buffers").is_array()) return false;
+  bool changed = false;
+  for (json& buffer : file["buffers"]) {
+    const json& uri = member_of(buffer, "uri");
+    if (!uri.is_string() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    std::string encoded;
+    for (const char c : uri.get_ref<const std::string&>())
+      encoded += c == '+' || c == '%' ? format("%%%02x", static_cast<unsigned>(c)) : std::string(1, c);
+    changed |= encoded != uri;
+    buffer["uri"] = encoded;
+  }
+  return changed;
+}
+
 }  // namespace
 
 std::optional<std::vector<std::byte>> loadable_file(std::span<const std::byte> bytes, bool binary) {
   const std::string_view text = json_of_gltf(bytes, binary);
-  if (text.find("_compression") == std::string_view::npos) return std::nullopt;
+  const bool compressed = text.find("_compression") != std::string_view::npos;
+  if (!compressed && text.find("KHR_animation_pointer") == std::string_view::npos && !has_odd_uri(text))
+    return std::nullopt;
   json file = json::parse(text, nullptr, false);
   if (!file.is_object()) return std::nullopt;
-  const bool shortened = shorten_fallback_buffers(file, binary), given = give_indices_a_view(file);
-  if (!shortened && !given) return std::nullopt;
+  const bool shortened = compressed && shorten_fallback_buffers(file, binary),
+             given = compressed && give_indices_a_view(file), aimed = give_pointers_a_node(file),
+             encoded = encode_uris(file);
+  if (!shortened && !given && !aimed && !encoded) return std::nullopt;
   return with_json(bytes, binary, file.dump(-1, ' ', false, json::error_handler_t::replace));
 }
 
