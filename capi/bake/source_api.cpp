@@ -31,7 +31,8 @@ std::unique_ptr<fb::bake::Source> open_rig(const fb_rig& given) {
 fb::bake::GltfOptions gltf_options_of(const fb_source_desc& desc) {
   if (desc.joints > FB_JOINTS_CONTROLS)
     fail(Status::invalid_argument, "fb_source_desc: joints is %u, none of FB_JOINTS_...", desc.joints);
-  fb::bake::GltfOptions options{static_cast<fb::bake::JointUse>(desc.joints), {}};
+  if (desc.skip_broken > 1) fail(Status::invalid_argument, "fb_source_desc: skip_broken is %u", desc.skip_broken);
+  fb::bake::GltfOptions options{static_cast<fb::bake::JointUse>(desc.joints), {}, desc.skip_broken != 0};
   if (desc.control_joint_count > 0) require(desc.control_joints, "fb_source_desc: control_joints");
   for (std::uint32_t j = 0; j < desc.control_joint_count; ++j) {
     require(desc.control_joints[j], "fb_source_desc: one of control_joints");
@@ -50,6 +51,8 @@ fb::bake::RigRunning running_of(const fb_source_desc& desc, fb::Progress& progre
 std::unique_ptr<fb::bake::Source> open_whole(const fb_source_desc& desc, fb::Progress& progress) {
   if (desc.rig && desc.path_count > 0)
     fail(Status::invalid_argument, "fb_source_desc: either a rig or paths, not both");
+  if (desc.rig && desc.skip_broken)
+    fail(Status::invalid_argument, "fb_source_desc: skip_broken is of glTF files, not of a rig");
   if (desc.rig && gltf_options_of(desc) != fb::bake::GltfOptions{})
     fail(Status::invalid_argument, "fb_source_desc: joints are of glTF files, not of a rig");
   if (desc.rig) return open_rig(*desc.rig);

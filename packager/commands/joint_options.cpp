@@ -20,6 +20,9 @@ void JointOptions::add_to(CLI::App& command) {
                   "Of a glTF file: a joint that is a control, in place of all that its animations move (repeatable)")
       ->type_name("NAME")
       ->allow_extra_args(false);
+  command.add_flag("--skip-broken", skip_broken_,
+                   "Of a glTF file: leave out meshes and animations that cannot be read, each with a note, instead of "
+                   "failing");
 }
 
 void JointOptions::fill(fb_source_desc& desc) const {
@@ -27,6 +30,7 @@ void JointOptions::fill(fb_source_desc& desc) const {
   desc.joints = joints_ == "controls" ? FB_JOINTS_CONTROLS : joints_ == "ignore" ? FB_JOINTS_IGNORE : FB_JOINTS_AUTO;
   desc.control_joints = pointers_.data();
   desc.control_joint_count = static_cast<std::uint32_t>(pointers_.size());
+  desc.skip_broken = skip_broken_ ? 1 : 0;
 }
 
 }  // namespace fb::tool

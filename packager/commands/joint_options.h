@@ -11,7 +11,8 @@ class App;
 
 namespace fb::tool {
 
-// --joints and --control-joint: what the joints of a glTF file are. Wherever a source is opened by its path.
+// How a glTF file is read: --joints and --control-joint, what its joints are, and --skip-broken. Wherever a source is
+// opened by its path.
 struct JointOptions {
   void add_to(CLI::App& command);
   // Sets the members of a source's description, which borrow this.
@@ -20,6 +21,7 @@ struct JointOptions {
  private:
   std::string joints_ = "auto";
   std::vector<std::string> names_;
+  bool skip_broken_ = false;
   mutable std::vector<const char*> pointers_;  // to names_
 };
 

@@ -14,7 +14,8 @@ class App;
 
 namespace fb::tool {
 
-// How commands open sources: --joints and --control-joint of glTF files; for rigs that may be slow, crash or hang
+// How commands open sources: --joints, --control-joint and --skip-broken of glTF files; for rigs that may be slow,
+// crash or hang
 // --isolate, --workers, --rig-timeout; and, for commands that read clips of rigs, --clip-budget.
 struct RigOptions {
   void add_to(CLI::App& command);

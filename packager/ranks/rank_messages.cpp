@@ -49,12 +49,14 @@ Bytes bytes_of(const OpenRequest& request) {
                  {"workers", request.workers},
                  {"pose_seconds", request.pose_seconds},
                  {"joints", request.joints},
-                 {"control_joints", request.control_joints}});
+                 {"control_joints", request.control_joints},
+                 {"skip_broken", request.skip_broken}});
 }
 
 OpenRequest open_request_from(std::span<const std::byte> bytes) {
   const Json json = unpacked(bytes);
-  return {json.at("paths"), json.at("workers"), json.at("pose_seconds"), json.at("joints"), json.at("control_joints")};
+  return {json.at("paths"),  json.at("workers"),        json.at("pose_seconds"),
+          json.at("joints"), json.at("control_joints"), json.at("skip_broken")};
 }
 
 Bytes bytes_of(const OpenAnswer& answer) {

@@ -19,6 +19,7 @@ struct OpenRequest {
   double pose_seconds = 0;
   std::uint32_t joints = FB_JOINTS_AUTO;
   std::vector<std::string> control_joints;
+  std::uint32_t skip_broken = 0;
 };
 Bytes bytes_of(const OpenRequest& request);
 OpenRequest open_request_from(std::span<const std::byte> bytes);

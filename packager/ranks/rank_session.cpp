@@ -192,7 +192,8 @@ RankSession::RankSession(RankLink& link, const fb_source_desc& desc, fb_source* 
                                              desc.workers,
                                              desc.pose_seconds,
                                              desc.joints,
-                                             {desc.control_joints, desc.control_joints + desc.control_joint_count}});
+                                             {desc.control_joints, desc.control_joints + desc.control_joint_count},
+                                             desc.skip_broken});
   for (std::size_t rank = 1; rank < link.size(); ++rank) link.post(rank, RankTag::open, request);
   RankPause pause(longest_pause);
   for (std::size_t waiting = link.size() - 1; waiting > 0;) {

@@ -48,6 +48,7 @@ OpenAnswer RankService::open(const OpenRequest& request) {
   desc.workers = request.workers;
   desc.pose_seconds = request.pose_seconds;
   desc.joints = request.joints;
+  desc.skip_broken = request.skip_broken;
   desc.control_joints = joints.data();
   desc.control_joint_count = static_cast<std::uint32_t>(joints.size());
   if (!unknown) desc.host = host.c_str();

@@ -198,10 +198,18 @@ static void joints_are_of_gltf_files(void** state) {
   assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "joints are of glTF files, not of a rig");
   desc.joints = 7;
   assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "joints is 7, none of FB_JOINTS_...");
+  desc.joints = FB_JOINTS_AUTO;
+  desc.skip_broken = 1;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "skip_broken is of glTF files, not of a rig");
   const char *const path = "sample", *const joint = "jaw";
   fb_source_desc_init(&desc);
   desc.paths = &path;
   desc.path_count = 1;
+  desc.skip_broken = 2;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "skip_broken is 2");
+  desc.skip_broken = 1;
+  assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "no source is a glTF file");
+  desc.skip_broken = 0;
   desc.control_joint_count = 1;
   assert_open_refused(&desc, FB_ERROR_INVALID_ARGUMENT, "fb_source_desc: control_joints");
   desc.control_joints = &joint;

@@ -261,7 +261,7 @@ static void layout_of_sources(void** state) {
   assert_at(fb_callbacks, progress, 8);
   assert_at(fb_callbacks, note, 16);
 
-  assert_int_equal(sizeof(fb_source_desc), 104);
+  assert_int_equal(sizeof(fb_source_desc), 112);
   assert_at(fb_source_desc, struct_size, 0);
   assert_at(fb_source_desc, path_count, 4);
   assert_at(fb_source_desc, paths, 8);
@@ -275,6 +275,7 @@ static void layout_of_sources(void** state) {
   assert_at(fb_source_desc, control_joint_count, 84);
   assert_at(fb_source_desc, control_joints, 88);
   assert_at(fb_source_desc, test_poses, 96);
+  assert_at(fb_source_desc, skip_broken, 104);
 
   assert_int_equal(sizeof(fb_source_info), 120);
   assert_at(fb_source_info, struct_size, 0);

@@ -128,6 +128,8 @@ class SourceDesc(Structure):
         ("control_joint_count", c_uint32),
         ("control_joints", POINTER(c_char_p)),
         ("test_poses", c_uint64),
+        ("skip_broken", c_uint32),
+        ("reserved_broken", c_uint32),
     ]
 
 

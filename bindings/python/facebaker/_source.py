@@ -39,7 +39,8 @@ class Source:
     are used at most, of each split; 0: all. joints: of a glTF file: "ignore", the skeleton that carries the face;
     "controls", controls of it, by names such as "Jaw.rx", and positions are after skinning; "auto", the latter where the
     file has no morph targets. control_joints: names of the joints that are controls, instead of all that the file's
-    animations move. test_poses: poses that are drawn to measure on, as clips of split test, where a live source has no
+    animations move. skip_broken: meshes and animations of a glTF file that cannot be read are left out, each with a note,
+    instead of raising. test_poses: poses that are drawn to measure on, as clips of split test, where a live source has no
     clips. progress, note: as for bake.
 
     Attributes: name, units, up_axis; diagonal, of the rest mesh's bounding box, in units, by which errors are divided;
@@ -58,6 +59,7 @@ class Source:
         clip_budget: int = 0,
         joints: str = "auto",
         control_joints: Sequence[str] = (),
+        skip_broken: bool = False,
         test_poses: int = 0,
         progress: Progress = None,
         note: Note = None,
@@ -66,7 +68,7 @@ class Source:
             raise ValueError(f'joints is "{joints}", none of {", ".join(JOINTS)}')
         desc = filled(SourceDesc, library.fb_source_desc_fill)
         assign(desc, workers=workers, pose_seconds=pose_seconds, clip_budget=clip_budget, joints=JOINTS.index(joints))
-        desc.test_poses = test_poses
+        desc.test_poses, desc.skip_broken = test_poses, int(skip_broken)
         desc.control_joints, desc.control_joint_count = c_strings([name.encode() for name in control_joints])
         desc.host = None if host is None else path_bytes(host)
         self._rig: Optional[HostRig] = None

@@ -81,6 +81,8 @@ class SourcesTest(BakingTest):
             facebaker.Source(toy_rig.make(), joints="some")
         with self.assertRaisesRegex(facebaker.InvalidArgumentError, "joints are of glTF files"):
             facebaker.Source(toy_rig.make(), control_joints=["jaw"])
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, "skip_broken is of glTF files"):
+            facebaker.Source(toy_rig.make(), skip_broken=True)
         with facebaker.Source(toy_rig.make(), test_poses=20) as source:
             self.assertEqual([clip.split for clip in source.clips], ["test"] * 3)
             self.assertEqual(sum(len(np.asarray(clip.controls)) for clip in source.clips), 20)

@@ -76,6 +76,9 @@ typedef struct fb_source_desc {
    * "random_15" and "random_35", every control active with a probability of 0.15 or 0.35, and "synthetic_shots". 0
    * (default): none. */
   uint64_t test_poses;
+  uint32_t skip_broken; /**< 1: meshes and animations of a glTF file that cannot be read are left out, each with a note
+                           that says why; 0 (default): the file is refused. Of paths one must be a glTF file */
+  uint32_t reserved_broken; /**< 0 */
 } fb_source_desc;
 
 FB_API void fb_source_desc_fill(fb_source_desc* to, uint32_t struct_size);
