@@ -1,5 +1,7 @@
 #include "production/sliding_bones.h"
 
+#include <string>
+
 #include "production/lip_bones.h"
 
 namespace rigs::production {
@@ -22,13 +24,13 @@ SlidingBones::SlidingBones(ControlList& controls, std::vector<FaceBone>& bones, 
   add_middle(controls, bones, lips);
 }
 
-SlidingBones::Bone& SlidingBones::add(ControlList& controls, std::vector<FaceBone>& bones, const std::string& name,
-                                      const std::string& group, Vec head, int side, float reach, float range) {
+SlidingBones::Bone& SlidingBones::add(ControlList& controls, std::vector<FaceBone>& bones, std::string_view name,
+                                      std::string_view group, Vec head, int side, float reach, float range) {
   Bone& bone = bones_.emplace_back();
   bone.bone = bones.size();
   bone.head = head;
   bone.side = side;
-  bone.channels = controls.add_channels(name, group, "xyz", range);
+  bone.channels = controls.add_channels(std::string(name), std::string(group), "xyz", range);
   bone.limit = 1.2f * range;
   bones.push_back({head, reach, skin_parts & ~part_bit(Part::upper_lid) & ~part_bit(Part::lower_lid)});
   return bone;

@@ -2,7 +2,7 @@
 // a distance of where it is carried, slides over the skull, and may turn to keep looking at a bone.
 #pragma once
 
-#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,7 +35,7 @@ class SlidingBones {
     int target = -1;  // bone it looks at
   };
 
-  Bone& add(ControlList& controls, std::vector<FaceBone>& bones, const std::string& name, const std::string& group,
+  Bone& add(ControlList& controls, std::vector<FaceBone>& bones, std::string_view name, std::string_view group,
             Vec head, int side, float reach, float range);
   void add_brows(ControlList& controls, std::vector<FaceBone>& bones, int side);
   void add_cheeks(ControlList& controls, std::vector<FaceBone>& bones, int side, std::size_t lips);
