@@ -11,6 +11,7 @@
 #include "base/mapped_file.h"
 #include "base/memory_budget.h"
 #include "base/shown_path.h"
+#include "base/visible_text.h"
 #include "batch_reader.h"
 #include "control_struct.h"
 #include "loaded_model.h"
@@ -83,11 +84,10 @@ const fb::runtime::RowBlockMatrix& row_block_at(const fb_model* model, std::uint
 }  // namespace
 
 fb_status fb::capi::report(Status status, const char* message) noexcept {
-  std::size_t length = std::min(std::strlen(message), sizeof last_error - 1);
-  // A truncated message ends with a complete UTF-8 character.
-  if (message[length] != '\0')
-    while (length > 0 && (message[length] & 0xc0) == 0x80) --length;
-  std::memmove(last_error, message, length);
+  char visible[sizeof last_error];  // the message may be the last one
+  const std::size_t length =
+      fb::write_visible_text(message, fb::Layout::kept, std::span(visible).first(sizeof visible - 1));
+  std::memcpy(last_error, visible, length);
   last_error[length] = '\0';
   return static_cast<fb_status>(status);
 }

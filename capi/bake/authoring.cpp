@@ -5,6 +5,7 @@
 
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "base/visible_text.h"
 
 namespace fb::capi {
 
@@ -48,7 +49,7 @@ void HostProgress::report(std::uint64_t done) {
 
 void HostProgress::note(std::string_view sentence) {
   const std::lock_guard lock(mutex_);
-  if (callbacks_.note) callbacks_.note(callbacks_.user, std::string(sentence).c_str());
+  if (callbacks_.note) callbacks_.note(callbacks_.user, visible_text(sentence, Layout::kept).c_str());
 }
 
 Parallel parallel_of(std::uint32_t threads, Progress* progress) {

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/documents.h"
+#include "base/decimal_points.h"
 
 namespace fb::capi {
 namespace {
@@ -349,6 +350,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
 }
 
 std::string calibration_json(const Calibration& calibration) {
+  const DecimalPoints decimal_points;
   const auto five_digits = [](double number) { return std::stod(format("%.5g", number)); };
   Json nanoseconds;
   for (std::size_t i = 0; i < pose_work_names.size(); ++i)

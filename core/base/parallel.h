@@ -44,8 +44,8 @@ std::size_t worker_count(const Parallel& parallel);
 
 // Calls body(index, worker) for every index < count, in any order; serial inside another parallel region. Rethrows the
 // exception of the lowest failing index after the loop; once the progress is cancelled, items that have not begun are
-// left out and Error(interrupted) is thrown. With OpenMP, a loop runs on fewer threads where the system has no more, and
-// in a child of fork() on threads of its own instead; otherwise it allocates nothing.
+// left out and Error(interrupted) is thrown. With OpenMP, a loop runs on fewer threads where the system has no more,
+// and in a child of fork() on threads of its own instead; otherwise it allocates nothing.
 void parallel_for(const Parallel& parallel, std::size_t count, LoopBody body);
 
 }  // namespace fb

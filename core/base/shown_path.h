@@ -10,8 +10,8 @@
 
 namespace fb {
 
-// The text itself, or if it has more than 240 bytes its beginning and end with "..." between them. UTF-8 characters
-// stay whole.
+// The text as visible_text.h makes it, or if that has more than 240 bytes its beginning and end with "..." between
+// them. UTF-8 characters stay whole.
 std::string shown(std::string_view text);
 template <std::same_as<std::filesystem::path> Path>
 std::string shown(const Path& path) {

@@ -3,9 +3,12 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "base/decimal_points.h"
+
 namespace fb {
 
 static std::string format_list(const char* pattern, va_list arguments) {
+  const DecimalPoints decimal_points;
   va_list again;
   va_copy(again, arguments);
   const int length = std::vsnprintf(nullptr, 0, pattern, again);

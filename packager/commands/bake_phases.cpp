@@ -1,5 +1,7 @@
 #include "commands/bake_phases.h"
 
+#include "commands/time_left.h"
+
 #include <algorithm>
 #include <iterator>
 
@@ -31,7 +33,7 @@ constexpr Phase phases[] = {
     {"drawing", 0.0, 1, {"drawing"}},
 };
 
-constexpr std::size_t phase_count = std::size(phases);
+constexpr std::size_t phase_count = std::size(phases), training_phase = 2;
 
 // The phase that a stage is of, by the longest beginning that fits; `current` for a stage that none is known of.
 std::size_t phase_of(std::string_view stage, std::size_t current) {
@@ -73,6 +75,15 @@ void BakePhases::update(double share) {
 
 std::string BakePhases::name() const {
   return begun_ ? phases[phase_].name : "";
+}
+
+std::optional<double> seconds_left(std::string_view phase, std::string_view stage, double stage_left, double gone) {
+  std::size_t index = 0;
+  while (index < phase_count && phases[index].name != phase) ++index;
+  const bool decides = index == training_phase ? stage.starts_with("training") : index > training_phase;
+  if (!decides || index == phase_count) return std::nullopt;
+  const double to_come = std::max(0.0, 1 - share_before(index + 1));
+  return stage_left + (gone + stage_left) * to_come / (1 - to_come);
 }
 
 }  // namespace fb::tool

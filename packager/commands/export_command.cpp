@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "commands/pose_evaluator.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
+#include "commands/terminal.h"
 #include "export/low_rank.h"
 #include "export/point_cache_writer.h"
 #include "export/usda_file.h"
@@ -104,7 +104,7 @@ ExportResult ExportCommand::write_points(PoseEvaluator& evaluator, const facebak
 
 ExportResult ExportCommand::write_moving(const facebaker::Archive& opened, const facebaker::Model& model) const {
   const Poses frames = read_poses(request, model);
-  for (const std::string& note : frames.notes) std::fprintf(stderr, "facebaker export: %s\n", note.c_str());
+  for (const std::string& note : frames.notes) print_line(note, "facebaker export: ");
   PoseEvaluator evaluator(model, parallel);
   ExportResult result;
   if (extension() != ".glb") {
@@ -163,7 +163,7 @@ void ExportCommand::run() {
   const facebaker::Archive opened(archive);
   const OutputLock lock = OutputLock::of_file(out);
   ExportResult result = write(opened);
-  for (const std::string& note : result.notes) std::fprintf(stderr, "facebaker export: %s\n", note.c_str());
+  for (const std::string& note : result.notes) print_line(note, "facebaker export: ");
   if (json) {
     nlohmann::ordered_json figures = {{"file", out}};
     figures.update(result.figures);

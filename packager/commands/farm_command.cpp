@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +14,7 @@
 #include "commands/commands.h"
 #include "commands/interrupt.h"
 #include "commands/results.h"
+#include "commands/terminal.h"
 #include "farm/character_list.h"
 #include "farm/farm_run.h"
 #include "farm/farm_table.h"
@@ -68,7 +68,7 @@ void FarmCommand::bake(const FarmFolder& folder, const std::vector<FarmCharacter
     run.more = {"--threads", std::to_string(threads)};
   }
   run.stop = interrupt_requested;
-  run.tell = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
+  run.tell = [](const std::string& line) { print_line(line); };
   run_farm(folder, characters, run);
 }
 

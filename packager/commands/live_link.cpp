@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/csv_file.h"
+#include "base/decimal_points.h"
 #include "base/match_names.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -74,6 +75,7 @@ Timecode parse_timecode(const CsvFile& file, const std::string& text) {
   unsigned hours = 0, minutes = 0, seconds = 0;
   Timecode timecode;
   int read = 0;
+  const DecimalPoints decimal_points;
   if (std::sscanf(text.c_str(), "%2u:%2u:%2u%*1[:;]%lf%n", &hours, &minutes, &seconds, &timecode.frames, &read) != 4 ||
       read != static_cast<int>(text.size()) || hours > 23 || minutes > 59 || seconds > 59 ||
       !(timecode.frames >= 0 && timecode.frames < 1000))

@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "commands/commands.h"
 #include "commands/mistyped.h"
-#include "commands/results.h"
+#include "commands/own_text.h"
 #include "manual/completion_script.h"
 #include "manual/man_page.h"
 #include "manual/option_facts.h"
@@ -43,10 +43,10 @@ void add_help(CLI::App& tool) {
   app->callback([&tool, topic, as_man_page] {
     const CLI::App* command = find_topic(tool, *topic);
     if (*as_man_page)
-      print_result(command ? man_page(tool, *command) : man_page(tool));
+      print_own_text(command ? man_page(tool, *command) : man_page(tool));
     else
-      print_result(command ? command->help("facebaker")
-                           : tool.get_formatter()->make_help(&tool, "facebaker", CLI::AppFormatMode::Normal));
+      print_own_text(command ? command->help("facebaker")
+                             : tool.get_formatter()->make_help(&tool, "facebaker", CLI::AppFormatMode::Normal));
   });
 }
 
@@ -55,7 +55,7 @@ void add_completion(CLI::App& tool) {
   CLI::App* app = tool.add_subcommand("completion", "Print a script by which a shell completes commands and options");
   app->add_option("SHELL", *shell, "bash, fish or zsh")->check(CLI::IsMember(completion_shells()))->required();
   app->footer("For bash, for this session: source <(facebaker completion bash). Packages install the scripts.");
-  app->callback([&tool, shell] { print_result(completion_script(tool, *shell)); });
+  app->callback([&tool, shell] { print_own_text(completion_script(tool, *shell)); });
 }
 
 // Not shown: what the build writes to be installed.

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
+#include "commands/terminal.h"
 #include "export/obj_file.h"
 #include "render/png_file.h"
 #include "render/pose_renderer.h"
@@ -174,7 +174,7 @@ Poses PoseCommand::read_frames(const facebaker::Model& model) const {
 }
 
 void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) std::fprintf(stderr, "facebaker pose: %s\n", note.c_str());
+  for (const std::string& note : notes) print_line(note, "facebaker pose: ");
 }
 
 void PoseCommand::run() {

@@ -7,8 +7,10 @@
 #include <exception>
 
 #include "base/status.h"
+#include "base/visible_text.h"
 #include "commands/interrupt.h"
 #include "commands/terminal.h"
+#include "commands/time_left.h"
 
 namespace fb::tool {
 namespace {
@@ -17,7 +19,7 @@ constexpr auto redraw_interval = std::chrono::milliseconds(100);
 constexpr auto line_interval = std::chrono::seconds(15);
 constexpr std::size_t most_cells = 28, least_cells = 5;  // of a bar
 constexpr std::size_t usual_width = 80;                  // where a terminal does not tell
-constexpr double least_worked = 0.02;                    // share of a bake before how long it takes is estimated
+constexpr double least_worked = 0.05;                    // of a stage before how long a bake takes is estimated
 constexpr const char* clear_line = "\r\033[K";
 
 double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
@@ -54,9 +56,12 @@ ProgressBar::~ProgressBar() {
     if (terminal_ && !stage_.empty()) std::fputs(clear_line, stderr);
     return;
   }
-  const bool whole = phases_ && !stage_.empty();
-  finish_stage();
-  if (whole) std::fprintf(stderr, "in all: %s\n", duration_text(seconds_between(begin_, Clock::now())).c_str());
+  try {
+    const bool whole = phases_ && !stage_.empty();
+    finish_stage();
+    if (whole) print_line(duration_text(seconds_between(begin_, Clock::now())), "in all: ");
+  } catch (...) {  // no memory for a line that nothing depends on
+  }
 }
 
 void ProgressBar::begin(std::string_view stage, std::uint64_t total) {
@@ -69,7 +74,7 @@ void ProgressBar::begin(std::string_view stage, std::uint64_t total) {
   counting_ = false;
   if (!fresh) return;
   finish_stage();
-  stage_ = phases_ ? phases_->name() : part_;
+  stage_ = phases_ ? phases_->name() : visible_text(part_, Layout::hidden);
   start_ = Clock::now();
   if (first) begin_ = start_;
   next_draw_ = start_ + (terminal_ ? Clock::duration(redraw_interval) : Clock::duration(line_interval));
@@ -97,8 +102,7 @@ void ProgressBar::note(std::string_view sentence) {
   const std::lock_guard lock(mutex_);
   if (done_ == total_ && !phases_) finish_stage();
   const Colour colour = sentence.starts_with("warning") ? Colour::warning : Colour::heading;
-  std::fprintf(stderr, "%s%s %.*s\n", terminal_ ? clear_line : "", in_colour(colour, "note:", coloured_).c_str(),
-               static_cast<int>(sentence.size()), sentence.data());
+  print_line(sentence, (terminal_ ? clear_line : "") + in_colour(colour, "note:", coloured_) + " ");
 }
 
 fb_callbacks ProgressBar::callbacks() {
@@ -130,14 +134,13 @@ double ProgressBar::share() const {
 
 // "2:07 left"; "" if nothing can be said yet.
 std::string ProgressBar::time_left(Clock::time_point now) const {
-  if (phases_) {
-    const double worked = phases_->done() - phases_->begun_at();
-    if (worked < least_worked) return {};
-    return "about " + duration_text(seconds_between(begin_, now) * (1 - phases_->done()) / worked) + " left";
-  }
   if (done_ <= start_done_) return {};
-  const double left = static_cast<double>(total_ - done_) / static_cast<double>(done_ - start_done_);
-  return duration_text(seconds_between(count_start_, now) * left) + " left";
+  const auto worked = static_cast<double>(done_ - start_done_), more = static_cast<double>(total_ - done_);
+  const double left = seconds_between(count_start_, now) * more / worked;
+  if (!phases_) return duration_text(left) + " left";
+  if (worked < least_worked * static_cast<double>(total_)) return {};
+  const std::optional<double> whole = seconds_left(stage_, part_, left, seconds_between(begin_, now));
+  return whole ? "about " + duration_text(*whole) + " left" : std::string();
 }
 
 void ProgressBar::draw(Clock::time_point now) {

@@ -1,11 +1,14 @@
 #include "commands/results.h"
 
+#include "commands/own_text.h"
+
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <cstdio>
 
 #include "base/status.h"
+#include "base/visible_text.h"
 
 namespace fb::tool {
 namespace {
@@ -21,6 +24,9 @@ void check(bool written) {
 
 void reserve_standard_output() {
   const int kept = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, least_descriptor);
+  // A file that is written must not become what others take for a standard stream.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
   if (kept >= 0) results = ::fdopen(kept, "w");
   if (::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) ::close(STDOUT_FILENO);
 }
@@ -30,6 +36,10 @@ int results_descriptor() {
 }
 
 void print_result(const std::string& text) {
+  print_own_text(visible_text(text, Layout::kept));
+}
+
+void print_own_text(const std::string& text) {
   check(results && std::fputs(text.c_str(), results) >= 0);
 }
 

@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
+
+#include "base/visible_text.h"
 
 namespace fb::tool {
 namespace {
@@ -53,6 +56,11 @@ bool takes_colour(int descriptor) {
   if (!environment("NO_COLOR").empty() || ::fstat(descriptor, &file) != 0 || S_ISREG(file.st_mode)) return false;
   if (const std::string_view forced = environment("FORCE_COLOR"); !forced.empty()) return forced != "0";
   return ::isatty(descriptor) && environment("TERM") != "dumb";
+}
+
+void print_line(std::string_view line, std::string_view start) {
+  const std::string text = std::string(start) + visible_text(line, Layout::kept) + "\n";
+  std::fputs(text.c_str(), stderr);
 }
 
 std::string in_colour(Colour colour, std::string_view text, bool coloured) {

@@ -14,6 +14,10 @@ std::size_t terminal_width(int descriptor);
 // but 0, unless NO_COLOR is set (no-color.org). Files are never coloured.
 bool takes_colour(int descriptor);
 
+// Prints a line on standard error, names from anyone in it as visible_text.h makes them. `start`: text of ours before
+// it.
+void print_line(std::string_view line, std::string_view start = {});
+
 enum class Colour { heading, name, warning, error };
 
 // The text, between the codes of a colour if `coloured`.

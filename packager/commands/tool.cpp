@@ -18,6 +18,7 @@
 #include "commands/help_format.h"
 #include "commands/interrupt.h"
 #include "commands/mistyped.h"
+#include "commands/own_text.h"
 #include "commands/results.h"
 #include "commands/terminal.h"
 #include "commands/tool_version.h"
@@ -30,7 +31,7 @@ constexpr std::size_t widest_help = 120;  // columns; longer lines are hard to r
 int report_failure(const CLI::App& tool, const std::string& message, int exit_code) {
   const auto commands = tool.get_subcommands();
   const std::string who = "facebaker" + (commands.empty() ? "" : " " + commands[0]->get_name()) + ":";
-  std::fprintf(stderr, "%s %s\n", in_colour(Colour::error, who, takes_colour(STDERR_FILENO)).c_str(), message.c_str());
+  print_line(message, in_colour(Colour::error, who, takes_colour(STDERR_FILENO)) + " ");
   return exit_code;
 }
 
@@ -63,23 +64,27 @@ std::string interrupted_text(const CLI::App& tool) {
 // Prints what --help or --version asks for.
 int print_help(const CLI::App& tool, const CLI::Success& help) {
   std::ostringstream text;
+  text.exceptions(std::ios::badbit | std::ios::failbit);
   const int exit_code = tool.exit(help, text, text);
-  print_result(text.str());
+  print_own_text(text.str());
   finish_results();
   return exit_code;
 }
 
-}  // namespace
-
-void use_passive_waiting(char** argv) {
-  if (std::getenv("OMP_WAIT_POLICY") || ::setenv("OMP_WAIT_POLICY", "PASSIVE", 0) != 0) return;
-  std::error_code unknown;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  ::execv(program.c_str(), argv);  // if this fails, the program works, only slower
+// Runs what the command line says.
+int obey(CLI::App& tool, int argc, char** argv) {
+  if (argc > 1 && is_mistyped(tool, argv[1]))
+    return report_failure(tool, unknown_command(tool, argv[1]) + " (see --help)", 2);
+  try {
+    tool.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return print_help(tool, help);
+  }
+  finish_results();
+  return 0;
 }
 
-int run_tool(int argc, char** argv) {
-  reserve_standard_output();
+int run_commands(int argc, char** argv) {
   CLI::App tool("Bakes facial rigs into small .fbk archives and poses them anywhere.", "facebaker");
   const int shown = results_descriptor();
   const std::size_t width = std::min(terminal_width(shown), widest_help);
@@ -117,12 +122,8 @@ int run_tool(int argc, char** argv) {
   watch_interrupts();
   const ExitGuard guard(argc > 1 ? fb::format("facebaker %s", argv[1]) : "facebaker");
   const char* const first = argc > 1 ? argv[1] : nullptr;
-  if (first && is_mistyped(tool, first)) return report_failure(tool, unknown_command(tool, first) + " (see --help)", 2);
   try {
-    tool.parse(argc, argv);
-    finish_results();
-  } catch (const CLI::Success& help) {
-    return print_help(tool, help);
+    return obey(tool, argc, argv);
   } catch (const CLI::ParseError& wrong) {
     return report_failure(tool, wrong_use_text(tool, wrong, first), 2);
   } catch (const fb::Error& error) {
@@ -136,7 +137,25 @@ int run_tool(int argc, char** argv) {
   } catch (...) {
     return report_failure(tool, "an unknown exception", 1);
   }
-  return 0;
+}
+
+}  // namespace
+
+void use_passive_waiting(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY") || ::setenv("OMP_WAIT_POLICY", "PASSIVE", 0) != 0) return;
+  std::error_code unknown;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  ::execv(program.c_str(), argv);  // if this fails, the program works, only slower
+}
+
+int run_tool(int argc, char** argv) {
+  reserve_standard_output();
+  try {
+    return run_commands(argc, argv);
+  } catch (...) {  // before there are commands, or while a failure is told
+    std::fputs("facebaker: out of memory\n", stderr);
+    return 1;
+  }
 }
 
 }  // namespace fb::tool

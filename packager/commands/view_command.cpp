@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "commands/open_beside.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
+#include "commands/terminal.h"
 #include "commands/view_program.h"
 #include "report/viewer_link.h"
 #include "view/open_browser.h"
@@ -77,7 +77,7 @@ void ViewCommand::run() const {
   std::vector<std::string> notes;
   std::optional<facebaker::Source> source;
   if (!beside.empty()) source = open_beside(beside, rigs, *model, archives[0], notes, shown_clip_frames, shown_poses);
-  for (const std::string& note : notes) std::fprintf(stderr, "%s\n", note.c_str());
+  for (const std::string& note : notes) print_line(note);
 
   const std::unique_ptr<ViewServer> opened = open_view_server(port);
   ViewServer& server = *opened;
@@ -95,8 +95,8 @@ void ViewCommand::run() const {
   print_result(server.address() + "\n");
   finish_results();
   if (!no_open && !open_browser(server.address()))
-    std::fprintf(stderr, "there is no xdg-open here; open the address in a browser\n");
-  std::fprintf(stderr, "Ctrl-C ends it\n");
+    print_line("there is no xdg-open here; open the address in a browser");
+  print_line("Ctrl-C ends it");
   // A rig that takes its time over a pose is not waited for: nothing was begun that has to be ended.
   if (!server.run(interrupt_requested)) ::_exit(0);
 }

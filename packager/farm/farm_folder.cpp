@@ -6,6 +6,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "base/decimal_points.h"
 #include "base/locked_file.h"
 #include "base/status.h"
 #include "farm/shell_words.h"
@@ -67,6 +68,7 @@ FarmStatus FarmFolder::status(const FarmCharacter& character) const {
   const std::vector<std::string> lines = last_lines(file);
   FarmStatus status = {FarmState::stopped, "", 0};
   int code = -1;
+  const DecimalPoints decimal_points;
   if (lines.empty() || std::sscanf(lines[0].c_str(), "exit code %d after %lf s", &code, &status.seconds) != 2)
     return status;
   std::error_code unknown;

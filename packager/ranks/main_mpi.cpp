@@ -1,12 +1,12 @@
 // facebaker-mpi: the tool on the ranks of an MPI job. Rank 0 is `facebaker`; the others evaluate its rigs.
 #include <signal.h>
 
-#include <cstdio>
 #include <exception>
 #include <string_view>
 
 #include "base/status.h"
 #include "commands/exit_guard.h"
+#include "commands/terminal.h"
 #include "commands/tool.h"
 #include "ranks/mpi_link.h"
 #include "ranks/ranks_opener.h"
@@ -32,7 +32,7 @@ int serve(MpiLink& link) {
 
 int bake(MpiLink& link, int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "farm") {
-    std::fprintf(stderr, "facebaker-mpi: a list of characters is for \"facebaker farm\", whose bakes are no ranks\n");
+    print_line("facebaker-mpi: a list of characters is for \"facebaker farm\", whose bakes are no ranks");
     end_ranks(link);
     return 2;
   }
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
     MpiLink link(&argc, &argv);
     return link.rank() == 0 ? bake(link, argc, argv) : serve(link);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "facebaker-mpi: %s\n", error.what());
+    print_line(error.what(), "facebaker-mpi: ");
     return 1;
   }
 }

@@ -2,11 +2,14 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <thread>
 
 #include "base/checked.h"
+#include "base/decimal_points.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json_depth.h"
@@ -19,6 +22,7 @@
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "base/utf8.h"
+#include "base/visible_text.h"
 #include "temporary_folder.h"
 #include "watched_progress.h"
 
@@ -206,6 +210,47 @@ TEST_CASE("long texts and paths are shortened in their middle, between character
   }
   CHECK_THROWS_WITH_AS(with_path("/f", [] { fail(Status::io, "broken"); }), "broken (/f)", Error);
   CHECK_THROWS_WITH_AS(with_path("/f", [] { fail_on("/f", Status::io, "broken"); }), "broken (/f)", Error);
+}
+
+TEST_CASE("what commands a terminal becomes visible") {
+  const auto hidden = [](std::string_view text) { return visible_text(text, Layout::hidden); };
+  CHECK(hidden("gr\xc3\xb6\xc3\x9f"
+               "e \xf0\x9f\x98\x80 a\\b") ==
+        "gr\xc3\xb6\xc3\x9f"
+        "e \xf0\x9f\x98\x80 a\\b");
+  CHECK(hidden("\033]0;x\007\177") == "\\u001b]0;x\\u0007\\u007f");
+  CHECK(hidden("\xc2\x9b"
+               "31m") == "\\u009b31m");  // in one character
+  CHECK(hidden("a\xe2\x80\xae"
+               "b\xe2\x81\xa6"
+               "c") == "a\\u202eb\\u2066c");  // from right to left
+  CHECK(hidden("a\nb\tc\r") == "a\\u000ab\\u0009c\\u000d");
+  CHECK(visible_text("a\nb\tc\r", Layout::kept) == "a\nb\tc\\u000d");
+  CHECK(hidden("\xff\xc3") == "\\xff\\xc3");
+  CHECK(hidden(std::string_view("a\0b", 3)) == "a\\x00b");
+  CHECK(shown("\033[31m") == "\\u001b[31m");
+  char room[8];
+  CHECK(write_visible_text("abcdef\033", Layout::hidden, room) == 6);  // whole characters alone
+}
+
+TEST_CASE("numbers have decimal points whatever locale a host has set") {
+  const test::Folder folder;
+  const std::string made = "localedef -i de_DE -f UTF-8 " + (folder / "de_DE.UTF-8").string() + " >/dev/null 2>&1";
+  setenv("LOCPATH", folder.path().c_str(), 1);
+  if (std::system(made.c_str()) < 0 || !std::setlocale(LC_ALL, "de_DE.UTF-8")) {
+    MESSAGE("skipped: there is no German locale (Debian: locales)");
+  } else {
+    CHECK(std::to_string(0.5) == "0,500000");  // as C prints it
+    CHECK(format("%.1f of %g", 0.5, 1e-3) == "0.5 of 0.001");
+    CHECK_THROWS_WITH_AS(fail(Status::rig, "%.2f", 2.25), "2.25", Error);
+    {
+      const DecimalPoints decimal_points;
+      CHECK(std::strtod("1.5", nullptr) == 1.5);
+    }
+    CHECK(std::strtod("1,5", nullptr) == 1.5);  // the host's again
+  }
+  std::setlocale(LC_ALL, "C");
+  unsetenv("LOCPATH");
 }
 
 TEST_CASE("a budget counts what is in use, and refuses what exceeds it") {

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/decimal_points.h"
 #include "base/hash.h"
 #include "base/status.h"
 
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 // To six significant digits.
 double rounded(double value) {
+  const DecimalPoints decimal_points;
   return std::strtod(format("%.6g", value).c_str(), nullptr);
 }
 

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <thread>
 
+#include "bake/rig_process/orphan_guard.h"
 #include "bake/rig_process/rig_messages.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -64,6 +65,8 @@ class SpawnSetting {
   SpawnSetting(int requests, int answers) {
     ::posix_spawn_file_actions_init(&files_);
     ::posix_spawn_file_actions_addopen(&files_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (::fcntl(STDERR_FILENO, F_GETFD) < 0)
+      ::posix_spawn_file_actions_addopen(&files_, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     ::posix_spawn_file_actions_adddup2(&files_, STDERR_FILENO, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&files_, requests, rig_requests_descriptor);
     ::posix_spawn_file_actions_adddup2(&files_, answers, rig_answers_descriptor);
@@ -109,12 +112,14 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command) {
   Pipe to_child = make_pipe(), from_child = make_pipe();
   const SpawnSetting setting(to_child.read.get(), from_child.write.get());
   std::vector<std::string> words = command, variables = child_environment();
+  prepare_guard();
   const int failed = ::posix_spawnp(&pid_, words.at(0).c_str(), setting.files(), setting.attributes(),
                                     pointers_to(words).data(), pointers_to(variables).data());
   if (failed != 0) {
     pid_ = -1;
     fail(Status::rig, "%s cannot be started: %s", shown(words[0]).c_str(), ::strerror(failed));
   }
+  guard_group(pid_);
   requests_ = std::move(to_child.write);
   answers_ = std::move(from_child.read);
   set_non_blocking(requests_.get());
@@ -140,6 +145,7 @@ bool ChildProcess::wait_for_end(std::chrono::milliseconds patience) const {
 std::string ChildProcess::end() {
   if (pid_ < 0) return {};
   ::kill(-pid_, SIGKILL);
+  release_group(pid_);
   int status = 0;
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) continue;
   pid_ = -1;
