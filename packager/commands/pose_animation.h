@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "commands/pose_evaluator.h"
@@ -12,13 +15,25 @@ namespace fb::tool {
 struct MorphedClip {
   std::vector<MorphTargets> meshes;  // the targets of each mesh; the weights are the clip's
   MorphError error;                  // of all frames and meshes
+  std::vector<std::string> notes;    // where the targets are others than those that were to be expected
 };
 
-// A clip (frames x controls) as morph targets of each mesh over the rest pose: whichever takes least of the frames
-// themselves, the columns of the basis weighted by the coefficients, and the principal components of the frames, and
-// is nowhere further than `tolerance` (a distance) from the evaluated positions. The frames themselves where nothing
-// else is, as with tolerance 0. Positions between frames are interpolated linearly.
-MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, double tolerance);
+// What the targets of a clip may be.
+struct TargetLimits {
+  // How far a point may lie from the evaluated one, a distance; 0: not at all. Nothing: 1e-5 of the diagonal, or what
+  // sums of targets can meet where the face's evaluation itself is rounded more coarsely than that.
+  std::optional<double> tolerance;
+  std::uint64_t most_bytes = 0;  // of targets, about
+
+  // Fails with limit: so many targets of so many vertices, each of them moved, would be more. Nothing was written.
+  void check(std::size_t targets, std::size_t vertices) const;
+};
+
+// A clip (frames x controls) as morph targets of each mesh over the rest pose: whichever takes less of the columns of
+// the basis weighted by the coefficients, and the principal components of the frames, and is nowhere further than the
+// tolerance from the evaluated positions. The frames themselves, with a note, where no sums are, as with tolerance 0.
+// Positions between frames are interpolated linearly.
+MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, const TargetLimits& limits);
 
 // Targets whose sums the frames of a clip are, within rounding and but for exact poses: the frames themselves, or the
 // columns of the basis that the clip uses where these are fewer.

@@ -12,14 +12,25 @@ namespace fb::tool {
 void SceneOptions::add_to(CLI::App& app) {
   app.add_option("--tolerance", tolerance,
                  "How far a clip's points may lie from the evaluated ones, over the diagonal, so that fewer morph "
-                 "targets than frames are needed; 0: a target a frame, for .glb")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+                 "targets than frames are needed; 0: a target a frame, for .glb (default: 1e-5, or more where the "
+                 "face's own rounding is coarser, with a note)")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--force", force,
+               "Write a clip of any size: otherwise nothing is written where morph targets would take more than 256 MB "
+               "(.glb)");
   app.add_flag("--control-targets", control_targets,
                "Write a morph target a control, named like it, so that other programs can pose the face; a clip then "
                "has the controls' weights. An approximation: what controls do in combination is left out, and how "
                "far that is off in the clip is printed (.glb)");
   app.add_flag("--arkit-names", arkit_names, "With --control-targets: name targets by ARKit where controls say so");
+}
+
+TargetLimits SceneOptions::limits(double diagonal) const {
+  constexpr std::uint64_t most_unforced = 256'000'000;
+  TargetLimits limits;
+  if (tolerance) limits.tolerance = *tolerance * diagonal;
+  limits.most_bytes = force ? UINT64_MAX : most_unforced;
+  return limits;
 }
 
 void SceneOptions::check(bool glb) const {
@@ -64,6 +75,11 @@ SceneSummary write_scene(PoseEvaluator& evaluator, const Poses& poses, const Sce
                          const std::string& path) {
   const CharacterView& character = evaluator.character();
   const bool clip = poses.frames > 1;
+  MorphedClip morphed;
+  if (options.control_targets)
+    morphed = morph_controls(evaluator, poses.controls, options.arkit_names);
+  else if (clip)
+    morphed = morph_clip(evaluator, poses.controls, options.limits(character.mesh.diagonal()));
   GlbScene scene = {character,
                     character.mesh.points,
                     std::vector<MorphTargets>(character.meshes.size()),
@@ -71,18 +87,15 @@ SceneSummary write_scene(PoseEvaluator& evaluator, const Poses& poses, const Sce
                     poses.frames,
                     poses.fps};
   std::vector<float> positions;
-  MorphedClip morphed;
-  if (options.control_targets)
-    morphed = morph_controls(evaluator, poses.controls, options.arkit_names);
-  else if (clip)
-    morphed = morph_clip(evaluator, poses.controls, options.tolerance * character.mesh.diagonal());
   if (options.control_targets || clip)
     scene.morphs = std::move(morphed.meshes);
   else
     scene.points = positions = evaluator.positions(poses.controls);
   const bool approximated = clip || (options.control_targets && poses.controls != evaluator.model().rest_controls());
   SceneSummary summary(character, scene.morphs, approximated ? &morphed.error : nullptr, options.control_targets);
-  summary.notes = write_glb(path, scene);
+  summary.notes = std::move(morphed.notes);
+  const std::vector<std::string> left_out = write_glb(path, scene);
+  summary.notes.insert(summary.notes.end(), left_out.begin(), left_out.end());
   return summary;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,12 @@ class App;
 namespace fb::tool {
 
 struct SceneOptions {
-  double tolerance = 1e-5;  // of the diagonal
+  std::optional<double> tolerance;  // of the diagonal; nothing: as TargetLimits has it
   bool control_targets = false, arkit_names = false;
+  bool force = false;  // whatever it takes
+
+  // Of a clip for .glb.
+  TargetLimits limits(double diagonal) const;
 
   void add_to(CLI::App& app);
   // Fails on options of targets for another file than a .glb, and on --arkit-names alone.

@@ -6,6 +6,7 @@
 
 #include "archive/reader.h"
 #include "archive/writer.h"
+#include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
 #include "bake/rig/source.h"
 #include "base/file.h"
@@ -302,6 +303,44 @@ TEST_CASE("a clip of a character moves each mesh by targets of its own, within t
     before = most;
   }
   CHECK(before == 0);  // nothing moves by more than half of the diagonal
+}
+
+TEST_CASE("a frame that no sum of targets gives is a target of its own, and the others stay sums") {
+  const ScratchFolder folder;
+  const fb::PackedModel face = fb::exact_model();
+  fb::write_file(folder / "face.fbk", fb::archive::write_archive(face, {}));
+  constexpr std::size_t frames = 300;
+  std::vector<float> controls = write_clip(folder / "clip.npy", face.schema, frames);
+  std::ranges::copy(face.exact[0].controls, controls.begin() + 100 * std::ptrdiff_t(face.schema.control_count()));
+  fb::bake::write_npy(folder / "clip.npy", {frames, face.schema.control_count()}, std::span<const float>(controls));
+  for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--tolerance", "1e-5"}}) {
+    std::vector<std::string> words = {"pose",  folder / "face.fbk", "--clip", folder / "clip.npy",
+                                      "--out", folder / "x.glb",    "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const ToolRun run = run_tool(words);
+    CAPTURE(run.err);
+    REQUIRE(run.exit_code == 0);
+    const auto figures = nlohmann::json::parse(run.out);
+    for (const auto& count : figures["targets"]) CHECK(count.get<std::size_t>() < frames / 3);
+    CHECK(figures["target_error"]["max_over_diagonal"].get<double>() <= 1e-5);
+    CHECK(run.err.find("a target a frame") == std::string::npos);
+  }
+}
+
+TEST_CASE("targets that take more than 256 MB are refused before the work, unless forced") {
+  const ScratchFolder folder;
+  const fb::PackedModel face = write_character(folder / "face.fbk");
+  constexpr std::size_t frames = 1'000'000;
+  const std::vector<float> controls(frames * face.schema.control_count());
+  fb::bake::write_npy(folder / "clip.npy", {frames, face.schema.control_count()}, std::span<const float>(controls));
+  fb::write_file(folder / "x.glb", std::string("precious"));
+  const ToolRun run = run_tool(
+      {"pose", folder / "face.fbk", "--clip", folder / "clip.npy", "--tolerance", "0", "--out", folder / "x.glb"});
+  CAPTURE(run.err);
+  CHECK(run.exit_code == 1);
+  CHECK(run.err.find("facebaker pose: 1000000 morph targets of 18 vertices would take up to 0.43 GB") != run.err.npos);
+  CHECK(run.err.find("--force") != run.err.npos);
+  CHECK(fb::read_file(folder / "x.glb").size() == 8);
 }
 
 TEST_CASE("normals of a clip are the closest that its targets' weights give") {
