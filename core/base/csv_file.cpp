@@ -42,6 +42,7 @@ std::vector<std::string> cells_of(const std::string& line, char separator) {
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path) : shown_path_(shown(path)), text_(text_of(path)) {
+  text_.exceptions(std::ios::badbit);  // memory that runs out is no end of the file
   std::string line;
   std::getline(text_, line);
   if (line.starts_with("sep=") && line.size() > 4) {

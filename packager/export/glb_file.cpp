@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "base/file.h"
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "export/file_stream.h"
 #include "export/glb_animation.h"
 #include "export/glb_materials.h"
 #include "export/glb_meshes.h"
@@ -135,11 +135,12 @@ std::vector<std::string> write_glb(const std::filesystem::path& path, const GlbS
   if (model.buffers[0].data.size() > 0xf0000000u)
     fail(Status::limit, "%s: %zu bytes are more than a .glb holds; write fewer frames, or with a larger --tolerance",
          shown(path).c_str(), model.buffers[0].data.size());
-  std::ostringstream stream;
+  AtomicFile file(path);
+  FileStream stream(file);
   tinygltf::TinyGLTF writer;
   if (!writer.WriteGltfSceneToStream(&model, stream, false, true))
     fail(Status::internal, "%s: tinygltf refused to write it", shown(path).c_str());
-  write_file(path, stream.str());
+  file.commit();
   return notes;
 }
 

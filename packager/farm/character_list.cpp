@@ -79,6 +79,7 @@ FarmCharacter character_of(std::vector<std::string> words) {
 std::vector<FarmCharacter> read_character_list(const std::filesystem::path& path) {
   const std::vector<std::byte> bytes = read_file(path, longest_list);
   std::istringstream text(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  text.exceptions(std::ios::badbit);  // memory that runs out is no end of the list
   std::vector<FarmCharacter> characters;
   std::map<std::string, std::size_t> lines;
   std::size_t number = 0;

@@ -1,5 +1,18 @@
 #include "render/png_file.h"
 
+#include <cstdlib>
+#include <new>
+
+// Memory for stb, which does not look whether there is any. What it holds when there is none stays lost.
+static void* take_memory(void* before, std::size_t bytes) {
+  void* const memory = std::realloc(before, bytes);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+
+#define STBIW_MALLOC(bytes) take_memory(nullptr, bytes)
+#define STBIW_REALLOC(before, bytes) take_memory(before, bytes)
+#define STBIW_FREE(memory) std::free(memory)
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
@@ -13,25 +26,12 @@ namespace fb::tool {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   AtomicFile file(path);
-  struct Sink {
-    AtomicFile& file;
-    std::exception_ptr failure;
-  } sink{file, nullptr};
-  // stb is C: an exception is kept until it has returned.
-  const auto write = [](void* context, void* data, int size) {
-    Sink& to = *static_cast<Sink*>(context);
-    try {
-      to.file.write({static_cast<const std::byte*>(data), static_cast<std::size_t>(size)});
-    } catch (...) {
-      to.failure = std::current_exception();
-    }
+  const auto write = [](void* to, void* data, int size) {
+    static_cast<AtomicFile*>(to)->write({static_cast<const std::byte*>(data), static_cast<std::size_t>(size)});
   };
-  const int written = stbi_write_png_to_func(write, &sink, image.width, image.height, 3, image.pixels.data(),
+  const int written = stbi_write_png_to_func(write, &file, image.width, image.height, 3, image.pixels.data(),
                                              image.width * static_cast<int>(sizeof(Rgb)));
-  if (sink.failure) std::rethrow_exception(sink.failure);
-  if (!written)
-    fail(Status::out_of_memory, "%s: no memory for an image of %d x %d", shown(path).c_str(), image.width,
-         image.height);
+  if (!written) fail(Status::internal, "%s: stb refused to write it", shown(path).c_str());
   file.commit();
 }
 

@@ -32,6 +32,7 @@ std::vector<fs::path> rig_folders() {
   std::vector<fs::path> folders;
   if (const char* list = std::getenv("FACEBAKER_RIG_PATH")) {
     std::istringstream stream(list);
+    stream.exceptions(std::ios::badbit);
     for (std::string folder; std::getline(stream, folder, ':');)
       if (!folder.empty()) folders.emplace_back(folder);
   }
