@@ -9,8 +9,9 @@ namespace fb::runtime {
 namespace {
 
 // Positions of faces of at least so many vertices are written block by block: by then rows, places and output do not
-// fit a core's caches. At rest, 250,000 vertices in the source's order take 0.8 of the time of gathering them from all
-// rows, 62,000 take 1.2 (`bench_growth --vertices 62000 250000`).
+// fit a core's caches. At rest, 1,000,000 vertices in the source's order then took 4.4 to 4.5 ms, 5.0 to 7.2 ms
+// gathered from all rows, on a machine that others used (`bench_growth --vertices 62000 250000 1000000`); smaller ones
+// took longer.
 constexpr std::size_t scattered_vertices = std::size_t(1) << 17;
 
 // The places in an output of the vertices of a row block, which are to be written soon.
