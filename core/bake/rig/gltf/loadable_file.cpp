@@ -87,12 +87,12 @@ bool encode_uris(json& file) {
   if (!member_of(file, "buffers").is_array()) return false;
   bool changed = false;
   for (json& buffer : file["buffers"]) {
-    const json& uri = member_of(buffer, "uri");
-    if (!uri.is_string() || uri.get_ref<const std::string&>().starts_with("data:")) continue;
+    const auto* uri = member_of(buffer, "uri").get_ptr<const std::string*>();
+    if (!uri || uri->starts_with("data:")) continue;
     std::string encoded;
-    for (const char c : uri.get_ref<const std::string&>())
+    for (const char c : *uri)
       encoded += c == '+' || c == '%' ? format("%%%02x", static_cast<unsigned>(c)) : std::string(1, c);
-    changed |= encoded != uri;
+    changed |= encoded != *uri;
     buffer["uri"] = encoded;
   }
   return changed;
