@@ -52,9 +52,10 @@ class PackedTest(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.folder)
 
-    def blender(self, *words):
+    def blender(self, *words, **environment):
         command = [this_blender().program, *map(str, words)]
-        done = subprocess.run(command, capture_output=True, text=True, env=self.environment, timeout=400)
+        environment = {**self.environment, **environment}
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=400)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
@@ -71,7 +72,9 @@ class PackedTest(unittest.TestCase):
 
     def test_it_installs_bakes_and_previews(self):
         if EXTENSIONS:
-            self.blender("--command", "extension", "install-file", "-r", "user_default", "-e", self.packed)
+            # Where Blender is built with the system's Python it starts python3 of the PATH to install.
+            words = "--command", "extension", "install-file", "-r", "user_default", "-e", self.packed
+            self.blender(*words, PATH=os.environ["PATH"])
             installed = self.folder / "user" / "extensions" / "user_default" / "facebaker_blender"
             module = "bl_ext.user_default.facebaker_blender"
         else:
