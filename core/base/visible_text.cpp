@@ -50,7 +50,7 @@ std::size_t write_visible_text(std::string_view text, Layout layout, std::span<c
       shown = {escape.data(), static_cast<std::size_t>(size)};
     }
     if (shown.size() > to.size() - written) break;
-    std::ranges::copy(shown, to.begin() + static_cast<std::ptrdiff_t>(written));
+    std::copy(shown.begin(), shown.end(), to.begin() + static_cast<std::ptrdiff_t>(written));
     written += shown.size();
     text.remove_prefix(std::max<std::size_t>(character.size(), 1));
   }

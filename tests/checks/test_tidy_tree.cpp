@@ -35,6 +35,7 @@ TEST_CASE("the tree is tidy") {
   REQUIRE(version.size() >= 5);
   none(checks::typed_versions(tree, version));
   none(checks::pinned_packages(tree));
+  none(checks::ranges_in_runtime(tree));
 }
 
 TEST_CASE("the top of the tree holds what it is meant to hold") {
@@ -92,4 +93,14 @@ TEST_CASE("packages in a version are found") {
   CHECK(pinned("docs/x.md", "find_package(Eigen3 3.4 REQUIRED)").empty());
   CHECK(pinned("core/CMakeLists.txt", "if(A)\n  find_package(Eigen3 3.4 REQUIRED NO_MODULE)\n").size() == 1);
   CHECK(pinned("core/x.cmake", "fb_find_package(ZLIB::ZLIB ZLIB 1.2...1.9 REQUIRED)").size() == 1);
+}
+
+TEST_CASE("ranges that WebAssembly does not build with are found") {
+  const auto ranges = [](const char* path) {
+    return checks::ranges_in_runtime({{path, "std::ranges::copy(a, b);\n"}});
+  };
+  CHECK(ranges("core/base/csv_file.cpp").empty());
+  CHECK(ranges("core/bake/train/x.cpp").empty());
+  CHECK(ranges("core/runtime/x.h").size() == 1);
+  CHECK(ranges("core/base/x.cpp").size() == 1);
 }

@@ -105,4 +105,17 @@ std::vector<std::string> pinned_packages(const SourceTree& tree) {
   return offences;
 }
 
+std::vector<std::string> ranges_in_runtime(const SourceTree& tree) {
+  const auto in_runtime = [](const std::string& path) {
+    for (const std::string_view layer : {"core/base/", "core/model/", "core/archive/", "core/runtime/"})
+      if (path.starts_with(layer)) return path != "core/base/csv_file.cpp";  // which only baking reads
+    return false;
+  };
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree)
+    if (in_runtime(file.path) && file.is_code() && file.text.find("std::ranges::") != std::string::npos)
+      offences.push_back(file.path + ": std::ranges, which the C++ library of Debian 12's Emscripten lacks");
+  return offences;
+}
+
 }  // namespace checks

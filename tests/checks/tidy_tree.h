@@ -22,5 +22,8 @@ std::vector<std::string> typed_versions(const SourceTree& tree, const std::strin
 // Packages that CMake is to find in a version: most say that they fit their own major version alone, so that the next
 // release of a system, with the next one, would be refused.
 std::vector<std::string> pinned_packages(const SourceTree& tree);
+// Files of the runtime with std::ranges: they build for WebAssembly, too, and the C++ library of Debian 12's Emscripten
+// has no algorithms of that name.
+std::vector<std::string> ranges_in_runtime(const SourceTree& tree);
 
 }  // namespace checks
