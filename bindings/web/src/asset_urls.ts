@@ -6,7 +6,9 @@ import { notRead } from "./errors.js";
 // beside them, which are still where they were installed.
 const bundled = "/node_modules/.vite/deps/", installed = "/node_modules/facebaker/dist/";
 
-const found = (url: URL): URL => new URL(url.href.replace(bundled, installed));
+// Next's URLs have no origin: nothing is made of those.
+const found = (url: URL): URL =>
+  url.href.includes(bundled) ? new URL(url.href.replace(bundled, installed)) : url;
 
 function needMeta(file: string): void {
   if (!import.meta.url)

@@ -176,10 +176,10 @@ export interface WorkerOptions extends LoadOptions {
 export async function load(source: Source, options: WorkerOptions = {}): Promise<WorkerFace> {
   const { limits, progress, signal, worker } = options;
   signal?.throwIfAborted();
-  // Addresses are relative to the page, and URLs cannot be sent.
+  // Addresses are relative to the page, those of Next's URLs too, and URLs cannot be sent.
   const resolve = (address: string) => (isNode ? address : new URL(address, document.baseURI).href);
   const plain = <Kind>(given: Kind | URL | string): Kind | string =>
-    given instanceof URL ? given.href : typeof given === "string" ? resolve(given) : given;
+    given instanceof URL ? resolve(given.href) : typeof given === "string" ? resolve(given) : given;
   const wasm = options.wasm ?? wasmUrl(options.simd ?? hasSimd());
   const calls = await Calls.start(worker);
   const abort = () => calls.stop("loading was aborted");
