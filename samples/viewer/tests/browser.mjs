@@ -68,6 +68,14 @@ export async function picture(page, name) {
   await page.screenshot({ path: `${settings.pictures}/${name}.png` });
 }
 
+/** Pictures of a whole page, from the top: in one, Chromium repeats the first 8,192 rows below them. */
+export async function fullPicture(page, name) {
+  const { width, height } = await page.evaluate(() => ({ width: innerWidth, height: document.documentElement.scrollHeight }));
+  for (let y = 0, part = 1; y < height; y += 8000, ++part)
+    await page.screenshot({ path: `${settings.pictures}/${name}${part > 1 ? `_${part}` : ""}.png`, fullPage: true,
+      clip: { x: 0, y, width, height: Math.min(8000, height - y) } });
+}
+
 /** The share of the pixels of a page's picture that have about that colour. */
 export async function shareOf(page, colour) {
   const png = (await page.screenshot()).toString("base64");

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readdirSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { launch, openPage, settings, violations } from "./browser.mjs";
+import { fullPicture, launch, openPage, settings, violations } from "./browser.mjs";
 
 let browser;
 before(async () => {
@@ -17,7 +17,7 @@ for (const report of readdirSync(settings.reports))
       test(`the report of ${report}: ${name}, ${dark ? "dark" : "light"}`, async () => {
         const address = pathToFileURL(`${settings.reports}/${report}/index.html`).href;
         const { page, close } = await openPage(browser, address, { ...size, dark, ready: false });
-        await page.screenshot({ path: `${settings.pictures}/report_${report}_${name}_${dark ? "dark" : "light"}.png`, fullPage: true });
+        await fullPicture(page, `report_${report}_${name}_${dark ? "dark" : "light"}`);
         assert.deepEqual(await violations(page), []);
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "nothing sticks out");
         const figure = page.getByRole("button", { name: "rms", exact: true }).first();
