@@ -78,6 +78,8 @@ test_next() {
   npx next build
   check "Next 16.4.6, built" "$PWD" npx next start --port 0
   check "Next 16.4.6, development" "$PWD" npx next dev --port 0
+  npx next build --webpack
+  check "Next 16.4.6 by webpack, built" "$PWD" npx next start --port 0
   rm next.config.mjs # which pages do not need
   mv client_page.jsx app/page.jsx
   npx next build
