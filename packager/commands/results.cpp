@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <new>
 
 #include "base/status.h"
 #include "base/visible_text.h"
@@ -27,7 +28,7 @@ void reserve_standard_output() {
   // A file that is written must not become what others take for a standard stream.
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
-  if (kept >= 0) results = ::fdopen(kept, "w");
+  if (kept >= 0 && !(results = ::fdopen(kept, "w"))) throw std::bad_alloc();
   if (::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) ::close(STDOUT_FILENO);
 }
 

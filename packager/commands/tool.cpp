@@ -149,8 +149,8 @@ void use_passive_waiting(char** argv) {
 }
 
 int run_tool(int argc, char** argv) {
-  reserve_standard_output();
   try {
+    reserve_standard_output();
     return run_commands(argc, argv);
   } catch (...) {  // before there are commands, or while a failure is told
     std::fputs("facebaker: out of memory\n", stderr);

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <string_view>
 
@@ -48,7 +49,8 @@ Tree tree_of(const std::string& folder) {
   return tree;
 }
 
-Workbench::Workbench() : out_(folder_ / "out"), old_(fb::archive::write_archive(fb::tiny_packed_model(2), {})) {
+Workbench::Workbench(Extent extent)
+    : out_(folder_ / "out"), old_(fb::archive::write_archive(fb::tiny_packed_model(2), {})) {
   const std::string face = folder_ / "in.fbk", clip = folder_ / "clip.npy", toy = folder_ / "toy.fbk",
                     recorded = folder_ / "recorded";
   const fb::PackedModel model = fb::tiny_packed_model();
@@ -62,18 +64,24 @@ Workbench::Workbench() : out_(folder_ / "out"), old_(fb::archive::write_archive(
   commands_ = {
       {"sample", {"sample", FB_TOY_RIG, "--out", in_out("data"), "--poses", "200"}},
       {"bake linear", {"bake", FB_TOY_RIG, "--out", archive, "--recipe", "linear", "--poses", "100"}},
-      {"bake compact", {"bake", recorded, "--out", archive, "--recipe", "compact", "--epochs", "2"}},
+      {"bake compact", {"bake", recorded, "--out", archive, "--recipe", "compact", "--epochs", "2"}, {}, true},
       {"compare",
        {"compare", FB_TOY_RIG, "--methods", "linear", "--poses", "100", "--work", in_out("work"), "--json",
-        in_out("compare.json")}},
+        in_out("compare.json")},
+       {},
+       true},
       {"eval", {"eval", toy, FB_TOY_RIG, "--json", in_out("eval.json")}},
       {"pack", {"pack", face, "--out", archive}},
       {"pack smaller", {"pack", face, "--out", archive, "--max-error", "0.01"}},
       {"pose glb", {"pose", face, "--clip", clip, "--out", in_out("face.glb")}},
       {"pose obj", {"pose", face, "--clip", clip, "--out", in_out("face.obj")}},
       {"pose png", {"pose", face, "--size", "32x32", "--out", in_out("face.png")}},
-      {"bench", {"bench", face, "--poses", "2", "--rounds", "1", "--batch", "2", "--csv", in_out("speed.csv")}},
+      {"bench",
+       {"bench", face, "--poses", "2", "--rounds", "1", "--batch", "2", "--csv", in_out("speed.csv")},
+       {},
+       true},
   };
+  if (extent == Extent::all_writers) add_writers(face, clip, toy, recorded);
   if (!whole()) return;
   const auto bake_live = [&](const char* rig, const char* recipe) {
     return std::vector<std::string>{"bake", rig,        "--out", archive,   "--recipe",
@@ -88,6 +96,19 @@ Workbench::Workbench() : out_(folder_ / "out"), old_(fb::archive::write_archive(
   commands_.push_back({"report", {"eval", toy, FB_TOY_RIG, "--report", in_out("report")}});
 }
 
+void Workbench::add_writers(const std::string& face, const std::string& clip, const std::string& toy,
+                            const std::string& recorded) {
+  const auto in_out = [&](const char* name) { return out_ + "/" + name; };
+  for (const char* end : {".usda", ".mdd", ".pc2", ".glb"})
+    commands_.push_back(
+        {std::string("export ") + end, {"export", face, in_out("moved") + end, "--clip", clip, "--fps", "24"}});
+  commands_.push_back({"export onnx", {"export", face, in_out("face.onnx")}});
+  commands_.push_back({"plan", {"plan", FB_TOY_RIG, "--out", in_out("planned"), "--poses", "100"}});
+  commands_.push_back({"check", {"check", recorded, "--report", in_out("checked")}, {}, true});
+  commands_.push_back({"inspect", {"inspect", toy, "--thumbnail", in_out("face.png")}});
+  commands_.push_back({"manual", {"write-manual", in_out("manual")}});
+}
+
 void Workbench::reset() const {
   fs::remove_all(out_);
   fs::remove_all(out_ + ".gone");
@@ -97,7 +118,9 @@ void Workbench::reset() const {
 
 ToolRun Workbench::run(const Command& command, const ToolSetting& setting) const {
   std::vector<std::string> arguments = command.arguments;
-  if (arguments[0] != "pack" && arguments[0] != "bench") arguments.insert(arguments.end(), {"--threads", "1"});
+  constexpr std::array<std::string_view, 4> without_threads = {"pack", "bench", "inspect", "write-manual"};
+  if (std::ranges::find(without_threads, arguments[0]) == without_threads.end())
+    arguments.insert(arguments.end(), {"--threads", "1"});
   ToolSetting quiet = setting;
   quiet.environment.insert(quiet.environment.end(), command.environment.begin(), command.environment.end());
   quiet.environment.push_back("OMP_WAIT_POLICY=PASSIVE");  // the tool does not execute itself again

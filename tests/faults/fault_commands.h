@@ -27,12 +27,16 @@ struct Command {
   std::string name;
   std::vector<std::string> arguments;
   std::vector<std::string> environment = {};  // "NAME=VALUE"
+  bool slow = false;                          // takes half a second or more
 };
+
+// Which commands: those that stand for all, or one for every writer of a file. FB_FAULTS=whole adds some to both.
+enum class Extent { usual, all_writers };
 
 // Inputs, and commands that turn them into outputs.
 class Workbench {
  public:
-  Workbench();
+  explicit Workbench(Extent extent = Extent::usual);
 
   // Of all commands that write, small ones.
   const std::vector<Command>& commands() const { return commands_; }
@@ -54,6 +58,9 @@ class Workbench {
   std::string out_;
   std::vector<std::byte> old_;
   std::vector<Command> commands_;
+
+  void add_writers(const std::string& face, const std::string& clip, const std::string& toy,
+                   const std::string& recorded);
 };
 
 }  // namespace faults
