@@ -14,7 +14,7 @@ WrittenSection compressed_section(const char* name, bool required, std::vector<s
   std::vector<std::byte> deflated(size);
   if (compress2(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
                 raw.size(), Z_BEST_COMPRESSION) != Z_OK)
-    fail(Status::internal, "section \"%s\" cannot be deflated", name);
+    fail(Status::out_of_memory, "no memory to compress section \"%s\"", name);
   if (size + 64 > raw.size()) return uncompressed_section(name, required, std::move(raw));
   deflated.resize(size);
   return {name, required, Codec::deflate, raw.size(), std::move(deflated)};
