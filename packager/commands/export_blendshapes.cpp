@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
+#include "base/shown_path.h"
 #include "base/status.h"
+#include "commands/clip_rounding.h"
 #include "commands/control_shapes.h"
 #include "commands/drawn_poses.h"
 #include "commands/pose_animation.h"
@@ -81,26 +84,67 @@ MorphTargets joined(const MorphTargets& a, const MorphTargets& b, std::size_t fr
   return both;
 }
 
-// Adds targets to those of a mesh, so that a clip is within the tolerance, a distance.
-void add_corrections(PoseEvaluator& evaluator, std::span<const float> controls, const ClipSpan& span, std::size_t mesh,
-                     double tolerance, MorphTargets& morph) {
-  const std::size_t frames = evaluator.frames(controls);
-  const FrameReader read = frames_of(evaluator, controls, mesh), remainder = remainder_of(read, morph);
-  MorphTargets corrected = morph;
-  for (const bool exact : {false, true}) {  // exact poses are no sums of the basis
-    MorphTargets spanning = exact ? targets_from_frames(remainder, frames) : span.targets(mesh);
-    for (std::size_t t = 0; t < morph.count && !exact; ++t) spanning.add(morph.target(t));
-    MorphTargets more = principal_targets(spanning, remainder, frames, 0.95 * tolerance, evaluator.parallel());
-    // Engines that merge meshes take targets of one name for one target.
-    const CharacterView& character = evaluator.character();
-    const std::string prefix = character.meshes.size() > 1 ? character.mesh_name(mesh) + "." : "";
-    for (std::size_t t = 0; t < more.count; ++t) more.names.push_back(prefix + "correction" + std::to_string(t));
-    set_normals(more, SingleMesh(evaluator.character(), mesh).view());
-    corrected = joined(morph, more, frames);
-    if (error_of(corrected, read, frames, evaluator.parallel()).largest <= tolerance) break;
+// What brings a clip of a mesh within the tolerance of its evaluation, beside the targets that it has.
+class Corrections {
+ public:
+  // morph: the targets, with the weights of the clip. All must outlive this.
+  Corrections(PoseEvaluator& evaluator, std::span<const float> controls, std::size_t mesh, const MorphTargets& morph,
+              const TargetLimits& limits)
+      : evaluator_(evaluator),
+        frames_(evaluator.frames(controls)),
+        diagonal_(evaluator.character().mesh.diagonal()),
+        single_(evaluator.character(), mesh),
+        name_(evaluator.character().mesh_name(mesh)),
+        morph_(morph),
+        limits_(limits),
+        read_(frames_of(evaluator, controls, mesh)),
+        remainder_(remainder_of(read_, morph_)) {}
+
+  // The targets with these added. spanning: as ClipSpan gives them; nothing: each frame is to have one. Appends notes.
+  MorphTargets added(std::optional<MorphTargets> spanning, std::vector<std::string>& notes) const {
+    const auto note = [&](const std::string& what) { notes.push_back("mesh \"" + shown(name_) + "\": " + what); };
+    std::optional<ClipRounding> rounding;
+    if (spanning) {
+      rounding.emplace(*spanning, read_, frames_, limits_, diagonal_, evaluator_.parallel());
+      if (rounding->allows_sums()) {
+        if (const std::string coarser = rounding->coarser_note(); !coarser.empty()) note(coarser);
+        if (MorphTargets more = rounding->with_frames(*spanning, read_); more.count > 0) *spanning = std::move(more);
+        for (std::size_t t = 0; t < morph_.count; ++t) spanning->add(morph_.target(t));
+        MorphTargets corrected = with(principal(*spanning, rounding->room()));
+        if (error_of(corrected, read_, frames_, evaluator_.parallel()).largest <= rounding->tolerance())
+          return corrected;
+      }
+    }
+    limits_.check(morph_.count + frames_, single_.view().vertex_count(), frames_);
+    MorphTargets more =
+        principal(targets_from_frames(remainder_, frames_), rounding ? 0.95 * rounding->tolerance() : 0);
+    if (rounding && more.count >= frames_) note(rounding->frames_note());
+    return with(std::move(more));
   }
-  morph = std::move(corrected);
-}
+
+ private:
+  MorphTargets principal(const MorphTargets& spanning, double tolerance) const {
+    return principal_targets(spanning, remainder_, frames_, tolerance, evaluator_.parallel());
+  }
+
+  MorphTargets with(MorphTargets more) const {
+    limits_.check(morph_.count + more.count, single_.view().vertex_count(), frames_);
+    // Engines that merge meshes take targets of one name for one target.
+    const std::string prefix = evaluator_.character().meshes.size() > 1 ? name_ + "." : "";
+    for (std::size_t t = 0; t < more.count; ++t) more.names.push_back(prefix + "correction" + std::to_string(t));
+    set_normals(more, single_.view());
+    return joined(morph_, more, frames_);
+  }
+
+  PoseEvaluator& evaluator_;
+  std::size_t frames_;
+  double diagonal_;
+  SingleMesh single_;
+  std::string name_;
+  const MorphTargets& morph_;
+  const TargetLimits& limits_;
+  FrameReader read_, remainder_;
+};
 
 // How far the targets of all meshes are off where poses are played by the shapes alone.
 MorphError stand_in_error(PoseEvaluator& evaluator, const std::vector<ControlShape>& shapes,
@@ -132,7 +176,8 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
   GlbScene scene = {character, character.mesh.points, {}, evaluator.sockets(poses.controls), poses.frames, poses.fps};
   const bool clip = poses.frames > 1;
   std::optional<ClipSpan> span;
-  if (clip) span.emplace(evaluator, poses.controls);
+  const TargetLimits limits = options.targets.limits(diagonal);
+  if (clip && limits.tolerance != 0.0) span.emplace(evaluator, poses.controls);
   progress.begin("blendshapes", character.meshes.size());
   MorphError clip_error;
   std::size_t corrections = 0;
@@ -140,7 +185,8 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
     MorphTargets morph = targets_of(evaluator, shapes, poses.controls, m);
     const std::size_t own = morph.count;
     if (clip) {
-      add_corrections(evaluator, poses.controls, *span, m, options.tolerance * diagonal, morph);
+      const Corrections corrected(evaluator, poses.controls, m, morph, limits);
+      morph = corrected.added(span ? std::optional(span->targets(m)) : std::nullopt, result.notes);
       corrections = std::max(corrections, morph.count - own);
       clip_error.add(error_of(morph, frames_of(evaluator, poses.controls, m), poses.frames, evaluator.parallel()));
     }
@@ -157,7 +203,8 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
     result.add_error("clip_error", format("the clip, with %zu corrections", corrections), clip_error, diagonal,
                      character.units);
   }
-  result.notes = write_glb(path, scene);
+  const std::vector<std::string> left_out = write_glb(path, scene);
+  result.notes.insert(result.notes.end(), left_out.begin(), left_out.end());
   return result;
 }
 

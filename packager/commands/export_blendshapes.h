@@ -6,13 +6,14 @@
 #include "commands/export_result.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
+#include "commands/target_limits.h"
 
 namespace fb::tool {
 
 struct BlendshapeExport {
   std::size_t shapes = 64;   // at most
   bool arkit_names = false;  // names by ARKit where controls say so
-  double tolerance = 1e-5;   // of a clip, over the diagonal
+  TargetOptions targets;     // of a clip
   std::size_t poses = 300;   // drawn, to choose shapes by and to measure on
   std::uint64_t seed = 1;
   std::string licence;  // text; may be empty

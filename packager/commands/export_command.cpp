@@ -16,6 +16,7 @@
 #include "commands/pose_evaluator.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
+#include "commands/target_limits.h"
 #include "commands/terminal.h"
 #include "export/low_rank.h"
 #include "export/point_cache_writer.h"
@@ -36,7 +37,7 @@ struct ExportCommand {
   std::optional<std::size_t> shapes;
   bool skinned = false, arkit_names = false, json = false;
   std::uint32_t joints = SkinnedExport().joints;
-  double tolerance = BlendshapeExport().tolerance;
+  TargetOptions targets;
   std::uint64_t poses = BlendshapeExport().poses, seed = 1;
   Parallel parallel;
   std::vector<FormOption> form_options;
@@ -122,7 +123,7 @@ ExportResult ExportCommand::write_moving(const facebaker::Archive& opened, const
     BlendshapeExport options;
     options.shapes = shapes.value_or(options.shapes);
     options.arkit_names = arkit_names;
-    options.tolerance = tolerance;
+    options.targets = targets;
     options.poses = poses;
     options.seed = seed;
     options.licence = opened.info().licence;
@@ -215,12 +216,7 @@ void add_glb_options(CLI::App& app, ExportCommand& command) {
           ->type_name("K"));
   only_glb(
       app.add_flag("--arkit-names", command.arkit_names, "Name blendshapes by ARKit where controls say so (.glb)"));
-  command.plain_options.push_back(only_glb(
-      app.add_option("--tolerance", command.tolerance,
-                     "How far a clip's points may lie from the evaluated ones, over the diagonal: more targets are "
-                     "added until they do not (.glb)")
-          ->check(CLI::Range(0.0, 1.0))
-          ->capture_default_str()));
+  for (CLI::Option* option : command.targets.add_to(app)) command.plain_options.push_back(only_glb(option));
   only_glb(app.add_flag("--skinned", command.skinned,
                         "Joints with four skin weights a vertex and a few blendshapes, for engines that take nothing "
                         "else (.glb)"));

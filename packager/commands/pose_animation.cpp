@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "base/shown_path.h"
 #include "base/status.h"
+#include "commands/clip_rounding.h"
 #include "export/morph_normals.h"
 
 namespace fb::tool {
@@ -39,23 +41,6 @@ std::vector<float> read_columns(const facebaker::Model& model, const std::vector
   return displacements;
 }
 
-constexpr double usual_tolerance = 1e-5, coarsest_tolerance = 1e-4;  // of the diagonal
-constexpr std::size_t most_single_frames = 64;
-
-// How far each frame of a mesh lies from its targets with their weights.
-std::vector<MorphError> frame_errors(const MorphTargets& morph, const FrameReader& read, std::size_t frames,
-                                     const Parallel& parallel) {
-  std::vector<MorphError> errors(frames);
-  for_frame_blocks(read, frames, [&](std::size_t first, std::size_t count, std::span<const float> moves) {
-    const std::size_t size = moves.size() / count;
-    parallel_for(parallel, count, [&](std::size_t f, std::size_t) {
-      errors[first + f] = morph_error(morph, std::span(morph.weights).subspan((first + f) * morph.count, morph.count),
-                                      moves.subspan(f * size, size), 1);
-    });
-  });
-  return errors;
-}
-
 // The targets of one mesh.
 class MeshMorpher {
  public:
@@ -69,24 +54,17 @@ class MeshMorpher {
         clip_(clip) {}
 
   MorphTargets morph(MorphTargets spanning, const TargetLimits& limits) const {
-    const Rounding rounding = rounding_of(spanning);
-    const double least = 2 * rounding.of_most, wanted = limits.tolerance.value_or(usual_tolerance * diagonal_),
-                 tolerance = limits.tolerance ? wanted : std::max(wanted, least);
-    if (least <= tolerance && (limits.tolerance || tolerance <= coarsest_tolerance * diagonal_)) {
-      if (tolerance > wanted)
-        note(format("its evaluation is rounded by %.1e of the diagonal; its targets are within %.1e",
-                    rounding.of_most / diagonal_, tolerance / diagonal_));
-      if (auto sums = sums_within(std::move(spanning), rounding, tolerance, limits)) return std::move(*sums);
+    const ClipRounding rounding(spanning, read_, frames_, limits, diagonal_, parallel_);
+    if (rounding.allows_sums()) {
+      if (const std::string coarser = rounding.coarser_note(); !coarser.empty()) note(coarser);
+      if (auto sums = sums_within(std::move(spanning), rounding, limits)) return std::move(*sums);
     }
-    note(
-        format("it lies up to %.1e of the diagonal from what sums of targets give, too far for a tolerance of %.1e: it "
-               "has a target a frame",
-               rounding.of_most / diagonal_, tolerance / diagonal_));
+    note(rounding.frames_note());
     return morph_by_frames(limits);
   }
 
   MorphTargets morph_by_frames(const TargetLimits& limits) const {
-    limits.check(frames_, single_.view().vertex_count());
+    limits.check(frames_, single_.view().vertex_count(), frames_);
     MorphTargets exact = targets_from_frames(read_, frames_);
     clip_.error.add(error_of(exact, read_, frames_, parallel_));
     set_normals(exact, single_.view());
@@ -94,41 +72,18 @@ class MeshMorpher {
   }
 
  private:
-  // How far frames lie from the sums that they are but for rounding, and but for exact poses.
-  struct Rounding {
-    std::vector<double> of_frames;
-    double of_most = 0;  // of all but the worst most_single_frames
-  };
-
-  Rounding rounding_of(const MorphTargets& spanning) const {
-    Rounding rounding;
-    for (const MorphError& error : frame_errors(spanning, read_, frames_, parallel_))
-      rounding.of_frames.push_back(error.largest);
-    if (frames_ <= most_single_frames) return rounding;
-    std::vector<double> sorted = rounding.of_frames;
-    std::ranges::sort(sorted);
-    rounding.of_most = sorted[frames_ - most_single_frames - 1];
-    return rounding;
-  }
-
   // The smaller of the columns and the fewest principal components that all frames are within the tolerance of. Frames
   // that sums give too badly are put beside the columns as they are.
-  std::optional<MorphTargets> sums_within(MorphTargets spanning, const Rounding& rounding, double tolerance,
+  std::optional<MorphTargets> sums_within(MorphTargets spanning, const ClipRounding& rounding,
                                           const TargetLimits& limits) const {
-    MorphTargets with_frames;
-    for (std::size_t f = 0; f < frames_; ++f)
-      if (rounding.of_frames[f] > tolerance / 2) {
-        if (with_frames.count == 0) with_frames = spanning;
-        with_frames.add(read_(f, 1));
-      }
-    // Less than there is room for, because numbers are rounded.
-    MorphTargets sums = principal_targets(with_frames.count > 0 ? with_frames : spanning, read_, frames_,
-                                          0.95 * tolerance / 2, parallel_);
-    if (spanning.stored_bytes() < sums.stored_bytes() && std::ranges::max(rounding.of_frames) <= tolerance)
-      sums = std::move(spanning);
+    MorphTargets with_frames = rounding.with_frames(spanning, read_);
+    MorphTargets sums =
+        principal_targets(with_frames.count > 0 ? with_frames : spanning, read_, frames_, rounding.room(), parallel_);
+    with_frames = {};
+    if (rounding.all_within() && spanning.stored_bytes() < sums.stored_bytes()) sums = std::move(spanning);
     const MorphError error = error_of(sums, read_, frames_, parallel_);
-    if (error.largest > tolerance) return std::nullopt;
-    limits.check(sums.count, single_.view().vertex_count());
+    if (error.largest > rounding.tolerance()) return std::nullopt;
+    limits.check(sums.count, single_.view().vertex_count(), frames_);
     clip_.error.add(error);
     fit_normals(sums, single_.view(), read_, frames_, parallel_);
     return sums;
@@ -223,16 +178,6 @@ MorphError error_of(const MorphTargets& morph, const FrameReader& read, std::siz
   MorphError error;
   for (const MorphError& of_frame : frame_errors(morph, read, frames, parallel)) error.add(of_frame);
   return error;
-}
-
-void TargetLimits::check(std::size_t targets, std::size_t vertices) const {
-  // Positions and normals; what does not move is left out, which is known when they are there.
-  const double bytes = 2.0 * 3 * sizeof(float) * static_cast<double>(targets) * static_cast<double>(vertices);
-  if (bytes <= static_cast<double>(most_bytes)) return;
-  fail(Status::limit,
-       "%zu morph targets of %zu vertices would take up to %.2f GB, more than %.2f GB: give fewer frames, a larger "
-       "--tolerance, or --force",
-       targets, vertices, bytes / 1e9, static_cast<double>(most_bytes) / 1e9);
 }
 
 MorphedClip morph_clip(PoseEvaluator& evaluator, std::span<const float> controls, const TargetLimits& limits) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "commands/pose_evaluator.h"
+#include "commands/target_limits.h"
 #include "export/low_rank.h"
 
 namespace fb::tool {
@@ -16,17 +17,6 @@ struct MorphedClip {
   std::vector<MorphTargets> meshes;  // the targets of each mesh; the weights are the clip's
   MorphError error;                  // of all frames and meshes
   std::vector<std::string> notes;    // where the targets are others than those that were to be expected
-};
-
-// What the targets of a clip may be.
-struct TargetLimits {
-  // How far a point may lie from the evaluated one, a distance; 0: not at all. Nothing: 1e-5 of the diagonal, or what
-  // sums of targets can meet where the face's evaluation itself is rounded more coarsely than that.
-  std::optional<double> tolerance;
-  std::uint64_t most_bytes = 0;  // of targets, about
-
-  // Fails with limit: so many targets of so many vertices, each of them moved, would be more. Nothing was written.
-  void check(std::size_t targets, std::size_t vertices) const;
 };
 
 // A clip (frames x controls) as morph targets of each mesh over the rest pose: whichever takes less of the columns of

@@ -10,27 +10,12 @@
 namespace fb::tool {
 
 void SceneOptions::add_to(CLI::App& app) {
-  app.add_option("--tolerance", tolerance,
-                 "How far a clip's points may lie from the evaluated ones, over the diagonal, so that fewer morph "
-                 "targets than frames are needed; 0: a target a frame, for .glb (default: 1e-5, or more where the "
-                 "face's own rounding is coarser, with a note)")
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_flag("--force", force,
-               "Write a clip of any size: otherwise nothing is written where morph targets would take more than 256 MB "
-               "(.glb)");
+  targets.add_to(app);
   app.add_flag("--control-targets", control_targets,
                "Write a morph target a control, named like it, so that other programs can pose the face; a clip then "
                "has the controls' weights. An approximation: what controls do in combination is left out, and how "
                "far that is off in the clip is printed (.glb)");
   app.add_flag("--arkit-names", arkit_names, "With --control-targets: name targets by ARKit where controls say so");
-}
-
-TargetLimits SceneOptions::limits(double diagonal) const {
-  constexpr std::uint64_t most_unforced = 256'000'000;
-  TargetLimits limits;
-  if (tolerance) limits.tolerance = *tolerance * diagonal;
-  limits.most_bytes = force ? UINT64_MAX : most_unforced;
-  return limits;
 }
 
 void SceneOptions::check(bool glb) const {
@@ -79,7 +64,7 @@ SceneSummary write_scene(PoseEvaluator& evaluator, const Poses& poses, const Sce
   if (options.control_targets)
     morphed = morph_controls(evaluator, poses.controls, options.arkit_names);
   else if (clip)
-    morphed = morph_clip(evaluator, poses.controls, options.limits(character.mesh.diagonal()));
+    morphed = morph_clip(evaluator, poses.controls, options.targets.limits(character.mesh.diagonal()));
   GlbScene scene = {character,
                     character.mesh.points,
                     std::vector<MorphTargets>(character.meshes.size()),

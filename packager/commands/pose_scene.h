@@ -2,12 +2,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands/pose_animation.h"
 #include "commands/pose_controls.h"
+#include "commands/target_limits.h"
 
 namespace CLI {
 class App;
@@ -16,12 +16,8 @@ class App;
 namespace fb::tool {
 
 struct SceneOptions {
-  std::optional<double> tolerance;  // of the diagonal; nothing: as TargetLimits has it
+  TargetOptions targets;  // of a clip
   bool control_targets = false, arkit_names = false;
-  bool force = false;  // whatever it takes
-
-  // Of a clip for .glb.
-  TargetLimits limits(double diagonal) const;
 
   void add_to(CLI::App& app);
   // Fails on options of targets for another file than a .glb, and on --arkit-names alone.

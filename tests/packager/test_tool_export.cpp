@@ -192,6 +192,23 @@ TEST_CASE("a clip plays as it is evaluated, by weights of controls and correctio
   }
 }
 
+TEST_CASE("corrections that take more than 256 MB are refused before the work, unless forced") {
+  const ExportedFace exported(tiny_packed_model(), 6);
+  constexpr std::size_t frames = 10'000;
+  const std::vector<float> controls(frames * exported.face.schema.control_count(), 0.5f);
+  bake::write_npy(exported.folder / "long.npy", {frames, exported.face.schema.control_count()},
+                  std::span<const float>(controls));
+  write_file(exported.folder / "face.glb", std::string("precious"));
+  const ToolRun run = run_tool({"export", exported.folder / "face.fbk", exported.folder / "face.glb", "--clip",
+                                exported.folder / "long.npy", "--tolerance", "0"});
+  CAPTURE(run.err);
+  CHECK(run.exit_code == 1);
+  CHECK(run.err.find("with weights of 10000 frames, would take up to 0.4") != run.err.npos);
+  CHECK(run.err.find("--force") != run.err.npos);
+  CHECK(read_file(exported.folder / "face.glb").size() == 8);
+  CHECK(exported.write_clip_to("face.glb", {"--tolerance", "0", "--force"}).at("frames") == 6);
+}
+
 TEST_CASE("joints and blendshapes play a clip with the error that is told") {
   for (const PackedModel& face : {tiny_packed_model(), character_model()}) {
     const ExportedFace of(face, 12);
