@@ -1,6 +1,7 @@
 #include "commands/pose_animation.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -39,6 +40,14 @@ std::vector<float> read_columns(const facebaker::Model& model, const std::vector
     }
   }
   return displacements;
+}
+
+// Calls `body` with the coefficients of each frame.
+void for_coefficients(PoseEvaluator& evaluator, std::span<const float> controls,
+                      const std::function<void(std::span<const float>)>& body) {
+  const std::size_t width = evaluator.model().control_count();
+  for (std::size_t f = 0; f < evaluator.frames(controls); ++f)
+    body(evaluator.coefficients(controls.subspan(f * width, width)));
 }
 
 // The targets of one mesh.
@@ -104,18 +113,19 @@ class MeshMorpher {
 
 ClipSpan::ClipSpan(PoseEvaluator& evaluator, std::span<const float> controls)
     : evaluator_(evaluator), controls_(controls) {
+  // Twice, frame by frame: the coefficients of all frames would take much more than those that are used.
+  std::vector<bool> used(fb_coefficient_count(evaluator.model().get()));
+  for_coefficients(evaluator, controls, [&](std::span<const float> of_frame) {
+    for (std::size_t c = 0; c < used.size(); ++c) used[c] = used[c] || of_frame[c] != 0;
+  });
+  for (std::uint32_t c = 0; c < used.size(); ++c)
+    if (used[c]) columns_.push_back(c);
   const std::size_t frames = evaluator.frames(controls);
-  const std::uint32_t count = fb_coefficient_count(evaluator.model().get());
-  const std::vector<float> coefficients = evaluator.coefficients(controls);
-  for (std::uint32_t c = 0; c < count; ++c)
-    for (std::size_t f = 0; f < frames; ++f)
-      if (coefficients[f * count + c] != 0) {
-        columns_.push_back(c);
-        break;
-      }
-  for (std::size_t f = 0; f < frames; ++f)
-    for (const std::uint32_t c : columns_) coefficients_.push_back(coefficients[f * count + c]);
-  if (frames > columns_.size()) displacements_ = read_columns(evaluator.model(), columns_);
+  if (frames <= columns_.size()) return;
+  for_coefficients(evaluator, controls, [&](std::span<const float> of_frame) {
+    for (const std::uint32_t c : columns_) coefficients_.push_back(of_frame[c]);
+  });
+  displacements_ = read_columns(evaluator.model(), columns_);
 }
 
 MorphTargets ClipSpan::targets(std::size_t mesh) const {

@@ -39,8 +39,9 @@ class ClipSpan {
   PoseEvaluator& evaluator_;
   std::span<const float> controls_;
   std::vector<std::uint32_t> columns_;  // coefficients that are not 0 in every frame
-  std::vector<float> coefficients_;     // frames x columns
-  std::vector<float> displacements_;    // columns x 3 x vertices, for one unit of each; empty: frames are fewer
+  // Empty where frames are fewer:
+  std::vector<float> coefficients_;   // frames x columns
+  std::vector<float> displacements_;  // columns x 3 x vertices, for one unit of each
 };
 
 // The frames as targets of a mesh, those that move it, without normals.

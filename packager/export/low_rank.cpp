@@ -40,17 +40,24 @@ Components components_of(const MorphTargets& spanning, const FrameReader& read, 
   const Eigen::Index count = index(spanning.count), size = index(spanning.displacements.size()) / count;
   const Eigen::HouseholderQR<Matrix> qr(Eigen::Map<const Matrix>(spanning.displacements.data(), size, count));
   const Matrix basis = qr.householderQ() * Matrix::Identity(size, std::min(size, count));
+  // The frames are many: what they take is held once, in single precision.
   Matrix coordinates(index(frames), basis.cols());
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(basis.cols(), basis.cols());
   for_frame_blocks(read, frames, [&](std::size_t first, std::size_t block, std::span<const float> moves) {
     const Eigen::Map<const Rows> rows(moves.data(), index(block), size);
     for_rows(parallel, index(block), [&](Eigen::Index row, Eigen::Index some) {
       coordinates.middleRows(index(first) + row, some).noalias() = rows.middleRows(row, some) * basis;
     });
+    const Eigen::MatrixXd precise = coordinates.middleRows(index(first), index(block)).cast<double>();
+    squares.noalias() += precise.transpose() * precise;
   });
-  const Eigen::MatrixXd precise = coordinates.cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(precise.transpose() * precise);  // ascending
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(squares);  // ascending
   const Eigen::MatrixXd turn = axes.eigenvectors().rowwise().reverse();
-  return {(precise * turn).cast<float>(), basis * turn.cast<float>()};
+  for_rows(parallel, index(frames), [&](Eigen::Index first, Eigen::Index some) {
+    auto rows = coordinates.middleRows(first, some);
+    rows = (rows.cast<double>().eval() * turn).cast<float>().eval();
+  });
+  return {std::move(coordinates), basis * turn.cast<float>()};
 }
 
 // For each of these frames, the largest distance that a vertex lies off if only the first `kept` components are.

@@ -82,7 +82,7 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
   using Clock = std::chrono::steady_clock;
   Clock::time_point signalled;
   if (!setting.interrupt_when_exists.empty()) {
-    // Until the path is there or the child is gone, which is left for waitpid below to find.
+    // Until the path is there or the child is gone, which is left for wait4 below to find.
     siginfo_t gone = {};
     while (!is_there(setting.interrupt_when_exists, setting.interrupt_when_bytes) && gone.si_pid == 0) {
       waitid(P_PID, child, &gone, WEXITED | WNOHANG | WNOWAIT);
@@ -97,10 +97,12 @@ ToolRun run_program(const std::string& path, const std::vector<std::string>& arg
     kill(child, setting.signal);  // the child is still ours: nobody has waited for it
   }
   int status = 0;
-  waitpid(child, &status, 0);
+  rusage usage = {};
+  wait4(child, &status, 0, &usage);
   ToolRun run{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out.text(), err.text()};
   if (signalled != Clock::time_point{})
     run.seconds_to_end = std::chrono::duration<double>(Clock::now() - signalled).count();
+  run.peak_bytes = 1024 * static_cast<std::size_t>(usage.ru_maxrss);
   return run;
 }
 

@@ -2,13 +2,15 @@
 
 #include <signal.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 struct ToolRun {
   int exit_code = -1;  // 128 + signal if one ended it
   std::string out, err;
-  double seconds_to_end = 0;  // from the signal that was sent to the end; 0 without one
+  double seconds_to_end = 0;   // from the signal that was sent to the end; 0 without one
+  std::size_t peak_bytes = 0;  // of memory that it had at once
 };
 
 // ThreadSanitizer maps files of its own: under a limit on file sizes it would die of a bus error.
