@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "base/open_descriptor.h"
+#include "base/orphan_guard.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -69,15 +70,21 @@ FarmJob::FarmJob(const FarmFolder& folder, const FarmCharacter& character, const
   posix_spawnattr_t how;
   ::posix_spawnattr_init(&how);
   ::posix_spawnattr_setflags(&how, POSIX_SPAWN_SETPGROUP);
+  prepare_guard();
   const int error = ::posix_spawn(&pid_, run.program.c_str(), &files, &how, arguments.data(), ::environ);
   ::posix_spawnattr_destroy(&how);
   ::posix_spawn_file_actions_destroy(&files);
   if (error != 0) fail(Status::io, "%s: cannot be started: %s", shown(run.program).c_str(), ::strerror(error));
+  guard_group(pid_);  // which does not outlive a farm that is killed
 }
 
 std::optional<int> FarmJob::ended() {
+  siginfo_t gone = {};
+  if (::waitid(P_PID, static_cast<id_t>(pid_), &gone, WEXITED | WNOHANG | WNOWAIT) != 0 || gone.si_pid != pid_)
+    return std::nullopt;
+  release_group(pid_);
   int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  ::waitpid(pid_, &status, 0);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   const std::string line =
       FarmFolder::end_line(code, std::chrono::duration<double>(Clock::now() - begun_).count()) + "\n";

@@ -18,8 +18,8 @@ struct FarmRun {
 };
 
 // Bakes characters, each in a process of its own, whose output is its log. One that another process is baking at that
-// moment is left to it. What fails is told, and the others go on. Asked to stop, it has those at work stop too. Fails
-// with io where a log cannot be written or no process started.
+// moment is left to it. What fails is told, and the others go on. Asked to stop, it has those at work stop too; where
+// this process is killed, they are. Fails with io where a log cannot be written or no process started.
 void run_farm(const FarmFolder& folder, const std::vector<FarmCharacter>& characters, const FarmRun& run);
 
 }  // namespace fb::tool

@@ -118,6 +118,25 @@ TEST_CASE("names from anyone command no terminal") {
   }
 }
 
+TEST_CASE("a farm that is killed leaves no bake behind") {
+  const ScratchFolder folder;
+  const std::string started = folder / "started";
+  const std::string rig = write_text(
+      folder, "rig.sh", "echo $PPID $$ >" + started + ".new\nmv " + started + ".new " + started + "\nsleep 1000\n");
+  const std::string list = write_text(folder, "list.txt", "slow='exec:/bin/sh " + rig + "' --recipe linear\n");
+  const ToolRun run =
+      run_tool({"farm", list, "--out", folder / "faces"}, {.interrupt_when_exists = started, .signal = SIGKILL});
+  CHECK(run.exit_code == 128 + SIGKILL);
+  long bake = 0, child = 0;
+  std::ifstream(started) >> bake >> child;
+  REQUIRE(bake > 1);
+  REQUIRE(child > 1);
+  CHECK(ends_within_seconds(bake, 10));
+  CHECK(ends_within_seconds(child, 10));
+  if (runs(bake)) ::kill(static_cast<pid_t>(bake), SIGKILL);
+  if (runs(child)) ::kill(static_cast<pid_t>(child), SIGKILL);
+}
+
 TEST_CASE("a tool that is killed leaves no child of a rig behind") {
   const ScratchFolder folder;
   const std::string started = folder / "started";

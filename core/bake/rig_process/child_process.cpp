@@ -11,8 +11,8 @@
 #include <cerrno>
 #include <thread>
 
-#include "bake/rig_process/orphan_guard.h"
 #include "bake/rig_process/rig_messages.h"
+#include "base/orphan_guard.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 

@@ -2,7 +2,7 @@
 
 #include <sys/types.h>
 
-namespace fb::bake {
+namespace fb {
 
 // Starts what waits for the end of this process: a process of its own, a shell. Where none can be started, nothing is
 // guarded. Called before a child is started, so that no time passes between that and guarding it.
@@ -13,4 +13,4 @@ void guard_group(pid_t group) noexcept;
 void release_group(pid_t group) noexcept;
 // Any thread may call all of them.
 
-}  // namespace fb::bake
+}  // namespace fb

@@ -1,4 +1,4 @@
-#include "bake/rig_process/orphan_guard.h"
+#include "base/orphan_guard.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -16,7 +16,7 @@
 
 #include "base/open_descriptor.h"
 
-namespace fb::bake {
+namespace fb {
 namespace {
 
 // Reads "+GROUP" and "-GROUP" and kills at the end of its input, which is that of whoever holds the other end. It runs
@@ -118,4 +118,4 @@ void release_group(pid_t group) noexcept {
   tell('-', group);
 }
 
-}  // namespace fb::bake
+}  // namespace fb
