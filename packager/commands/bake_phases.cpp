@@ -60,7 +60,6 @@ bool BakePhases::begin(std::string_view stage) {
   const bool fresh = !begun_ || phase != phase_;
   stages_ = fresh ? 0 : stages_ + 1;
   phase_ = phase;
-  if (!begun_) begun_at_ = share_before(phase);
   begun_ = true;
   update(0);
   return fresh;

@@ -19,14 +19,12 @@ class BakePhases {
   std::string name() const;
   // How much of the whole bake is done, 0 to 1, by how long bakes take in their phases; never falls.
   double done() const { return done_; }
-  // How much of it was done before the first stage: an earlier run did that.
-  double begun_at() const { return begun_at_; }
 
  private:
   std::size_t phase_ = 0;
   bool begun_ = false;
   double stages_ = 0;  // of the phase, before the one that goes on
-  double done_ = 0, begun_at_ = 0;
+  double done_ = 0;
 };
 
 }  // namespace fb::tool

@@ -97,7 +97,7 @@ TEST_CASE("a bake's stages are joined to phases whose share grows from 0 to 1") 
   CHECK(phases.name().empty());
   CHECK(phases.begin("timing the rig"));
   CHECK(phases.name() == "sampling poses");
-  CHECK(phases.begun_at() == 0);
+  CHECK(phases.done() == 0);
   CHECK(!phases.begin("sampling poses"));
   phases.update(0.5);
   const double sampled = phases.done();
@@ -135,8 +135,7 @@ TEST_CASE("a bake's stages are joined to phases whose share grows from 0 to 1") 
 
   fb::tool::BakePhases resumed;
   CHECK(resumed.begin("training"));
-  CHECK(resumed.begun_at() > 0.1);
-  CHECK(resumed.done() >= resumed.begun_at());
+  CHECK(resumed.done() > 0.1);  // an earlier run did that
 }
 
 TEST_CASE("how long a bake still takes is told where it is known") {
