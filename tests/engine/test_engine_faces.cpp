@@ -7,9 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "UnrealFace.h"
 #include "counted_new.h"
@@ -109,7 +112,12 @@ TEST_CASE("NaN is an error, and frames stay") {
 TEST_CASE("another thread reads frames while the next are made") {
   const Model model = fixture("character");
   FacePose pose(model);
-  std::shared_ptr<const PosedFrame> shown = pose.current();  // by atomic_load and atomic_store alone
+  std::mutex mutex;  // of what is shown, not of what it holds
+  std::shared_ptr<const PosedFrame> shown;
+  const auto show = [&](std::shared_ptr<const PosedFrame> frame) {
+    const std::lock_guard lock(mutex);
+    shown = std::move(frame);
+  };
   std::atomic<bool> done{false};
   std::atomic<int> torn{0}, read{0};
   // Poses are at one of two values of a control; a frame that is written while it is read would be neither.
@@ -119,10 +127,12 @@ TEST_CASE("another thread reads frames while the next are made") {
     pose.pose();
     valid[value] = pose.current()->positions;
   }
-  std::atomic_store(&shown, pose.current());
+  show(pose.current());
   std::thread reader([&] {
     while (!done) {
-      const auto frame = std::atomic_load(&shown);
+      std::unique_lock lock(mutex);
+      const auto frame = shown;
+      lock.unlock();
       if (frame->positions != valid[0.25f] && frame->positions != valid[0.5f]) ++torn;
       if (frame->number < 2) ++torn;
       ++read;
@@ -131,7 +141,7 @@ TEST_CASE("another thread reads frames while the next are made") {
   for (int i = 0; i < 2000 || read < 100; ++i) {
     pose.set_control(0, i % 2 == 0 ? 0.25f : 0.5f);
     pose.pose();
-    std::atomic_store(&shown, pose.current());
+    show(pose.current());
   }
   done = true;
   reader.join();
