@@ -23,6 +23,8 @@ RECIPES = (
     ("linear", "Linear", "Blendshapes alone"),
 )
 USES = (("variant", "New shots", "Shots are not learnt from"), ("backlot", "These shots", "Shots are learnt from"))
+# From Blender 5.0 on, a path that begins with "//", of the .blend's folder, is warned of unless its property says so.
+PATH_OPTIONS = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0, 0) else set())
 
 
 def _is_mesh(_: Any, scene_object: Any) -> bool:
@@ -86,7 +88,7 @@ class FACEBAKER_PG_scene(bpy.types.PropertyGroup):
     control: bpy.props.IntProperty()
     shots: bpy.props.CollectionProperty(type=FACEBAKER_PG_shot)
     shot: bpy.props.IntProperty()
-    out: bpy.props.StringProperty(name="Archive", subtype="FILE_PATH", default="//face.fbk")
+    out: bpy.props.StringProperty(name="Archive", subtype="FILE_PATH", options=PATH_OPTIONS, default="//face.fbk")
     recipe: bpy.props.EnumProperty(name="Recipe", items=RECIPES)
     use: bpy.props.EnumProperty(name="For", items=USES)
     rig_budget: bpy.props.IntProperty(
