@@ -205,9 +205,10 @@ void quantise_once(PackedModel& model, const std::vector<std::vector<float>>& ex
                                 values,
                                 archive::residuals_of(history, unit, values)};
         quantiser.quantise();
+        const AxisVector chosen = quantiser.values;
         for (std::uint32_t i = 0; i < unit.count; ++i)
-          block.values[at + i] = static_cast<std::int16_t>(quantiser.values[unit.axis + i]);
-        history.set(unit.rank, quantiser.values);
+          block.values[at + i] = static_cast<std::int16_t>(chosen[unit.axis + i]);
+        history.set(unit.rank, chosen);
       });
 }
 
