@@ -79,6 +79,8 @@ TEST_CASE("vertices that leave lie on the surface near where they were") {
   options.level_shares = {0.5, 0.25};
   const LevelPlan plan = plan_of(source, options);
   const std::vector<float>& points = source.rest().points;
+  std::size_t count = 0;
+  double sum = 0, largest = 0;  // of distances along x and y, where vertices are 1 apart
   for (std::uint32_t v = 0; v < side * side; ++v) {
     if (plan.coarsest[v] == 2) continue;
     const std::vector<std::uint32_t> triangles = plan.levels[plan.coarsest[v]].triangles();
@@ -90,9 +92,14 @@ TEST_CASE("vertices that leave lie on the surface near where they were") {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       double at = 0;
       for (std::size_t c = 0; c < 3; ++c) at += weights[c] * points[3 * triangles[3 * point.triangle + c] + axis];
-      CHECK(std::abs(at - points[3 * v + axis]) < 1.5);
+      const double distance = std::abs(at - points[3 * v + axis]);
+      sum += distance, ++count;
+      largest = std::max(largest, distance);
     }
   }
+  // 0.016 and 1.43 with meshoptimizer 0.18, 0.079 and 2.12 with 0.22.
+  CHECK(sum / double(count) < 0.15);
+  CHECK(largest < 3);
 }
 
 TEST_CASE("vertices of sockets, and those without polygons, are in every level") {
