@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ std::vector<long> chosen(long count) {
   for (long i = 0; i < std::min(most, count); ++i) numbers.push_back(1 + count * i / std::min(most, count));
   for (long at = std::max(1L, count - last); at < count; at += every) numbers.push_back(at);
   std::ranges::sort(numbers);
-  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   return numbers;
 }
 
