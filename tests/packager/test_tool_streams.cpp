@@ -47,6 +47,17 @@ bool ends_within_seconds(long process, int seconds) {
   return !runs(process);
 }
 
+// Of the two processes whose numbers are in the file.
+void check_that_both_end(const std::string& file) {
+  long processes[2] = {0, 0};
+  std::ifstream(file) >> processes[0] >> processes[1];
+  for (const long process : processes) {
+    REQUIRE(process > 1);
+    CHECK(ends_within_seconds(process, 10));
+    if (runs(process)) ::kill(static_cast<pid_t>(process), SIGKILL);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("text that standard output does not take is an error") {
@@ -127,14 +138,7 @@ TEST_CASE("a farm that is killed leaves no bake behind") {
   const ToolRun run =
       run_tool({"farm", list, "--out", folder / "faces"}, {.interrupt_when_exists = started, .signal = SIGKILL});
   CHECK(run.exit_code == 128 + SIGKILL);
-  long bake = 0, child = 0;
-  std::ifstream(started) >> bake >> child;
-  REQUIRE(bake > 1);
-  REQUIRE(child > 1);
-  CHECK(ends_within_seconds(bake, 10));
-  CHECK(ends_within_seconds(child, 10));
-  if (runs(bake)) ::kill(static_cast<pid_t>(bake), SIGKILL);
-  if (runs(child)) ::kill(static_cast<pid_t>(child), SIGKILL);
+  check_that_both_end(started);
 }
 
 TEST_CASE("a tool that is killed leaves no child of a rig behind") {
@@ -150,13 +154,6 @@ TEST_CASE("a tool that is killed leaves no child of a rig behind") {
     const ToolRun run = run_tool({"bake", "exec:/bin/sh " + rig, "--out", folder / "face.fbk"},
                                  {.interrupt_when_exists = started, .signal = signal});
     CHECK(run.exit_code != 0);
-    long child = 0, grandchild = 0;
-    std::ifstream(started) >> grandchild >> child;
-    REQUIRE(child > 1);
-    REQUIRE(grandchild > 1);
-    CHECK(ends_within_seconds(child, 10));
-    CHECK(ends_within_seconds(grandchild, 10));
-    if (runs(child)) ::kill(static_cast<pid_t>(child), SIGKILL);
-    if (runs(grandchild)) ::kill(static_cast<pid_t>(grandchild), SIGKILL);
+    check_that_both_end(started);
   }
 }
