@@ -23,8 +23,8 @@ RECIPES = (
     ("linear", "Linear", "Blendshapes alone"),
 )
 USES = (("variant", "New shots", "Shots are not learnt from"), ("backlot", "These shots", "Shots are learnt from"))
-# From Blender 5.0 on, a path that begins with "//", of the .blend's folder, is warned of unless its property says so.
-PATH_OPTIONS = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0, 0) else set())
+# Blender 5.2 warns of a path that begins with "//", of the .blend's folder, unless its property says so; 4.3 cannot.
+PATH_OPTIONS = {"ANIMATABLE"} | ({"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 2, 0) else set())
 
 
 def _is_mesh(_: Any, scene_object: Any) -> bool:
