@@ -8,7 +8,7 @@
 #include "refusals.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_characters {
 namespace {
 
 const char* const sections[] = {"meshes", "materials", "images", "sockets", "channels"};
@@ -335,4 +335,4 @@ TEST_CASE("names and pictures of a character count towards the limits") {
 }
 
 }  // namespace
-}  // namespace fb
+}  // namespace fb::test_characters

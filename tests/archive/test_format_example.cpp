@@ -10,7 +10,7 @@
 #include "archive_editor.h"
 #include "base/file.h"
 
-namespace fb {
+namespace fb::test_format_example {
 using namespace archive;
 namespace {
 
@@ -72,4 +72,4 @@ TEST_CASE("the writer produces the example in EXAMPLE.md") {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::test_format_example

@@ -11,7 +11,7 @@
 #include "refusals.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_hostile_archives {
 using namespace archive;
 namespace {
 
@@ -375,4 +375,4 @@ TEST_CASE("the caller's memory limit is kept") {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::test_hostile_archives

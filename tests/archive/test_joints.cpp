@@ -8,7 +8,7 @@
 #include "refusals.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_joints {
 namespace {
 
 void check_unwritable(const std::function<void(PackedModel&)>& change, const char* message) {
@@ -141,4 +141,4 @@ TEST_CASE("names of joints and what skins take count towards the limits") {
 }
 
 }  // namespace
-}  // namespace fb
+}  // namespace fb::test_joints

@@ -9,7 +9,7 @@
 #include "refusals.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_levels {
 namespace {
 
 TEST_CASE("levels are restored, and proven") {
@@ -111,4 +111,4 @@ TEST_CASE("a section of levels that is cut short, too long, forged or changed ne
 }
 
 }  // namespace
-}  // namespace fb
+}  // namespace fb::test_levels

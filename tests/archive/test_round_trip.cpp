@@ -9,7 +9,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_round_trip {
 using namespace archive;
 namespace {
 
@@ -253,4 +253,4 @@ TEST_CASE("inconsistent models and proofs are refused") {
   CHECK_THROWS_WITH_AS(write_archive(broken, {}), "a control's name holds a zero byte", Error);
 }
 
-}  // namespace fb
+}  // namespace fb::test_round_trip

@@ -5,7 +5,7 @@
 
 #include "base/background_task.h"
 
-namespace fb {
+namespace fb::test_background_task {
 
 TEST_CASE("tasks run one after the other, and their exceptions come with the next call") {
   std::vector<int> done;  // not locked: a task begins after the one before it
@@ -31,4 +31,4 @@ TEST_CASE("a task is waited for before it is destroyed") {
   CHECK(value == 1);
 }
 
-}  // namespace fb
+}  // namespace fb::test_background_task

@@ -8,7 +8,7 @@
 #include "base/status.h"
 #include "temporary_folder.h"
 
-namespace fb {
+namespace fb::test_csv_file {
 namespace {
 
 // UTF-16 of a text of ASCII letters.
@@ -73,4 +73,4 @@ TEST_CASE("UTF-16 that is cut off is refused by its byte") {
   CHECK(message_of("jaw,brow\n0;5,1\n").find("\"0;5\" is no number") != std::string::npos);
 }
 
-}  // namespace fb
+}  // namespace fb::test_csv_file

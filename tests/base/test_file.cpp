@@ -11,7 +11,7 @@
 #include "base/status.h"
 #include "temporary_folder.h"
 
-namespace fb {
+namespace fb::test_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ TEST_CASE("folders are made with their parents, also through a name that ends in
   CHECK_THROWS_WITH_AS(make_folder(folder / "f"), doctest::Contains("f: cannot be created"), Error);
 }
 
-}  // namespace fb
+}  // namespace fb::test_file

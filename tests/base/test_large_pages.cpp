@@ -6,6 +6,8 @@
 
 #include "base/large_pages.h"
 
+namespace test_large_pages {
+
 using namespace fb;
 
 TEST_CASE("large pages return aligned, adjacent blocks that stay valid until the arena is destroyed") {
@@ -31,3 +33,5 @@ TEST_CASE("large pages return aligned, adjacent blocks that stay valid until the
   CHECK(address(pieces[0].first) % LargePages::page == 0);
   CHECK(pieces[1].first == pieces[0].first + pieces[0].size + 1);
 }
+
+}  // namespace test_large_pages

@@ -11,6 +11,8 @@
 #include "base/status.h"
 #include "temporary_folder.h"
 
+namespace test_mapped_file {
+
 using namespace fb;
 
 namespace {
@@ -84,3 +86,5 @@ TEST_CASE("a file that became shorter is read up to its end") {
   bytes.resize(9);
   CHECK(file.read_at(1, bytes) == 2);
 }
+
+}  // namespace test_mapped_file

@@ -3,7 +3,7 @@
 #include "base/file_extension.h"
 #include "base/match_names.h"
 
-namespace fb {
+namespace fb::test_names {
 
 TEST_CASE("extensions of files are in lower case") {
   CHECK(file_extension("a/Face.GLB") == ".glb");
@@ -20,4 +20,4 @@ TEST_CASE("a name that is none is followed by those there are") {
   CHECK(list_of_names(names, 2) == "\"jaw\", \"brow\" and 1 more");
 }
 
-}  // namespace fb
+}  // namespace fb::test_names

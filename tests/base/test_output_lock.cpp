@@ -8,7 +8,7 @@
 #include "base/status.h"
 #include "temporary_folder.h"
 
-namespace fb {
+namespace fb::test_output_lock {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_CASE("a lock does not follow links and names the file that it cannot open")
   CHECK(read_file(folder / "precious").size() == 4);
 }
 
-}  // namespace fb
+}  // namespace fb::test_output_lock

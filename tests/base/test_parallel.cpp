@@ -16,7 +16,7 @@
 #include "base/status.h"
 #include "watched_progress.h"
 
-namespace fb {
+namespace fb::test_parallel {
 namespace {
 
 std::vector<int> calls_per_index(const Parallel& parallel, std::size_t count) {
@@ -165,4 +165,4 @@ TEST_CASE("a host's scheduler without a thread count gets one worker") {
   CHECK(worker_count({6, backwards, &loops}) == 6);
 }
 
-}  // namespace fb
+}  // namespace fb::test_parallel

@@ -12,7 +12,7 @@
 #include "base/parse_number.h"
 #include "base/random.h"
 
-namespace fb {
+namespace fb::test_parse_number {
 namespace {
 
 // NaN for what is no number: texts that say "nan" are tested apart.
@@ -130,4 +130,4 @@ TEST_CASE("whole numbers") {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::test_parse_number

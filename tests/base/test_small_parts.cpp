@@ -26,7 +26,7 @@
 #include "temporary_folder.h"
 #include "watched_progress.h"
 
-namespace fb {
+namespace fb::test_small_parts {
 
 TEST_CASE("a seed always gives the same numbers") {
   Random random(1, 2);
@@ -276,4 +276,4 @@ TEST_CASE("a budget counts what is in use, and refuses what exceeds it") {
   CHECK(budget.used() < 4100);
 }
 
-}  // namespace fb
+}  // namespace fb::test_small_parts

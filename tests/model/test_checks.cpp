@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_checks {
 namespace {
 
 // Breaks one property of a valid model and expects check() to name it.
@@ -117,4 +117,4 @@ TEST_CASE("basis") {
           [](auto& m) { m.basis = make_basis(90, 4, std::vector<float>(4 * 90, 1.0f)); });
 }
 
-}  // namespace fb
+}  // namespace fb::test_checks

@@ -7,7 +7,7 @@
 #include "model/activation.h"
 #include "model/feature_values.h"
 
-namespace fb {
+namespace fb::test_features {
 namespace {
 
 float hat(float u, float threshold, float fall) {
@@ -76,4 +76,4 @@ TEST_CASE("activations approximate the functions they are named for") {
   CHECK(rational_tanh(1e30f) == rational_tanh(8));
 }
 
-}  // namespace fb
+}  // namespace fb::test_features

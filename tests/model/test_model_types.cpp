@@ -4,7 +4,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_model_types {
 
 TEST_CASE("reach is the larger distance from rest") {
   CHECK(Control{"a", 0, 1, 0, ""}.reach() == 1);
@@ -71,4 +71,4 @@ TEST_CASE("the closest name is looked for within a bound") {
   CHECK(schema.closest(std::string(60000, 'm')).size() <= 60003);  // in hours without a bound
 }
 
-}  // namespace fb
+}  // namespace fb::test_model_types

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_packed_checks {
 namespace {
 
 void refuses(Status status, const char* part, const std::function<void(PackedModel&)>& breaking) {
@@ -97,4 +97,4 @@ TEST_CASE("a quantised basis") {
   refuses(Status::bad_data, "the order names vertex 30 twice or beyond", [](auto& m) { m.order[1] = 30; });
 }
 
-}  // namespace fb
+}  // namespace fb::test_packed_checks

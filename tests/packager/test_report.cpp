@@ -13,6 +13,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_report {
+
 using namespace fb;
 using namespace fb::tool;
 
@@ -224,3 +226,5 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
   CHECK(contains(page, "\">gaps opened</button></th>"));
   CHECK(text_of(report + "/contact.png").starts_with("\x89PNG"));
 }
+
+}  // namespace test_report

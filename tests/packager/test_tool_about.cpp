@@ -18,6 +18,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_about {
+
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -189,3 +191,5 @@ TEST_CASE("an archive may say anything about its character, and inspect survives
     CHECK(run.out.find('\x1b') == std::string::npos);
   }
 }
+
+}  // namespace test_tool_about

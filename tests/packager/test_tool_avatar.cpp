@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_avatar {
+
 using namespace fb;
 using namespace fb::test;
 
@@ -149,3 +151,5 @@ TEST_CASE("an avatar without an image that it names is baked with a note, withou
                 without_buffer.err);
   CHECK_FALSE(std::filesystem::exists(archive));
 }
+
+}  // namespace test_tool_avatar

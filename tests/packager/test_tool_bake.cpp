@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_bake {
+
 using Json = nlohmann::json;
 
 namespace {
@@ -487,3 +489,5 @@ TEST_CASE("Ctrl-C stops a comparison, with a message on how to continue one") {
     CHECK((stopped.err.find("run the same command to go on") != std::string::npos) == kept);
   }
 }
+
+}  // namespace test_tool_bake

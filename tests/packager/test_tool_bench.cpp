@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_bench {
+
 namespace {
 
 // The median of a figure in the comma-separated values, or -1.
@@ -190,3 +192,5 @@ TEST_CASE("sparse morph targets are the face at the ends of one control and of t
   CHECK(shapes.pose_bytes(model.rest_controls().data()) < shapes.pose_bytes(controls.data()));
   CHECK(shapes.pose_bytes(controls.data()) < shapes.bytes());
 }
+
+}  // namespace test_tool_bench

@@ -16,6 +16,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_body {
+
 using namespace fb;
 using namespace fb::test;
 
@@ -190,3 +192,5 @@ TEST_CASE("a skeleton is written in metres, with y up, whatever the archive's un
     CHECK(run.err.find("note") == std::string::npos);
   }
 }
+
+}  // namespace test_tool_body

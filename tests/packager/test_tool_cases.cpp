@@ -14,6 +14,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_cases {
+
 using namespace fb;
 using namespace fb::test;
 
@@ -150,3 +152,5 @@ TEST_CASE("broken meshes are left out if that is asked for, also of a rig in a c
     CHECK_MESSAGE(run.err.find("left out, as it cannot be read: mesh \"tongue\"") != std::string::npos, run.err);
   }
 }
+
+}  // namespace test_tool_cases

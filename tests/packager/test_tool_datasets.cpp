@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_datasets {
+
 namespace {
 
 using nlohmann::json;
@@ -130,3 +132,5 @@ TEST_CASE("check goes on where a dataset is broken") {
   CHECK(has(text_of(folder / "report/index.html"), "minimum 1 is not below"));
   CHECK(run_tool({"check", folder / "none"}).exit_code == 1);
 }
+
+}  // namespace test_tool_datasets

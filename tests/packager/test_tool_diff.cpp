@@ -9,6 +9,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_diff {
+
 using Json = nlohmann::json;
 
 namespace {
@@ -109,3 +111,5 @@ TEST_CASE("a control that moves the face otherwise is named first, with its vert
   CHECK(contains(run.out, "browTwist at "));
   CHECK(run_tool({"diff", before, now, "--tolerance", "0.5"}).exit_code == 0);
 }
+
+}  // namespace test_tool_diff

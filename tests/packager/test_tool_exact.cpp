@@ -7,6 +7,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_exact {
+
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -55,3 +57,5 @@ TEST_CASE("frames of a dataset are kept exact by bake and pack, and shown by ins
   CHECK(unknown.exit_code != 0);
   CHECK(unknown.err.find("the closest clip is \"" + clip + "\"") != std::string::npos);
 }
+
+}  // namespace test_tool_exact

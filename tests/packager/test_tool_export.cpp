@@ -18,6 +18,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_export {
+
 using namespace fb;
 using namespace fb::test;
 using nlohmann::json;
@@ -316,3 +318,5 @@ TEST_CASE("wrong uses are refused in a sentence and leave nothing behind") {
   refused("none/face.pc2", {"--clip", clip}, {"none"});
   CHECK(of.folder.names() == std::vector<std::string>{"clip.npy", "face.fbk"});
 }
+
+}  // namespace test_tool_export

@@ -8,6 +8,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_farm {
+
 namespace {
 
 bool contains(const std::string& text, const std::string& part) {
@@ -142,3 +144,5 @@ TEST_CASE("names and options are read as in a shell, and # begins a comment only
   CHECK_MESSAGE(contains(row_of(good.out, "hero.v2"), "waiting"), (good.out + good.err));
   CHECK(contains(row_of(good.out, "sample"), "waiting"));
 }
+
+}  // namespace test_tool_farm

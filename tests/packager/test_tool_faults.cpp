@@ -9,6 +9,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_faults {
+
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -126,3 +128,5 @@ TEST_CASE("messages about files with long paths give the reason and a part of th
     CHECK_MESSAGE(run.err.size() < 900, run.err);
   }
 }
+
+}  // namespace test_tool_faults

@@ -13,6 +13,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_glb {
+
 namespace {
 
 void check_unit_length(const std::vector<float>& normals) {
@@ -178,3 +180,5 @@ TEST_CASE("the sample pose_face writes the same mesh through the C API") {
   CHECK(misspelt.exit_code == 1);
   CHECK(misspelt.err.find("jaw_open") != std::string::npos);
 }
+
+}  // namespace test_tool_glb

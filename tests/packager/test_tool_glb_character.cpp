@@ -17,6 +17,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_glb_character {
+
 namespace {
 
 struct Mesh {
@@ -543,3 +545,5 @@ TEST_CASE("an .obj names meshes and materials") {
   CHECK(found == std::vector<std::string>{"o head", "usemtl skin", "f ++++++", "usemtl none", "f ++++", "o teeth",
                                           "usemtl material1", "f +++++"});
 }
+
+}  // namespace test_tool_glb_character

@@ -12,6 +12,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_help {
+
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -217,3 +219,5 @@ TEST_CASE("man pages are rendered without warnings, and shells take their script
           "linear\nbake\n--max-bytes --max-error --max-microseconds\n");
   }
 }
+
+}  // namespace test_tool_help

@@ -9,6 +9,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_inspect {
+
 using Json = nlohmann::json;
 
 TEST_CASE("inspect --json holds the promised keys with the model's own numbers") {
@@ -190,3 +192,5 @@ TEST_CASE("invalid or deeply nested provenance does no harm") {
     CHECK(Json::parse(run.out).at("recipe").is_null());
   }
 }
+
+}  // namespace test_tool_inspect

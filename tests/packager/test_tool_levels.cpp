@@ -10,6 +10,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_levels {
+
 using Json = nlohmann::json;
 
 namespace {
@@ -106,3 +108,5 @@ TEST_CASE("levels that cannot be baked are refused with a reason") {
   fb::write_file(mesh, std::string("v 0.123 4.5 6.78\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"));
   refused({"--recipe", "linear", "--level-mesh", mesh}, "vertex 0 at (0.123, 4.5, 6.78) is no vertex");
 }
+
+}  // namespace test_tool_levels

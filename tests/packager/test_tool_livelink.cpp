@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_livelink {
+
 namespace {
 
 // The columns of the app, in its order.
@@ -203,3 +205,5 @@ TEST_CASE("a recording of endless gaps is refused before it fills the memory") {
   CHECK(run.exit_code == 1);
   CHECK(is_error_line(run.err, "pose", {"take.csv", "too many"}));
 }
+
+}  // namespace test_tool_livelink

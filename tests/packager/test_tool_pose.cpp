@@ -11,6 +11,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_pose {
+
 namespace {
 
 struct Obj {
@@ -196,3 +198,5 @@ TEST_CASE("a picture has the given size and does not depend on threads") {
   CHECK(static_cast<unsigned char>(png[19]) == 96);
   CHECK(static_cast<unsigned char>(png[23]) == 64);
 }
+
+}  // namespace test_tool_pose

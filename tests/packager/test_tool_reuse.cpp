@@ -8,6 +8,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_reuse {
+
 namespace {
 
 bool contains(const std::string& text, const std::string& part) {
@@ -117,3 +119,5 @@ TEST_CASE("what is not kept on the disk is evaluated again, and the face is the 
     CHECK(std::filesystem::exists(folder / (stopped + "/rig.evaluations")) == !budget.empty());
   }
 }
+
+}  // namespace test_tool_reuse

@@ -14,6 +14,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_rigs {
+
 namespace {
 
 ToolSetting with_fault(const char* fault) {
@@ -329,3 +331,5 @@ TEST_CASE("a source that cannot be served is told once, and rig-host speaks to a
       is_error_line(command.err, "sample", {"exec:exit 3: its process ended with exit code 3 before it said hello"}),
       command.err);
 }
+
+}  // namespace test_tool_rigs

@@ -15,6 +15,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_streams {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -157,3 +159,5 @@ TEST_CASE("a tool that is killed leaves no child of a rig behind") {
     check_that_both_end(started);
   }
 }
+
+}  // namespace test_tool_streams

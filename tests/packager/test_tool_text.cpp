@@ -16,6 +16,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_text {
+
 namespace {
 
 // Stages of `facebaker bake sample --recipe compact --poses 600 --epochs 20` on two busy cores, those of a second or
@@ -198,3 +200,5 @@ TEST_CASE("a bar is as wide as there is room for") {
     CHECK((screen.find("[#") != std::string::npos) == (columns > 20));
   }
 }
+
+}  // namespace test_tool_text

@@ -8,6 +8,8 @@
 #include "tool_files.h"
 #include "tool_run.h"
 
+namespace test_tool_use {
+
 namespace {
 
 const std::vector<std::string> commands = {"sample",  "plan",   "check", "bake",   "eval",  "compare",
@@ -183,3 +185,5 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
     CHECK(is_error_line(run.err, "inspect", {"standard output"}));
   }
 }
+
+}  // namespace test_tool_use

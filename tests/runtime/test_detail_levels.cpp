@@ -8,6 +8,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_detail_levels {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -337,3 +339,5 @@ TEST_CASE("levels that are no numbers or below 0 are refused") {
 }
 
 }  // namespace
+
+}  // namespace test_detail_levels

@@ -7,6 +7,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_error_prediction {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -115,3 +117,5 @@ TEST_CASE("faces without expected errors, and controls that are no numbers, are 
 }
 
 }  // namespace
+
+}  // namespace test_error_prediction

@@ -15,6 +15,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_evaluator {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -384,3 +386,5 @@ TEST_CASE("the host's floating-point mode changes no bit and is restored") {
   CHECK(same_bits(positions, expected));
 }
 #endif
+
+}  // namespace test_evaluator

@@ -10,6 +10,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_evaluator_outputs {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -326,3 +328,5 @@ TEST_CASE("every instruction set gives the same bits") {
     }
   }
 }
+
+}  // namespace test_evaluator_outputs

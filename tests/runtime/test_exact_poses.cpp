@@ -7,6 +7,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_exact_poses {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -147,3 +149,5 @@ TEST_CASE("normals are those of corrected positions") {
 }
 
 }  // namespace
+
+}  // namespace test_exact_poses

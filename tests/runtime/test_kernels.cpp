@@ -15,6 +15,8 @@
 #include "runtime/instruction_set.h"
 #include "runtime/panel_matrix.h"
 
+namespace test_kernels {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -248,3 +250,5 @@ TEST_CASE("an instruction set is chosen by name or by the processor's features")
   CHECK_THROWS_WITH_AS(choose_kernels("mmx"), doctest::Contains("instruction set: \"mmx\" is not one of scalar"),
                        Error);
 }
+
+}  // namespace test_kernels

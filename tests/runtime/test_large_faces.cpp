@@ -8,6 +8,8 @@
 #include "runtime/evaluator.h"
 #include "test_models.h"
 
+namespace test_large_faces {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -106,3 +108,5 @@ TEST_CASE("positions of large faces have the same bits in either order, alone an
   face.evaluate(poses.data(), points.data(), workspace);
   CHECK(points == model.rest.points);
 }
+
+}  // namespace test_large_faces

@@ -8,6 +8,8 @@
 #include "runtime/socket_frames.h"
 #include "test_models.h"
 
+namespace test_socket_frames {
+
 using namespace fb;
 using namespace fb::runtime;
 
@@ -126,3 +128,5 @@ TEST_CASE("a frame of collapsed vertices does not turn, and one of infinite ones
   posed[3 * vertices[0]] = NAN;
   CHECK(frame_of(model, posed) == at_rest);
 }
+
+}  // namespace test_socket_frames

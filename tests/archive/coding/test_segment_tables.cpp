@@ -8,7 +8,7 @@
 #include "archive/coding/writer/segment_tables.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_segment_tables {
 using namespace archive;
 namespace {
 
@@ -37,4 +37,4 @@ TEST_CASE("there are no more tables than save something") {
   CHECK(*std::max_element(tables.begin(), tables.end()) < 32);
 }
 
-}  // namespace fb
+}  // namespace fb::test_segment_tables

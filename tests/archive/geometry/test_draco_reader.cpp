@@ -10,7 +10,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_draco_reader {
 using namespace archive;
 namespace {
 
@@ -155,4 +155,4 @@ TEST_CASE("memory is bounded") {
   }
 }
 
-}  // namespace fb
+}  // namespace fb::test_draco_reader

@@ -12,7 +12,7 @@
 #include "base/status.h"
 #include "test_models.h"
 
-namespace fb {
+namespace fb::test_rest_mesh {
 using namespace archive;
 namespace {
 
@@ -207,4 +207,4 @@ TEST_CASE("coordinates keep every bit") {
   check_survives(mesh, "signed zero, denormals, the largest numbers");
 }
 
-}  // namespace fb
+}  // namespace fb::test_rest_mesh

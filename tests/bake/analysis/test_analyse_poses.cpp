@@ -8,6 +8,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_analyse_poses {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -165,3 +167,5 @@ TEST_CASE("controls that never move are named") {
   CHECK(worst_error(source, analysis.base, 0) < 1e-6);
   CHECK(std::all_of(analysis.motion.begin() + vertices, analysis.motion.end(), [](float m) { return m == 0; }));
 }
+
+}  // namespace test_analyse_poses

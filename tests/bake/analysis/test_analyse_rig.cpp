@@ -15,6 +15,8 @@
 #include "temporary_folder.h"
 #include "watched_progress.h"
 
+namespace test_analyse_rig {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -296,3 +298,5 @@ TEST_CASE("a recording cannot be analysed live, and a rig's failure names the co
     CHECK(std::string(error.what()) == "control \"control3\" at 1: vertex 7 is not a number");
   }
 }
+
+}  // namespace test_analyse_rig

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+namespace test_corrective_fit {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -71,3 +73,5 @@ TEST_CASE("a feature that is small in all poses is not selected") {
   CHECK(fit_corrective(features, candidates, points, rest, residuals_of(points, shown, shown), {1e-3, 1e-5})
             .shapes.empty());
 }
+
+}  // namespace test_corrective_fit

@@ -11,6 +11,8 @@
 #include "memory_source.h"
 #include "model/feature_values.h"
 
+namespace test_curve_jumps {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -173,3 +175,5 @@ TEST_CASE("smooth and cornered curves are sampled no closer than before") {
     CHECK(steps_of(analysis) == 0);
   }
 }
+
+}  // namespace test_curve_jumps

@@ -12,6 +12,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_missed_correctives {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -126,3 +128,5 @@ TEST_CASE("looking for missed correctives keeps to a budget, and can be interrup
   } progress;
   CHECK_THROWS_AS(analyse(make_rig(), {}, progress), Error);
 }
+
+}  // namespace test_missed_correctives

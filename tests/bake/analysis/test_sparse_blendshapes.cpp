@@ -8,6 +8,8 @@
 #include "base/random.h"
 #include "base/status.h"
 
+namespace test_sparse_blendshapes {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -90,3 +92,5 @@ TEST_CASE("blendshapes in blocks move poses as the shapes do") {
   }
   CHECK_THROWS_AS(blocked.add(poses, still, count - 1, 1, out), Error);
 }
+
+}  // namespace test_sparse_blendshapes

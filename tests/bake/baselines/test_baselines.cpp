@@ -12,6 +12,8 @@
 #include "toy_faces.h"
 #include "watched_progress.h"
 
+namespace test_baselines {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -160,3 +162,5 @@ TEST_CASE("a method that fails does not stop the others") {
   CHECK_THROWS_WITH(compare(still, {"paper"}, options_in(folder), silent_progress()),
                     doctest::Contains("no pose moves any vertex"));
 }
+
+}  // namespace test_baselines

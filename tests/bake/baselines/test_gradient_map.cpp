@@ -9,6 +9,8 @@
 
 #include "memory_source.h"
 
+namespace test_gradient_map {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -116,3 +118,5 @@ TEST_CASE("gradients of poses are read the same by any number of threads") {
   map.to_gradients(moved, first);
   CHECK(std::equal(first.begin(), first.end(), one.begin()));
 }
+
+}  // namespace test_gradient_map

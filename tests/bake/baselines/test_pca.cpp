@@ -8,6 +8,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_pca {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -130,3 +132,5 @@ TEST_CASE("poses that move nothing are refused") {
   const PoseSet none(source, [](const Clip&) { return false; });
   CHECK_THROWS_AS(principal_components(Displacements(none), 0.999, {}, silent_progress()), Error);
 }
+
+}  // namespace test_pca

@@ -8,6 +8,8 @@
 #include "base/status.h"
 #include "memory_source.h"
 
+namespace test_skinning {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -147,3 +149,5 @@ TEST_CASE("skeletons of one pose, of a mesh without polygons, and of poses that 
   const PoseSet none(still, [](const Clip&) { return false; });
   CHECK_THROWS_AS(extract_skeleton(none, {}, {}, silent_progress()), Error);
 }
+
+}  // namespace test_skinning

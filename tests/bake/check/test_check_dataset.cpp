@@ -5,6 +5,8 @@
 #include "bake/check/rest_comparison.h"
 #include "toy_dataset.h"
 
+namespace test_check_dataset {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -264,3 +266,5 @@ TEST_CASE("what a plan lacks is said, and is a fault if there is nothing to trai
   CHECK(found(none, true, "plan", "there is nothing to train on"));
   CHECK(none.clips[0].evaluated == 5);
 }
+
+}  // namespace test_check_dataset

@@ -9,6 +9,8 @@
 #include "base/status.h"
 #include "compress/blockwise_toy.h"
 
+namespace test_blockwise_pca {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -130,3 +132,5 @@ TEST_CASE("localized models localize again, the same on any threads, and bad cov
   CHECK_THROWS_AS(blockwise_pca(model, covariance, {}), Error);
   CHECK_THROWS_AS(blockwise_pca(model, covariances(model.network), {.block_vertices = 0}), Error);
 }
+
+}  // namespace test_blockwise_pca

@@ -12,6 +12,8 @@
 #include "compress/blockwise_toy.h"
 #include "watched_progress.h"
 
+namespace test_fit_target {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -166,3 +168,5 @@ TEST_CASE("models are localized and packed to the target, and it is told what wa
   notes.stop = true;
   CHECK_THROWS_AS(fit({.max_bytes = 30000}, notes), Error);
 }
+
+}  // namespace test_fit_target

@@ -10,6 +10,8 @@
 #include "base/status.h"
 #include "test_models.h"
 
+namespace test_pack_model {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -204,3 +206,5 @@ TEST_CASE("the float face is the rest mesh at rest and follows the order of rows
       }
   for (std::size_t i = 0; i < expected.size(); ++i) CHECK(posed[i] == doctest::Approx(expected[i]).epsilon(1e-9));
 }
+
+}  // namespace test_pack_model

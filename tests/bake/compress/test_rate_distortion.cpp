@@ -9,6 +9,8 @@
 #include "base/random.h"
 #include "grid_quads.h"
 
+namespace test_rate_distortion {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -82,3 +84,5 @@ TEST_CASE("a large lambda rounds to nearest") {
   for (std::size_t g = 0; g < before.row_blocks.size(); ++g)
     CHECK(precise.model.row_blocks[g].values == before.row_blocks[g].values);
 }
+
+}  // namespace test_rate_distortion

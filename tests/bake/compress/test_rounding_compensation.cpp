@@ -13,6 +13,8 @@
 #include "grid_quads.h"
 #include "test_models.h"
 
+namespace test_rounding_compensation {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -168,3 +170,5 @@ TEST_CASE("steps are finer where vertices lie densely") {
     CHECK(std::log2(ratio) == std::round(std::log2(ratio)));
   }
 }
+
+}  // namespace test_rounding_compensation

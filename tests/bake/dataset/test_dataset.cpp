@@ -8,6 +8,8 @@
 #include "bake_test_support.h"
 #include "toy_dataset.h"
 
+namespace test_dataset {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -424,3 +426,5 @@ TEST_CASE("datasets of one character are read as one") {
   b.open();
   CHECK(contains(failure(Status::bad_data, [&] { open_sources(folders); }), "vertex 3 is elsewhere"));
 }
+
+}  // namespace test_dataset

@@ -6,6 +6,8 @@
 
 #include "bake_test_support.h"
 
+namespace test_npy {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -139,3 +141,5 @@ TEST_CASE("every prefix of an array is refused") {
     failure(Status::bad_data, [&] { NpyFile file(folder / "b.npy"); });
   }
 }
+
+}  // namespace test_npy

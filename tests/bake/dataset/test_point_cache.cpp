@@ -7,6 +7,8 @@
 #include "bake/dataset/dataset_index.h"
 #include "toy_dataset.h"
 
+namespace test_point_cache {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -124,3 +126,5 @@ TEST_CASE("a cache of another mesh is refused by shape") {
   const std::string what = failure(Status::bad_data, [&] { toy.open(); });
   CHECK_MESSAGE(contains(what, "talk.mdd: shape (6, 5, 3) where (frames, 4, 3) is needed"), what);
 }
+
+}  // namespace test_point_cache

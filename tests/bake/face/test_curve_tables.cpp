@@ -9,6 +9,8 @@
 #include "bake/recipe/bake_options.h"
 #include "memory_source.h"
 
+namespace test_curve_tables {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -100,3 +102,5 @@ TEST_CASE("a table is packed in 16 bits, networks in those that are asked for") 
   CHECK_FALSE(packed.regions[1].layers[0].wide);
   CHECK_FALSE(packed.regions[1].layers[1].wide);
 }
+
+}  // namespace test_curve_tables

@@ -10,6 +10,8 @@
 #include "bake/rig/rig_evaluator.h"
 #include "toy_faces.h"
 
+namespace test_face_recipe {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -155,3 +157,5 @@ TEST_CASE("correctives are left to networks only where something else needs a ne
     if (!needed) CHECK(face.rms_error < 1e-5);
   }
 }
+
+}  // namespace test_face_recipe

@@ -13,6 +13,8 @@
 #include "toy_faces.h"
 #include "watched_progress.h"
 
+namespace test_finish_face {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -139,3 +141,5 @@ TEST_CASE("the bytes of recipes grow with the vertices of large faces") {
   CHECK(recipe.bytes_for(1000, recipe.full_size_vertices) == 1000);
   CHECK(recipe.bytes_for(1000, 10 * recipe.full_size_vertices) == 10'000);
 }
+
+}  // namespace test_finish_face

@@ -5,6 +5,8 @@
 #include "bake/pipeline/bake.h"
 #include "toy_faces.h"
 
+namespace test_hero {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -127,3 +129,5 @@ TEST_CASE("the same seed gives the same archive whatever the number of threads")
   }
   CHECK(archives[0] == archives[1]);
 }
+
+}  // namespace test_hero

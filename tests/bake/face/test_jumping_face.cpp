@@ -7,6 +7,8 @@
 #include "bake/pipeline/bake.h"
 #include "toy_faces.h"
 
+namespace test_jumping_face {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -76,3 +78,5 @@ TEST_CASE("controls that jump, have few values or oscillate are modelled, in a s
     CHECK(among < 2e-2);
   }
 }
+
+}  // namespace test_jumping_face

@@ -11,6 +11,8 @@
 #include "base/status.h"
 #include "memory_source.h"
 
+namespace test_plan_levels {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -218,3 +220,5 @@ TEST_CASE("levels that cannot be are refused") {
 }
 
 }  // namespace
+
+}  // namespace test_plan_levels

@@ -9,6 +9,8 @@
 #include "bake/linalg/kernels.h"
 #include "base/random.h"
 
+namespace test_bake_kernels {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -119,3 +121,5 @@ TEST_CASE("sums of blocks of blendshapes, with every instruction set") {
         }
     }
 }
+
+}  // namespace test_bake_kernels

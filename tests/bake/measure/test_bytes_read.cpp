@@ -7,6 +7,8 @@
 #include "base/status.h"
 #include "memory_source.h"
 
+namespace test_bytes_read {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -100,3 +102,5 @@ TEST_CASE("mean, the most and nearly the most of poses") {
   source.add_clip("long", ClipKind::shot, Split::test, 3000, 0.5f, 2);
   CHECK(bytes_read_per_pose(model, PoseSet(source, [](const Clip&) { return true; })).poses == 500);
 }
+
+}  // namespace test_bytes_read

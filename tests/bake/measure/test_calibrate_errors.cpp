@@ -9,6 +9,8 @@
 #include "runtime/evaluator.h"
 #include "toy_faces.h"
 
+namespace test_calibrate_errors {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -107,3 +109,5 @@ TEST_CASE("too few poses held back calibrate nothing") {
 }
 
 }  // namespace
+
+}  // namespace test_calibrate_errors

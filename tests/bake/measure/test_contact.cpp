@@ -12,6 +12,8 @@
 #include "grid_quads.h"
 #include "memory_source.h"
 
+namespace test_contact {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -288,3 +290,5 @@ TEST_CASE("the certificate states contact, and is read without it") {
   REQUIRE(certified_errors(old.dump()));
   CHECK(certified_errors(old.dump())->largest == certified_errors(text)->largest);
 }
+
+}  // namespace test_contact

@@ -9,6 +9,8 @@
 #include "bake/measure/certificate.h"
 #include "toy_faces.h"
 
+namespace test_control_errors {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -89,3 +91,5 @@ TEST_CASE("a budget that does not allow for it leaves controls unmeasured") {
   CHECK(baked.controls.empty());
   CHECK(baked.asked <= 100);
 }
+
+}  // namespace test_control_errors

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+namespace test_errors {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -73,3 +75,5 @@ TEST_CASE("sums joined in order are the sums of all frames") {
 TEST_CASE("no frames have no errors") {
   CHECK(ErrorSums().figures(1).frames == 0);
 }
+
+}  // namespace test_errors

@@ -8,6 +8,8 @@
 #include "bake/measure/face_parts.h"
 #include "memory_source.h"
 
+namespace test_face_map {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -88,3 +90,5 @@ TEST_CASE("regions are named by what moves them and where they lie, each unlike 
   CHECK(parts.movers.at(2) == std::vector<std::string>{"smileR", "head"});
   CHECK(parts.movers.at(4).empty());
 }
+
+}  // namespace test_face_map

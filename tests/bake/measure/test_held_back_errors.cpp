@@ -10,6 +10,8 @@
 #include "base/file.h"
 #include "toy_faces.h"
 
+namespace test_held_back_errors {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -139,3 +141,5 @@ TEST_CASE("a face that has learnt its poses by heart is told to be as bad as it 
   CHECK(std::sqrt(told / unseen) > 0.8);
   CHECK(std::sqrt(told / unseen) < 1.2);
 }
+
+}  // namespace test_held_back_errors

@@ -13,6 +13,8 @@
 #include "test_models.h"
 #include "toy_faces.h"
 
+namespace test_keep_exact {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -212,3 +214,5 @@ TEST_CASE("points far from the face are held, with steps that are coarser") {
 }
 
 }  // namespace
+
+}  // namespace test_keep_exact

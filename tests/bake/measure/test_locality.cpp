@@ -10,6 +10,8 @@
 #include "bake_test_support.h"
 #include "memory_source.h"
 
+namespace test_locality {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -140,3 +142,5 @@ TEST_CASE("a recording's single poses show leaks and errors of the controls that
   rig.edit_clip(1).controls.assign(3 * controls, 0.0f);
   CHECK(recorded_locality(archives, rig, {}, silent_progress()).empty());
 }
+
+}  // namespace test_locality

@@ -10,6 +10,8 @@
 #include "base/random.h"
 #include "base/status.h"
 
+namespace test_pose_cost {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -154,3 +156,5 @@ TEST_CASE("constants are fitted to what was timed, and none is negative") {
   for (TimedWork& timed : cases) timed.microseconds = 1 + 0.5e-3 * (100 - timed.work[1]);
   for (const double constant : fit_nanoseconds(cases)) CHECK(constant >= 0);
 }
+
+}  // namespace test_pose_cost

@@ -11,6 +11,8 @@
 #include "bake/measure/evaluate.h"
 #include "memory_source.h"
 
+namespace test_quality {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -280,3 +282,5 @@ TEST_CASE("worst frames differ in pose, and first in place") {
   CHECK(worst[2].frame == 30);
   CHECK(report.total.worst_vertex == 0);
 }
+
+}  // namespace test_quality

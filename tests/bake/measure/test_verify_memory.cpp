@@ -8,6 +8,8 @@
 #include "bake/compress/pack_model.h"
 #include "bake/measure/verify.h"
 
+namespace test_verify_memory {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -61,3 +63,5 @@ TEST_CASE("rounding is measured in the memory of a pose a worker, however many p
   };
   CHECK(bytes_of_two(64) == bytes_of_two(4));
 }
+
+}  // namespace test_verify_memory

@@ -5,6 +5,8 @@
 #include "archive/reader.h"
 #include "toy_faces.h"
 
+namespace test_worst_vertex {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -88,3 +90,5 @@ TEST_CASE("controls are named by what they do to the vertex in that pose") {
   CHECK(contains(one, "where \"control3\" act"));
   CHECK_FALSE(contains(one, "control0"));
 }
+
+}  // namespace test_worst_vertex

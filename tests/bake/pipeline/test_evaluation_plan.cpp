@@ -7,6 +7,8 @@
 #include "../memory_source.h"
 #include "watched_progress.h"
 
+namespace test_evaluation_plan {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -89,3 +91,5 @@ TEST_CASE("a rig that fails at once has a plan all the same") {
   RigEvaluator evaluator(rig);
   CHECK(plan_evaluations(evaluator, {}, true, silent_progress()).pose_seconds == 0);
 }
+
+}  // namespace test_evaluation_plan

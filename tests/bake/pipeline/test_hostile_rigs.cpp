@@ -11,6 +11,8 @@
 #include "bake_test_support.h"
 #include "toy_faces.h"
 
+namespace test_hostile_rigs {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -153,3 +155,5 @@ TEST_CASE("a face that is worse than its rest mesh is written with a warning in 
   const auto sheet = open_hostile_rig("");
   CHECK_FALSE(mentions(bake_quickly(*sheet, "linear").warnings, "rest mesh"));
 }
+
+}  // namespace test_hostile_rigs

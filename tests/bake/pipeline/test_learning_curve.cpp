@@ -5,6 +5,8 @@
 
 #include "bake_test_support.h"
 
+namespace test_learning_curve {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -72,3 +74,5 @@ TEST_CASE("what makes no learning curve is refused") {
   failure(Status::invalid_argument, [&] { learning_curve(15, 1, none, silent_progress()); });
   CHECK(contains(failure(Status::not_finite, [&] { learning_curve(16, 1, none, silent_progress()); }), "on 2 poses"));
 }
+
+}  // namespace test_learning_curve

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace test_overfitting {
+
 using namespace fb::bake;
 
 namespace {
@@ -37,3 +39,5 @@ TEST_CASE("networks that leave little, or as much of trained poses, do not overf
   CHECK_FALSE(overfitting_note(stats, 100));
   CHECK_FALSE(overfitting_note({}, 100));
 }
+
+}  // namespace test_overfitting

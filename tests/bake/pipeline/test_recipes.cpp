@@ -17,6 +17,8 @@
 #include "toy_faces.h"
 #include "watched_progress.h"
 
+namespace test_recipes {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -317,3 +319,5 @@ TEST_CASE("a rig whose name is no UTF-8 is baked all the same") {
   CHECK(model.schema.name == "face \xff");
   CHECK(model.provenance.find("\xef\xbf\xbd") != std::string::npos);
 }
+
+}  // namespace test_recipes

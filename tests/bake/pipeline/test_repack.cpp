@@ -15,6 +15,8 @@
 #include "temporary_folder.h"
 #include "test_models.h"
 
+namespace test_repack {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -141,3 +143,5 @@ TEST_CASE("a failure leaves the file that was there") {
   CHECK_THROWS_WITH(write_verified_archive(out, good), doctest::Contains("is a directory"));
   CHECK_THROWS_AS(write_verified_archive(folder / "missing/out.fbk", good), Error);
 }
+
+}  // namespace test_repack

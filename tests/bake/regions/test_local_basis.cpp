@@ -7,6 +7,8 @@
 #include "base/status.h"
 #include "memory_source.h"
 
+namespace test_local_basis {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -237,3 +239,5 @@ TEST_CASE("few poses, regions that do not move, and invalid regions") {
   CHECK_THROWS_AS(local_bases(residual, regions, {}, {}, silent_progress()), Error);
   CHECK_THROWS_AS(local_bases(residual, halves(), {.max_components = 0}, {}, silent_progress()), Error);
 }
+
+}  // namespace test_local_basis

@@ -10,6 +10,8 @@
 #include "base/status.h"
 #include "test_models.h"
 
+namespace test_regions {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -272,3 +274,5 @@ TEST_CASE("geodesic distances follow edges") {
   CHECK(distance[side - 1] <= 3 * (side - 1));
   CHECK(distance[side / 2] == INFINITY);
 }
+
+}  // namespace test_regions

@@ -5,6 +5,8 @@
 
 #include "bake_test_support.h"
 
+namespace test_about {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -55,3 +57,5 @@ TEST_CASE("what is no such object is refused by field") {
   refused("{\"a\": " + std::string(100, '[') + std::string(100, ']') + "}", Status::bad_data, "deep");
   refused("{\"author\": \"" + std::string(65536, 'a') + "\"}", Status::limit, "it may have 65536");
 }
+
+}  // namespace test_about

@@ -12,6 +12,8 @@
 #include "bake_test_support.h"
 #include "test_models.h"
 
+namespace test_character_rig {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -402,3 +404,5 @@ TEST_CASE("a bake keeps a character, whatever its scale and recipe") {
     CHECK(baked.dependency.channels[3].name == "heat");
   }
 }
+
+}  // namespace test_character_rig

@@ -12,6 +12,8 @@
 #include "gltf_avatar.h"
 #include "skinning.h"
 
+namespace test_gltf_avatar {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -549,3 +551,5 @@ TEST_CASE("another image in the file is another bake in the same folder") {
   avatar.json["images"][1]["bufferView"] = 1;
   CHECK(bake()[0].bytes == bytes_of(normal_png));
 }
+
+}  // namespace test_gltf_avatar

@@ -6,6 +6,8 @@
 #include "bake_test_support.h"
 #include "signed_volume.h"
 
+namespace test_gltf_cases {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -89,3 +91,5 @@ TEST_CASE("one instance and the default scene are read, and the notes say so") {
 TEST_CASE("a plus sign in a URI is a plus sign") {
   CHECK(control_names(*open_case("plus_in_uri.gltf")) == Names{"jawOpen", "mouthSmile"});
 }
+
+}  // namespace test_gltf_cases

@@ -11,6 +11,8 @@
 #include "gltf_avatar.h"
 #include "skinning.h"
 
+namespace test_gltf_compression {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -348,3 +350,5 @@ TEST_CASE("sparse accessors change elements of others, or of zeros") {
   avatar.json["accessors"][joints]["sparse"]["values"]["bufferView"] = 5000;
   CHECK(contains(failure(Status::bad_data, [&] { open_bytes(avatar.glb()); }), "its joints lie in no buffer view"));
 }
+
+}  // namespace test_gltf_compression

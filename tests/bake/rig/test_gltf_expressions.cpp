@@ -7,6 +7,8 @@
 #include "gltf_avatar.h"
 #include "skinning.h"
 
+namespace test_gltf_expressions {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -110,3 +112,5 @@ TEST_CASE("whatever is no expression is none") {
     CHECK(control_names(*open_vrm(avatar)).size() == 4);
   }
 }
+
+}  // namespace test_gltf_expressions

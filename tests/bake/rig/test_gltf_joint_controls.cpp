@@ -8,6 +8,8 @@
 #include "gltf_avatar.h"
 #include "gltf_posing.h"
 
+namespace test_gltf_joint_controls {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -263,3 +265,5 @@ TEST_CASE("without morph targets, joints that move are controls unless they are 
   pose.locals["Head"] = place_of_parts({0, 0.5, 0.25}, turn({0, 0, 1}, -20 + 60));
   CHECK(distance_from_shown(*rigid, with_values(*rigid, {{"Head.rz", 60}}), avatar, pose) < 5e-6);
 }
+
+}  // namespace test_gltf_joint_controls

@@ -10,6 +10,8 @@
 #include "bake_test_support.h"
 #include "gltf_avatar.h"
 
+namespace test_gltf_noise {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -278,3 +280,5 @@ TEST_CASE("joints that move beside morph targets are named") {
   const auto told = open_gltf_rig(std::as_bytes(std::span(bytes)), "avatar", {JointUse::ignored, {}});
   CHECK_FALSE(notes_have(*told, "--joints"));
 }
+
+}  // namespace test_gltf_noise

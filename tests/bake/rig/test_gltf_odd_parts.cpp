@@ -8,6 +8,8 @@
 #include "bake_test_support.h"
 #include "gltf_avatar.h"
 
+namespace test_gltf_odd_parts {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -276,3 +278,5 @@ TEST_CASE("a skin whose joints mirror at rest turns its faces; the node of its m
   of_mesh.json["nodes"][Avatar::head_mesh]["scale"] = {-1, 1, 1};
   CHECK(plain * first_z(*open(of_mesh)) > 0);
 }
+
+}  // namespace test_gltf_odd_parts

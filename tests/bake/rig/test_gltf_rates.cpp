@@ -6,6 +6,8 @@
 #include "bake_test_support.h"
 #include "gltf_avatar.h"
 
+namespace test_gltf_rates {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -97,3 +99,5 @@ TEST_CASE("keys on no common rate are moved to the nearest frame, with a note") 
   CHECK(longer->clips()[0].fps == 30);
   CHECK(has_rate_note(*longer));
 }
+
+}  // namespace test_gltf_rates

@@ -10,6 +10,8 @@
 #include "base/random.h"
 #include "runtime/evaluator.h"
 
+namespace test_gltf_rig {
+
 using namespace fb;
 using namespace fb::archive;
 using namespace fb::bake;
@@ -347,3 +349,5 @@ TEST_CASE("the linear recipe reproduces such a rig to the quantisation error") {
   MESSAGE("mse over the diagonal: " << mse);
   CHECK(mse <= 1e-10);
 }
+
+}  // namespace test_gltf_rig

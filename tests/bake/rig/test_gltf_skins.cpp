@@ -8,6 +8,8 @@
 #include "gltf_body.h"
 #include "gltf_posing.h"
 
+namespace test_gltf_skins {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -161,3 +163,5 @@ TEST_CASE("meshes on no joint follow none, and without skins there are no joints
   CHECK(rigid->character().joints.empty());
   CHECK(rigid->character().skin == Skin{});
 }
+
+}  // namespace test_gltf_skins

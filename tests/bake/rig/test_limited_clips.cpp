@@ -6,6 +6,8 @@
 
 #include "../memory_source.h"
 
+namespace test_limited_clips {
+
 using namespace fb::bake;
 
 namespace {
@@ -62,3 +64,5 @@ TEST_CASE("a clip budget that holds all frames changes nothing") {
   CHECK(frames_of_split(cut, Split::test) == 3);
   CHECK_THROWS_AS(LimitedClips(rig_with_clips(), 0), fb::Error);
 }
+
+}  // namespace test_limited_clips

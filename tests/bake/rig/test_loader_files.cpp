@@ -9,7 +9,7 @@
 #include "bake_test_support.h"
 #include "temporary_folder.h"
 
-namespace fb::bake {
+namespace fb::bake::test_loader_files {
 using namespace fb::test;
 
 namespace {
@@ -107,4 +107,4 @@ TEST_CASE("no version of the loader opens files elsewhere, and a loader that ref
                  "this version of tinygltf refuses"));
 }
 
-}  // namespace fb::bake
+}  // namespace fb::bake::test_loader_files

@@ -9,6 +9,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_reuse_evaluations {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -375,3 +377,5 @@ TEST_CASE("a rig that does not repeat itself may go on with what it answered") {
   check_rig_unchanged(evaluator, 1, folder / "work", silent_progress());
   CHECK(rig.evaluated == 8 + 16);
 }
+
+}  // namespace test_reuse_evaluations

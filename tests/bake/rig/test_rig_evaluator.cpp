@@ -15,6 +15,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_rig_evaluator {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -471,3 +473,5 @@ TEST_CASE("poses are described by the controls that are away from rest") {
   CHECK(describe_pose(schema, std::vector<float>{1, 1, 1, 1}) ==
         "\"control0\" at 1, \"control1\" at 1, \"control2\" at 1 and 1 more");
 }
+
+}  // namespace test_rig_evaluator

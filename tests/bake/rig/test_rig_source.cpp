@@ -8,6 +8,8 @@
 #include "bake_test_support.h"
 #include "base/hash.h"
 
+namespace test_rig_source {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -264,3 +266,5 @@ TEST_CASE("two sources of one rig are one rig, and a clip of both is kept once")
   both->evaluate(both->schema().rest_pose(), 1, points);
   CHECK(std::abs(points[0] - both->rest().points[0]) < 1e-6f);
 }
+
+}  // namespace test_rig_source

@@ -11,6 +11,8 @@
 #include "skinning.h"
 #include "test_models.h"
 
+namespace test_skinned_rig {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -231,3 +233,5 @@ TEST_CASE("joints and skin go through the rig protocol and datasets") {
   CHECK(recorded->character() == source.character());
   CHECK(recorded->rest().points == source.rest().points);
 }
+
+}  // namespace test_skinned_rig

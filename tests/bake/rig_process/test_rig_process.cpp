@@ -12,6 +12,8 @@
 #include "base/random.h"
 #include "watched_progress.h"
 
+namespace test_rig_process {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -218,3 +220,5 @@ TEST_CASE("poses of a slow rig are evaluated by all children at once, in blocks 
   CHECK(seconds_of([&] { rig.evaluate(poses, 64, points); }) < 4.5);  // 6.4 s of work, and starts
   CHECK(rig.block_poses() > 4);  // about 40 on an idle machine
 }
+
+}  // namespace test_rig_process

@@ -11,6 +11,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_active_sampling {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -274,3 +276,5 @@ TEST_CASE("a rig budget covers single controls and new poses but no clips, or is
   const auto source = open_source(tested.path());
   for (const Clip& clip : source->clips()) CHECK(clip.split != Split::test);
 }
+
+}  // namespace test_active_sampling

@@ -5,6 +5,8 @@
 #include "bake_test_support.h"
 #include "base/random.h"
 
+namespace test_coverage {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -110,3 +112,5 @@ TEST_CASE("sets that are no poses are refused") {
   CHECK(contains(failure(Status::invalid_argument, [] { cover(poses(1, 1, 1, 1), std::vector<float>(width + 1)); }),
                  "no target poses"));
 }
+
+}  // namespace test_coverage

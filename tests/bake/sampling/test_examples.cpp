@@ -11,6 +11,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_examples {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -160,3 +162,5 @@ TEST_CASE("no frame of the rig's own test clips is planned, whoever gives it") {
   const std::vector<Pose> read = poses_of(read_examples({(folder / "recorded").string()}, *toy, notes));
   CHECK(read.size() == 20 + 4);  // of the training shot, 8 of 12 frames are in the test shot too
 }
+
+}  // namespace test_examples

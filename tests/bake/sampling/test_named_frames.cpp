@@ -9,6 +9,8 @@
 #include "temporary_folder.h"
 #include "watched_progress.h"
 
+namespace test_named_frames {
+
 using namespace fb;
 using namespace fb::bake;
 
@@ -106,3 +108,5 @@ TEST_CASE("files of controls are evaluated by a live rig, and refused for a reco
 }
 
 }  // namespace
+
+}  // namespace test_named_frames

@@ -9,6 +9,8 @@
 #include "bake/dataset/schema_source.h"
 #include "bake_test_support.h"
 
+namespace test_planned_folder {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -183,3 +185,5 @@ TEST_CASE("schemas that make no sense are refused by name") {
     }
   }
 }
+
+}  // namespace test_planned_folder

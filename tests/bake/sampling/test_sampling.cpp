@@ -14,6 +14,8 @@
 #include "memory_source.h"
 #include "watched_progress.h"
 
+namespace test_sampling {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -533,3 +535,5 @@ TEST_CASE("folders that cannot be written are named") {
   std::ofstream(folder / "dataset.json") << "{}";
   failure(Status::bad_data, [&] { sample_to_dataset(*toy, plan, folder.path(), {}, silent_progress()); });
 }
+
+}  // namespace test_sampling

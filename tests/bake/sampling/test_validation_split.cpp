@@ -7,6 +7,8 @@
 #include "bake_test_support.h"
 #include "memory_source.h"
 
+namespace test_validation_split {
+
 using namespace fb;
 using namespace fb::bake;
 using namespace fb::test;
@@ -138,3 +140,5 @@ TEST_CASE("poses picked from a set are those poses") {
   const std::vector<std::uint32_t> beyond = {20};
   failure(Status::invalid_argument, [&] { poses.picked(beyond); });
 }
+
+}  // namespace test_validation_split

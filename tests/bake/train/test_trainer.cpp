@@ -16,9 +16,7 @@
 #include "base/status.h"
 #include "watched_progress.h"
 
-using namespace fb;
-using namespace fb::bake;
-
+namespace fb::bake::test_trainer {
 namespace {
 
 struct Task {
@@ -598,3 +596,5 @@ TEST_CASE("features that do not fit the targets are refused") {
   task.set.poses = 9;
   CHECK_THROWS_AS(train_layers(task.set, plan_of(1), silent_progress()), Error);
 }
+
+}  // namespace fb::bake::test_trainer
