@@ -218,7 +218,7 @@ TEST_CASE("poses of a slow rig are evaluated by all children at once, in blocks 
   std::vector<float> points(64 * child->rest().points.size());
   CHECK(rig.block_poses() == 4);
   CHECK(seconds_of([&] { rig.evaluate(poses, 64, points); }) < 4.5);  // 6.4 s of work, and starts
-  CHECK(rig.block_poses() > 4);  // about 40 on an idle machine
+  CHECK(rig.block_poses() > 4);                                       // about 40 on an idle machine
 }
 
 }  // namespace test_rig_process
