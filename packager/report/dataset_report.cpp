@@ -86,7 +86,8 @@ void add_active(Html& page, const DatasetFigures& figures) {
     }
     return all > 0 ? 100 * some / all : 0;
   };
-  std::vector<std::string> series = {"% of the poses to train on"};
+  std::vector<std::string> series;
+  series.emplace_back("% of the poses to train on");
   if (!figures.active_measured.empty()) series.emplace_back("% of the poses to measure on");
   std::vector<Bar> bars;
   const std::size_t most = std::max(figures.active_training.size(), figures.active_measured.size());
