@@ -18,19 +18,27 @@ HelpFormat::HelpFormat(std::size_t width, bool coloured) : width_(width), colour
   column_width(description_column + 1);
 }
 
+std::string HelpFormat::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  return make_description(app) + make_usage(app, name) + make_positionals(app) + make_groups(app, mode) +
+         make_subcommands(app, mode) + "\n" + make_footer(app);
+}
+
 std::string HelpFormat::make_group(std::string group, bool is_positional,
                                    std::vector<const CLI::Option*> options) const {
+  for (const char* heading : {"Options", "Positionals"})  // CLI11 2.6 has them in capitals
+    if (CLI::detail::to_lower(group) == CLI::detail::to_lower(heading)) group = heading;
   std::string text = "\n" + in_colour(Colour::heading, group + ":", coloured_) + "\n";
   for (const CLI::Option* option : options) text += make_option(option, is_positional);
   return text;
 }
 
 std::string HelpFormat::make_usage(const CLI::App* app, std::string name) const {
-  std::string usage = Formatter::make_usage(app, name);
-  usage.pop_back();
-  constexpr std::size_t heading = 6;  // "Usage:"
-  const std::string lines = wrapped(usage, 4, width_ > 4 ? width_ - 4 : 0);
-  return in_colour(Colour::heading, lines.substr(0, heading), coloured_) + lines.substr(heading) + "\n";
+  const std::string heading = "Usage:";
+  std::string usage = Formatter::make_usage(app, "");  // with the name CLI11 2.6 leaves out the heading
+  CLI::detail::trim(usage);
+  const std::string lines =
+      wrapped(heading + " " + name + usage.substr(heading.size()), 4, width_ > 4 ? width_ - 4 : 0);
+  return in_colour(Colour::heading, heading, coloured_) + lines.substr(heading.size()) + "\n";
 }
 
 std::string HelpFormat::make_subcommands(const CLI::App* app, CLI::AppFormatMode) const {
@@ -60,8 +68,8 @@ std::string HelpFormat::make_description(const CLI::App* app) const {
 }
 
 std::string HelpFormat::make_footer(const CLI::App* app) const {
-  const std::string footer = Formatter::make_footer(app);
-  return wrapped(footer, 0, width_);
+  const std::string& footer = app->get_footer();
+  return footer.empty() ? "" : wrapped(footer + "\n", 0, width_);
 }
 
 // The name and what follows it, then the description, in a column of its own where there is room for two.
