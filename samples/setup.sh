@@ -1,17 +1,17 @@
 #!/bin/sh
 # Installs the Debian packages that building FaceBaker needs; does nothing when nothing is missing.
-#   samples/setup.sh          what the release build and its tests need
-#   samples/setup.sh --tsan   and what the tsan preset needs besides
-#   samples/setup.sh --docs   and what docs/build_reference.sh needs besides
+#   samples/setup.sh                what the release build and its tests need
+#   samples/setup.sh --sanitizers   and what the presets asan and tsan need besides
+#   samples/setup.sh --docs         and what docs/build_reference.sh needs besides
 set -eu
 
 packages="g++ cmake ninja-build pkg-config libeigen3-dev libdraco-dev libmeshoptimizer-dev libtinygltf-dev libstb-dev nlohmann-json3-dev
   zlib1g-dev libxxhash-dev libcli11-dev libmicrohttpd-dev libcmocka-dev doctest-dev python3-numpy python3-pip mypy file"
 case "${1:-}" in
   "") ;;
-  --tsan) packages="$packages clang libclang-rt-dev libomp-dev" ;;
+  --sanitizers) packages="$packages clang libclang-rt-dev libomp-dev lld" ;;
   --docs) packages="$packages doxygen" ;;
-  *) echo "usage: samples/setup.sh [--tsan | --docs]" >&2; exit 2 ;;
+  *) echo "usage: samples/setup.sh [--sanitizers | --docs]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

@@ -24,7 +24,7 @@ if [ -n "${CI:-}" ] && command -v godot3-server >/dev/null && [ ! -e build/gdnat
   bindings/godot/get_headers.sh build/gdnative || echo "note: without headers of Godot its scene is skipped" >&2
 fi
 for preset in "$@"; do
-  case "$preset" in tsan) samples/setup.sh --tsan ;; esac
+  case "$preset" in asan | tsan) samples/setup.sh --sanitizers ;; esac
 done
 if [ ! -d "${FB_SHARED_RIGS:-../shared/rigs}" ]; then
   echo "note: there is no ${FB_SHARED_RIGS:-../shared/rigs}; tests on real rigs will be skipped" >&2

@@ -33,8 +33,8 @@ grep -q '^apt-get .* update$' "$stubs/calls" || fail "the lists were not updated
 grep -q '^apt-get .*Timeout=600 .*--no-install-recommends cmake doctest-dev$' "$stubs/calls" || fail "wrong packages"
 ! grep -q sudo "$stubs/calls" || fail "root used sudo"
 
-run --tsan
-grep -q 'recommends cmake doctest-dev$' "$stubs/calls" || fail "--tsan installed what is there"
+run --sanitizers
+grep -q 'recommends cmake doctest-dev$' "$stubs/calls" || fail "--sanitizers installed what is there"
 
 stub id 'echo 1000'
 run

@@ -6,7 +6,7 @@
 set -eu
 face=$(realpath "$1")
 cd "$(dirname "$0")/../.."
-samples/setup.sh --tsan
+samples/setup.sh --sanitizers
 cmake --preset tsan -B build/races -DFB_RUNTIME_ONLY=ON -DFB_OPENMP=OFF >/dev/null
 cmake --build build/races --target crowd engine_component
 TSAN_OPTIONS="halt_on_error=1 ${TSAN_OPTIONS:-}" build/races/bin/crowd "$face" 400 4

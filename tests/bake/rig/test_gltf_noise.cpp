@@ -78,7 +78,7 @@ struct Chain {
 class ChainWriter {
  public:
   explicit ChainWriter(const Chain& chain) : chain_(chain), buffer_(json_) {
-    json_ = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0, Chain::joints}}}}}};
+    json_ = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", json::array({{{"nodes", {0, Chain::joints}}}})}};
     add_nodes();
     add_mesh();
     add_animation();
@@ -140,22 +140,23 @@ class ChainWriter {
       for (const std::size_t corner : {2 * j, 2 * j + 1, 2 * j + 2, 2 * j + 1, 2 * j + 3, 2 * j + 2})
         if (j + 1 < Chain::joints) corners.push_back(static_cast<std::uint16_t>(corner));
     }
-    json_["meshes"] = {{{"primitives",
-                         {{{"attributes",
-                            {{"POSITION", buffer_.accessor(points, "VEC3", 3)},
-                             {"JOINTS_0", buffer_.accessor(joints, "VEC4", 4)},
-                             {"WEIGHTS_0", buffer_.accessor(weights, "VEC4", 4)}}},
-                           {"indices", buffer_.accessor(corners, "SCALAR", 1)}}}}}};
-    json_["skins"] = {
-        {{"joints", {0, 1, 2, 3, 4, 5, 6, 7}}, {"inverseBindMatrices", buffer_.accessor(inverses, "MAT4", 16)}}};
+    const json strip = {{"attributes",
+                         {{"POSITION", buffer_.accessor(points, "VEC3", 3)},
+                          {"JOINTS_0", buffer_.accessor(joints, "VEC4", 4)},
+                          {"WEIGHTS_0", buffer_.accessor(weights, "VEC4", 4)}}},
+                        {"indices", buffer_.accessor(corners, "SCALAR", 1)}};
+    add_mesh_of(strip);
+    const json skin = {{"joints", {0, 1, 2, 3, 4, 5, 6, 7}},
+                       {"inverseBindMatrices", buffer_.accessor(inverses, "MAT4", 16)}};
+    json_["skins"] = json::array({skin});
     if (chain_.scene == 0) return;
     const auto far = static_cast<float>(chain_.scene);
-    json_["meshes"].push_back(
-        {{"primitives",
-          {{{"attributes",
-             {{"POSITION", buffer_.accessor(std::vector<float>{-far, 0, -far, far, 0, -far, far, 0, far}, "VEC3", 3)}}},
-            {"indices", buffer_.accessor(std::vector<std::uint16_t>{0, 1, 2}, "SCALAR", 1)}}}}});
+    const std::vector<float> points_far = {-far, 0, -far, far, 0, -far, far, 0, far};
+    add_mesh_of({{"attributes", {{"POSITION", buffer_.accessor(points_far, "VEC3", 3)}}},
+                 {"indices", buffer_.accessor(std::vector<std::uint16_t>{0, 1, 2}, "SCALAR", 1)}});
   }
+
+  void add_mesh_of(const json& primitive) { json_["meshes"].push_back({{"primitives", json::array({primitive})}}); }
 
   int add_rotations(std::vector<float> values) {
     std::mt19937 random(7);
@@ -192,7 +193,7 @@ class ChainWriter {
       animation["samplers"].push_back({{"input", input}, {"output", output}});
       animation["channels"].push_back({{"sampler", i}, {"target", {{"node", i / 3}, {"path", paths[i % 3]}}}});
     }
-    json_["animations"] = {animation};
+    json_["animations"] = json::array({animation});
   }
 
   const Chain& chain_;
