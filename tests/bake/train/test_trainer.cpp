@@ -234,7 +234,7 @@ std::vector<double> half_cosine() {
 }  // namespace
 
 TEST_CASE("steps are those of Adam on the gradient of the loss, for every activation") {
-  const Task task = make_task(200, 5);  // fewer than a batch, so that each step is on all
+  const Task task = make_task(50, 5);  // fewer than a batch, so that each step is on all
   TrainingPlan plan = plan_of(0);
   plan.widths = {8, 8, 8};
   for (const Activation activation : {Activation::relu, Activation::tanh, Activation::silu, Activation::linear}) {
@@ -245,7 +245,7 @@ TEST_CASE("steps are those of Adam on the gradient of the loss, for every activa
 }
 
 TEST_CASE("steps are those of Adam with gates, scaled outputs and decay, and without residual connections") {
-  Task task = make_task(200, 6);
+  Task task = make_task(50, 6);
   std::vector<float> gates;
   Random random(3);
   for (std::size_t i = 0; i < task.set.poses; ++i) gates.push_back(std::max(random.uniform(-1, 1), 0.0f));
