@@ -1,12 +1,6 @@
 // What an archive says about its character, and its picture: from bake and pack to inspect.
 #include <doctest/doctest.h>
 
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_NO_STDIO
-#include <stb/stb_image.h>
-
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -14,6 +8,7 @@
 #include "archive/writer.h"
 #include "base/file.h"
 #include "base/sha256.h"
+#include "picture_reading.h"
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
@@ -136,17 +131,13 @@ TEST_CASE("a bake draws a small picture of the face, the same on any number of t
   CHECK(run.out == png + "\n");
   const auto bytes = fb::read_file(png);
   CHECK(bytes.size() == inspect(one).at("thumbnail").at("bytes"));
-  int width = 0, height = 0, channels = 0;
-  stbi_uc* pixels = stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                                          static_cast<int>(bytes.size()), &width, &height, &channels, 3);
-  REQUIRE(pixels);
-  CHECK(width == 192);
-  CHECK(height == 192);
-  std::set<std::array<stbi_uc, 3>> colours;
-  for (int i = 0; i < width * height; ++i) colours.insert({pixels[3 * i], pixels[3 * i + 1], pixels[3 * i + 2]});
+  const fb::test::Picture picture = fb::test::read_picture(bytes);
+  CHECK(picture.width == 192);
+  CHECK(picture.height == 192);
+  std::set<std::array<unsigned char, 3>> colours;
+  for (auto at = picture.pixels.begin(); at < picture.pixels.end(); at += 3) colours.insert({at[0], at[1], at[2]});
   CHECK(colours.size() > 16);  // a shaded face, no empty picture
   CHECK(colours.size() <= 256);
-  stbi_image_free(pixels);
 }
 
 TEST_CASE("what cannot be said or shown is refused") {

@@ -1,18 +1,22 @@
 // Files that went wrong once, in tests/fixtures/cases, through the tool: what it writes, and what it says.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "archive/writer.h"
 #include "base/file.h"
 #include "glb_reading.h"
 #include "gltf_avatar.h"
+#include "picture_reading.h"
 #include "signed_volume.h"
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
+#include "usd_reading.h"
 
 namespace test_tool_cases {
 
@@ -50,6 +54,24 @@ std::vector<double> glb_volumes(const std::string& path) {
   return volumes;
 }
 
+// Likewise of a .usda.
+std::vector<double> usd_volumes(const std::string& path) {
+  const auto bytes = read_file(path);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto points = lists_of(text, "point3f[] points"), corners = lists_of(text, "int[] faceVertexIndices"),
+             counts = lists_of(text, "int[] faceVertexCounts");
+  REQUIRE(!points.empty());
+  REQUIRE(points.size() == corners.size());
+  CHECK(text.find("leftHanded") == std::string::npos);
+  std::vector<double> volumes;
+  for (std::size_t m = 0; m < points.size(); ++m) {
+    for (const float count : counts[m]) REQUIRE(count == 3);
+    const std::vector<std::uint32_t> indices(corners[m].begin(), corners[m].end());
+    volumes.push_back(signed_volume(points[m], 0, points[m].size() / 3, indices.data(), indices.size() / 3));
+  }
+  return volumes;
+}
+
 // Of all faces of an .obj.
 double obj_volume(const std::string& path) {
   const auto bytes = read_file(path);
@@ -78,6 +100,8 @@ TEST_CASE("what nodes mirror is written with its faces outwards") {
     for (const double volume : glb_volumes(folder / "face.glb")) CHECK(volume > 0);
     REQUIRE(run_tool({"pose", folder / "face.fbk", "--out", folder / "face.OBJ"}).exit_code == 0);
     CHECK(obj_volume(folder / "face.OBJ") > 0);
+    REQUIRE(run_tool({"export", folder / "face.fbk", folder / "face.usda"}).exit_code == 0);
+    for (const double volume : usd_volumes(folder / "face.usda")) CHECK(volume > 0);
   }
 }
 
@@ -90,8 +114,13 @@ TEST_CASE("a picture of a mirrored head is that of the head") {
     REQUIRE(run_tool({"pose", *folder / "face.fbk", "--yaw", "0", "--pitch", "0", "--size", "64x64", "--out",
                       *folder / "face.PNG"})
                 .exit_code == 0);
-  CHECK(std::filesystem::file_size(plain / "face.PNG") > 200);
-  CHECK(read_file(plain / "face.PNG").size() * 2 > read_file(mirrored / "face.PNG").size());
+  const Picture one = read_picture(read_file(plain / "face.PNG")), two = read_picture(read_file(mirrored / "face.PNG"));
+  REQUIRE(one.pixels.size() == 3 * 64 * 64);
+  REQUIRE(two.pixels.size() == one.pixels.size());
+  CHECK(std::set(one.pixels.begin(), one.pixels.end()).size() > 16);  // a shaded head, no empty picture
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < one.pixels.size(); ++i) other += std::abs(one.pixels[i] - two.pixels[i]) > 8;
+  CHECK(other < one.pixels.size() / 50);
 }
 
 TEST_CASE("takes with semicolons and in UTF-16 are read") {

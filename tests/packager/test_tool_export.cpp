@@ -17,6 +17,7 @@
 #include "test_models.h"
 #include "tool_files.h"
 #include "tool_run.h"
+#include "usd_reading.h"
 
 namespace test_tool_export {
 
@@ -125,15 +126,6 @@ std::string text_of(const std::string& path) {
 }
 
 // The numbers of a line, from `first` on.
-std::vector<float> numbers_of(const std::string& line, std::size_t first) {
-  std::string text = line.substr(first);
-  for (char& c : text)
-    if (c == '(' || c == ')' || c == '[' || c == ']' || c == ',') c = ' ';
-  std::istringstream words(text);
-  std::vector<float> numbers;
-  for (std::string word; words >> word;) numbers.push_back(std::stof(word));
-  return numbers;
-}
 
 }  // namespace
 

@@ -1,0 +1,16 @@
+// Pictures that the tool wrote.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace fb::test {
+
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<unsigned char> pixels;  // three bytes each, by rows
+};
+
+Picture read_picture(const std::vector<std::byte>& png);
+
+}  // namespace fb::test
