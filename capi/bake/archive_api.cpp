@@ -1,7 +1,6 @@
 #include "bake/authoring.h"
 #include "bake/measure/bytes_read.h"
 #include "bake/measure/certificate.h"
-#include "bake/measure/pose_cost.h"
 #include "base/file.h"
 #include "base/shown_path.h"
 #include "model/feature_values.h"
@@ -135,20 +134,6 @@ fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls
     const fb::bake::BytesReadCounter count(model);
     const std::size_t width = model.schema.control_count();
     for (std::uint64_t pose = 0; pose < poses; ++pose) bytes[pose] = count.of_pose({controls + pose * width, width});
-  });
-}
-
-fb_status fb_archive_pose_microseconds(const fb_archive* archive, const char* machine, const float* controls,
-                                       uint64_t poses, double* microseconds) {
-  return abi_guard([&] {
-    const fb::PackedModel& model = model_of(archive);
-    require(controls, "controls");
-    require(microseconds, "microseconds");
-    const fb::bake::MachineClass of_machine = fb::bake::find_machine(machine ? machine : "");
-    const fb::bake::PoseWorkCounter count(model);
-    const std::size_t width = model.schema.control_count();
-    for (std::uint64_t pose = 0; pose < poses; ++pose)
-      microseconds[pose] = of_machine.microseconds(count.of_pose({controls + pose * width, width}));
   });
 }
 

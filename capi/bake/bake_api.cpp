@@ -2,7 +2,6 @@
 #include <array>
 
 #include "bake/authoring.h"
-#include "bake/measure/calibrate_machine.h"
 #include "bake/pipeline/recipe_table.h"
 #include "base/sha256.h"
 
@@ -33,8 +32,6 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
   options.use = use_of(desc.use);
   options.max_bytes = desc.max_bytes;
   options.max_error = desc.max_error;
-  options.max_microseconds = desc.max_microseconds;
-  options.machine = text_or_empty(desc.machine);
   if (!(desc.normal_weight >= 0 && desc.normal_weight <= 4))
     fail(fb::Status::invalid_argument, "fb_bake_desc: normal_weight is %g, not 0 to 4", desc.normal_weight);
   options.normal_weight = desc.normal_weight;
@@ -143,16 +140,6 @@ fb_status fb_bake(const fb_bake_desc* desc, fb_report** report) {
     const std::uint64_t asked = baked.asked;
     auto made = report_of(known, std::move(baked), source);
     if (known.measure & FB_MEASURE_LOCALITY) measure_locality(*made, source, options, asked, progress);
-    hand_over(std::move(made), report);
-  });
-}
-
-fb_status fb_calibrate_machine(const fb_callbacks* callbacks, fb_report** report) {
-  return abi_guard([&] {
-    require(report, "report");
-    HostProgress progress(callbacks ? *callbacks : fb_callbacks{});
-    auto made = std::make_unique<fb_report>();
-    made->json = calibration_json(fb::bake::calibrate_machine(progress));
     hand_over(std::move(made), report);
   });
 }

@@ -11,7 +11,6 @@
 
 #include "archive/reader.h"
 #include "bake/check/check_dataset.h"
-#include "bake/measure/calibrate_machine.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/face_difference.h"
 #include "bake/measure/locality.h"
@@ -33,8 +32,6 @@ std::string plan_json(const std::string& dataset, const bake::PosePlan& plan, bo
 std::string check_json(const std::string& dataset, const bake::DatasetCheck& check);
 std::string check_details_json(const bake::DatasetCheck& check);
 std::string bake_json(const std::string& archive, const bake::Baked& baked);
-// What find_machine reads, and how far it is off.
-std::string calibration_json(const bake::Calibration& calibration);
 // "quality" and "locality" are null where they were not measured.
 std::string eval_json(const std::string& archive, const bake::EvalReport& report,
                       const std::optional<bake::Locality>& locality);

@@ -163,15 +163,6 @@ Json repeatability_of(const std::optional<Repeatability>& repeatability) {
   return {{"poses", repeatability->poses}, {"rms", repeatability->rms}, {"max", repeatability->max}};
 }
 
-Json pose_time_of(const std::optional<PoseTime>& time) {
-  if (!time) return nullptr;
-  return {{"machine", time->machine.name},
-          {"processor", time->machine.processor},
-          {"predicted_us", time->predicted},
-          {"measured_us", time->measured},
-          {"instruction_set", time->measured_with}};
-}
-
 Json plan_of(const EvaluationPlan& plan) {
   if (plan.stages.empty()) return nullptr;
   Json stages = Json::array();
@@ -345,25 +336,7 @@ std::string bake_json(const std::string& archive, const Baked& baked) {
                     {"exact", baked.exact ? figures(*baked.exact) : Json()},
                     {"controls", std::move(controls)},
                     {"repeatability", repeatability_of(baked.repeatability)},
-                    {"pose_time", pose_time_of(baked.pose_time)},
                     {"warnings", baked.warnings}});
-}
-
-std::string calibration_json(const Calibration& calibration) {
-  const DecimalPoints decimal_points;
-  const auto five_digits = [](double number) { return std::stod(format("%.5g", number)); };
-  Json nanoseconds;
-  for (std::size_t i = 0; i < pose_work_names.size(); ++i)
-    nanoseconds[pose_work_names[i]] = five_digits(calibration.machine.nanoseconds[i]);
-  return json_text({{"format", "facebaker-machine"},
-                    {"version", 1},
-                    {"name", calibration.machine.name},
-                    {"processor", calibration.machine.processor},
-                    {"nanoseconds", std::move(nanoseconds)},
-                    {"fit",
-                     {{"cases", calibration.cases.size()},
-                      {"rms_error", calibration.rms_error},
-                      {"worst_error", calibration.worst_error}}}});
 }
 
 std::string eval_json(const std::string& archive, const EvalReport& report, const std::optional<Locality>& locality) {

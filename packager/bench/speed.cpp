@@ -84,19 +84,6 @@ double load_time(const fb_archive_info& archive) {
   return least;
 }
 
-// The median that the poses are predicted to take; 0 where `machine` is empty and none is known of the instruction set.
-double predicted_median(const facebaker::Archive& archive, const std::string& machine, const char* instruction_set,
-                        std::span<const float> controls, std::size_t poses) {
-  std::vector<double> times(poses);
-  const fb_status status = fb_archive_pose_microseconds(
-      archive.get(), machine.empty() ? instruction_set : machine.c_str(), controls.data(), poses, times.data());
-  if (status == FB_ERROR_NOT_FOUND && machine.empty()) return 0;
-  facebaker::check(status);
-  const auto middle = times.begin() + std::ptrdiff_t(poses / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
-}
-
 // What the calls of one archive's bench share.
 class SpeedBench {
  public:
@@ -138,7 +125,6 @@ class SpeedBench {
   SparseShapes shapes_;
   TimedCrowd crowd_;
   double pose_bytes_ = 0;  // mean, of the model
-  double predicted_ = 0;   // see Speed
   const std::vector<float> rest_;
   std::vector<float> positions_, normals_, tangents_, coefficients_, expected_errors_, batch_controls_,
       batch_positions_;
@@ -176,7 +162,6 @@ SpeedBench::SpeedBench(const facebaker::Archive& archive, std::span<const float>
   std::vector<std::uint64_t> bytes(poses_);
   facebaker::check(fb_archive_pose_bytes(archive.get(), controls.data(), poses_, bytes.data()));
   pose_bytes_ = std::accumulate(bytes.begin(), bytes.end(), 0.0) / double(poses_);
-  predicted_ = predicted_median(archive, options.machine, fb_instruction_set(model_.get()), controls, poses_);
   for (std::size_t pose = 0; pose < options.batch; ++pose)
     std::copy_n(pose_at(pose), width_, batch_controls_.begin() + std::ptrdiff_t(pose * width_));
 }
@@ -350,7 +335,6 @@ Speed SpeedBench::run() {
   speed.flags = FB_COMPILE_FLAGS;
   speed.instruction_set = fb_instruction_set(model_.get());
   speed.eigen = affine_kernels().name;
-  speed.predicted = predicted_;
   speed.load = load_time(archive_);
   speed.scratch = scratch_bytes(archive_);
   speed.morphs = morph_figures();

@@ -45,9 +45,6 @@ struct Speed {
   ScratchBytes scratch;
   MorphFigures morphs;
   std::vector<SpeedLine> lines;
-  // What the line "positions" was to take on machines of the instruction set, the median of poses; 0: they are not
-  // known.
-  double predicted = 0;
 
   const SpeedLine& line(const std::string& name) const;
 };
@@ -56,7 +53,6 @@ struct SpeedOptions {
   std::size_t rounds = 9;  // over all poses; within a round, methods take turns
   std::size_t cold = 40;   // poses evaluated with cold caches
   std::size_t batch = 256;
-  std::string machine = {};  // to predict for, see fb_archive_pose_microseconds; empty: of the instruction set
 };
 
 // On the calling thread. controls: poses x controls, in the order they are evaluated. Fails if there is no pose.

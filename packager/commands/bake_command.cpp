@@ -26,8 +26,7 @@ struct BakeCommand {
   }
 
   std::vector<std::string> sources, poses_like, exact;
-  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created,
-                   machine;
+  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created;
   std::vector<double> shares;  // of levels of detail
   std::vector<std::string> level_meshes;
   std::uint32_t levels = 0;
@@ -63,10 +62,6 @@ std::string bake_text(const std::string& document) {
   table.add({"rounding, worst / diagonal", format("%.2e", quantisation.at("max").get<double>())});
   if (const nlohmann::json& exact = figures.at("exact"); exact.is_object())
     table.add({"exact poses, worst / diagonal", format("%.2e", exact.at("max").get<double>())});
-  if (const nlohmann::json& time = figures.at("pose_time"); time.is_object()) {
-    table.add({"a pose of shots, microseconds predicted", format("%.4g", time.at("predicted_us").get<double>())});
-    table.add({"a pose of shots, microseconds measured", format("%.4g", time.at("measured_us").get<double>())});
-  }
   if (const nlohmann::json& again = figures.at("repeatability"); again.is_object())
     table.add({"rig evaluated again, worst / diagonal", format("%.2e", again.at("max").get<double>())});
   std::string text = table.text();
@@ -80,7 +75,6 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
                                     const fb_callbacks& callbacks) {
   const std::string licence_words = file_text(licence), about_words = file_text(about);
   const std::vector<std::byte> picture = thumbnail ? draw_thumbnail(source, parallel) : std::vector<std::byte>();
-  const std::string machine_words = machine_text(machine);
   const std::vector<const char*> examples = c_strings(poses_like);
   desc.source = source.get();
   desc.examples = examples.data();
@@ -106,7 +100,6 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   desc.level_share_count = static_cast<std::uint32_t>(shares.size());
   desc.level_meshes = meshes.data();
   desc.level_mesh_count = static_cast<std::uint32_t>(meshes.size());
-  desc.machine = machine.empty() ? nullptr : machine_words.c_str();
   desc.created = created.empty() ? nullptr : created.c_str();
   desc.work = work.empty() ? nullptr : work.c_str();
   desc.reuse = reuse.empty() ? nullptr : reuse.c_str();
@@ -171,19 +164,6 @@ void add_limits(CLI::App& app, BakeCommand& command) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("E")
       ->capture_default_str();
-  CLI::Option* limit =
-      app.add_option("--max-microseconds", command.desc.max_microseconds,
-                     "What a pose of synthetic shots may take on average, as predicted for --machine: the precision of "
-                     "the recipe, or what --max-bytes and --max-error allow, is lowered until it does; 0: any")
-          ->check(CLI::NonNegativeNumber)
-          ->type_name("T")
-          ->capture_default_str();
-  app.add_option(
-         "--machine", command.machine,
-         "Whose microseconds those are: avx512-vnni (default), avx2, or a file that bench --calibrate --json FILE "
-         "wrote")
-      ->type_name("CLASS|FILE")
-      ->needs(limit);
 }
 
 // What is kept of the work, and what is taken over of an earlier bake.

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/file.h"
@@ -16,24 +15,21 @@
 #include "commands/progress_bar.h"
 #include "commands/rig_options.h"
 #include "commands/speed_text.h"
-#include "report/table.h"
 
 namespace fb::tool {
 namespace {
 
 struct BenchCommand {
-  std::string archive, csv, machine;
+  std::string archive, csv;
   std::vector<std::string> sources;
   std::size_t poses = 400;
   SpeedOptions options;
   RigOptions rigs;
   FigureOutputs outputs;
-  bool calibrate = false;
 
   void run();
 
  private:
-  void run_calibration();
   std::vector<float> recorded_clip(const facebaker::Model& model) const;
 };
 
@@ -75,35 +71,7 @@ std::vector<float> BenchCommand::recorded_clip(const facebaker::Model& model) co
   return values;
 }
 
-// The document of fb_calibrate_machine as a table.
-std::string calibration_text(const std::string& document) {
-  const nlohmann::ordered_json figures = nlohmann::ordered_json::parse(document);
-  Table table({"work of a pose", "nanoseconds"});
-  for (const auto& [work, time] : figures.at("nanoseconds").items())
-    table.add({work, format("%.4g", time.get<double>())});
-  const auto& fit = figures.at("fit");
-  return table.text() + format("%s, %s: %.0f %% off (rms; worst %.0f %%) over %zu kinds of poses of made-up faces\n",
-                               figures.at("name").get<std::string>().c_str(),
-                               figures.at("processor").get<std::string>().c_str(),
-                               100 * fit.at("rms_error").get<double>(), 100 * fit.at("worst_error").get<double>(),
-                               fit.at("cases").get<std::size_t>());
-}
-
-void BenchCommand::run_calibration() {
-  outputs.claim();
-  std::string figures;
-  {
-    ProgressBar progress;
-    const fb_callbacks callbacks = progress.callbacks();
-    figures = facebaker::calibrate_machine(callbacks).json();
-  }
-  outputs.write("calibration", figures, calibration_text(figures));
-}
-
 void BenchCommand::run() {
-  if (calibrate) return run_calibration();
-  if (archive.empty()) throw CLI::RequiredError("FACE");
-  options.machine = machine_text(machine);
   const facebaker::Archive face(archive);
   std::optional<OutputLock> lock;
   if (!csv.empty()) lock = OutputLock::of_file(csv);
@@ -125,7 +93,7 @@ void BenchCommand::run() {
 void add_bench(CLI::App& tool) {
   auto command = std::make_shared<BenchCommand>();
   CLI::App* app = tool.add_subcommand("bench", "Measure how long an archive's poses take, beside float networks");
-  CLI::Option* archive = add_archive(*app, command->archive)->required(false);
+  add_archive(*app, command->archive);
   app->add_option("--source", command->sources,
                   "Source whose test clips are posed, frame by frame; without it, a synthetic shot")
       ->type_name("SOURCE");
@@ -136,13 +104,6 @@ void add_bench(CLI::App& tool) {
   add_count("--poses", command->poses, "Frames to pose, at most");
   add_count("--rounds", command->options.rounds, "How often each of them is measured");
   add_count("--batch", command->options.batch, "Poses of a batch");
-  app->add_option("--machine", command->machine,
-                  "Class of machines to predict the time of poses for: its name, or a file that --calibrate wrote; by "
-                  "default that of the instruction set")
-      ->type_name("CLASS|FILE");
-  app->add_flag("--calibrate", command->calibrate,
-                "In place of a face, measure what the work of poses takes on this machine, for bake --machine")
-      ->excludes(archive);
   command->rigs.add_to(*app);
   app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
   command->outputs.add_json_to(*app);

@@ -135,15 +135,6 @@ std::string file_text(const std::string& file) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-std::string machine_text(const std::string& file_or_name) {
-  std::error_code missing;
-  if (!std::filesystem::is_regular_file(file_or_name, missing)) return file_or_name;
-  const std::string text = file_text(file_or_name);
-  if (!text.starts_with('{'))
-    fail(Status::bad_data, "%s: not what bench --calibrate --json wrote", shown(file_or_name).c_str());
-  return text;
-}
-
 void add_learning_curve(CLI::App& command, bool& learning_curve) {
   command.add_flag("--learning-curve", learning_curve,
                    "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report");

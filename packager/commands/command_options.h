@@ -39,8 +39,6 @@ void add_force(CLI::App& command, bool& force);
 void add_licence(CLI::App& command, std::string& file);
 void add_about(CLI::App& command, std::string& file);
 std::string file_text(const std::string& file);  // "" without a file
-// The text of a file, or else the word itself: the name of a class of machines.
-std::string machine_text(const std::string& file_or_name);
 void add_learning_curve(CLI::App& command, bool& learning_curve);
 void add_json_flag(CLI::App& command, bool& json);
 // `more` ends the description: what is written besides.

@@ -46,13 +46,6 @@ const SpeedLine& batch_line(const Speed& speed, const std::string& what) {
   return *found;
 }
 
-std::string predicted_text(const Speed& speed) {
-  if (speed.predicted <= 0) return "";
-  const double median = speed.line("positions").median;
-  return format("predicted for positions: %.1f, %+.0f %% of the median\n", speed.predicted,
-                100 * (speed.predicted / median - 1));
-}
-
 // To a tenth of a nanosecond.
 double rounded(double microseconds) {
   return std::round(microseconds * 1e4) / 1e4;
@@ -76,7 +69,7 @@ std::string speed_text(const Speed& speed) {
              "morph targets: %zu, and %zu correctives, %.1f MB; they are off by %.1e of the diagonal, rms\n",
              double(speed.scratch.batches) * 1e-6, double(speed.scratch.single) * 1e-6, speed.morphs.shapes,
              speed.morphs.correctives, double(speed.morphs.bytes) * 1e-6, speed.morphs.error) +
-         predicted_text(speed) + noise_text(speed.noise) + processors_text(speed.lines);
+         noise_text(speed.noise) + processors_text(speed.lines);
 }
 
 std::string speed_json(const Speed& speed) {
@@ -93,7 +86,6 @@ std::string speed_json(const Speed& speed) {
                      {"processors", line.processors}});
   const Json json = {
       {"pose_us_warm", rounded(speed.line("positions").median)},
-      {"pose_us_predicted", speed.predicted > 0 ? Json(rounded(speed.predicted)) : Json()},
       {"pose_us_cold", rounded(speed.line("cold: positions").median)},
       {"batch_us_per_pose", rounded(batch_line(speed, "positions").median)},
       {"eigen_fp32_us", rounded(speed.line("same model, floats, Eigen").median)},

@@ -306,14 +306,6 @@ static void a_clip_from_a_file_is_posed(void** state) {
   assert_true(at_rest > 12 * vertices && bytes[1] > at_rest);
   assert_int_equal(fb_archive_pose_bytes(toy_face, NULL, 1, bytes), FB_ERROR_INVALID_ARGUMENT);
 
-  double times[3] = {0}, time_at_rest = 0, by_default = 0;
-  assert_ok(fb_archive_pose_microseconds(toy_face, "avx512-vnni", clip, 3, times));
-  assert_ok(fb_archive_pose_microseconds(toy_face, "avx512-vnni", rest, 1, &time_at_rest));
-  assert_ok(fb_archive_pose_microseconds(toy_face, NULL, rest, 1, &by_default));
-  assert_true(time_at_rest > 0 && times[1] > time_at_rest && by_default == time_at_rest);
-  assert_refused(fb_archive_pose_microseconds(toy_face, "abacus", rest, 1, times), FB_ERROR_NOT_FOUND, "abacus");
-  assert_refused(fb_archive_pose_microseconds(toy_face, NULL, NULL, 1, times), FB_ERROR_INVALID_ARGUMENT, "controls");
-
   fb_model* tiny = load_tiny();
   assert_refused(fb_source_check_model(toy, tiny), FB_ERROR_BAD_DATA, "controls");
   fb_release(tiny);

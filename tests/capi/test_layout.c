@@ -331,7 +331,7 @@ static void layout_of_requests(void** state) {
   assert_at(fb_sample_desc, examples, 112);
   assert_at(fb_sample_desc, schema, 120);
 
-  assert_int_equal(sizeof(fb_bake_desc), 272);
+  assert_int_equal(sizeof(fb_bake_desc), 256);
   assert_at(fb_bake_desc, struct_size, 0);
   assert_at(fb_bake_desc, threads, 4);
   assert_at(fb_bake_desc, source, 8);
@@ -367,8 +367,6 @@ static void layout_of_requests(void** state) {
   assert_at(fb_bake_desc, level_mesh_count, 236);
   assert_at(fb_bake_desc, level_shares, 240);
   assert_at(fb_bake_desc, level_meshes, 248);
-  assert_at(fb_bake_desc, max_microseconds, 256);
-  assert_at(fb_bake_desc, machine, 264);
 
   assert_int_equal(sizeof(fb_compare_desc), 104);
   assert_at(fb_compare_desc, struct_size, 0);

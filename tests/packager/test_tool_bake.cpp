@@ -174,53 +174,6 @@ TEST_CASE("a bake keeps to a limit of bytes or of error, or fails") {
   CHECK(is_error_line(paper.err, "bake", {"\"paper\""}));
 }
 
-TEST_CASE("a bake keeps to a time that is predicted for a class of machines, or fails") {
-  const ScratchFolder folder;
-  const std::string archive = folder / "toy.fbk";
-  std::vector<std::string> bake = {"bake",   FB_TOY_RIG,      "--poses", "100",   "--recipe", "compact",
-                                   "--work", folder / "work", "--json",  "--out", archive};
-  const auto within = [&](const std::string& time, std::vector<std::string> more = {}) {
-    auto words = bake;
-    words.insert(words.end(), {"--max-microseconds", time});
-    words.insert(words.end(), more.begin(), more.end());
-    return run_tool(words);
-  };
-  const auto predicted = [&](const ToolRun& run) {
-    CAPTURE(run.err);
-    REQUIRE(run.exit_code == 0);
-    const double time = Json::parse(run.out).at("pose_time").at("predicted_us");
-    CHECK(Json::parse(run.out).at("pose_time").at("measured_us") > 0);
-    // The archive has the prediction, and nothing that was measured.
-    const Json inspected = Json::parse(run_tool({"inspect", archive, "--json"}).out);
-    const Json& certified = inspected.at("certificate").at("pose_time");
-    CHECK(certified.at("microseconds").get<double>() == doctest::Approx(time).epsilon(1e-5));
-    CHECK(certified.size() == 3);
-    return time;
-  };
-  const ToolRun unbound = run_tool(bake);
-  REQUIRE(unbound.exit_code == 0);
-  CHECK(Json::parse(unbound.out).at("pose_time").is_null());
-  const std::vector<std::byte> unbound_archive = fb::read_file(archive);
-
-  const double loose = predicted(within("1000")), least = predicted(within("0.01", {"--force"}));
-  REQUIRE(least < 0.98 * loose);
-  const double bound = (loose + least) / 2, tight = predicted(within(std::to_string(bound)));
-  CHECK(tight <= bound);
-  CHECK(tight >= least);
-  CHECK(predicted(within(std::to_string(bound), {"--max-error", "0.5"})) <= bound);
-  CHECK(predicted(within("1000", {"--machine", "avx2"})) != loose);
-
-  const ToolRun small = within("0.01");
-  CHECK(small.exit_code == 1);
-  const std::string last_line = small.err.substr(small.err.rfind('\n', small.err.size() - 2) + 1);
-  CHECK(is_error_line(last_line, "bake", {"0.01 microseconds", "\"avx512-vnni\"", "the least reached is "}));
-  CHECK(within("1", {"--machine", "abacus"}).err.find("\"abacus\"; there are avx512-vnni, avx2") != std::string::npos);
-  CHECK(run_tool({"bake", FB_TOY_RIG, "--out", archive, "--machine", "avx2"}).exit_code == 2);  // of no time
-
-  REQUIRE(run_tool(bake).exit_code == 0);
-  CHECK(fb::read_file(archive) == unbound_archive);
-}
-
 TEST_CASE("--no-shots leaves the rig's own clips out") {
   const ScratchFolder folder;
   REQUIRE(run_tool({"sample", FB_TOY_RIG, "--out", folder / "data", "--poses", "20", "--no-shots"}).exit_code == 0);

@@ -93,46 +93,6 @@ TEST_CASE("bench --json has the main figures by name, and all lines") {
   CHECK(run_tool({"bench", archive, "--json", folder / "none/speed.json"}).exit_code != 0);
 }
 
-TEST_CASE("bench --calibrate measures a machine, for bake and for predictions") {
-  const ScratchFolder folder;
-  const std::string machine = folder / "machine.json", archive = folder / "face.fbk";
-  const ToolRun run = run_tool({"bench", "--calibrate", "--json", machine});
-  CAPTURE(run.err);
-  REQUIRE(run.exit_code == 0);
-  CHECK(run.out.find("| summands ") != std::string::npos);
-  auto json = nlohmann::json::parse(text_of(machine));
-  CHECK(json.at("format") == "facebaker-machine");
-  CHECK(json.at("fit").at("cases") == 16 * 7);
-  double sum = 0;
-  for (const auto& constant : json.at("nanoseconds").items()) {
-    CHECK_MESSAGE(constant.value() >= 0, constant.key());
-    sum += constant.value().get<double>();
-  }
-  CHECK(sum > 0);
-
-  write_tiny_archive(archive);
-  const auto predicted = [&](const std::string& with) {
-    const ToolRun bench = run_tool({"bench", archive, "--poses", "5", "--rounds", "2", "--batch", "4", "--machine",
-                                    with, "--json", folder / "speed.json"});
-    CAPTURE(bench.err);
-    REQUIRE(bench.exit_code == 0);
-    CHECK(bench.out.find("predicted for positions: ") != std::string::npos);
-    return nlohmann::json::parse(text_of(folder / "speed.json")).at("pose_us_predicted").get<double>();
-  };
-  CHECK(predicted(machine) > 0);
-  CHECK(predicted("avx2") != predicted("avx512-vnni"));
-  // On a machine where only poses themselves take time, and 2 microseconds each.
-  for (auto& nanoseconds : json.at("nanoseconds")) nanoseconds = 0;
-  json["nanoseconds"]["poses"] = 2000;
-  fb::write_file(machine, json.dump());
-  CHECK(predicted(machine) == 2);
-  CHECK(run_tool({"bench", archive, "--calibrate"}).exit_code == 2);
-  CHECK(run_tool({"bench"}).exit_code == 2);
-  const ToolRun wrong = run_tool({"bench", archive, "--machine", archive});
-  CHECK(wrong.exit_code == 1);
-  CHECK(wrong.err.find("face.fbk: not what bench --calibrate --json wrote") != std::string::npos);
-}
-
 TEST_CASE("the spread between rounds is that of their medians") {
   using fb::tool::spread_between_rounds;
   CHECK(spread_between_rounds({5, 5, 5, 5}, 1) == 0);

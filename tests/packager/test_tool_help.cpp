@@ -216,7 +216,7 @@ TEST_CASE("man pages are rendered without warnings, and shells take their script
         "; COMP_WORDS=(facebaker ba); COMP_CWORD=1; _facebaker; echo \"${COMPREPLY[@]}\""
         "; COMP_WORDS=(facebaker bake --max); COMP_CWORD=2; _facebaker; echo \"${COMPREPLY[@]}\"";
     CHECK(run_program("/usr/bin/bash", {"-c", script}).out ==
-          "linear\nbake\n--max-bytes --max-error --max-microseconds\n");
+          "linear\nbake\n--max-bytes --max-error\n");
   }
 }
 

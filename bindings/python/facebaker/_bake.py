@@ -144,8 +144,6 @@ def bake(
     exact: Sequence[str] = (),
     level_shares: Sequence[float] = (),
     level_meshes: Sequence[Place] = (),
-    max_microseconds: float = 0.0,
-    machine: Optional[str] = None,
     threads: int = 0,
     progress: Progress = None,
     note: Note = None,
@@ -156,21 +154,18 @@ def bake(
     "sample". out: the .fbk to write. recipe: one of recipes(). use: "backlot" preserves a character whose shots
     exist, which are trained on; "variant" makes new ones. epochs: 0: the recipe's own. poses, mix, rig_budget,
     skip_failing, examples: of a live source, as for sample. max_bytes: of the archive. max_error: largest distance of a
-    vertex, over the diagonal. max_microseconds: predicted for a pose on a machine: the name of a class, or the JSON
-    that `facebaker bench --calibrate --json -` prints. force: write a face that meets none; else LimitError. measure:
-    "quality" and "locality", for the result. learning_curve: bake on parts of the poses too. licence: text. created: a
-    date; None: the same seed gives the same bytes. work: folder that keeps what resuming needs; None: beside the
-    archive, removed at the end. reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much
-    errors of normals count, 0 to 4. cache_bytes: of evaluations that are kept. about: fields about the character.
-    thumbnail: a square PNG. exact: poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares:
-    levels of detail by their share; level_meshes: as files. threads: 0: all."""
+    vertex, over the diagonal. force: write a face that meets none; else LimitError. measure: "quality" and "locality",
+    for the result. learning_curve: bake on parts of the poses too. licence: text. created: a date; None: the same seed
+    gives the same bytes. work: folder that keeps what resuming needs; None: beside the archive, removed at the end.
+    reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much errors of normals count, 0 to
+    4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail: a square PNG. exact:
+    poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by their share;
+    level_meshes: as files. threads: 0: all."""
     desc = filled(b.BakeDesc, library.fb_bake_desc_fill)
     desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
     desc.use, desc.measure = _number(USES, use, "use"), _measures(measure)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed, force=force)
     assign(desc, max_bytes=max_bytes, max_error=max_error, learning_curve=learning_curve)
-    assign(desc, max_microseconds=max_microseconds)
-    desc.machine = _optional_text(machine)
     assign(desc, skip_failing=skip_failing, normal_weight=normal_weight, cache_bytes=cache_bytes)
     desc.licence, desc.created = _optional_text(licence), _optional_text(created)
     desc.work, desc.reuse = _optional_path(work), _optional_path(reuse)

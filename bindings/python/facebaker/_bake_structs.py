@@ -247,8 +247,6 @@ class BakeDesc(Structure):
         ("level_mesh_count", c_uint32),
         ("level_shares", POINTER(c_double)),
         ("level_meshes", POINTER(c_char_p)),
-        ("max_microseconds", c_double),
-        ("machine", c_char_p),
     ]
 
 

@@ -202,8 +202,6 @@ class SourcesTest(BakingTest):
         with self.assertRaises(facebaker.LimitError):
             self.bake(toy_rig.make(), recipe="compact", max_bytes=100)
         self.bake(toy_rig.make(), recipe="compact", max_bytes=100, force=True)
-        with self.assertRaisesRegex(facebaker.LimitError, '"avx2", the least reached is '):
-            self.bake(toy_rig.make(), recipe="compact", max_microseconds=1e-3, machine="avx2")
 
     def test_a_rig_whose_opening_was_interrupted_is_closed(self):
         class Enough(Exception):

@@ -81,10 +81,6 @@ FB_API const char* fb_archive_note_at(const fb_archive* archive, uint32_t index)
  * control_count, bytes: a number a pose. docs/measuring.md has the rule, which does not depend on the processor. */
 FB_API fb_status fb_archive_pose_bytes(const fb_archive* archive, const float* controls, uint64_t poses,
                                        uint64_t* bytes);
-/** Microseconds that each of these poses takes on a class of machines, predicted: see fb_bake_desc::machine.
- * microseconds: a number a pose. Fails with NOT_FOUND on a class there is not. */
-FB_API fb_status fb_archive_pose_microseconds(const fb_archive* archive, const char* machine, const float* controls,
-                                              uint64_t poses, double* microseconds);
 
 /* The networks in floats, for those who evaluate a face by other means. Unstable. */
 

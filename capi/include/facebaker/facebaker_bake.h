@@ -326,12 +326,6 @@ typedef struct fb_bake_desc {
   const char* const* level_meshes; /**< levels of detail as given: files .obj or .glb, the finest first, whose vertices
                                       are vertices of the source's rest mesh, up to 1e-4 of its diagonal; in place of
                                       level_shares. Null (default): none */
-  double max_microseconds; /**< that a pose of synthetic shots may take on average, predicted for `machine` and never
-                              measured, so that archives do not depend on where they are baked: alone, the recipe's
-                              precision is lowered until it does. With the other limits, max_bytes and this one come
-                              before max_error. 0 (default): any */
-  const char* machine;     /**< the class of machines that max_microseconds holds for: a name, "avx512-vnni" or "avx2",
-                              or the document of fb_calibrate_machine. Null (default): "avx512-vnni" */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);
@@ -340,16 +334,10 @@ static inline void fb_bake_desc_init(fb_bake_desc* to) {
 }
 /** Samples a live source, trains, packs, measures and verifies a face and writes its archive. Interrupted, the same
  * call goes on from the work folder. `report` may be null. Fails with NOT_FOUND on a recipe there is not, LIMIT on a
- * size, error or time that cannot be met, BAD_DATA, RIG, NOT_FINITE, IO, INTERRUPTED; the archive is then as it was
+ * size or error that cannot be met, BAD_DATA, RIG, NOT_FINITE, IO, INTERRUPTED; the archive is then as it was
  * before.
  */
 FB_API fb_status fb_bake(const fb_bake_desc* desc, fb_report** report);
-
-/** Measures what the work of a pose takes on this processor, on made-up faces, for some seconds on the calling thread.
- * The document is one for fb_bake_desc::machine: "format", "version", "name" (of the instruction set), "processor",
- * "nanoseconds" (by kind of work; docs/measuring.md has the model), and "fit": how far it is off on these faces.
- * `callbacks` may be null. */
-FB_API fb_status fb_calibrate_machine(const fb_callbacks* callbacks, fb_report** report);
 
 /* ---- Comparing --------------------------------------------------------------------------------------------------- */
 

@@ -244,12 +244,6 @@ inline Report bake(const fb_bake_desc& desc) {
   check(fb_bake(&desc, &report));
   return Report(report);
 }
-/** Measures what the work of a pose takes here; see fb_calibrate_machine. */
-inline Report calibrate_machine(const fb_callbacks& callbacks = {}) {
-  fb_report* report = nullptr;
-  check(fb_calibrate_machine(&callbacks, &report));
-  return Report(report);
-}
 /** Bakes and measures several methods; see fb_compare. */
 inline Report compare(const fb_compare_desc& desc) {
   fb_report* report = nullptr;

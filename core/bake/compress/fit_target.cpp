@@ -58,7 +58,6 @@ class Candidates {
 
   double error(const Precision& precision) { return measured(errors_, precision, *measure_error_); }
   std::uint64_t bytes(const Precision& precision) { return measured(bytes_, precision, *measure_bytes_); }
-  double microseconds(const Precision& precision) { return measured(times_, precision, inputs_->microseconds); }
 
   Fitted fitted(const FitChoice& choice) {
     build(choice.precision);
@@ -107,7 +106,7 @@ class Candidates {
   const Error* measure_error_;
   const Bytes* measure_bytes_;
   Progress* progress_;
-  std::map<Key, double> errors_, times_;
+  std::map<Key, double> errors_;
   std::map<Key, std::uint64_t> bytes_;
   std::uint64_t measurements_ = 0;
   Key built_{};  // of blockwise_ and packed_
@@ -118,15 +117,12 @@ class Candidates {
 
 bool met(const FitTarget& target, const FitChoice& choice) {
   return (target.max_bytes == 0 || choice.bytes <= target.max_bytes) &&
-         (target.max_microseconds <= 0 || choice.microseconds <= target.max_microseconds) &&
          (target.max_error <= 0 || choice.error <= target.max_error);
 }
 
 std::string cost_text(const FitChoice& choice) {
-  std::string text = format("%llu bytes, largest error %.3g of the diagonal on validation poses",
-                            static_cast<unsigned long long>(choice.bytes), choice.error);
-  if (choice.microseconds > 0) text += format(", %.4g predicted microseconds a pose", choice.microseconds);
-  return text;
+  return format("%llu bytes, largest error %.3g of the diagonal on validation poses",
+                static_cast<unsigned long long>(choice.bytes), choice.error);
 }
 
 // What is the matter with a choice that does not meet the target.
@@ -134,14 +130,8 @@ std::string unmet_text(const FitTarget& target, const FitChoice& choice) {
   if (target.max_bytes > 0 && choice.bytes > target.max_bytes)
     return format("asked for %llu bytes, the smallest reached is %s", static_cast<unsigned long long>(target.max_bytes),
                   cost_text(choice).c_str());
-  if (target.max_microseconds > 0 && choice.microseconds > target.max_microseconds)
-    return format("asked for %.4g microseconds a pose, the least reached is %s", target.max_microseconds,
-                  cost_text(choice).c_str());
-  const char* within = target.max_microseconds > 0 ? " within the time"
-                       : target.max_bytes > 0      ? " within the bytes"
-                                                   : "";
-  return format("asked for an error of %.3g of the diagonal, the smallest reached%s is %s", target.max_error, within,
-                cost_text(choice).c_str());
+  return format("asked for an error of %.3g of the diagonal, the smallest reached%s is %s", target.max_error,
+                target.max_bytes > 0 ? " within the bytes" : "", cost_text(choice).c_str());
 }
 
 }  // namespace
@@ -157,21 +147,17 @@ PackOptions Precision::pack() const {
 }
 
 FitChoice choose_precision(const FitTarget& target, const std::function<std::uint64_t(const Precision&)>& bytes,
-                           const PrecisionFigure& error, const PrecisionFigure& microseconds) {
-  if (target.max_bytes == 0 && target.max_error <= 0 && target.max_microseconds <= 0)
-    fail(Status::invalid_argument, "a target needs max_bytes, max_error or max_microseconds");
-  const auto time = [&](const Precision& precision) {
-    return target.max_microseconds > 0 ? microseconds(precision) : 0;
-  };
+                           const std::function<double(const Precision&)>& error) {
+  if (target.max_bytes == 0 && target.max_error <= 0)
+    fail(Status::invalid_argument, "a target needs max_bytes or max_error");
   const auto chosen = [&](const Precision& precision) {
-    return FitChoice{precision, bytes(precision), error(precision), time(precision)};
+    return FitChoice{precision, bytes(precision), error(precision)};
   };
 
   std::vector<Ladder> ladders;
   for (const int bits : {8, 16}) {
     const auto too_much = [&](int rung) {
-      const Precision precision = precision_at(rung, bits);
-      return (target.max_bytes > 0 && bytes(precision) > target.max_bytes) || time(precision) > target.max_microseconds;
+      return target.max_bytes > 0 && bytes(precision_at(rung, bits)) > target.max_bytes;
     };
     const int finest = boundary(0, rungs, too_much);
     if (finest < rungs) ladders.push_back({bits, finest, error(precision_at(finest, bits))});
@@ -202,8 +188,7 @@ Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarg
   const auto choose = [&](const FitTarget& wanted) {
     return choose_precision(
         wanted, [&](const Precision& precision) { return candidates.bytes(precision); },
-        [&](const Precision& precision) { return candidates.error(precision); },
-        [&](const Precision& precision) { return candidates.microseconds(precision); });
+        [&](const Precision& precision) { return candidates.error(precision); });
   };
   const FitChoice choice = choose(target);
   std::string unmet;

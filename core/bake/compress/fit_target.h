@@ -1,4 +1,4 @@
-// Chooses the precision of a packed face for a target: a size in bytes, an error, the time of a pose.
+// Chooses the precision of a packed face for a target: a size in bytes, an error.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,6 @@ namespace fb::bake {
 struct FitTarget {
   std::uint64_t max_bytes = 0;  // of the archive; 0: any
   double max_error = 0;         // largest error of a vertex, over D; 0: any
-  double max_microseconds = 0;  // predicted for a pose; 0: any
   bool force = false;           // where a target cannot be met, the nearest there is instead of a failure
 };
 
@@ -33,20 +32,15 @@ struct FitChoice {
   Precision precision;
   std::uint64_t bytes = 0;
   double error = 0;
-  double microseconds = 0;  // where the target has some
 };
 
-// A figure of a face in some precision.
-using PrecisionFigure = std::function<double(const Precision&)>;
-
-// Bisects a geometric ladder of scales for weights of 8 and of 16 bits, taking bytes and time to fall and the error to
-// grow along it. Without max_error: the least error within max_bytes and max_microseconds. With it: the fewest bytes
-// with at most that error, within the others if given. A target that cannot be met is approached: the coarsest there
-// is, or the fewest bytes with an error within 1 % of the least; bytes and time come first. Calls `error` at most 12
-// times for different precisions, and only twice without max_error; `microseconds` only if the target has some. Fails
-// with invalid_argument without a target.
+// Bisects a geometric ladder of scales for weights of 8 and of 16 bits, taking bytes to fall and the error to grow
+// along it. Without max_error: the least error within max_bytes. With it: the fewest bytes with at most that error,
+// within max_bytes if given. A target that cannot be met is approached: the coarsest there is, or the fewest bytes with
+// an error within 1 % of the least; bytes come first. Calls `error` at most 12 times for different precisions, and only
+// twice without max_error. Fails with invalid_argument without a target.
 FitChoice choose_precision(const FitTarget& target, const std::function<std::uint64_t(const Precision&)>& bytes,
-                           const PrecisionFigure& error, const PrecisionFigure& microseconds = {});
+                           const std::function<double(const Precision&)>& error);
 
 struct Fitted {
   FaceModel model;
@@ -62,7 +56,6 @@ struct FitInputs {
   std::span<const float> direct_sizes = {};
   std::function<std::vector<float>(const FaceModel&)> samples = {};  // of a truncated model; empty: none
   double normal_weight = 0;
-  std::function<double(const PackedModel&)> microseconds = {};  // predicted for a pose of a candidate
 };
 
 // Compresses a model by blockwise PCA and packs it in the precision of choose_precision. `error` measures a candidate

@@ -10,7 +10,6 @@
 #include "bake/measure/bytes_read.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/float_face.h"
-#include "bake/measure/pose_cost.h"
 #include "bake/measure/verify.h"
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
@@ -60,18 +59,13 @@ RecipeResult with_factor(const BlockwisePca& pca, double threshold, const PackOp
   return result;
 }
 
-// What poses of some shots may take on average; 0: any.
-struct PoseBounds {
+// What poses of some shots may read on average, by the recipe; 0: any number of bytes.
+struct PoseBound {
   const Clip& shots;
-  double max_bytes_read;    // the recipe's own
-  double max_microseconds;  // the user's
-  MachineClass machine;     // of max_microseconds
+  double max_bytes_read;
 
-  bool keeps_bytes(const PackedModel& packed) const {
+  bool kept_by(const PackedModel& packed) const {
     return max_bytes_read <= 0 || mean_bytes_read(packed, shots) <= max_bytes_read;
-  }
-  bool keeps_time(const PackedModel& packed) const {
-    return max_microseconds <= 0 || mean_microseconds(packed, shots, machine) <= max_microseconds;
   }
 };
 
@@ -80,13 +74,11 @@ struct BoundedResult {
   double factor = 1;
 };
 
-// The result for the smallest factor found with which poses keep to the bounds: doubled until they do, then bisected.
+// The result for the smallest factor found with which poses keep to the bound: doubled until they do, then bisected.
 // That of the largest factor where none does. make(factor): a packed result.
 template <class Make>
-BoundedResult fit_bounds(const PoseBounds& bounds, const Make& make) {
-  const auto fits = [&](const RecipeResult& result) {
-    return bounds.keeps_bytes(*result.packed) && bounds.keeps_time(*result.packed);
-  };
+BoundedResult fit_bound(const PoseBound& bound, const Make& make) {
+  const auto fits = [&](const RecipeResult& result) { return bound.kept_by(*result.packed); };
   BoundedResult best{make(1)};
   double too_small = 1;
   while (!fits(best.result)) {
@@ -105,52 +97,38 @@ BoundedResult fit_bounds(const PoseBounds& bounds, const Make& make) {
   return best;
 }
 
-std::string unmet_bytes_text(const PoseBounds& bounds, const PackedModel& least) {
+std::string unmet_text(const PoseBound& bound, const PackedModel& least) {
   return format(
       "poses of this face cannot keep to the %.3g MB that the recipe lets them read: the least reached is %.3g MB, "
       "with "
       "the recipe's precision divided by %g; it keeps its precision instead",
-      bounds.max_bytes_read / 1e6, mean_bytes_read(least, bounds.shots) / 1e6, largest_factor);
+      bound.max_bytes_read / 1e6, mean_bytes_read(least, bound.shots) / 1e6, largest_factor);
 }
 
-std::string unmet_time_text(const PoseBounds& bounds, const PackedModel& least) {
-  return format(
-      "asked for poses of %.4g microseconds on \"%s\", the least reached is %.4g as predicted, with the recipe's "
-      "precision divided by %g",
-      bounds.max_microseconds, bounds.machine.name.c_str(), mean_microseconds(least, bounds.shots, bounds.machine),
-      largest_factor);
-}
-
-// The precision of fit_bounds, told where it is not the recipe's own.
-std::string lowered_text(const PoseBounds& bounds, const BoundedResult& fitted) {
+// The precision of fit_bound, told where it is not the recipe's own.
+std::string lowered_text(const PoseBound& bound, const BoundedResult& fitted) {
   const PackedModel& packed = *fitted.result.packed;
   std::string text = format(
       "the recipe's precision is divided by %.3g: frames of synthetic shots then read %.3g MB on average, besides the "
       "%.3g MB that every pose reads",
-      fitted.factor, mean_bytes_read(packed, bounds.shots) / 1e6, double(constant_bytes(packed)) / 1e6);
-  if (bounds.max_bytes_read > 0) text += format("; the recipe allows for %.3g MB", bounds.max_bytes_read / 1e6);
+      fitted.factor, mean_bytes_read(packed, bound.shots) / 1e6, double(constant_bytes(packed)) / 1e6);
+  if (bound.max_bytes_read > 0) text += format("; the recipe allows for %.3g MB", bound.max_bytes_read / 1e6);
   return text;
 }
 
-// Keeps to the bounds. Those of the recipe that cannot be met are a warning, and do not count: a face of a lower
-// precision that does not meet them either is good for nothing. Those of the user are a failure, or with `force` a
-// warning.
+// Keeps to the bound. One that cannot be met is a warning, and does not count: a face of a lower precision that does
+// not meet it either is good for nothing.
 template <class Make>
-RecipeResult bounded_result(PoseBounds bounds, bool force, Progress& progress, const Make& make) {
-  std::vector<std::string> warnings;
-  BoundedResult fitted = fit_bounds(bounds, make);
-  if (!bounds.keeps_bytes(*fitted.result.packed)) {
-    warnings.push_back(unmet_bytes_text(bounds, *fitted.result.packed));
-    bounds.max_bytes_read = 0;
-    fitted = fit_bounds(bounds, make);
+RecipeResult bounded_result(PoseBound bound, Progress& progress, const Make& make) {
+  BoundedResult fitted = fit_bound(bound, make);
+  if (!bound.kept_by(*fitted.result.packed)) {
+    std::string warning = unmet_text(bound, *fitted.result.packed);
+    bound.max_bytes_read = 0;
+    fitted = fit_bound(bound, make);
+    fitted.result.warnings.push_back(std::move(warning));
   }
-  if (!bounds.keeps_time(*fitted.result.packed)) {
-    warnings.push_back(unmet_time_text(bounds, *fitted.result.packed));
-    if (!force) fail(Status::limit, "%s", warnings.back().c_str());
-  }
-  fitted.result.warnings = std::move(warnings);
   if (fitted.factor > 1) {
-    fitted.result.stats.notes.push_back(lowered_text(bounds, fitted));
+    fitted.result.stats.notes.push_back(lowered_text(bound, fitted));
     progress.note(fitted.result.stats.notes.back());
   }
   return std::move(fitted.result);
@@ -204,27 +182,26 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto samples = [&](const FaceModel& truncated) {
     return sampled_coefficients(truncated, poses, without_asking(options.parallel));
   };
-  const Clip shots = bounded_shots(model.schema, options.seed);
-  const PoseBounds bounds{shots, max_bytes_read, options.max_microseconds, find_machine(options.machine)};
   if (options.max_bytes == 0 && options.max_error <= 0) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
-    // Bytes alone, which a pose reads, are counted before the best rounding is looked for: it takes longest and does
-    // not change them.
-    const bool bytes_alone = max_bytes_read > 0 && bounds.max_microseconds <= 0;
+    const Clip shots = bounded_shots(model.schema, options.seed);
+    // The bytes that a pose reads are counted before the best rounding is looked for: it takes longest and does not
+    // change them.
+    const bool bounded = max_bytes_read > 0;
     const auto pack = [&](RecipeResult& result, bool rounded_well) {
       result.packing.rate_distortion = rounded_well;
       if (rounded_well) result.packing.samples = samples(result.model);
       result.packed = pack_model(result.model, result.packing, without_asking(options.parallel));
     };
     progress.begin("rounding", 0);
-    RecipeResult result = bounded_result(bounds, options.force, progress, [&](double factor) {
+    RecipeResult result = bounded_result({shots, max_bytes_read}, progress, [&](double factor) {
       return ask_during(progress, [&] {
         RecipeResult made = with_factor(pca, pca_options.threshold, packing, factor);
-        pack(made, !bytes_alone);
+        pack(made, !bounded);
         return made;
       });
     });
-    if (bytes_alone) keep_asking(progress, [&] { pack(result, true); });
+    if (bounded) keep_asking(progress, [&] { pack(result, true); });
     return result;
   }
   const PoseSet validation = validation_poses(poses, options.seed);
@@ -239,10 +216,9 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
   const auto error = [&](const PackedModel& packed) {
     return evaluate_model_on(packed, validation, options.parallel, silent_progress()).max;
   };
-  const auto microseconds = [&](const PackedModel& packed) { return mean_microseconds(packed, shots, bounds.machine); };
-  Fitted fitted = fit_target(model, {covariance, sizes, samples, options.normal_weight, microseconds},
-                             {options.max_bytes, options.max_error, options.max_microseconds, options.force}, error,
-                             bytes, options.parallel, progress);
+  Fitted fitted =
+      fit_target(model, {covariance, sizes, samples, options.normal_weight},
+                 {options.max_bytes, options.max_error, options.force}, error, bytes, options.parallel, progress);
   RecipeResult result{std::move(fitted.model), std::move(fitted.packing), {}, {}, std::move(fitted.packed)};
   if (!fitted.unmet.empty()) result.warnings.push_back(std::move(fitted.unmet));
   return result;

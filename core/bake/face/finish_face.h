@@ -20,17 +20,15 @@ std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses);
 // The coefficients of a model in some of the poses, poses x columns: PackOptions::samples.
 std::vector<float> sampled_coefficients(const FaceModel& model, const PoseSet& poses, const Parallel& parallel);
 
-// The frames that bounds of what a pose takes hold for on average: synthetic shots (make_test_poses), not those of
+// The frames that bounds of what a pose reads hold for on average: synthetic shots (make_test_poses), not those of
 // tests. seed: of the bake.
 Clip bounded_shots(const RigSchema& schema, std::uint64_t seed);
 
 // Compresses a trained model by blockwise PCA (covariance: see BlockwisePca) and chooses how it is packed.
 // With max_bytes or max_error in the options: fit_target, measured as packed on some poses of the validation split (of
 // all training poses, if that is empty). Without: as pca_options and packing say, with thresholds and steps multiplied
-// by one factor so that frames of bounded_shots read at most max_bytes_read, beside what the rest pose reads, and take
-// at most the options' max_microseconds, on average; 0: any number. A factor above 1 is noted. Bytes that cannot be met
-// do not count, with a warning of the result; microseconds that cannot be met are a failure with limit, which names the
-// least that can be, or, with BakeOptions::force, a warning.
+// by one factor so that frames of bounded_shots read at most max_bytes_read on average, beside what the rest pose reads;
+// 0: any number. A factor above 1 is noted. Bytes that cannot be met do not count, with a warning of the result.
 RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
                          const BlockwisePcaOptions& pca_options, const PackOptions& packing, const PoseSet& poses,
                          const BakeOptions& options, Progress& progress, double max_bytes_read = 0);

@@ -102,7 +102,7 @@ Json independent_errors(const EvalReport& report, Split split) {
 std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
                         const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
                         const std::vector<std::string>& warnings, const std::optional<Errors>& exact,
-                        const std::vector<LevelErrors>& levels, const std::optional<PoseTime>& time) {
+                        const std::vector<LevelErrors>& levels) {
   Json json;
   add(json["dependency"], dependency);
   if (held_back.total.frames > 0) {
@@ -118,10 +118,6 @@ std::string certificate(const Errors& dependency, const HeldBackErrors& held_bac
     figures["surface"] = {{"rms", rounded(level.surface.rms)}, {"max", rounded(level.surface.max)}};
     json["levels"].push_back(std::move(figures));
   }
-  if (time)
-    json["pose_time"] = {{"machine", time->machine.name},
-                         {"processor", time->machine.processor},
-                         {"microseconds", rounded(time->predicted)}};
   if (!warnings.empty()) json["warnings"] = warnings;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

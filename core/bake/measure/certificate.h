@@ -9,7 +9,6 @@
 #include "bake/measure/evaluate.h"
 #include "bake/measure/held_back_errors.h"
 #include "bake/measure/level_errors.h"
-#include "bake/measure/pose_cost.h"
 #include "bake/rig/pose_set.h"
 
 namespace fb::bake {
@@ -18,12 +17,10 @@ namespace fb::bake {
 // its split: with Detail::quality, on poses that were not trained on; absent where there are none. `quantisation`: of
 // the packed model against the float model. `warnings`: sentences; the certificate has the key only where there are
 // some. `exact`: on the poses that are kept exact. `levels`: of faces with levels of detail.
-// `time`: of a face that was to take so many microseconds; the certificate has what was predicted alone, so that it is
-// the same on every machine.
 std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
                         const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
                         const std::vector<std::string>& warnings = {}, const std::optional<Errors>& exact = {},
-                        const std::vector<LevelErrors>& levels = {}, const std::optional<PoseTime>& time = {});
+                        const std::vector<LevelErrors>& levels = {});
 
 // Adds to a certificate (whatever text it is) the errors made by repacking, "repacked": displacements of vertices from
 // where the archive before had them. Those of several repackings are summed. Where the certificate has measured errors,

@@ -15,7 +15,6 @@
 #include "bake/measure/certificate.h"
 #include "bake/measure/keep_exact.h"
 #include "bake/measure/level_coefficients.h"
-#include "bake/measure/time_poses.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/learning_curve.h"
@@ -58,12 +57,8 @@ const Recipe& checked_recipe(const BakeOptions& options) {
   const Recipe& recipe = find_recipe(options.recipe);
   if (!std::isfinite(options.max_error) || options.max_error < 0)
     fail(Status::invalid_argument, "max_error is %g; it is a fraction of the diagonal, 0 or more", options.max_error);
-  if (!std::isfinite(options.max_microseconds) || options.max_microseconds < 0)
-    fail(Status::invalid_argument, "max_microseconds is %g; it is a time, 0 or more", options.max_microseconds);
-  find_machine(options.machine);
   if (has_target(options) && !recipe.supports_targets)
-    fail(Status::invalid_argument, "the recipe \"%s\" supports neither max_bytes nor max_error nor max_microseconds",
-         recipe.name);
+    fail(Status::invalid_argument, "the recipe \"%s\" supports neither max_bytes nor max_error", recipe.name);
   if (has_levels(options) && !recipe.supports_targets)
     fail(Status::invalid_argument, "the recipe \"%s\" does not support levels of detail", recipe.name);
   return recipe;
@@ -86,7 +81,6 @@ std::string provenance_of(const Baked& baked, const PoseSet& poses, const BakeOp
                                        {"quantisation_over_diagonal", baked.quantisation.max}};
   for (const SourceFile& file : options.source_files)
     provenance["source_files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
-  if (options.max_microseconds > 0) provenance["max_microseconds"] = options.max_microseconds;
   if (!options.level_shares.empty()) provenance["level_shares"] = options.level_shares;
   for (const std::filesystem::path& mesh : options.level_meshes)
     provenance["level_meshes"].push_back(mesh.filename().string());
@@ -224,19 +218,6 @@ void correct_frames(PackedFace& face, std::span<const ExactFrame> frames, std::u
   face.proof = ask_during(progress, [&] { return make_proof(face.model, seed); });
 }
 
-// The time of poses, for a face that was to take so much.
-void measure_time(const PackedModel& face, const BakeOptions& options, Baked& baked, Progress& progress) {
-  const PoseTime& time = baked.pose_time.emplace(ask_during(progress, [&] {
-    return pose_time(face, bounded_shots(face.schema, options.seed), find_machine(options.machine));
-  }));
-  const std::string note = format(
-      "a pose of synthetic shots takes %.4g microseconds as predicted for \"%s\", and %.4g as measured here with "
-      "\"%s\"",
-      time.predicted, time.machine.name.c_str(), time.measured, time.measured_with.c_str());
-  progress.note(note);
-  baked.stats.notes.push_back(note);
-}
-
 // bake_face, of a face of ordinary size.
 Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress) {
   const Recipe& recipe = checked_recipe(given);
@@ -268,10 +249,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   const std::vector<std::string> certified = face.baked.warnings;
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
-  if (options.max_microseconds > 0) measure_time(face.model, options, baked, progress);
   const std::string measured =
       certificate(baked.dependency, baked.held_back, baked.independent, baked.independent_split, baked.quantisation,
-                  certified, baked.exact, baked.levels, baked.pose_time);
+                  certified, baked.exact, baked.levels);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });

@@ -20,7 +20,6 @@
 #include "bake/measure/evaluate.h"
 #include "bake/measure/held_back_errors.h"
 #include "bake/measure/level_errors.h"
-#include "bake/measure/pose_cost.h"
 #include "bake/measure/repeatability.h"
 #include "bake/pipeline/evaluation_plan.h"
 #include "bake/recipe/bake_options.h"
@@ -49,7 +48,6 @@ struct Baked {
                                           // none
   Split independent_split = Split::test;  // of those clips
   std::vector<LevelErrors> levels;        // of its levels of detail, on the same poses; on training poses without them
-  std::optional<PoseTime> pose_time;      // of a face that was to take so many microseconds a pose
   std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
   BakeStats stats;
   EvaluationPlan plan;                         // of a live rig: what was to be asked of it

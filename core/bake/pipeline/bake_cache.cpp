@@ -59,7 +59,6 @@ std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions
                  options.epochs, options.max_bytes,    options.max_error,    budget,
                  rig != nullptr, options.normal_weight};
   if (options.force) fields.push_back("force");
-  if (options.max_microseconds > 0) fields.push_back(Json{options.max_microseconds, options.machine});
   for (const double share : options.level_shares) fields.push_back(share);
   for (const auto& mesh : options.level_meshes) fields.push_back(hash64(read_file(mesh)));
   const std::uint64_t samples = hash64_of<float>(poses.controls(), hash64_of<float>(points));

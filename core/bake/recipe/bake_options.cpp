@@ -16,7 +16,7 @@ const char* name_of(Use use) {
 }
 
 bool has_target(const BakeOptions& options) {
-  return options.max_bytes > 0 || options.max_error > 0 || options.max_microseconds > 0;
+  return options.max_bytes > 0 || options.max_error > 0;
 }
 
 bool has_levels(const BakeOptions& options) {

@@ -45,9 +45,6 @@ struct BakeOptions {
   // Targets of recipes that choose the precision of what they learnt; 0: the recipe's own precision.
   std::uint64_t max_bytes = 0;  // of the archive: the least error within them
   double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
-  // Predicted for a pose of synthetic shots on average, see pose_cost.h. Alone, it lowers the recipe's own precision.
-  double max_microseconds = 0;
-  std::string machine;  // that it holds for: see find_machine
   // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
   double normal_weight = 1;
   bool force = false;  // where a target cannot be met, the nearest there is instead of a failure

@@ -33,7 +33,7 @@ struct Recipe {
   const char* name;
   // `rig` evaluates new poses where there is a live one; null otherwise.
   RecipeResult (*make)(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
-  bool supports_targets = false;  // BakeOptions::max_bytes, max_error and max_microseconds
+  bool supports_targets = false;  // BakeOptions::max_bytes and max_error
   bool evaluates_rig = false;     // evaluates poses of its own on a live rig, within BakeOptions::rig_budget
 };
 

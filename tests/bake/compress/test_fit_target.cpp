@@ -32,12 +32,9 @@ struct Made {
     errors.insert({precision.scale, precision.weight_bits});
     return 1e-3 + (precision.weight_bits == 8 ? 5e-4 : 0) + 10 * precision.scale;
   }
-  // Every halving of the scale takes another microsecond, whatever the weights are.
-  static double microseconds(const Precision& precision) { return 5 - std::log2(precision.scale); }
   FitChoice choose(const FitTarget& target) const {
     return choose_precision(
-        target, [&](const Precision& p) { return bytes(p); }, [&](const Precision& p) { return error(p); },
-        microseconds);
+        target, [&](const Precision& p) { return bytes(p); }, [&](const Precision& p) { return error(p); });
   }
   // All precisions of the ladders, by brute force.
   static std::vector<Precision> all() {
@@ -101,24 +98,6 @@ TEST_CASE("bytes come before the error, and something must be asked") {
   CHECK(tight.bytes <= 500000);
   CHECK(tight.error <= 1.01 * Made().choose({.max_bytes = 500000}).error);
   CHECK_THROWS_AS(Made().choose({}), Error);
-}
-
-TEST_CASE("within the time asked for, the least error or the fewest bytes") {
-  for (const double time : {16.0, 20.0, 25.0}) {
-    const FitChoice fast = Made().choose({.max_microseconds = time});
-    CHECK(fast.microseconds <= time);
-    CHECK(fast.microseconds == Made::microseconds(fast.precision));
-    for (const Precision& other : Made::all())
-      if (Made::microseconds(other) <= time) CHECK(fast.error <= Made().error(other));
-    const FitChoice small = Made().choose({.max_error = 3e-3, .max_microseconds = time});
-    CHECK(small.microseconds <= time);
-    for (const Precision& other : Made::all())
-      if (Made::microseconds(other) <= time && Made().error(other) <= 3e-3) CHECK(small.bytes <= Made().bytes(other));
-  }
-  // Less than there is: the coarsest.
-  for (const Precision& other : Made::all())
-    CHECK(Made().choose({.max_microseconds = 1}).microseconds <= Made::microseconds(other));
-  CHECK(Made().choose({.max_bytes = 700000}).microseconds == 0);  // not asked for
 }
 
 TEST_CASE("models are localized and packed to the target, and it is told what was reached") {

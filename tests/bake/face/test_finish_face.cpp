@@ -116,16 +116,13 @@ TEST_CASE("what the user asked for is refused where it cannot be met, or forced 
   Finisher face;
   struct Asked {
     std::uint64_t bytes;
-    double error, microseconds;
+    double error;
     const char* text;
   };
   for (const Asked& asked :
-       {Asked{10, 0, 0, "asked for 10 bytes, the smallest reached is "},
-        Asked{0, 1e-12, 0, "asked for an error of 1e-12"},
-        Asked{0, 0, 1e-3, "asked for poses of 0.001 microseconds on \"avx512-vnni\", the least"}}) {
+       {Asked{10, 0, "asked for 10 bytes, the smallest reached is "}, Asked{0, 1e-12, "asked for an error of 1e-12"}}) {
     face.options.max_bytes = asked.bytes;
     face.options.max_error = asked.error;
-    face.options.max_microseconds = asked.microseconds;
     face.options.force = false;
     CHECK_THROWS_WITH(face.finish(1), doctest::Contains(asked.text));
     face.options.force = true;
