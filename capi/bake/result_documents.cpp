@@ -251,7 +251,7 @@ Json worst_frame_list(const EvalReport& report) {
 }
 
 Json stats_of(const BakeStats& stats) {
-  Json regions = Json::array(), learning = Json::array(), stages = Json::array();
+  Json regions = Json::array(), learning = Json::array();
   for (const RegionStats& region : stats.regions) {
     Json epochs = Json::array();
     for (const EpochLoss& epoch : region.epochs)
@@ -268,12 +268,10 @@ Json stats_of(const BakeStats& stats) {
   }
   for (const LearningPoint& point : stats.learning)
     learning.push_back({{"poses", point.poses}, {"mse", point.mse}, {"max", point.max}});
-  for (const StageTime& stage : stats.stages) stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
   return {{"notes", stats.notes},
           {"regions", std::move(regions)},
           {"learning", std::move(learning)},
-          {"coverage", stats.coverage},
-          {"stages", std::move(stages)}};
+          {"coverage", stats.coverage}};
 }
 
 Json detailed_method(const MethodReport& method) {

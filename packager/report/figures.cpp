@@ -154,7 +154,6 @@ BakeStats stats_of(const Json& json) {
   for (const Json& point : json.at("learning"))
     stats.learning.push_back({number(point, "poses"), number(point, "mse"), number(point, "max")});
   json.at("coverage").get_to(stats.coverage);
-  for (const Json& stage : json.at("stages")) stats.stages.push_back({stage.at("name"), number(stage, "seconds")});
   return stats;
 }
 

@@ -118,11 +118,6 @@ struct LearningPoint {
   double poses = 0, mse = 0, max = 0;
 };
 
-struct StageTime {
-  std::string name;
-  double seconds = 0;
-};
-
 // What a rig was asked in one stage.
 struct StageCalls {
   std::string name;
@@ -135,7 +130,6 @@ struct BakeStats {
   std::vector<NetworkStats> networks;
   std::vector<LearningPoint> learning;
   std::string coverage;
-  std::vector<StageTime> stages;
 };
 
 struct FrameAddress {

@@ -93,7 +93,7 @@ void add_training(Html& page, const ReportView& view) {
   const BakeStats& stats = view.ours().stats;
   const bool curves =
       std::any_of(stats.networks.begin(), stats.networks.end(), [](const auto& r) { return !r.training_loss.empty(); });
-  if (!curves && stats.networks.empty() && stats.learning.empty() && stats.coverage.empty() && stats.stages.empty())
+  if (!curves && stats.networks.empty() && stats.learning.empty() && stats.coverage.empty())
     return;
   page.heading("Training of " + view.label(view.ours()));
   add_training_curves(page, stats);
@@ -115,12 +115,6 @@ void add_training(Html& page, const ReportView& view) {
   if (!stats.coverage.empty()) {
     page.subheading("Coverage");
     page.preformatted(stats.coverage);
-  }
-  if (!stats.stages.empty()) {
-    page.subheading("Time");
-    std::vector<std::vector<std::string>> rows = {{"stage", "seconds"}};
-    for (const StageTime& stage : stats.stages) rows.push_back({stage.name, format("%.1f", stage.seconds)});
-    page.table(rows);
   }
 }
 

@@ -293,7 +293,6 @@ static void a_bake_is_measured_for_its_report(void** state) {
                               "\"vertex_region\"",
                               "\"worst_frames\"",
                               "\"learning\"",
-                              "\"stages\"",
                               "\"share_above\"",
 
                               "\"coverage\"",

@@ -21,8 +21,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EpochLoss, training, validation)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionStats, name, vertices, inputs, coefficients, parameters, energy, validation,
                                    epochs, restarts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningPoint, poses, mse, max)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageTime, name, seconds)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeStats, notes, bones, rig_calls, regions, learning, coverage, stages)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeStats, notes, bones, rig_calls, regions, learning, coverage)
 
 namespace {
 

@@ -13,9 +13,6 @@
 #include "bake/measure/verify.h"
 #include "bake/rig/about.h"
 #include "bake/rig/given_sockets.h"
-#include "base/file.h"
-#include "base/output_lock.h"
-#include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -158,15 +155,6 @@ RepackResult repack(std::span<const std::byte> archive, const RepackOptions& opt
   result.factor = chosen.factor;
   result.displacement = candidate.displacement;
   progress.step(candidates);
-  return result;
-}
-
-RepackResult repack_file(const std::filesystem::path& from, const std::filesystem::path& to,
-                         const RepackOptions& options, Progress& progress) {
-  const OutputLock lock = OutputLock::of_file(to);
-  const std::vector<std::byte> bytes = read_file(from);
-  RepackResult result = with_path(from, [&] { return repack(bytes, options, progress); });
-  write_verified_archive(to, result.archive);
   return result;
 }
 

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,9 +48,5 @@ double default_repack_error(const std::string& certificate);
 // limit where max_bytes and the error allowed exclude each other. The message says the fewest bytes within that error,
 // and the error within those bytes or of the smallest archive there is.
 RepackResult repack(std::span<const std::byte> archive, const RepackOptions& options, Progress& progress);
-
-// repack from file to file; the target is written as write_verified_archive does.
-RepackResult repack_file(const std::filesystem::path& from, const std::filesystem::path& to,
-                         const RepackOptions& options, Progress& progress);
 
 }  // namespace fb::bake

@@ -1,15 +1,6 @@
 #include "bake/recipe/bake_options.h"
 
-#include "base/status.h"
-
 namespace fb::bake {
-
-Use use_from(std::string_view name) {
-  for (const Use use : {Use::variant, Use::backlot})
-    if (name == name_of(use)) return use;
-  fail(Status::not_found, "there is no use \"%.*s\"; there are variant, backlot", static_cast<int>(name.size()),
-       name.data());
-}
 
 const char* name_of(Use use) {
   return use == Use::variant ? "variant" : "backlot";

@@ -17,7 +17,6 @@ namespace fb::bake {
 // The paper's two uses of a face. A variant animates new shots, so shots are not in its training data; a backlot
 // preserves a character whose shots exist, and trains on them.
 enum class Use { variant, backlot };
-Use use_from(std::string_view name);  // fails with not_found, listing the uses
 const char* name_of(Use use);
 
 // A file that a face is baked from.

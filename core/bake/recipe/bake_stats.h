@@ -27,11 +27,6 @@ struct LearningPoint {
   double mse = 0, max = 0;  // on independent poses, over D^2 and D
 };
 
-struct StageTime {
-  std::string name;
-  double seconds = 0;
-};
-
 struct BakeStats {
   std::vector<std::string> notes;       // sentences, such as what the analysis found
   std::size_t bones = 0;                // of the skeleton of a baseline that has one
@@ -39,7 +34,6 @@ struct BakeStats {
   std::vector<RegionStats> regions;     // the first of the model's regions, in order
   std::vector<LearningPoint> learning;  // by ascending poses
   std::string coverage;                 // what training poses do not cover: sentences and Markdown tables
-  std::vector<StageTime> stages;        // in order
 };
 
 }  // namespace fb::bake

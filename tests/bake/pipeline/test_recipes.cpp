@@ -257,7 +257,6 @@ TEST_CASE("what cannot be baked or compared is refused by name") {
   CHECK_THROWS_WITH(bake_face(source, options_in(folder, "papre"), silent_progress()), doctest::Contains("\"papre\""));
   CHECK_THROWS_WITH(compare(source, {"linear", "nonsense"}, options_in(folder), silent_progress()),
                     doctest::Contains("\"nonsense\""));
-  CHECK_THROWS_WITH(use_from("crowd"), doctest::Contains("variant, backlot"));
 
   MemorySource untested = face_of(curved_formula, false, 6);
   untested.add_clip("dense", ClipKind::dense, Split::train, 30, 0.6f, 1);

@@ -123,9 +123,6 @@ TEST_CASE("a failure leaves the file that was there") {
   write_file(in, face_with(""));
   write_file(out, std::string("old"));
   const auto old = read_file(out);
-  const RepackOptions impossible{.max_bytes = 10};
-  CHECK_THROWS_WITH(repack_file(in, out, impossible, silent_progress()), doctest::Contains("in.fbk"));
-  CHECK(read_file(out) == old);
   // Verification reads what is on the disk: an archive whose reference poses are not its own is never renamed.
   archive::Archive wrong = archive::read_archive(read_file(in));
   wrong.proof.hashes[0] ^= 1;
