@@ -111,7 +111,7 @@ TEST_CASE("compare writes a complete page, and figures of quality and locality")
   for (const std::string& link : named(page, "href"))
     CHECK((link.starts_with("#") || link == "http://127.0.0.1:8737/"));
   for (const char* section : {"Table 1", "Figure 1", "Figure 3", "Worst frames", "Error over time", "Learning curve",
-                              "Coverage", "Locality", "Size", "1.54e-3"})
+                              "learning curve: ", "Coverage", "Locality", "Size", "1.54e-3"})
     CHECK_MESSAGE(contains(page, section), section);
   CHECK(page.find("<script") == std::string::npos);
   CHECK(unbalanced(page) == std::vector<std::string>{});

@@ -11,9 +11,8 @@
 namespace fb::bake {
 
 // The best training we know for tanh networks: scaled outputs, warmup-stable-decay at a high rate, small batches and
-// quantisation-aware last epochs. In the prototype on MakeHuman, tanh, a higher rate and scaled outputs cut the mse of
-// the paper's network 4 times (with 99.99 % of the variance); repeat with `facebaker compare SOURCE --methods
-// paper,paper-tuned`. Epochs: as many as make `pose_visits` in total, 40 to 400, or those of the options.
+// quantisation-aware last epochs. `facebaker compare SOURCE --methods paper,paper-tuned` prints what it gains over the
+// paper's. Epochs: as many as make `pose_visits` in total, 40 to 400, or those of the options.
 TrainingPlan tuned_plan(std::size_t poses, double pose_visits, const BakeOptions& options);
 // The share of the poses that then is the validation set.
 inline constexpr double tuned_validation_share = 0.04;

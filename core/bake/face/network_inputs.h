@@ -37,9 +37,8 @@ std::vector<float> input_scales(std::span<const Feature> features, std::span<con
                                 const FaceRegion& region);
 
 // A region's inputs are its controls and the strongest product and minimum features of their correctives, about as many
-// as it has controls, besides all steps of its controls: in the prototype, such features cut the mse of the mouth by 36
-// %. With `gated`, its gate has its controls as features: its coefficients are 0 while at most one control is active,
-// which keeps single controls as exact as the blendshapes.
+// as it has controls, besides all steps of its controls. With `gated`, its gate has its controls as features: its
+// coefficients are 0 while at most one control is active, which keeps single controls as exact as the blendshapes.
 RegionInputs region_inputs(const RigAnalysis& analysis, const RigSchema& schema, std::span<const FaceRegion> regions,
                            bool gated);
 

@@ -244,7 +244,7 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   const PoseSet training = training_poses(data, options.use), independent = independent_poses(source);
   face.baked.stats.coverage = coverage_report(training, independent, options.parallel);
   if (options.learning_curve)
-    face.baked.stats.learning = measure_learning_curve(training, independent, face.model, rig, options, progress);
+    measure_learning_curve(training, independent, face.model, rig, options, face.baked.stats, progress);
   measure(face, data, evaluator, options, progress);
   const std::vector<std::string> certified = face.baked.warnings;
   warn_of_worst_vertex(face, data, evaluator, options, progress);

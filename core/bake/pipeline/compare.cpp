@@ -58,7 +58,7 @@ MethodReport run_method(Source& data, RigEvaluator* rig, const BakeOptions& opti
     report.stats.notes.push_back("warning: " + *warning);
   }
   if (options.learning_curve)
-    report.stats.learning = measure_learning_curve(training, independent_poses(data), model, rig, options, progress);
+    measure_learning_curve(training, independent_poses(data), model, rig, options, report.stats, progress);
   return report;
 }
 

@@ -70,27 +70,22 @@ LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainA
   return curve;
 }
 
-std::string learning_curve_text(const LearningCurve& curve) {
-  std::string text = "     poses        mse        max        mfm\n";
-  for (const LearningCurve::Point& point : curve.points)
-    text += format("%10zu  %9.2e  %9.2e  %9.2e\n", point.poses, point.errors.mse, point.errors.max, point.errors.mfm);
-  const double most = static_cast<double>(curve.points.back().poses);
-  if (curve.factor == 0) return text + "the error is 0: more poses cannot lower it\n";
+std::string outlook_text(const LearningCurve& curve) {
+  if (curve.factor == 0) return "learning curve: the error is 0, more poses cannot lower it";
   if (curve.exponent < flat)
-    return text + format("more poses would not lower the error much: it falls as poses^%.2f\n", -curve.exponent);
-  return text +
-         format("twice the poses would give an mse of about %.1e: it falls as poses^%.2f, give or take %.0f %%\n",
-                curve.mse_at(2 * most), -curve.exponent, 100 * curve.deviation);
+    return format("learning curve: more poses would not lower the error much: it goes as poses^%.2f", -curve.exponent);
+  return format(
+      "learning curve: twice the poses would give an mse of about %.1e: it falls as poses^%.2f, give or take %.0f %%",
+      curve.mse_at(2 * static_cast<double>(curve.points.back().poses)), -curve.exponent, 100 * curve.deviation);
 }
 
-std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const PoseSet& independent,
-                                                  const PackedModel& whole, RigEvaluator* rig,
-                                                  const BakeOptions& options, Progress& progress) {
-  if (independent.size() == 0 || training.size() < fewest_poses) return {};
+void measure_learning_curve(const PoseSet& training, const PoseSet& independent, const PackedModel& whole,
+                            RigEvaluator* rig, const BakeOptions& options, BakeStats& stats, Progress& progress) {
+  if (independent.size() == 0 || training.size() < fewest_poses) return;
   const Recipe& recipe = find_recipe(options.recipe);
   if (recipe.evaluates_rig && rig && options.rig_budget > 0) {
     progress.note("no learning curve: its bakes would evaluate the rig beyond its budget");
-    return {};
+    return;
   }
   const PoseSet measured = independent.subsampled(measured_poses);
   const auto errors_of = [&](const PackedModel& model) {
@@ -104,11 +99,11 @@ std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const
     RecipeResult result = recipe.make(training.picked(subset), rig, part, progress);
     return errors_of(take_packed(result));
   };
-  std::vector<LearningPoint> points;
-  for (const LearningCurve::Point& point :
-       learning_curve(training.size(), options.seed, train_and_measure, progress).points)
-    points.push_back({point.poses, point.errors.mse, point.errors.max});
-  return points;
+  const LearningCurve curve = learning_curve(training.size(), options.seed, train_and_measure, progress);
+  for (const LearningCurve::Point& point : curve.points)
+    stats.learning.push_back({point.poses, point.errors.mse, point.errors.max});
+  stats.notes.push_back(outlook_text(curve));
+  progress.note(stats.notes.back());
 }
 
 std::string coverage_report(const PoseSet& training, const PoseSet& independent, const Parallel& parallel) {

@@ -38,15 +38,15 @@ using TrainAndMeasure = std::function<Errors(std::span<const std::uint32_t> pose
 LearningCurve learning_curve(std::size_t poses, std::uint64_t seed, const TrainAndMeasure& train_and_measure,
                              Progress& progress);
 
-// A table of the points and the error extrapolated to twice the poses.
-std::string learning_curve_text(const LearningCurve& curve);
+// What twice the poses would bring: a sentence.
+std::string outlook_text(const LearningCurve& curve);
 
-// The learning curve of the recipe of the options, measured on at most 1,000 of the independent poses. `whole` is the
-// model baked on all training poses. Empty without independent poses, on fewer than 16 training poses, and, with a
-// note, for a recipe that evaluates the rig within a budget.
-std::vector<LearningPoint> measure_learning_curve(const PoseSet& training, const PoseSet& independent,
-                                                  const PackedModel& whole, RigEvaluator* rig,
-                                                  const BakeOptions& options, Progress& progress);
+// The learning curve of the recipe of the options, measured on at most 1,000 of the independent poses, to
+// BakeStats::learning, and its outlook to the notes. `whole` is the model baked on all training poses. None without
+// independent poses, on fewer than 16 training poses, and, with a note, for a recipe that evaluates the rig within a
+// budget.
+void measure_learning_curve(const PoseSet& training, const PoseSet& independent, const PackedModel& whole,
+                            RigEvaluator* rig, const BakeOptions& options, BakeStats& stats, Progress& progress);
 
 // coverage_text of what the training poses cover of the independent ones; "" if either set is empty.
 std::string coverage_report(const PoseSet& training, const PoseSet& independent, const Parallel& parallel);

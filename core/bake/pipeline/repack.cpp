@@ -21,7 +21,6 @@ namespace {
 constexpr double uncertified_error = 0.01;  // over D
 constexpr std::uint64_t candidates = 12;    // at most: two bisections of 41 factors
 
-// The archive with other steps. Each factor is packed and measured once.
 // Errors of a face whose vertices have moved since they were calibrated: in squares they add up.
 ExpectedErrors with_more_error(const PackedModel& face, const Errors& displacement) {
   ExpectedErrors expected = face.expected;
@@ -30,6 +29,7 @@ ExpectedErrors with_more_error(const PackedModel& face, const Errors& displaceme
   return expected;
 }
 
+// The archive with other steps. Each factor is packed and measured once.
 class Repacker {
  public:
   Repacker(const archive::Archive& face, std::uint64_t seed, Progress& progress)

@@ -22,13 +22,11 @@ struct FaceRegion {
 
 struct RegionOptions {
   // At most; 0: one for every 25 controls that move the residual, 3 to 10. For networks of equal size in total, few
-  // wide ones are best where few controls interact and more where many do. In the prototype, the mse on Aura (72
-  // controls) was 7.8e-9 with one region, 3.9e-9 with 7, 4.3e-9 with 12. `bench_regions REGIONS OVERLAP COMPONENTS
-  // SOURCE...` prints what a number of regions costs.
+  // wide ones are best where few controls interact and more where many do: `bench_regions REGIONS OVERLAP COMPONENTS
+  // SOURCE...` prints what a number of regions, and an overlap, cost.
   std::uint32_t regions = 0;
   // Width of the band that two regions share, along the surface, over the diagonal; at least six edges. 0: hard
-  // borders. In the prototype on Aura, hard borders made the error jump 1.8e-4 across an edge between regions, 2.6e-5
-  // inside one; an overlap of .02 reduced the jump to 4.3e-5 and raised the mse by 30 %.
+  // borders, across which the error jumps. A wider band smooths the jump and costs error elsewhere.
   double overlap = 0.01;
   // A control that moves a region's residual less than this, over the diagonal, is no input of it.
   double motion_threshold = 1e-4;

@@ -12,7 +12,7 @@ namespace fb::bake {
 
 struct LocalBasisOptions {
   // Truncation error: largest distance at a vertex of any pose fitted, over D. The number of components follows from it
-  // rather than from the variance: in the prototype, 99.9 % of the variance left a largest error of .007 to .013.
+  // rather than from the variance, which bounds no single vertex.
   double max_error = 1e-3;
   std::size_t max_components = 256;  // a region
   std::size_t max_fit_poses = 6000;  // evenly spaced; the basis is fitted to these

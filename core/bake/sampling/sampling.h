@@ -23,7 +23,7 @@ struct SamplingOptions {
   // "paper": 25 % excitations, 55 % regional expressions, 20 % calisthenics, about a dozen controls at once.
   // "dense": 5 % excitations, 5 % calisthenics, 25 % all groups at once, 20 % heavy in one group, 45 % performances:
   // expressions on both sides of the face with many controls strongly active together. Within a rig budget, all
-  // that was asked of single controls are excitations, and poses of many controls have amplitudes from 0.2 to 1.
+  // that was asked of single controls are excitations, and poses of many controls have amplitudes from 0.1 to 0.8.
   std::string mix = "dense";
   bool shots = true;       // include the rig's own clips, with their splits
   bool test_poses = true;  // include poses to test with: the rig's own clips of split test, else make_test_poses

@@ -41,7 +41,7 @@ TEST_CASE("a learning curve is measured on nested sets and recovers a power law"
   CHECK(curve.exponent == doctest::Approx(0.7));
   CHECK(curve.mse_at(8000) == doctest::Approx(1e-3 * std::pow(8000, -0.7)));
   CHECK(curve.deviation < 1e-9);
-  CHECK(contains(learning_curve_text(curve), "twice the poses would give an mse of about 1.9e-06"));
+  CHECK(contains(outlook_text(curve), "twice the poses would give an mse of about 1.9e-06"));
 
   const auto first = sets[0];
   sets.clear();
@@ -54,9 +54,9 @@ TEST_CASE("a learning curve is measured on nested sets and recovers a power law"
 
 TEST_CASE("the curve's words fit what was measured") {
   const auto level = [](std::span<const std::uint32_t>) { return errors(2e-6); };
-  CHECK(contains(learning_curve_text(learning_curve(160, 1, level, silent_progress())), "would not lower the error"));
+  CHECK(contains(outlook_text(learning_curve(160, 1, level, silent_progress())), "would not lower the error"));
   const auto exact = [](std::span<const std::uint32_t>) { return errors(0); };
-  CHECK(contains(learning_curve_text(learning_curve(160, 1, exact, silent_progress())), "more poses cannot lower it"));
+  CHECK(contains(outlook_text(learning_curve(160, 1, exact, silent_progress())), "more poses cannot lower it"));
   // Off the line by 10 % up and down.
   double sign = 1;
   const auto noisy = [&](std::span<const std::uint32_t> poses) {
