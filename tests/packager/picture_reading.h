@@ -11,6 +11,7 @@ struct Picture {
   std::vector<unsigned char> pixels;  // three bytes each, by rows
 };
 
+// Fails the test on what is no PNG.
 Picture read_picture(const std::vector<std::byte>& png);
 
 }  // namespace fb::test

@@ -100,20 +100,18 @@ BoundedResult fit_bound(const PoseBound& bound, const Make& make) {
 std::string unmet_text(const PoseBound& bound, const PackedModel& least) {
   return format(
       "poses of this face cannot keep to the %.3g MB that the recipe lets them read: the least reached is %.3g MB, "
-      "with "
-      "the recipe's precision divided by %g; it keeps its precision instead",
+      "with the recipe's precision divided by %g; it keeps its precision instead",
       bound.max_bytes_read / 1e6, mean_bytes_read(least, bound.shots) / 1e6, largest_factor);
 }
 
 // The precision of fit_bound, told where it is not the recipe's own.
 std::string lowered_text(const PoseBound& bound, const BoundedResult& fitted) {
   const PackedModel& packed = *fitted.result.packed;
-  std::string text = format(
+  return format(
       "the recipe's precision is divided by %.3g: frames of synthetic shots then read %.3g MB on average, besides the "
-      "%.3g MB that every pose reads",
-      fitted.factor, mean_bytes_read(packed, bound.shots) / 1e6, double(constant_bytes(packed)) / 1e6);
-  if (bound.max_bytes_read > 0) text += format("; the recipe allows for %.3g MB", bound.max_bytes_read / 1e6);
-  return text;
+      "%.3g MB that every pose reads; the recipe allows for %.3g MB",
+      fitted.factor, mean_bytes_read(packed, bound.shots) / 1e6, double(constant_bytes(packed)) / 1e6,
+      bound.max_bytes_read / 1e6);
 }
 
 // Keeps to the bound. One that cannot be met is a warning, and does not count: a face of a lower precision that does
