@@ -163,7 +163,7 @@ TEST_CASE("a disk that fills up leaves the old file and no partial one") {
   const ScratchFolder folder;
   const std::string archive = folder / "face.fbk";
   write_tiny_archive(archive);
-  if (!can_limit_files) MESSAGE("skipped in part: files cannot be limited under this sanitizer");
+  if (!can_limit_files) MESSAGE("skipped in part: files cannot be limited in a build by clang");
   for (const char* ending : {".png", ".obj", ".glb"}) {
     if (!can_limit_files) break;
     const std::string out = folder / (std::string("pose") + ending);
