@@ -2,8 +2,10 @@
 """Runs every code block of the pages, and checks their links and the paths they name.
 
     run_docs.py SOURCE BUILD [PAGE...]
+    run_docs.py --write SOURCE BUILD PAGE...    writes the numbers that are printed into the pages' text blocks
 
-SOURCE is the root of the tree, BUILD a build folder of it. Blocks run in the order of the pages, all in one temporary
+SOURCE is the root of the tree, BUILD a build folder of it. With --write no block is shortened (docs/measuring.md takes
+half an hour), so that the figures of a page come from one run of its commands. Blocks run in the order of the pages, all in one temporary
 folder that looks like a fresh clone whose build/release is BUILD:
 
     sh      is run by bash; the first command that fails ends the test
@@ -37,6 +39,7 @@ from doc_pages import PageError, anchors_of, links_of, paths_of, read_blocks
 ORDER = ("README.md", "docs/README.md", "docs/how-it-works.md", "docs/how-a-bake-works.md", "docs/measuring.md",
          "docs/characters.md", "docs/gltf.md", "docs/datasets.md", "docs/extending.md", "docs/rig-protocol.md")
 NUMBER = r"[-+]?(?:\d[\d,]*\.?\d*|\.\d+)(?:e[-+]?\d+)?"
+VARIABLE = f"((?<!\\w){NUMBER}|\\.\\.\\.)"
 RULE = "|-: "  # what empty lines and the rules below the heads of tables are made of
 C_FLAGS = {"c": ["-std=c99", "-pedantic"], "cpp": ["-std=c++17"], "core": ["-std=c++20", "-Icore", "-Ipackager"]}
 
@@ -108,23 +111,33 @@ def words_of(line):
 
 
 def pattern_of(line, exact):
-    """What a line may look like: numbers may be any, and ... is anything."""
-    parts = re.split(f"((?<!\\w){NUMBER}|\\.\\.\\.)", words_of(line))
+    """What a line may look like: numbers may be any, each a group, and ... is anything, a group too."""
+    parts = re.split(VARIABLE, words_of(line))
     texts = [re.escape(part) for part in parts]
     for i in range(1, len(parts), 2):
-        texts[i] = ".*" if parts[i] == "..." else re.escape(parts[i]) if exact else NUMBER
+        texts[i] = "(" + (".*" if parts[i] == "..." else re.escape(parts[i]) if exact else NUMBER) + ")"
     return re.compile("".join(texts))
 
 
-def compare(expected, printed, exact):
-    """None if what was printed is what the page shows, else what is wrong."""
+def with_numbers(line, match):
+    """The line with the numbers of a match of its pattern."""
+    parts = re.split(VARIABLE, line)
+    for i, text in zip(range(1, len(parts), 2), match.groups()):
+        if parts[i] != "...":
+            parts[i] = text
+    return "".join(parts)
+
+
+def compare(expected, printed, exact, filled=None):
+    """None if what was printed is what the page shows, else what is wrong. Appends the page's lines with the numbers that
+    were printed to `filled`, if that is a list."""
+    filled = [] if filled is None else filled
     lines = [words_of(line) for line in printed.splitlines() if line.strip(RULE)]
     place, free = 0, False
     for line in expected.splitlines():
-        if not line.strip(RULE):
-            continue
-        if line.strip() == "...":
-            free = True
+        if not line.strip(RULE) or line.strip() == "...":
+            free = free or line.strip() == "..."
+            filled.append(line)
             continue
         pattern = pattern_of(line, exact)
         at = place
@@ -132,6 +145,7 @@ def compare(expected, printed, exact):
             at += 1
         if at >= len(lines) or not pattern.fullmatch(lines[at]):
             return f"the page shows \"{line}\", but printed was \"{lines[place] if place < len(lines) else ''}\""
+        filled.append(with_numbers(line, pattern.fullmatch(lines[at])))
         place, free = at + 1, False
     if place < len(lines) and not free:
         return f"the page ends, but printed was also \"{lines[place]}\""
@@ -142,8 +156,8 @@ def compare(expected, printed, exact):
 
 
 class Runner:
-    def __init__(self, root, build, folder):
-        self.root, self.build, self.folder = root, build, folder
+    def __init__(self, root, build, folder, shortened=True):
+        self.root, self.build, self.folder, self.shortened = root, build, folder, shortened
         self.count = self.skipped = 0
         python = os.path.join(folder, ".python")  # python3 of the pages is this interpreter
         os.mkdir(python)
@@ -158,9 +172,13 @@ class Runner:
         os.makedirs(os.path.join(folder, "build", "quickstart"))
         os.symlink(build, os.path.join(folder, "build", "release"))
 
+    def code(self, block):
+        return block.code if self.shortened else block.text
+
     def call(self, command, block):
         result = subprocess.run(command, cwd=self.folder, env=self.environment, text=True, stdin=subprocess.DEVNULL,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                timeout=300 if self.shortened else None)
         if result.returncode != 0:
             raise PageError(f"{block}: ended with {result.returncode}\n{result.stdout[-2000:]}{result.stderr[-3000:]}")
         return result.stdout
@@ -175,7 +193,7 @@ class Runner:
 
     def run_c(self, block):
         self.count += 1
-        source = self.write(f"block_{self.count}.{block.language}", block.code)
+        source = self.write(f"block_{self.count}.{block.language}", self.code(block))
         compiler = "cc" if block.language == "c" else "c++"
         inside = '#include "' in block.text  # an example of code of this tree, not of its users
         command = [compiler, *C_FLAGS["core" if inside else block.language], "-Wall", "-Wextra", "-Werror", source, "-Icapi/include"]
@@ -195,32 +213,48 @@ class Runner:
             self.skipped += 1
             return None
         if block.file:
-            self.write(block.file, block.code)
+            self.write(block.file, self.code(block))
             return None
         if block.language == "sh":
-            return self.call(["bash", "-euo", "pipefail", "-c", block.code], block)
+            return self.call(["bash", "-euo", "pipefail", "-c", self.code(block)], block)
         if block.language == "python":
-            return self.call([sys.executable, "-c", block.code], block)
+            return self.call([sys.executable, "-c", self.code(block)], block)
         return self.run_c(block)
 
 
-def run_page(runner, root, page):
-    start, printed, ran = time.monotonic(), None, 0
+def run_page(runner, root, page, write=False):
+    start, printed, ran, filled = time.monotonic(), None, 0, []
     for block in read_blocks(root, page):
         if block.language == "text":
             if printed is not None and not block.skip:
-                problem = compare(block.text, printed, block.exact)
+                lines = []
+                problem = compare(block.text, printed, block.exact and not write, lines)
                 if problem:
                     raise PageError(f"{block}: {problem}\n--- printed:\n{printed[-3000:]}")
+                filled.append((block, lines))
             continue
         result = runner.run(block)
         printed = result if block.language in ("sh", "c", "cpp", "python") else printed
         ran += result is not None
+    if write:
+        write_lines(os.path.join(root, page), filled)
     print(f"{page}: {ran} blocks in {time.monotonic() - start:.1f} s", flush=True)
 
 
+def write_lines(path, filled):
+    """Puts new lines into blocks of a page, which have as many."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    for block, texts in filled:
+        lines[block.line:block.line + len(texts)] = texts
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
 def main(arguments):
-    if len(arguments) < 2:
+    write = arguments[:1] == ["--write"]
+    arguments = arguments[1 if write else 0:]
+    if len(arguments) < (3 if write else 2):
         print(__doc__, file=sys.stderr)
         return 2
     root, build = os.path.abspath(arguments[0]), os.path.abspath(arguments[1])
@@ -237,10 +271,10 @@ def main(arguments):
             problems += check_paths(root, page, files, written)
     folder = tempfile.mkdtemp(prefix="facebaker-docs-")
     try:
-        runner = Runner(root, build, folder)
+        runner = Runner(root, build, folder, shortened=not write)
         for page in arguments[2:] or pages:
             try:
-                run_page(runner, root, page)
+                run_page(runner, root, page, write)
             except (PageError, subprocess.TimeoutExpired) as error:
                 problems.append(str(error))
     finally:

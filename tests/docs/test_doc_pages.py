@@ -49,6 +49,11 @@ class Output(unittest.TestCase):
         self.assertIn("also", compare("| mse | 2e-9 |\n| --- | --- |\nface: 1 poses", printed, False))
         self.assertIn("shows", compare("face: x poses", "face: 1 poses", False))
 
+    def test_numbers_that_were_printed(self):
+        filled = []
+        self.assertIsNone(compare("| mse   |  2e-9 |\n...\nface: 9 ..., 1", "| mse | 1.5e-07 |\nmore\nface: 12 poses, 3", False, filled))
+        self.assertEqual(filled, ["| mse   |  1.5e-07 |", "...", "face: 12 ..., 3"])
+
 
 if __name__ == "__main__":
     unittest.main()
