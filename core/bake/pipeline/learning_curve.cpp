@@ -14,7 +14,7 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::size_t fewest_poses = 16, fitted_points = 3, measured_poses = 1000;
+constexpr std::size_t fewest_poses = 16, fitted_points = 3, curve_poses = 1000;
 constexpr double flat = 0.05;  // exponent below which twice the poses lower the error by less than 4 %
 
 void fit_power_law(LearningCurve& curve) {
@@ -87,7 +87,7 @@ void measure_learning_curve(const PoseSet& training, const PoseSet& independent,
     progress.note("no learning curve: its bakes would evaluate the rig beyond its budget");
     return;
   }
-  const PoseSet measured = independent.subsampled(measured_poses);
+  const PoseSet measured = independent.subsampled(curve_poses);
   const auto errors_of = [&](const PackedModel& model) {
     return evaluate_model_on(model, measured, options.parallel, progress);
   };
