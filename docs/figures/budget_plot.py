@@ -1,9 +1,9 @@
-"""The error of a production rig over the poses asked or recorded, from the table in measuring.md."""
+"""The error of a production rig over the poses asked or recorded, from the table in experiments.md."""
 import os
 
 from svg import Axes, Svg
 
-PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "measuring.md")
+PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "experiments.md")
 CLIPS = ("talking", "expressive", "random")
 LINES = (("hero", "live", 2, False), ("hero", "recorded", 1, False), ("linear", "live", 2, True), ("linear", "recorded", 1, True))
 
