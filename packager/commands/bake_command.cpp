@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
@@ -132,111 +131,109 @@ void BakeCommand::run() {
 }
 
 // Levels of detail, made or given.
-void add_level_options(CLI::App& app, BakeCommand& command) {
-  CLI::Option* levels =
+void add_level_options(Command app, BakeCommand& command) {
+  Option levels =
       app.add_option("--levels", command.levels,
                      "Levels of detail with the whole, 2 to 16: each of half the vertices of the one before it")
-          ->check(CLI::Range(2, 16))
-          ->type_name("N");
-  CLI::Option* shares = app.add_option("--level-shares", command.shares,
-                                       "Coarser levels of detail of these shares of the vertices, such as 0.5,0.2,0.05")
-                            ->delimiter(',')
-                            ->type_name("S,...")
-                            ->excludes(levels);
+          .between(2, 16)
+          .type_name("N");
+  Option shares = app.add_option("--level-shares", command.shares,
+                                 "Coarser levels of detail of these shares of the vertices, such as 0.5,0.2,0.05")
+                      .separated_by(',')
+                      .type_name("S,...")
+                      .not_with(levels);
   app.add_option("--level-mesh", command.level_meshes,
                  "A mesh for a coarser level of detail (repeatable, the finest first): .obj or .glb, of vertices that "
                  "are vertices of the face")
-      ->type_name("FILE")
-      ->allow_extra_args(false)
-      ->excludes(levels)
-      ->excludes(shares);
+      .type_name("FILE")
+      .repeatable()
+      .not_with(levels)
+      .not_with(shares);
 }
 
 // What a face may take: bytes, error, time.
-void add_limits(CLI::App& app, BakeCommand& command) {
+void add_limits(Command app, BakeCommand& command) {
   app.add_option("--max-bytes", command.desc.max_bytes,
                  "Size limit of the archive: the least error within it; 0: the precision of the recipe")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
+      .checked(whole_number)
+      .type_name("N")
+      .shows_default();
   app.add_option("--max-error", command.desc.max_error,
                  "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("E")
-      ->capture_default_str();
+      .not_negative()
+      .type_name("E")
+      .shows_default();
 }
 
 // What is kept of the work, and what is taken over of an earlier bake.
-void add_work_options(CLI::App& app, BakeCommand& command) {
+void add_work_options(Command app, BakeCommand& command) {
   app.add_option("--work", command.work,
                  "Folder that keeps what makes resuming possible; by default <out>.work, which is "
                  "removed once the archive is complete")
-      ->type_name("DIR");
+      .type_name("DIR");
   app.add_option(
          "--cache-mib", command.cache_mib,
          "MiB of disk that evaluations of a slow rig may take in the work folder; what is not kept is evaluated "
          "again after an interruption. What --rig-budget counts is kept in any case")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40))
-      ->type_name("N")
-      ->capture_default_str();
+      .between(std::uint64_t{0}, std::uint64_t{1} << 40)
+      .type_name("N")
+      .shows_default();
   app.add_option("--reuse", command.reuse,
                  "Work folder of an earlier bake: what the rig answered then and still holds after an edit is taken "
                  "over, checked on a sample")
-      ->type_name("DIR");
+      .type_name("DIR");
 }
 
 }  // namespace
 
-void add_bake(CLI::App& tool) {
+void add_bake(Command tool) {
   auto command = std::make_shared<BakeCommand>();
-  CLI::App* app = tool.add_subcommand("bake", "Train a face on poses and write it as an archive");
-  add_sources(*app, command->sources);
-  add_out_archive(*app, command->out);
-  app->add_option("--recipe", command->recipe, "Method to train with")
-      ->check(CLI::IsMember(recipe_names()))
-      ->capture_default_str();
-  app->add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
-      ->check(CLI::IsMember({"variant", "backlot"}))
-      ->capture_default_str();
-  add_poses(*app, command->desc.poses, command->desc.rig_budget);
-  add_mix(*app, command->mix);
-  add_poses_like(*app, command->poses_like);
-  app->add_option("--exact", command->exact,
-                  "Poses that must come out as the source gives them, within rounding: CLIP:FRAME[,FRAME...], CLIP for "
-                  "all its frames, or, of a rig, a .csv or .npy of control values (repeatable)")
-      ->type_name("POSES")
-      ->allow_extra_args(false);
-  add_epochs(*app, command->desc.epochs);
-  add_limits(*app, *command);
-  app->add_option("--normal-weight", command->desc.normal_weight,
-                  "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
-      ->check(CLI::Range(0.0, 4.0))
-      ->type_name("W")
-      ->capture_default_str();
-  add_force(*app, command->force);
-  add_licence(*app, command->licence);
-  add_about(*app, command->about);
-  app->add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
-  app->add_option("--created", command->created, "A date to put into the archive; without it there is none")
-      ->type_name("DATE");
-  add_level_options(*app, *command);
-  add_work_options(*app, *command);
-  add_report(*app, command->report, ", and a page of pictures, curves and tables (index.html)");
-  add_learning_curve(*app, command->learning_curve);
-  add_seed(*app, command->desc.seed);
-  app->add_flag(
+  const Command app = tool.add_command("bake", "Train a face on poses and write it as an archive");
+  add_sources(app, command->sources);
+  add_out_archive(app, command->out);
+  app.add_option("--recipe", command->recipe, "Method to train with").one_of(recipe_names()).shows_default();
+  app.add_option("--use", command->use, "variant: shots are not trained on; backlot: they are")
+      .one_of({"variant", "backlot"})
+      .shows_default();
+  add_poses(app, command->desc.poses, command->desc.rig_budget);
+  add_mix(app, command->mix);
+  add_poses_like(app, command->poses_like);
+  app.add_option("--exact", command->exact,
+                 "Poses that must come out as the source gives them, within rounding: CLIP:FRAME[,FRAME...], CLIP for "
+                 "all its frames, or, of a rig, a .csv or .npy of control values (repeatable)")
+      .type_name("POSES")
+      .repeatable();
+  add_epochs(app, command->desc.epochs);
+  add_limits(app, *command);
+  app.add_option("--normal-weight", command->desc.normal_weight,
+                 "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
+      .between(0.0, 4.0)
+      .type_name("W")
+      .shows_default();
+  add_force(app, command->force);
+  add_licence(app, command->licence);
+  add_about(app, command->about);
+  app.add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
+  app.add_option("--created", command->created, "A date to put into the archive; without it there is none")
+      .type_name("DATE");
+  add_level_options(app, *command);
+  add_work_options(app, *command);
+  add_report(app, command->report, ", and a page of pictures, curves and tables (index.html)");
+  add_learning_curve(app, command->learning_curve);
+  add_seed(app, command->desc.seed);
+  app.add_flag(
       "--skip-failing-poses", command->skip_failing,
       "Leave out what a rig cannot evaluate, with a note, instead of failing: drawn poses, up to a tenth of all; "
       "the analysis of the rig, in place of which blendshapes are fitted to the training poses; measuring. "
       "Poses of clips to train on, and of controls moved alone, still have to succeed");
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  add_json_flag(*app, command->json);
-  app->footer(
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  add_json_flag(app, command->json);
+  app.footer(
       "--poses and --mix are for rigs; a dataset is used as it is. After Ctrl-C, the same command continues where it "
       "stopped.");
-  app->callback([command] { command->run(); });
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

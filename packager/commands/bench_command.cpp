@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -90,24 +89,23 @@ void BenchCommand::run() {
 
 }  // namespace
 
-void add_bench(CLI::App& tool) {
+void add_bench(Command tool) {
   auto command = std::make_shared<BenchCommand>();
-  CLI::App* app = tool.add_subcommand("bench", "Measure how long an archive's poses take, beside float networks");
-  add_archive(*app, command->archive);
-  app->add_option("--source", command->sources,
-                  "Source whose test clips are posed, frame by frame; without it, a synthetic shot")
-      ->type_name("SOURCE");
-  const CLI::Range count(std::size_t{1}, std::size_t{1} << 20);
+  const Command app = tool.add_command("bench", "Measure how long an archive's poses take, beside float networks");
+  add_archive(app, command->archive);
+  app.add_option("--source", command->sources,
+                 "Source whose test clips are posed, frame by frame; without it, a synthetic shot")
+      .type_name("SOURCE");
   const auto add_count = [&](const char* name, std::size_t& number, const char* what) {
-    app->add_option(name, number, what)->check(count)->type_name("N")->capture_default_str();
+    app.add_option(name, number, what).between(std::uint64_t{1}, std::uint64_t{1} << 20).type_name("N").shows_default();
   };
   add_count("--poses", command->poses, "Frames to pose, at most");
   add_count("--rounds", command->options.rounds, "How often each of them is measured");
   add_count("--batch", command->options.batch, "Poses of a batch");
-  command->rigs.add_to(*app);
-  app->add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
-  command->outputs.add_json_to(*app);
-  app->callback([command] { command->run(); });
+  command->rigs.add_to(app);
+  app.add_option("--csv", command->csv, "Write the figures to this file too, as comma-separated values");
+  command->outputs.add_json_to(app);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

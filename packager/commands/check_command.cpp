@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <optional>
@@ -50,15 +49,15 @@ void CheckCommand::run() {
 
 }  // namespace
 
-void add_check(CLI::App& tool) {
+void add_check(Command tool) {
   auto command = std::make_shared<CheckCommand>();
-  CLI::App* app = tool.add_subcommand(
+  const Command app = tool.add_command(
       "check",
       "Find everything that is wrong with a dataset folder, and what its poses cover; fails if it cannot be baked");
-  app->add_option("DIR", command->folder, "The dataset folder")->required();
-  command->outputs.add_to(*app);
-  add_threads(*app, command->parallel);
-  app->callback([command] { command->run(); });
+  app.add_option("DIR", command->folder, "The dataset folder").required();
+  command->outputs.add_to(app);
+  add_threads(app, command->parallel);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

@@ -1,18 +1,16 @@
 #include "commands/clip_files.h"
 
-#include <CLI/CLI.hpp>
-
 #include "base/shown_path.h"
 #include "base/status.h"
 
 namespace fb::tool {
 
-void add_clip_files(CLI::App& command, std::vector<std::string>& clips) {
+void add_clip_files(Command command, std::vector<std::string>& clips) {
   command
       .add_option("--clip", clips,
                   "A clip of your own to evaluate as well: a NumPy file of controls, frames x controls (repeatable)")
-      ->type_name("NAME=FILE.npy")
-      ->allow_extra_args(false);
+      .type_name("NAME=FILE.npy")
+      .repeatable();
 }
 
 void ClipFiles::read(const std::vector<std::string>& options, std::uint32_t control_count) {

@@ -4,14 +4,12 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "options/command.h"
 
 namespace fb::tool {
 
 // Clips of the user: --clip NAME=FILE.npy.
-void add_clip_files(CLI::App& command, std::vector<std::string>& clips);
+void add_clip_files(Command command, std::vector<std::string>& clips);
 
 class ClipFiles {
  public:

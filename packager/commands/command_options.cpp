@@ -2,7 +2,6 @@
 
 #include <facebaker/facebaker_bake.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "base/file.h"
@@ -19,114 +18,114 @@ std::string whole_number(const std::string& word) {
   return word.size() < 20 ? "" : word + " is too large";
 }
 
-void add_threads(CLI::App& command, Parallel& parallel) {
+void add_threads(Command command, Parallel& parallel) {
   command.add_option("--threads", parallel.threads, "Threads to use; 0: all. Results do not depend on it.")
-      ->check(CLI::Range(0, 1024))
-      ->type_name("N")
-      ->capture_default_str();
+      .between(0, 1024)
+      .type_name("N")
+      .shows_default();
 }
 
-void add_seed(CLI::App& command, std::uint64_t& seed) {
+void add_seed(Command command, std::uint64_t& seed) {
   command.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
+      .checked(whole_number)
+      .type_name("N")
+      .shows_default();
 }
 
 namespace {
 
-// CLI11 check of the name of an archive to write.
+// Check of the name of an archive to write.
 std::string archive_name(const std::string& name) {
   return file_extension(name) == ".fbk" ? "" : shown(name) + ": the name of an archive ends in .fbk";
 }
 
-const CLI::Range& pose_counts() {
-  static const CLI::Range range(std::uint64_t{1}, std::uint64_t{1} << 32);
-  return range;
-}
+constexpr std::uint64_t most_poses = std::uint64_t{1} << 32;
 
 }  // namespace
 
-CLI::Option* add_pose_count(CLI::App& command, std::uint64_t& poses, const char* what) {
-  return command.add_option("--poses", poses, what)->check(pose_counts())->type_name("N")->capture_default_str();
+Option add_pose_count(Command command, std::uint64_t& poses, const char* what) {
+  return command.add_option("--poses", poses, what)
+      .between(std::uint64_t{1}, most_poses)
+      .type_name("N")
+      .shows_default();
 }
 
-void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget) {
-  const CLI::Option* given = add_pose_count(command, poses, "Training poses to sample from the rig");
+void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget) {
+  const Option asked = add_pose_count(command, poses, "Training poses to sample from the rig");
   command
       .add_option("--rig-budget", rig_budget,
                   "Different poses to ask of the rig at most in order to learn, at least the ends of all ranges; its "
                   "own clips, tests "
                   "and poses evaluated again do not count. --poses is reduced to that, and is all of it if not given")
-      ->check(pose_counts())
-      ->type_name("N");
-  command.parse_complete_callback([given, &poses, &rig_budget] {
-    if (rig_budget > 0 && given->empty()) poses = rig_budget;
+      .between(std::uint64_t{1}, most_poses)
+      .type_name("N");
+  command.when_parsed([asked, &poses, &rig_budget] {
+    if (rig_budget > 0 && !asked.given()) poses = rig_budget;
   });
 }
 
-void add_poses_like(CLI::App& command, std::vector<std::string>& files) {
+void add_poses_like(Command command, std::vector<std::string>& files) {
   command
       .add_option("--poses-like", files,
                   "Control curves of the character, near which a third of the poses is sampled that are not of single "
                   "controls: a NumPy file of frames x controls, a .csv with named columns such as a take of Live Link "
                   "Face, or a dataset folder, but for its test clips (repeatable)")
-      ->type_name("FILE")
-      ->allow_extra_args(false);
+      .type_name("FILE")
+      .repeatable();
 }
 
-void add_mix(CLI::App& command, std::string& mix) {
+void add_mix(Command command, std::string& mix) {
   command
       .add_option(
           "--mix", mix,
           "Kinds of the sampled poses: paper (excitations, regional expressions, calisthenics) or dense (mostly "
           "many controls of many control groups at once)")
-      ->check(CLI::IsMember({"paper", "dense"}))
-      ->capture_default_str();
+      .one_of({"paper", "dense"})
+      .shows_default();
 }
 
-void add_epochs(CLI::App& command, std::uint32_t& epochs) {
+void add_epochs(Command command, std::uint32_t& epochs) {
   command.add_option("--epochs", epochs, "Passes over the training poses; 0: as many as the recipe takes")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
+      .checked(whole_number)
+      .type_name("N")
+      .shows_default();
 }
 
-void add_sources(CLI::App& command, std::vector<std::string>& sources) {
+void add_sources(Command command, std::vector<std::string>& sources) {
   command
       .add_option("SOURCE", sources,
                   "Dataset folders of one character, a rig plugin (librig_NAME.so), a .glb, .gltf or .vrm, "
                   "exec:COMMAND for a program that speaks the rig protocol, or \"sample\" for the built-in face")
-      ->required();
+      .required();
 }
 
-CLI::Option* add_archive(CLI::App& command, std::string& archive) {
-  return command.add_option("FACE", archive, "The archive (.fbk)")->required();
+Option add_archive(Command command, std::string& archive) {
+  return command.add_option("FACE", archive, "The archive (.fbk)").required();
 }
 
-void add_out_archive(CLI::App& command, std::string& out) {
+void add_out_archive(Command command, std::string& out) {
   command.add_option("--out", out, "The archive to write (.fbk); it appears complete or not at all")
-      ->type_name("FACE.fbk")
-      ->check(archive_name)
-      ->required();
+      .type_name("FACE.fbk")
+      .checked(archive_name)
+      .required();
 }
 
-void add_force(CLI::App& command, bool& force) {
+void add_force(Command command, bool& force) {
   command.add_flag("--force", force,
                    "Write the nearest there is where --max-bytes or --max-error cannot be met, instead of failing");
 }
 
-void add_licence(CLI::App& command, std::string& file) {
+void add_licence(Command command, std::string& file) {
   command.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
-      ->type_name("FILE");
+      .type_name("FILE");
 }
 
-void add_about(CLI::App& command, std::string& file) {
+void add_about(Command command, std::string& file) {
   command
       .add_option("--about", file,
                   "A JSON file that says whose the character is and what may be done with it: author, rights and more "
                   "(docs/characters.md); its fields come before those that are there already")
-      ->type_name("FILE.json");
+      .type_name("FILE.json");
 }
 
 std::string file_text(const std::string& file) {
@@ -135,20 +134,20 @@ std::string file_text(const std::string& file) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void add_learning_curve(CLI::App& command, bool& learning_curve) {
+void add_learning_curve(Command command, bool& learning_curve) {
   command.add_flag("--learning-curve", learning_curve,
                    "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report");
 }
 
-void add_json_flag(CLI::App& command, bool& json) {
+void add_json_flag(Command command, bool& json) {
   command.add_flag("--json", json, "Print the figures as JSON instead of text");
 }
 
-void add_report(CLI::App& command, std::string& folder, const char* more) {
+void add_report(Command command, std::string& folder, const char* more) {
   command
       .add_option("--report", folder,
                   std::string("Folder to write the figures into, as JSON and as a Markdown table") + more)
-      ->type_name("DIR");
+      .type_name("DIR");
 }
 
 std::vector<const char*> c_strings(const std::vector<std::string>& texts) {
@@ -163,12 +162,12 @@ std::vector<std::string> recipe_names() {
   return names;
 }
 
-void FigureOutputs::add_json_to(CLI::App& command) {
+void FigureOutputs::add_json_to(Command command) {
   command.add_option("--json", json, "Write the figures as JSON; - for standard output, in place of the table")
-      ->type_name("FILE");
+      .type_name("FILE");
 }
 
-void FigureOutputs::add_to(CLI::App& command) {
+void FigureOutputs::add_to(Command command) {
   add_json_to(command);
   add_report(command, report, ", and a page of pictures, curves and tables (index.html)");
 }

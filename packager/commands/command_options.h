@@ -9,40 +9,36 @@
 
 #include "base/output_lock.h"
 #include "base/parallel.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "options/command.h"
 
 namespace fb::tool {
 
-// CLI11 check for counts: "" if the word is a non-negative whole number that fits 64 bits, else what is wrong with it.
+// Check of counts: "" if the word is a non-negative whole number that fits 64 bits, else what is wrong with it.
 std::string whole_number(const std::string& word);
 
-void add_threads(CLI::App& command, Parallel& parallel);
-void add_seed(CLI::App& command, std::uint64_t& seed);
+void add_threads(Command command, Parallel& parallel);
+void add_seed(Command command, std::uint64_t& seed);
 // --poses, a number of poses that is described by `what`.
-CLI::Option* add_pose_count(CLI::App& command, std::uint64_t& poses, const char* what);
+Option add_pose_count(Command command, std::uint64_t& poses, const char* what);
 // --poses and --rig-budget; without --poses, a budget sets poses too.
-void add_poses(CLI::App& command, std::uint64_t& poses, std::uint64_t& rig_budget);
+void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget);
 // --poses-like: files of control curves.
-void add_poses_like(CLI::App& command, std::vector<std::string>& files);
-void add_mix(CLI::App& command, std::string& mix);
-void add_epochs(CLI::App& command, std::uint32_t& epochs);
-void add_sources(CLI::App& command, std::vector<std::string>& sources);
-CLI::Option* add_archive(CLI::App& command, std::string& archive);
-void add_out_archive(CLI::App& command, std::string& out);
+void add_poses_like(Command command, std::vector<std::string>& files);
+void add_mix(Command command, std::string& mix);
+void add_epochs(Command command, std::uint32_t& epochs);
+void add_sources(Command command, std::vector<std::string>& sources);
+Option add_archive(Command command, std::string& archive);
+void add_out_archive(Command command, std::string& out);
 // --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
-void add_force(CLI::App& command, bool& force);
+void add_force(Command command, bool& force);
 // --licence and --about: text files whose texts go into the archive.
-void add_licence(CLI::App& command, std::string& file);
-void add_about(CLI::App& command, std::string& file);
+void add_licence(Command command, std::string& file);
+void add_about(Command command, std::string& file);
 std::string file_text(const std::string& file);  // "" without a file
-void add_learning_curve(CLI::App& command, bool& learning_curve);
-void add_json_flag(CLI::App& command, bool& json);
+void add_learning_curve(Command command, bool& learning_curve);
+void add_json_flag(Command command, bool& json);
 // `more` ends the description: what is written besides.
-void add_report(CLI::App& command, std::string& folder, const char* more = "");
+void add_report(Command command, std::string& folder, const char* more = "");
 
 // The same texts for the C interface; valid as long as `texts`.
 std::vector<const char*> c_strings(const std::vector<std::string>& texts);
@@ -54,8 +50,8 @@ std::vector<std::string> recipe_names();
 struct FigureOutputs {
   std::string json, report;
 
-  void add_to(CLI::App& command);
-  void add_json_to(CLI::App& command);  // for commands without a report
+  void add_to(Command command);
+  void add_json_to(Command command);  // for commands without a report
   // Locks both, before the work begins. Fails if either could not be written.
   void claim();
   // Writes the JSON and the report's NAME.json and NAME.md; prints the table, or with --json - the JSON.

@@ -3,30 +3,28 @@
 // facebaker::Error when it fails.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "options/command.h"
 
 namespace fb::tool {
 
-void add_sample(CLI::App& tool);
-void add_plan(CLI::App& tool);
-void add_check(CLI::App& tool);
-void add_bake(CLI::App& tool);
-void add_eval(CLI::App& tool);
-void add_diff(CLI::App& tool);
-void add_compare(CLI::App& tool);
-void add_inspect(CLI::App& tool);
-void add_verify(CLI::App& tool);
-void add_pack(CLI::App& tool);
-void add_pose(CLI::App& tool);
-void add_view(CLI::App& tool);
-void add_export(CLI::App& tool);
-void add_bench(CLI::App& tool);
-void add_rig_host(CLI::App& tool);
-void add_farm(CLI::App& tool);
-void add_help(CLI::App& tool);
-void add_completion(CLI::App& tool);
-void add_write_manual(CLI::App& tool);
+void add_sample(Command tool);
+void add_plan(Command tool);
+void add_check(Command tool);
+void add_bake(Command tool);
+void add_eval(Command tool);
+void add_diff(Command tool);
+void add_compare(Command tool);
+void add_inspect(Command tool);
+void add_verify(Command tool);
+void add_pack(Command tool);
+void add_pose(Command tool);
+void add_view(Command tool);
+void add_export(Command tool);
+void add_bench(Command tool);
+void add_rig_host(Command tool);
+void add_farm(Command tool);
+void add_help(Command tool);
+void add_completion(Command tool);
+void add_write_manual(Command tool);
 
 }  // namespace fb::tool

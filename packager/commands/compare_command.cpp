@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
@@ -163,31 +162,31 @@ void CompareCommand::run() {
 
 }  // namespace
 
-void add_compare(CLI::App& tool) {
+void add_compare(Command tool) {
   std::vector<std::string> names = recipe_names();
   names.push_back("all");
   auto command = std::make_shared<CompareCommand>();
-  CLI::App* app = tool.add_subcommand("compare", "Bake and measure several methods side by side on the same data");
-  add_sources(*app, command->sources);
-  app->add_option("--methods", command->methods, "Methods, separated by commas; all: every one there is")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  add_poses(*app, command->desc.poses, command->desc.rig_budget);
-  add_mix(*app, command->mix);
-  add_epochs(*app, command->desc.epochs);
-  app->add_option("--work", command->work,
-                  "Folder for intermediate files, kept so that the same command can continue; by default "
-                  "a temporary one")
-      ->type_name("DIR");
-  command->outputs.add_to(*app);
-  add_learning_curve(*app, command->learning_curve);
-  add_seed(*app, command->desc.seed);
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  app->callback([command] { command->run(); });
+  const Command app = tool.add_command("compare", "Bake and measure several methods side by side on the same data");
+  add_sources(app, command->sources);
+  app.add_option("--methods", command->methods, "Methods, separated by commas; all: every one there is")
+      .separated_by(',')
+      .repeatable()
+      .one_of(names)
+      .shows_default();
+  add_poses(app, command->desc.poses, command->desc.rig_budget);
+  add_mix(app, command->mix);
+  add_epochs(app, command->desc.epochs);
+  app.add_option("--work", command->work,
+                 "Folder for intermediate files, kept so that the same command can continue; by default "
+                 "a temporary one")
+      .type_name("DIR");
+  command->outputs.add_to(app);
+  add_learning_curve(app, command->learning_curve);
+  add_seed(app, command->desc.seed);
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

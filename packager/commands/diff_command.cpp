@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
@@ -126,18 +125,18 @@ void DiffCommand::run() const {
 
 }  // namespace
 
-void add_diff(CLI::App& tool) {
+void add_diff(Command tool) {
   auto command = std::make_shared<DiffCommand>();
-  CLI::App* app = tool.add_subcommand("diff", "Say what has changed between two archives, where and by how much");
-  app->add_option("old", command->before, "Archive (.fbk)")->type_name("OLD.fbk")->required();
-  app->add_option("new", command->now, "Archive of the same character, made later")->type_name("NEW.fbk")->required();
-  app->add_option("--tolerance", command->tolerance, "Distance over the diagonal up to which vertices are the same")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("E")
-      ->capture_default_str();
-  add_json_flag(*app, command->json);
-  app->footer("Exit code 0 if controls, meshes and poses are the same, 1 if they differ.");
-  app->callback([command] { command->run(); });
+  const Command app = tool.add_command("diff", "Say what has changed between two archives, where and by how much");
+  app.add_option("old", command->before, "Archive (.fbk)").type_name("OLD.fbk").required();
+  app.add_option("new", command->now, "Archive of the same character, made later").type_name("NEW.fbk").required();
+  app.add_option("--tolerance", command->tolerance, "Distance over the diagonal up to which vertices are the same")
+      .not_negative()
+      .type_name("E")
+      .shows_default();
+  add_json_flag(app, command->json);
+  app.footer("Exit code 0 if controls, meshes and poses are the same, 1 if they differ.");
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

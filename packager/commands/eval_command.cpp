@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
@@ -105,21 +104,21 @@ void EvalCommand::run() {
 
 }  // namespace
 
-void add_eval(CLI::App& tool) {
+void add_eval(Command tool) {
   auto command = std::make_shared<EvalCommand>();
-  CLI::App* app = tool.add_subcommand("eval", "Measure an archive against the true rig");
-  add_archive(*app, command->archive);
-  add_sources(*app, command->sources);
-  app->add_option(
+  const Command app = tool.add_command("eval", "Measure an archive against the true rig");
+  add_archive(app, command->archive);
+  add_sources(app, command->sources);
+  app.add_option(
          "--split", command->split,
          "Which clips to measure on; by default those of split test, of a rig that has none all its clips, and of "
          "one without clips poses that are drawn for it")
-      ->check(CLI::IsMember({"train", "validation", "test", "all"}));
-  command->outputs.add_to(*app);
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  app->callback([command] { command->run(); });
+      .one_of({"train", "validation", "test", "all"});
+  command->outputs.add_to(app);
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <memory>
@@ -27,7 +26,7 @@ namespace {
 
 // Options that only some forms have, by the extensions of those.
 struct FormOption {
-  CLI::Option* option;
+  Option option;
   std::vector<std::string> extensions;
 };
 
@@ -41,7 +40,7 @@ struct ExportCommand {
   std::uint64_t poses = BlendshapeExport().poses, seed = 1;
   Parallel parallel;
   std::vector<FormOption> form_options;
-  std::vector<const CLI::Option*> skinned_options, plain_options;
+  std::vector<Option> skinned_options, plain_options;
 
   void run();
 
@@ -59,14 +58,13 @@ void ExportCommand::check_options() const {
   if (std::ranges::find(known, form) == known.end())
     fail(Status::invalid_argument, "%s: the name must end in .glb, .onnx, .mdd, .pc2 or .usda", shown(out).c_str());
   for (const FormOption& one : form_options)
-    if (one.option->count() > 0 && std::ranges::find(one.extensions, form) == one.extensions.end())
-      fail(Status::invalid_argument, "%s has no effect on a %s", one.option->get_name().c_str(), form.c_str());
-  for (const CLI::Option* option : skinned_options)
-    if (option->count() > 0 && !skinned)
-      fail(Status::invalid_argument, "%s needs --skinned", option->get_name().c_str());
-  for (const CLI::Option* option : plain_options)
-    if (option->count() > 0 && skinned)
-      fail(Status::invalid_argument, "%s has no effect with --skinned", option->get_name().c_str());
+    if (one.option.given() && std::ranges::find(one.extensions, form) == one.extensions.end())
+      fail(Status::invalid_argument, "%s has no effect on a %s", one.option.name().c_str(), form.c_str());
+  for (const Option& option : skinned_options)
+    if (option.given() && !skinned) fail(Status::invalid_argument, "%s needs --skinned", option.name().c_str());
+  for (const Option& option : plain_options)
+    if (option.given() && skinned)
+      fail(Status::invalid_argument, "%s has no effect with --skinned", option.name().c_str());
   if ((form == ".mdd" || form == ".pc2") && request.animation().empty())
     fail(Status::invalid_argument, "a %s has frames of an animation: give --clip or --livelink", form.c_str());
   if (skinned && !request.set.empty() && request.animation().empty())
@@ -176,35 +174,35 @@ void ExportCommand::run() {
   for (const std::string& line : result.lines) print_result(line + "\n");
 }
 
-void add_moving_options(CLI::App& app, ExportCommand& command) {
+void add_moving_options(Command app, ExportCommand& command) {
   const std::vector<std::string> moving = {".glb", ".mdd", ".pc2", ".usda"}, glb = {".glb"};
-  const auto only = [&](CLI::Option* option, const std::vector<std::string>& extensions) {
+  const auto only = [&](const Option& option, const std::vector<std::string>& extensions) {
     command.form_options.push_back({option, extensions});
     return option;
   };
-  CLI::Option* clip =
+  Option clip =
       only(app.add_option("--clip", command.request.clip, "Animation: a NumPy file of frames x controls; not for .onnx")
-               ->type_name("FILE.npy"),
+               .type_name("FILE.npy"),
            moving);
   only(app.add_option("--livelink", command.request.live_link,
                       "Animation: a recording of Live Link Face; its columns drive the controls with their ARKit names")
-           ->type_name("FILE.csv")
-           ->excludes(clip),
+           .type_name("FILE.csv")
+           .not_with(clip),
        moving);
   only(app.add_option("--set", command.request.set,
                       "A control's value, in all frames (repeatable); all others are at rest, or as in the clip")
-           ->type_name("NAME=VALUE")
-           ->allow_extra_args(false),
+           .type_name("NAME=VALUE")
+           .repeatable(),
        moving);
   only(
       app.add_option("--fps", command.request.fps,
                      "Frames a second: of --clip (default 30); to which --livelink is resampled (default: as recorded)")
-          ->check(CLI::Range(1.0, 1000.0)),
+          .between(1.0, 1000.0),
       moving);
 }
 
-void add_glb_options(CLI::App& app, ExportCommand& command) {
-  const auto only_glb = [&](CLI::Option* option) {
+void add_glb_options(Command app, ExportCommand& command) {
+  const auto only_glb = [&](const Option& option) {
     command.form_options.push_back({option, {".glb"}});
     return option;
   };
@@ -212,44 +210,44 @@ void add_glb_options(CLI::App& app, ExportCommand& command) {
       app.add_option("--shapes", command.shapes,
                      "Blendshapes at most, the strongest ones: of ends of controls (default 64), or with --skinned "
                      "of what the joints leave (default 16); for .glb")
-          ->check(whole_number)
-          ->type_name("K"));
+          .checked(whole_number)
+          .type_name("K"));
   only_glb(
       app.add_flag("--arkit-names", command.arkit_names, "Name blendshapes by ARKit where controls say so (.glb)"));
-  for (CLI::Option* option : command.targets.add_to(app)) command.plain_options.push_back(only_glb(option));
+  for (const Option& option : command.targets.add_to(app)) command.plain_options.push_back(only_glb(option));
   only_glb(app.add_flag("--skinned", command.skinned,
                         "Joints with four skin weights a vertex and a few blendshapes, for engines that take nothing "
                         "else (.glb)"));
   command.skinned_options.push_back(
       only_glb(app.add_option("--joints", command.joints, "Joints at most, with --skinned")
-                   ->check(CLI::Range(1, 1024))
-                   ->type_name("N")
-                   ->capture_default_str()));
+                   .between(1, 1024)
+                   .type_name("N")
+                   .shows_default()));
   only_glb(app.add_option("--poses", command.poses,
                           "Random poses that shapes are chosen by, joints are fitted to, and errors measured on (.glb)")
-               ->check(CLI::Range(1, 10000))
-               ->type_name("N")
-               ->capture_default_str());
+               .between(1, 10000)
+               .type_name("N")
+               .shows_default());
 }
 
 }  // namespace
 
-void add_export(CLI::App& tool) {
+void add_export(Command tool) {
   auto command = std::make_shared<ExportCommand>();
-  CLI::App* app = tool.add_subcommand("export", "Write a face in another form: .glb, .onnx, .mdd, .pc2 or .usda");
-  add_archive(*app, command->archive);
-  app->add_option(
+  const Command app = tool.add_command("export", "Write a face in another form: .glb, .onnx, .mdd, .pc2 or .usda");
+  add_archive(app, command->archive);
+  app.add_option(
          "OUT", command->out,
          "File to write: .glb (blendshapes named as controls, or --skinned; an animation of --clip), .onnx (the "
          "whole face as a network), .mdd or .pc2 (point caches of --clip), .usda (USD as text, points of --clip)")
-      ->type_name("FILE")
-      ->required();
-  add_moving_options(*app, *command);
-  add_glb_options(*app, *command);
-  add_seed(*app, command->seed);
-  add_threads(*app, command->parallel);
-  add_json_flag(*app, command->json);
-  app->callback([command] { command->run(); });
+      .type_name("FILE")
+      .required();
+  add_moving_options(app, *command);
+  add_glb_options(app, *command);
+  add_seed(app, command->seed);
+  add_threads(app, command->parallel);
+  add_json_flag(app, command->json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -98,34 +97,34 @@ void FarmCommand::run() const {
 
 }  // namespace
 
-void add_farm(CLI::App& tool) {
+void add_farm(Command tool) {
   auto command = std::make_shared<FarmCommand>();
-  CLI::App* app = tool.add_subcommand("farm", "Bake a list of characters, here or as an array job of Slurm");
-  app->add_option("LIST", command->list,
-                  "A text file with a character a line: [NAME=]SOURCE and options of `bake`; # begins a comment")
-      ->required();
-  app->add_option("--out", command->out, "Folder of the archives (NAME.fbk) and logs (NAME.log)")
-      ->type_name("DIR")
-      ->required();
-  app->add_option("--jobs", command->jobs,
-                  "Characters at once, which share the machine's threads; with --slurm, tasks that run at once")
-      ->check(CLI::Range(1, 4096))
-      ->type_name("N");
-  app->add_option("--only", command->only, "A character of the list to bake, and not the others (repeatable)")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  CLI::Option* slurm = app->add_flag(
-      "--slurm", command->slurm, "Write a job script with a task for each character that is not done, and submit it");
-  app->add_option("--sbatch", command->sbatch,
-                  "Options of sbatch for the job script, such as \"--time=8:00:00 --cpus-per-task=8\"")
-      ->type_name("OPTIONS")
-      ->needs(slurm);
-  app->add_flag("--status", command->status, "Only show what is done, running, stopped or failed, and how good it is")
-      ->excludes(slurm);
-  app->footer(
+  const Command app = tool.add_command("farm", "Bake a list of characters, here or as an array job of Slurm");
+  app.add_option("LIST", command->list,
+                 "A text file with a character a line: [NAME=]SOURCE and options of `bake`; # begins a comment")
+      .required();
+  app.add_option("--out", command->out, "Folder of the archives (NAME.fbk) and logs (NAME.log)")
+      .type_name("DIR")
+      .required();
+  app.add_option("--jobs", command->jobs,
+                 "Characters at once, which share the machine's threads; with --slurm, tasks that run at once")
+      .between(1, 4096)
+      .type_name("N");
+  app.add_option("--only", command->only, "A character of the list to bake, and not the others (repeatable)")
+      .type_name("NAME")
+      .repeatable();
+  Option slurm = app.add_flag("--slurm", command->slurm,
+                              "Write a job script with a task for each character that is not done, and submit it");
+  app.add_option("--sbatch", command->sbatch,
+                 "Options of sbatch for the job script, such as \"--time=8:00:00 --cpus-per-task=8\"")
+      .type_name("OPTIONS")
+      .only_with(slurm);
+  app.add_flag("--status", command->status, "Only show what is done, running, stopped or failed, and how good it is")
+      .not_with(slurm);
+  app.footer(
       "The same command goes on: what is done stays, what was stopped continues from its work folder, what failed is\n"
       "tried again. Exit code 0 once all are done (with --slurm: submitted).");
-  app->callback([command] { command->run(); });
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

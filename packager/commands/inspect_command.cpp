@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
@@ -281,16 +280,16 @@ void InspectCommand::run() const {
 
 }  // namespace
 
-void add_inspect(CLI::App& tool) {
+void add_inspect(Command tool) {
   auto command = std::make_shared<InspectCommand>();
-  CLI::App* app = tool.add_subcommand("inspect", "Show what is in an archive");
-  add_archive(*app, command->archive);
-  app->add_flag("--controls", command->controls, "List the controls too (--json always does)");
-  CLI::Option* json = app->add_flag("--json", command->json, "Print everything as JSON");
-  app->add_option("--thumbnail", command->thumbnail, "Write the picture of the face, a PNG, and nothing else")
-      ->type_name("FILE.png")
-      ->excludes(json);
-  app->callback([command] { command->run(); });
+  const Command app = tool.add_command("inspect", "Show what is in an archive");
+  add_archive(app, command->archive);
+  app.add_flag("--controls", command->controls, "List the controls too (--json always does)");
+  Option json = app.add_flag("--json", command->json, "Print everything as JSON");
+  app.add_option("--thumbnail", command->thumbnail, "Write the picture of the face, a PNG, and nothing else")
+      .type_name("FILE.png")
+      .not_with(json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

@@ -1,25 +1,23 @@
 #include "commands/joint_options.h"
 
-#include <CLI/CLI.hpp>
-
 #include "commands/command_options.h"
 
 namespace fb::tool {
 
-void JointOptions::add_to(CLI::App& command) {
+void JointOptions::add_to(Command command) {
   command
       .add_option(
           "--joints", joints_,
           "Of a glTF file: ignore, joints are the skeleton that carries the face, which is baked before "
           "skinning; controls, joints that the file's animations move are controls, and the face is baked after "
           "skinning; auto, controls if the file has no morph targets")
-      ->check(CLI::IsMember({"auto", "ignore", "controls"}))
-      ->capture_default_str();
+      .one_of({"auto", "ignore", "controls"})
+      .shows_default();
   command
       .add_option("--control-joint", names_,
                   "Of a glTF file: a joint that is a control, in place of all that its animations move (repeatable)")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+      .type_name("NAME")
+      .repeatable();
   command.add_flag("--skip-broken", skip_broken_,
                    "Of a glTF file: leave out meshes and animations that cannot be read, each with a note, instead of "
                    "failing");

@@ -5,16 +5,14 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "options/command.h"
 
 namespace fb::tool {
 
 // How a glTF file is read: --joints and --control-joint, what its joints are, and --skip-broken. Wherever a source is
 // opened by its path.
 struct JointOptions {
-  void add_to(CLI::App& command);
+  void add_to(Command command);
   // Sets the members of a source's description, which borrow this.
   void fill(fb_source_desc& desc) const;
 

@@ -34,13 +34,13 @@ void write_manual(const CLI::App& tool, const std::filesystem::path& folder) {
 
 }  // namespace
 
-void add_help(CLI::App& tool) {
+void add_help(Command tool) {
   auto topic = std::make_shared<std::string>();
   auto as_man_page = std::make_shared<bool>(false);
-  CLI::App* app = tool.add_subcommand("help", "Say what a command does and which options it has");
-  app->add_option("COMMAND", *topic, "The command; without one, all of them are listed");
-  app->add_flag("--man", *as_man_page, "Print the man page, in roff, instead: facebaker help --man bake | man -l -");
-  app->callback([&tool, topic, as_man_page] {
+  const Command app = tool.add_command("help", "Say what a command does and which options it has");
+  app.add_option("COMMAND", *topic, "The command; without one, all of them are listed");
+  app.add_flag("--man", *as_man_page, "Print the man page, in roff, instead: facebaker help --man bake | man -l -");
+  app.when_called([&tool = tool.app(), topic, as_man_page] {
     const CLI::App* command = find_topic(tool, *topic);
     if (*as_man_page)
       print_own_text(command ? man_page(tool, *command) : man_page(tool));
@@ -50,21 +50,21 @@ void add_help(CLI::App& tool) {
   });
 }
 
-void add_completion(CLI::App& tool) {
+void add_completion(Command tool) {
   auto shell = std::make_shared<std::string>();
-  CLI::App* app = tool.add_subcommand("completion", "Print a script by which a shell completes commands and options");
-  app->add_option("SHELL", *shell, "bash, fish or zsh")->check(CLI::IsMember(completion_shells()))->required();
-  app->footer("For bash, for this session: source <(facebaker completion bash). Packages install the scripts.");
-  app->callback([&tool, shell] { print_own_text(completion_script(tool, *shell)); });
+  const Command app = tool.add_command("completion", "Print a script by which a shell completes commands and options");
+  app.add_option("SHELL", *shell, "bash, fish or zsh").one_of(completion_shells()).required();
+  app.footer("For bash, for this session: source <(facebaker completion bash). Packages install the scripts.");
+  app.when_called([&tool = tool.app(), shell] { print_own_text(completion_script(tool, *shell)); });
 }
 
 // Not shown: what the build writes to be installed.
-void add_write_manual(CLI::App& tool) {
+void add_write_manual(Command tool) {
   auto folder = std::make_shared<std::string>();
-  CLI::App* app = tool.add_subcommand("write-manual", "Write all man pages and completion scripts into a folder");
-  app->group("");
-  app->add_option("FOLDER", *folder, "The folder; it is created")->required();
-  app->callback([&tool, folder] { write_manual(tool, *folder); });
+  const Command app = tool.add_command("write-manual", "Write all man pages and completion scripts into a folder");
+  app.app().group("");
+  app.add_option("FOLDER", *folder, "The folder; it is created").required();
+  app.when_called([&tool = tool.app(), folder] { write_manual(tool, *folder); });
 }
 
 }  // namespace fb::tool

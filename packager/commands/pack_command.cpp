@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <optional>
@@ -68,37 +67,36 @@ void PackCommand::run() {
 
 }  // namespace
 
-void add_pack(CLI::App& tool) {
+void add_pack(Command tool) {
   auto command = std::make_shared<PackCommand>();
-  CLI::App* app = tool.add_subcommand("pack", "Pack an archive again, from this or an older version of the format");
-  add_archive(*app, command->archive);
-  add_out_archive(*app, command->out);
-  add_licence(*app, command->licence);
-  add_about(*app, command->about);
-  app->add_option(
-         "--sockets", command->sockets,
-         "A JSON file: an array of sockets (docs/characters.md), which are added, or replace those of the same "
-         "names")
-      ->type_name("FILE.json");
-  app->add_flag("--thumbnail", command->thumbnail, "Draw the picture of the face that file managers show");
-  app->add_option("--max-bytes", command->desc.max_bytes,
-                  "Bytes the archive may have: in the smallest quantisation steps within them; 0: any")
-      ->check(whole_number)
-      ->type_name("N")
-      ->capture_default_str();
-  app->add_option("--max-error", command->desc.max_error,
-                  "Largest displacement of a vertex by repacking, over the diagonal. Alone: in as few bytes as it "
-                  "allows; with --max-bytes: a limit; 0: none, or with --max-bytes the largest certified error")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("E")
-      ->capture_default_str();
-  add_force(*app, command->force);
-  add_seed(*app, command->desc.seed);
-  add_threads(*app, command->parallel);
-  app->footer(
+  const Command app = tool.add_command("pack", "Pack an archive again, from this or an older version of the format");
+  add_archive(app, command->archive);
+  add_out_archive(app, command->out);
+  add_licence(app, command->licence);
+  add_about(app, command->about);
+  app.add_option("--sockets", command->sockets,
+                 "A JSON file: an array of sockets (docs/characters.md), which are added, or replace those of the same "
+                 "names")
+      .type_name("FILE.json");
+  app.add_flag("--thumbnail", command->thumbnail, "Draw the picture of the face that file managers show");
+  app.add_option("--max-bytes", command->desc.max_bytes,
+                 "Bytes the archive may have: in the smallest quantisation steps within them; 0: any")
+      .checked(whole_number)
+      .type_name("N")
+      .shows_default();
+  app.add_option("--max-error", command->desc.max_error,
+                 "Largest displacement of a vertex by repacking, over the diagonal. Alone: in as few bytes as it "
+                 "allows; with --max-bytes: a limit; 0: none, or with --max-bytes the largest certified error")
+      .not_negative()
+      .type_name("E")
+      .shows_default();
+  add_force(app, command->force);
+  add_seed(app, command->desc.seed);
+  add_threads(app, command->parallel);
+  app.footer(
       "Without --max-bytes and --max-error the face poses as it did, to the last bit; its reference poses are kept, or "
       "made where it has none or sockets are given.");
-  app->callback([command] { command->run(); });
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

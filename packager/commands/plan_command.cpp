@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 #include <optional>
@@ -70,27 +69,27 @@ void PlanCommand::run() {
 
 }  // namespace
 
-void add_plan(CLI::App& tool) {
+void add_plan(Command tool) {
   auto command = std::make_shared<PlanCommand>();
-  CLI::App* app =
-      tool.add_subcommand("plan", "Write the poses that a program should evaluate as a dataset folder without points");
-  app->add_option(
+  const Command app =
+      tool.add_command("plan", "Write the poses that a program should evaluate as a dataset folder without points");
+  app.add_option(
          "SOURCE", command->source,
          "Whose controls the poses are of: a schema, which is a .json file like dataset.json that needs neither "
          "rest mesh nor clips, or any source")
-      ->required();
-  app->add_option("--out", command->out, "The dataset folder to write")->type_name("DIR")->required();
-  add_pose_count(*app, command->desc.poses, "Poses to train on; a fifth, at most 2,000, come on top to measure on");
-  add_mix(*app, command->mix);
-  add_poses_like(*app, command->poses_like);
-  add_clip_files(*app, command->clips);
-  app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
-  add_seed(*app, command->desc.seed);
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  add_json_flag(*app, command->json);
-  app->callback([command] { command->run(); });
+      .required();
+  app.add_option("--out", command->out, "The dataset folder to write").type_name("DIR").required();
+  add_pose_count(app, command->desc.poses, "Poses to train on; a fifth, at most 2,000, come on top to measure on");
+  add_mix(app, command->mix);
+  add_poses_like(app, command->poses_like);
+  add_clip_files(app, command->clips);
+  app.add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
+  add_seed(app, command->desc.seed);
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  add_json_flag(app, command->json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

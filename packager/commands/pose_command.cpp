@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <facebaker/facebaker_bake.hpp>
@@ -198,68 +197,67 @@ void PoseCommand::run() {
 }
 
 // Options that matter for images only.
-void add_image_options(CLI::App& app, PoseCommand& command) {
+void add_image_options(Command app, PoseCommand& command) {
   app.add_option("--beside", command.beside,
                  "A rig plugin, a .glb or .gltf, or \"sample\": show the true rig, the archive and the error side by "
                  "side (.png)")
-      ->type_name("SOURCE");
-  app.add_option("--yaw", command.view.yaw, "Turn of the camera around the head, degrees, for .png")
-      ->capture_default_str();
+      .type_name("SOURCE");
+  app.add_option("--yaw", command.view.yaw, "Turn of the camera around the head, degrees, for .png").shows_default();
   app.add_option("--pitch", command.view.pitch, "Elevation of the camera, degrees, for .png")
-      ->check(CLI::Range(-89.0, 89.0))
-      ->capture_default_str();
+      .between(-89.0, 89.0)
+      .shows_default();
   app.add_option("--size", command.size, "Size of a picture's panel, for .png")
-      ->type_name("WIDTHxHEIGHT")
-      ->capture_default_str();
+      .type_name("WIDTHxHEIGHT")
+      .shows_default();
   app.add_option("--error-scale", command.error_scale,
                  "Error at the end of the error map's scale, over the diagonal; 0: a round number above the largest")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      .between(0.0, 1.0)
+      .shows_default();
 }
 
 }  // namespace
 
-void add_pose(CLI::App& tool) {
+void add_pose(Command tool) {
   auto command = std::make_shared<PoseCommand>();
-  CLI::App* app = tool.add_subcommand("pose", "Pose a face and write it as .glb, .obj or .png");
-  add_archive(*app, command->archive);
-  app->add_option("--set", command->request.set,
-                  "A control's value (repeatable); all others are at rest, or as in the clip. A value outside the "
-                  "control's range is clamped, with a note")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  CLI::Option* clip = app->add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
-                          ->type_name("FILE.npy");
-  app->add_option("--livelink", command->request.live_link,
-                  "Animation: a recording of Live Link Face; its columns drive the controls with their ARKit names")
-      ->type_name("FILE.csv")
-      ->excludes(clip);
-  app->add_option("--frame", command->frame, "Only this frame of the animation, counted from 0")
-      ->check(whole_number)
-      ->type_name("N");
-  app->add_option(
+  const Command app = tool.add_command("pose", "Pose a face and write it as .glb, .obj or .png");
+  add_archive(app, command->archive);
+  app.add_option("--set", command->request.set,
+                 "A control's value (repeatable); all others are at rest, or as in the clip. A value outside the "
+                 "control's range is clamped, with a note")
+      .type_name("NAME=VALUE")
+      .repeatable();
+  Option clip = app.add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
+                    .type_name("FILE.npy");
+  app.add_option("--livelink", command->request.live_link,
+                 "Animation: a recording of Live Link Face; its columns drive the controls with their ARKit names")
+      .type_name("FILE.csv")
+      .not_with(clip);
+  app.add_option("--frame", command->frame, "Only this frame of the animation, counted from 0")
+      .checked(whole_number)
+      .type_name("N");
+  app.add_option(
          "--out", command->out,
          "File to write: .glb (meshes, materials, skin and sockets; an animation by morph targets), .obj (polygons in "
          "the "
          "rig's own order) or .png (shaded picture). The frames of an animation become NAME.0000.obj or .png and so on")
-      ->type_name("FILE")
-      ->required();
-  app->add_option("--lod", command->lod,
-                  "Level of detail, for .obj and .png: 0 is the whole, 1, 2, ... are coarser levels; in between, "
-                  "vertices slide from one to the next")
-      ->check(CLI::Range(0.0f, 15.0f))
-      ->type_name("X")
-      ->capture_default_str();
-  app->add_option("--fps", command->request.fps,
-                  "Frames a second: of --clip, for .glb (default 30); to which --livelink is resampled (default: as "
-                  "recorded)")
-      ->check(CLI::Range(1.0, 1000.0));
-  command->scene.add_to(*app);
-  add_image_options(*app, *command);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  add_json_flag(*app, command->json);
-  app->callback([command] { command->run(); });
+      .type_name("FILE")
+      .required();
+  app.add_option("--lod", command->lod,
+                 "Level of detail, for .obj and .png: 0 is the whole, 1, 2, ... are coarser levels; in between, "
+                 "vertices slide from one to the next")
+      .between(0.0f, 15.0f)
+      .type_name("X")
+      .shows_default();
+  app.add_option("--fps", command->request.fps,
+                 "Frames a second: of --clip, for .glb (default 30); to which --livelink is resampled (default: as "
+                 "recorded)")
+      .between(1.0, 1000.0);
+  command->scene.add_to(app);
+  add_image_options(app, *command);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  add_json_flag(app, command->json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

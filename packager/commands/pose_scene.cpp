@@ -1,6 +1,5 @@
 #include "commands/pose_scene.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/status.h"
@@ -9,7 +8,7 @@
 
 namespace fb::tool {
 
-void SceneOptions::add_to(CLI::App& app) {
+void SceneOptions::add_to(Command app) {
   targets.add_to(app);
   app.add_flag("--control-targets", control_targets,
                "Write a morph target a control, named like it, so that other programs can pose the face; a clip then "

@@ -8,10 +8,7 @@
 #include "commands/pose_animation.h"
 #include "commands/pose_controls.h"
 #include "commands/target_limits.h"
-
-namespace CLI {
-class App;
-}
+#include "options/command.h"
 
 namespace fb::tool {
 
@@ -19,7 +16,7 @@ struct SceneOptions {
   TargetOptions targets;  // of a clip
   bool control_targets = false, arkit_names = false;
 
-  void add_to(CLI::App& app);
+  void add_to(Command app);
   // Fails on options of targets for another file than a .glb, and on --arkit-names alone.
   void check(bool glb) const;
 };

@@ -2,7 +2,6 @@
 #include <unistd.h>
 #include <facebaker/facebaker_bake.hpp>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
 #include <thread>
@@ -48,17 +47,17 @@ void RigHostCommand::run() const {
 
 }  // namespace
 
-void add_rig_host(CLI::App& tool) {
+void add_rig_host(Command tool) {
   auto command = std::make_shared<RigHostCommand>();
-  CLI::App* app = tool.add_subcommand("rig-host", "Serve a rig to the process that started this one (--isolate does)");
-  app->add_option("SOURCE", command->source, "A rig plugin (librig_NAME.so), a .glb, .gltf or .vrm, or \"sample\"")
-      ->required();
-  command->joints.add_to(*app);
-  app->footer(
+  const Command app = tool.add_command("rig-host", "Serve a rig to the process that started this one (--isolate does)");
+  app.add_option("SOURCE", command->source, "A rig plugin (librig_NAME.so), a .glb, .gltf or .vrm, or \"sample\"")
+      .required();
+  command->joints.add_to(app);
+  app.footer(
       "Requests come on descriptor 3, or the one that FACEBAKER_RIG_REQUESTS names, answers go to descriptor 4, or\n"
       "FACEBAKER_RIG_ANSWERS, in the rig protocol: docs/rig-protocol.md. `exec:facebaker rig-host SOURCE` is a "
       "source.");
-  app->callback([command] { command->run(); });
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

@@ -1,6 +1,5 @@
 #include "commands/rig_options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -23,7 +22,7 @@ void set_source_opener(SourceOpener opener) {
   source_opener() = std::move(opener);
 }
 
-void RigOptions::add_to(CLI::App& command) {
+void RigOptions::add_to(Command command) {
   joints_.add_to(command);
   command.add_flag("--isolate", isolate_,
                    "Run the rig in a child process: where it crashes or hangs, it is started again, and the pose that "
@@ -33,23 +32,23 @@ void RigOptions::add_to(CLI::App& command) {
           "--workers", workers_,
           "Child processes that evaluate poses at once, for exec: and, as --isolate does, for other rigs. Results "
           "do not depend on it.")
-      ->check(CLI::Range(1, 256))
-      ->type_name("N");
+      .between(1, 256)
+      .type_name("N");
   command
       .add_option("--rig-timeout", pose_seconds_,
                   "A pose that takes a rig in a child process longer hangs; to start, it may take five times as long")
-      ->check(CLI::Range(0.01, 1e6))
-      ->type_name("SECONDS")
-      ->capture_default_str();
+      .between(0.01, 1e6)
+      .type_name("SECONDS")
+      .shows_default();
 }
 
-void RigOptions::add_clip_budget_to(CLI::App& command) {
+void RigOptions::add_clip_budget_to(Command command) {
   command
       .add_option("--clip-budget", clip_budget_,
                   "Frames of a rig's own clips to evaluate at most, N of those to train on and N of those to measure "
                   "on: evenly spaced stretches of every clip; by default the rig budget, and all without one")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 32))
-      ->type_name("N");
+      .between(std::uint64_t{1}, std::uint64_t{1} << 32)
+      .type_name("N");
 }
 
 facebaker::Source RigOptions::open(const std::vector<std::string>& sources, std::vector<std::string>& notes,

@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "commands/joint_options.h"
-
-namespace CLI {
-class App;
-}
+#include "options/command.h"
 
 namespace fb::tool {
 
@@ -18,8 +15,8 @@ namespace fb::tool {
 // crash or hang
 // --isolate, --workers, --rig-timeout; and, for commands that read clips of rigs, --clip-budget.
 struct RigOptions {
-  void add_to(CLI::App& command);
-  void add_clip_budget_to(CLI::App& command);
+  void add_to(Command command);
+  void add_clip_budget_to(Command command);
   // Opens sources; what was found while opening is added to `notes`. Interrupted by the signals of interrupt.h.
   // `rig_budget`: the clip budget where none was given; 0: none. `test_poses`: see fb_source_desc.
   facebaker::Source open(const std::vector<std::string>& sources, std::vector<std::string>& notes,

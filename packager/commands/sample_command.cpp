@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
@@ -70,32 +69,32 @@ void SampleCommand::run() {
 
 }  // namespace
 
-void add_sample(CLI::App& tool) {
+void add_sample(Command tool) {
   auto command = std::make_shared<SampleCommand>();
-  CLI::App* app = tool.add_subcommand("sample", "Evaluate a rig in training poses and write them as a dataset folder");
-  app->add_option("SOURCE", command->source,
-                  "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, exec:COMMAND for a program that "
-                  "speaks the "
-                  "rig protocol, or \"sample\" for the built-in face")
-      ->required();
-  app->add_option("--out", command->out, "The dataset folder to write; one begun with the same options is continued")
-      ->type_name("DIR")
-      ->required();
-  add_poses(*app, command->desc.poses, command->desc.rig_budget);
-  add_mix(*app, command->mix);
-  add_poses_like(*app, command->poses_like);
-  add_clip_files(*app, command->clips);
-  app->add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
-  add_seed(*app, command->desc.seed);
-  app->add_flag(
+  const Command app = tool.add_command("sample", "Evaluate a rig in training poses and write them as a dataset folder");
+  app.add_option("SOURCE", command->source,
+                 "A rig plugin (librig_NAME.so), a .glb or .gltf with morph targets, exec:COMMAND for a program that "
+                 "speaks the "
+                 "rig protocol, or \"sample\" for the built-in face")
+      .required();
+  app.add_option("--out", command->out, "The dataset folder to write; one begun with the same options is continued")
+      .type_name("DIR")
+      .required();
+  add_poses(app, command->desc.poses, command->desc.rig_budget);
+  add_mix(app, command->mix);
+  add_poses_like(app, command->poses_like);
+  add_clip_files(app, command->clips);
+  app.add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
+  add_seed(app, command->desc.seed);
+  app.add_flag(
       "--skip-failing-poses", command->skip_failing,
       "Put the rest pose in the place of drawn poses that the rig cannot evaluate, up to a tenth of all, instead "
       "of failing; poses of clips, and of controls moved alone, still have to succeed");
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  add_threads(*app, command->parallel);
-  add_json_flag(*app, command->json);
-  app->callback([command] { command->run(); });
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  add_threads(app, command->parallel);
+  add_json_flag(app, command->json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

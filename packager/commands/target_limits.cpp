@@ -1,7 +1,5 @@
 #include "commands/target_limits.h"
 
-#include <CLI/CLI.hpp>
-
 #include "base/status.h"
 
 namespace fb::tool {
@@ -17,13 +15,13 @@ void TargetLimits::check(std::size_t targets, std::size_t vertices, std::size_t 
        targets, vertices, frames, bytes / 1e9, static_cast<double>(most_bytes) / 1e9);
 }
 
-std::vector<CLI::Option*> TargetOptions::add_to(CLI::App& app) {
+std::vector<Option> TargetOptions::add_to(Command app) {
   return {
       app.add_option("--tolerance", tolerance,
                      "How far a clip's points may lie from the evaluated ones, over the diagonal, so that fewer morph "
                      "targets than frames are needed; 0: a target a frame, for .glb (default: 1e-5, or more where the "
                      "face's own rounding is coarser, with a note)")
-          ->check(CLI::Range(0.0, 1.0)),
+          .between(0.0, 1.0),
       app.add_flag(
           "--force", force,
           "Write a clip of any size: otherwise nothing is written where morph targets would take more than 256 MB "

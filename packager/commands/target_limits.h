@@ -5,10 +5,7 @@
 #include <optional>
 #include <vector>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "options/command.h"
 
 namespace fb::tool {
 
@@ -30,7 +27,7 @@ struct TargetOptions {
   bool force = false;               // whatever it takes
 
   // Adds both, which it gives.
-  std::vector<CLI::Option*> add_to(CLI::App& app);
+  std::vector<Option> add_to(Command app);
   TargetLimits limits(double diagonal) const;
 };
 

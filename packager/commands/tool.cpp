@@ -94,25 +94,26 @@ int run_commands(int argc, char** argv) {
   tool.set_version_flag("--version", tool_version, "Print the version and what the tool was built with, and exit");
   tool.set_help_flag("-h,--help", "Print this text and exit");
   tool.require_subcommand(1);
-  add_sample(tool);
-  add_plan(tool);
-  add_check(tool);
-  add_bake(tool);
-  add_eval(tool);
-  add_diff(tool);
-  add_compare(tool);
-  add_inspect(tool);
-  add_verify(tool);
-  add_pack(tool);
-  add_pose(tool);
-  add_view(tool);
-  add_export(tool);
-  add_bench(tool);
-  add_rig_host(tool);
-  add_farm(tool);
-  add_help(tool);
-  add_completion(tool);
-  add_write_manual(tool);
+  const Command commands(tool);
+  add_sample(commands);
+  add_plan(commands);
+  add_check(commands);
+  add_bake(commands);
+  add_eval(commands);
+  add_diff(commands);
+  add_compare(commands);
+  add_inspect(commands);
+  add_verify(commands);
+  add_pack(commands);
+  add_pose(commands);
+  add_view(commands);
+  add_export(commands);
+  add_bench(commands);
+  add_rig_host(commands);
+  add_farm(commands);
+  add_help(commands);
+  add_completion(commands);
+  add_write_manual(commands);
   // After the commands, which would inherit it.
   tool.footer(
       "SOURCE is a dataset folder, a rig plugin (librig_NAME.so), a .glb or .gltf with morph targets,\n"

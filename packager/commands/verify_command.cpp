@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <memory>
 
@@ -36,13 +35,13 @@ struct VerifyCommand {
 
 }  // namespace
 
-void add_verify(CLI::App& tool) {
+void add_verify(Command tool) {
   auto command = std::make_shared<VerifyCommand>();
-  CLI::App* app =
-      tool.add_subcommand("verify", "Check that an archive is complete and evaluates to the bits it was archived with");
-  add_archive(*app, command->archive);
-  add_json_flag(*app, command->json);
-  app->callback([command] { command->run(); });
+  const Command app =
+      tool.add_command("verify", "Check that an archive is complete and evaluates to the bits it was archived with");
+  add_archive(app, command->archive);
+  add_json_flag(app, command->json);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool

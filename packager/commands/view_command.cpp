@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <facebaker/facebaker_bake.hpp>
 #include <filesystem>
 #include <memory>
@@ -103,34 +102,33 @@ void ViewCommand::run() const {
 
 }  // namespace
 
-void add_view(CLI::App& tool) {
+void add_view(Command tool) {
   auto command = std::make_shared<ViewCommand>();
-  CLI::App* app = tool.add_subcommand(
+  const Command app = tool.add_command(
       "view",
       "Show a face in the browser, to turn, pose and play it. Serves the viewer's page on 127.0.0.1 until Ctrl-C: its "
       "own files, the archives and the clips of --beside, all read beforehand or evaluated, and no other file of this "
       "machine; requests of other hosts and of other hosts' pages are refused, and the rig runs for those alone who "
       "have "
       "the address with its token.");
-  app->add_option("FACE", command->archives, "The archive (.fbk); two are shown side by side")->required();
-  app->add_option(
-         "--beside", command->beside,
-         "The source that the face was baked of: its test clips can be played, up to 256 MiB of positions, and "
-         "the distance from the true positions shown as colours, for a live rig in any pose")
-      ->type_name("SOURCE");
-  app->add_option("--port", command->port, "The port to serve on; 0: any that is free")
-      ->check(CLI::Range(0, 65535))
-      ->type_name("N")
-      ->capture_default_str();
-  app->add_flag("--no-open", command->no_open, "Print the address, and do not open a browser");
-  app->add_option(
+  app.add_option("FACE", command->archives, "The archive (.fbk); two are shown side by side").required();
+  app.add_option("--beside", command->beside,
+                 "The source that the face was baked of: its test clips can be played, up to 256 MiB of positions, and "
+                 "the distance from the true positions shown as colours, for a live rig in any pose")
+      .type_name("SOURCE");
+  app.add_option("--port", command->port, "The port to serve on; 0: any that is free")
+      .between(0, 65535)
+      .type_name("N")
+      .shows_default();
+  app.add_flag("--no-open", command->no_open, "Print the address, and do not open a browser");
+  app.add_option(
          "--page", command->page,
          "The folder of the built viewer (samples/viewer/build.sh); by default ../share/facebaker/viewer beside "
          "this program, or build/viewer where it was built")
-      ->type_name("FOLDER");
-  command->rigs.add_clip_budget_to(*app);
-  command->rigs.add_to(*app);
-  app->callback([command] { command->run(); });
+      .type_name("FOLDER");
+  command->rigs.add_clip_budget_to(app);
+  command->rigs.add_to(app);
+  app.when_called([command] { command->run(); });
 }
 
 }  // namespace fb::tool
