@@ -132,16 +132,16 @@ void BakeCommand::run() {
 
 // Levels of detail, made or given.
 void add_level_options(Command app, BakeCommand& command) {
-  Option levels =
+  const Option levels =
       app.add_option("--levels", command.levels,
                      "Levels of detail with the whole, 2 to 16: each of half the vertices of the one before it")
           .between(2, 16)
           .type_name("N");
-  Option shares = app.add_option("--level-shares", command.shares,
-                                 "Coarser levels of detail of these shares of the vertices, such as 0.5,0.2,0.05")
-                      .separated_by(',')
-                      .type_name("S,...")
-                      .not_with(levels);
+  const Option shares = app.add_option("--level-shares", command.shares,
+                                       "Coarser levels of detail of these shares of the vertices, such as 0.5,0.2,0.05")
+                            .separated_by(',')
+                            .type_name("S,...")
+                            .not_with(levels);
   app.add_option("--level-mesh", command.level_meshes,
                  "A mesh for a coarser level of detail (repeatable, the finest first): .obj or .glb, of vertices that "
                  "are vertices of the face")

@@ -180,7 +180,7 @@ void add_moving_options(Command app, ExportCommand& command) {
     command.form_options.push_back({option, extensions});
     return option;
   };
-  Option clip =
+  const Option clip =
       only(app.add_option("--clip", command.request.clip, "Animation: a NumPy file of frames x controls; not for .onnx")
                .type_name("FILE.npy"),
            moving);

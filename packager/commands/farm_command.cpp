@@ -113,8 +113,8 @@ void add_farm(Command tool) {
   app.add_option("--only", command->only, "A character of the list to bake, and not the others (repeatable)")
       .type_name("NAME")
       .repeatable();
-  Option slurm = app.add_flag("--slurm", command->slurm,
-                              "Write a job script with a task for each character that is not done, and submit it");
+  const Option slurm = app.add_flag(
+      "--slurm", command->slurm, "Write a job script with a task for each character that is not done, and submit it");
   app.add_option("--sbatch", command->sbatch,
                  "Options of sbatch for the job script, such as \"--time=8:00:00 --cpus-per-task=8\"")
       .type_name("OPTIONS")

@@ -285,7 +285,7 @@ void add_inspect(Command tool) {
   const Command app = tool.add_command("inspect", "Show what is in an archive");
   add_archive(app, command->archive);
   app.add_flag("--controls", command->controls, "List the controls too (--json always does)");
-  Option json = app.add_flag("--json", command->json, "Print everything as JSON");
+  const Option json = app.add_flag("--json", command->json, "Print everything as JSON");
   app.add_option("--thumbnail", command->thumbnail, "Write the picture of the face, a PNG, and nothing else")
       .type_name("FILE.png")
       .not_with(json);

@@ -226,8 +226,8 @@ void add_pose(Command tool) {
                  "control's range is clamped, with a note")
       .type_name("NAME=VALUE")
       .repeatable();
-  Option clip = app.add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
-                    .type_name("FILE.npy");
+  const Option clip = app.add_option("--clip", command->request.clip, "Animation: a NumPy file of frames x controls")
+                          .type_name("FILE.npy");
   app.add_option("--livelink", command->request.live_link,
                  "Animation: a recording of Live Link Face; its columns drive the controls with their ARKit names")
       .type_name("FILE.csv")

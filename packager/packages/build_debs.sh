@@ -28,11 +28,11 @@ out=$(cd "$out" && pwd)
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
 
-rm -rf "$out/work" && mkdir "$out/work"
+rm -rf "$out/debian" && mkdir "$out/debian"
 git archive --format=tar --prefix="facebaker-$version/" HEAD | gzip -9n >"$out/facebaker-$version-source.tar.gz"
-cp "$out/facebaker-$version-source.tar.gz" "$out/work/facebaker_$version.orig.tar.gz"
-tar -xzf "$out/work/facebaker_$version.orig.tar.gz" -C "$out/work"
-cd "$out/work/facebaker-$version"
+cp "$out/facebaker-$version-source.tar.gz" "$out/debian/facebaker_$version.orig.tar.gz"
+tar -xzf "$out/debian/facebaker_$version.orig.tar.gz" -C "$out/debian"
+cd "$out/debian/facebaker-$version"
 if [ -f "$viewer/index.html" ]; then
   cp -r "$viewer" viewer # beside the build folder, where packager/server looks for it
 else
@@ -70,5 +70,5 @@ build=$(ls -d obj-*)
 } >>"$out/build.log" 2>&1
 cpack --config "$build/CPackConfig.cmake" -D CPACK_PACKAGE_DIRECTORY="$out" -D CPACK_PACKAGING_INSTALL_PREFIX=/ >>"$out/build.log"
 cd "$out"
-rm -rf _CPack_Packages work
+rm -rf _CPack_Packages debian
 ls -l "$out"/*.deb "$out"/*.tar.gz

@@ -4,8 +4,7 @@
     run_docs.py SOURCE BUILD [PAGE...]
     run_docs.py --write SOURCE BUILD PAGE...    writes the numbers that are printed into the pages' text blocks
 
-SOURCE is the root of the tree, BUILD a build folder of it. With --write no block is shortened (docs/measuring.md takes
-half an hour), so that the figures of a page come from one run of its commands. Blocks run in the order of the pages, all in one temporary
+SOURCE is the root of the tree, BUILD a build folder of it. With --write no block is shortened, so that the figures of a page come from one run of its commands. Blocks run in the order of the pages, all in one temporary
 folder that looks like a fresh clone whose build/release is BUILD:
 
     sh      is run by bash; the first command that fails ends the test

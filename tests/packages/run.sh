@@ -35,14 +35,14 @@ mkdir "$work/layers"
 # The mounts are those of the shell that makes them, and go with it.
 unshare --mount sh -eu -c '
   mount -t tmpfs tmpfs "$1/layers"
-  mkdir "$1/layers/upper" "$1/layers/work" "$1/layers/root"
-  mount -t overlay overlay -o "lowerdir=/,upperdir=$1/layers/upper,workdir=$1/layers/work" "$1/layers/root"
-  mount -t proc proc "$1/layers/root/proc"
-  mount --bind /dev "$1/layers/root/dev"
-  mkdir "$1/layers/root/tmp/installed"
-  cp -r "$2" "$1/layers/root/tmp/installed/packages"
-  git archive HEAD tests samples VERSION capi/include | tar -x -C "$1/layers/root/tmp/installed"
-  exec chroot "$1/layers/root" sh /tmp/installed/tests/packages/use_installed.sh
+  mkdir "$1/layers/upper" "$1/layers/work" "$1/layers/merged"
+  mount -t overlay overlay -o "lowerdir=/,upperdir=$1/layers/upper,workdir=$1/layers/work" "$1/layers/merged"
+  mount -t proc proc "$1/layers/merged/proc"
+  mount --bind /dev "$1/layers/merged/dev"
+  mkdir "$1/layers/merged/tmp/installed"
+  cp -r "$2" "$1/layers/merged/tmp/installed/packages"
+  git archive HEAD tests samples VERSION capi/include | tar -x -C "$1/layers/merged/tmp/installed"
+  exec chroot "$1/layers/merged" sh /tmp/installed/tests/packages/use_installed.sh
 ' sh "$work" "$packages"
 
 # What is installed also works from any folder.
