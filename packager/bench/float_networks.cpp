@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "base/random.h"
+#include "base/random_streams.h"
 
 namespace fb::tool {
 
 PaperNetwork::PaperNetwork(std::size_t controls, std::size_t vertices, std::uint64_t seed) {
   constexpr std::size_t depth = 8, width = 256, components = 200;
-  Random random(seed);
+  Random random = open_stream(seed, Stream::bench_network);
   const auto add = [&](std::size_t inputs, std::size_t outputs) {
     Layer layer{inputs, outputs, std::vector<float>(inputs * outputs), std::vector<float>(outputs)};
     const float reach = std::sqrt(3 / float(inputs));

@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/output_lock.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "bench/speed.h"
@@ -35,7 +35,7 @@ struct BenchCommand {
 // A synthetic shot: one control in five follows a sine wave over its range, each with a frequency of its own.
 std::vector<float> synthetic_clip(const facebaker::Model& model, std::size_t poses) {
   const std::vector<fb_control> controls = controls_of(model);
-  Random random(1);
+  Random random = open_stream(1, Stream::bench_clip);
   std::vector<float> values;
   for (std::size_t pose = 0; pose < poses; ++pose)
     for (const fb_control& control : controls) values.push_back(control.rest);

@@ -163,7 +163,7 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
   ProgressBar progress;
   const CharacterView& character = evaluator.character();
   const double diagonal = character.mesh.diagonal();
-  const std::vector<float> drawn = draw_poses(evaluator.model(), options.poses, options.seed);
+  const std::vector<float> drawn = draw_poses(evaluator.model(), options.poses, options.seed, Stream::exported_shapes);
   const std::vector<ControlShape> all = shapes_of_both_ends(evaluator.model(), options.arkit_names),
                                   shapes = strongest_shapes(evaluator, all, drawn, options.shapes);
   ExportResult result;

@@ -33,7 +33,7 @@ std::vector<float> fitting_poses(PoseEvaluator& evaluator, const Poses& poses, c
                                  const SkinnedExport& options) {
   const std::size_t width = evaluator.model().control_count();
   if (poses.frames > 1) return some_of(poses.controls, width, options.poses);
-  std::vector<float> all = draw_poses(evaluator.model(), options.poses, options.seed);
+  std::vector<float> all = draw_poses(evaluator.model(), options.poses, options.seed, Stream::skinned_fit);
   const std::vector<float> singles = some_of(poses_of(evaluator.model(), ends), width, options.poses);
   all.insert(all.end(), singles.begin(), singles.end());
   return all;
@@ -213,7 +213,7 @@ ExportResult export_skinned(PoseEvaluator& evaluator, const facebaker::Archive& 
   face.add_shapes(fitted, options.shapes);
 
   const std::vector<float> measured =
-      clip ? poses.controls : draw_poses(evaluator.model(), options.poses, options.seed + 1);
+      clip ? poses.controls : draw_poses(evaluator.model(), options.poses, options.seed, Stream::skinned_measure);
   progress.begin("fitting joints to poses", evaluator.frames(measured));
   const SkinnedClip played = face.play(measured, progress);
   ExportResult result;

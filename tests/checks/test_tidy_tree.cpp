@@ -36,14 +36,28 @@ TEST_CASE("the tree is tidy") {
   none(checks::typed_versions(tree, version));
   none(checks::pinned_packages(tree));
   none(checks::ranges_in_runtime(tree));
+  none(checks::shared_streams(tree));
 }
 
 TEST_CASE("the top of the tree holds what it is meant to hold") {
-  const std::set<std::string> entries = {
-      "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "CONTRIBUTING.md", "LICENSE",
-      "README.md",    "SECURITY.md",    "VERSION",           "bindings",        "capi",
-      "core",         "docs",           "packager",          "packages",        "samples",
-      "tests",        "build",          "install"};
+  const std::set<std::string> entries = {"CHANGELOG.md",
+                                         "CMakeLists.txt",
+                                         "CMakePresets.json",
+                                         "CONTRIBUTING.md",
+                                         "LICENSE",
+                                         "README.md",
+                                         "SECURITY.md",
+                                         "VERSION",
+                                         "bindings",
+                                         "capi",
+                                         "core",
+                                         "docs",
+                                         "packager",
+                                         "packages",
+                                         "samples",
+                                         "tests",
+                                         "build",
+                                         "install"};
   for (const auto& entry : std::filesystem::directory_iterator(root)) {
     const std::string name = entry.path().filename().string();
     if (name[0] != '.' && !entries.contains(name)) FAIL_CHECK("a stray " << name);
@@ -103,4 +117,19 @@ TEST_CASE("ranges that WebAssembly does not build with are found") {
   CHECK(ranges("core/bake/train/x.cpp").empty());
   CHECK(ranges("core/runtime/x.h").size() == 1);
   CHECK(ranges("core/base/x.cpp").size() == 1);
+}
+
+TEST_CASE("random numbers of no use of the seed, and of one that is named elsewhere, are found") {
+  const auto offences = [](const std::string& text) {
+    return checks::shared_streams({{"core/bake/a.cpp", "Random random = open_stream(seed, Stream::poses, i);\n"},
+                                   {"core/bake/b.cpp", text}})
+        .size();
+  };
+  CHECK(offences("Random random = open_stream(seed, Stream::order);\nfloat draw(Random& random);\n") == 0);
+  CHECK(offences("open_stream(seed, Stream::poses, 0);\n") == 1);
+  CHECK(offences("open_stream(seed, Stream::order); open_stream(seed, Stream::order);\n") == 1);
+  CHECK(offences("Random random(seed);\n") == 1);
+  CHECK(offences("return Random(seed, 2).next();\n") == 1);
+  CHECK(offences("Random random{seed};\n") == 1);
+  CHECK(checks::shared_streams({{"tests/a.cpp", "Random random(3);\n"}}).empty());
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <regex>
 #include <sstream>
 
 namespace checks {
@@ -115,6 +116,24 @@ std::vector<std::string> ranges_in_runtime(const SourceTree& tree) {
   for (const SourceFile& file : tree)
     if (in_runtime(file.path) && file.is_code() && file.text.find("std::ranges::") != std::string::npos)
       offences.push_back(file.path + ": std::ranges, which the C++ library of Debian 12's Emscripten lacks");
+  return offences;
+}
+
+std::vector<std::string> shared_streams(const SourceTree& tree) {
+  static const std::regex use("\\bStream::(\\w+)"), unnamed("\\bRandom( \\w+)?[({]");
+  std::map<std::string, std::string> seen;
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree) {
+    const bool in_product =
+        file.path.starts_with("core/") || file.path.starts_with("capi/") || file.path.starts_with("packager/");
+    if (!in_product || !file.is_code() || file.path.starts_with("core/base/random")) continue;
+    if (std::regex_search(file.text, unnamed))
+      offences.push_back(file.path + ": random numbers of no use of the seed; open_stream makes them");
+    for (std::sregex_iterator found(file.text.begin(), file.text.end(), use), end; found != end; ++found) {
+      const auto [first, fresh] = seen.emplace((*found)[1], file.path);
+      if (!fresh) offences.push_back(file.path + ": Stream::" + first->first + " is drawn from in " + first->second);
+    }
+  }
   return offences;
 }
 

@@ -25,5 +25,8 @@ std::vector<std::string> pinned_packages(const SourceTree& tree);
 // Files of the runtime with std::ranges: they build for WebAssembly, too, and the C++ library of Debian 12's Emscripten
 // has no algorithms of that name.
 std::vector<std::string> ranges_in_runtime(const SourceTree& tree);
+// Random numbers of core, capi and packager that are of no use of the seed (base/random_streams.h), and uses that are
+// named in two places: what is drawn there would be the same.
+std::vector<std::string> shared_streams(const SourceTree& tree);
 
 }  // namespace checks

@@ -14,6 +14,7 @@
 #include "bake/sampling/sampling.h"
 #include "bake/sampling/validation_split.h"
 #include "base/keep_asking.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 namespace {
@@ -147,7 +148,7 @@ PoseSet without_shots(const PoseSet& poses) {
 }
 
 Clip bounded_shots(const RigSchema& schema, std::uint64_t seed) {
-  return make_test_poses(schema, seed + 1).back();
+  return make_test_poses(schema, seed_of(seed, Stream::bounding_shots)).back();
 }
 
 std::vector<float> direct_sizes(const FaceModel& model, const PoseSet& poses) {

@@ -8,6 +8,7 @@
 #include "bake/face/network_sizes.h"
 #include "bake/sampling/validation_split.h"
 #include "bake/train/trainer.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -147,7 +148,7 @@ class RegionTraining {
       plan.bf16 = true;
       plan.epochs = epochs;
       plan.quantised_share = quantised_share;
-      plan.seed = options_.seed + r;
+      plan.seed = seed_of(options_.seed, Stream::region_networks, r);
       if (!options_.work.empty()) plan.checkpoint = options_.work / format("%s-%zu.checkpoint", checkpoint.c_str(), r);
     }
     return train_in_parallel(sets, plans, options_.parallel, progress, stage);

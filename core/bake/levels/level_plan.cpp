@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -27,7 +27,7 @@ std::vector<float> mixed_points(std::span<const float> rest, std::span<const flo
   const std::size_t poses = rest.empty() ? 0 : displacements.size() / rest.size();
   for (std::size_t pose = 0; pose < poses; ++pose) {
     // A rotation by a random unit quaternion.
-    Random random(seed, pose);
+    Random random = open_stream(seed, Stream::level_turns, pose);
     double q[4], squares = 0;
     for (double& x : q) x = random.normal(), squares += x * x;
     const double s = squares > 0 ? 2 / squares : 0, share = 1 / std::sqrt(double(poses));

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "bake/linalg/gemm.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -45,7 +45,7 @@ Matrix orthonormalise(const Matrix& columns, std::size_t width) {
   const std::size_t given = std::min<std::size_t>(columns.cols(), width);
   full.leftCols(given) = columns.leftCols(given);
   for (std::size_t k = given; k < width; ++k) {
-    Random random(0x5eed, k);
+    Random random = open_stream(0, Stream::subspace_start, k);
     for (Eigen::Index i = 0; i < full.rows(); ++i) full(i, k) = random.normal();
   }
   const Eigen::HouseholderQR<Matrix> qr(full);

@@ -5,7 +5,8 @@
 
 #include "bake/measure/evaluate.h"
 #include "bake/measure/face_map.h"
-#include "base/random.h"
+#include "bake/rig/random_pose.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 #include "base/vector3.h"
 #include "runtime/evaluator.h"
@@ -19,13 +20,6 @@ constexpr std::size_t least_differences = 4, most_differences = 32, differences_
 constexpr float active = 0.25f;
 // Errors over D beyond which a control is named, if they are more than this share of what it moves.
 constexpr double most_alone = 5e-3, most_among = 2e-2, most_alone_share = 0.5, most_among_share = 0.7;
-
-// Uses of the seed, one random stream for each item of a use.
-enum class Draw : std::uint64_t { value = 1, pose = 2, moved = 3 };
-
-Random open_stream(std::uint64_t seed, Draw use, std::size_t item) {
-  return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
-}
 
 float drawn_value(const Control& control, double low, double high, Random& random) {
   const double t = low + (high - low) * random.uniform();
@@ -41,14 +35,8 @@ float alone_value(const Control& control, std::size_t k, Random random) {
 }
 
 std::vector<float> drawn_pose(const RigSchema& schema, std::uint64_t seed, std::size_t number) {
-  Random random = open_stream(seed, Draw::pose, number);
-  std::vector<float> pose;
-  for (const Control& control : schema.controls) {
-    const bool on = random.uniform() < active;
-    const float value = drawn_value(control, 0, 1, random);
-    pose.push_back(on ? value : control.rest);
-  }
-  return pose;
+  Random random = open_stream(seed, Stream::control_poses, number);
+  return random_pose(schema, active, random);
 }
 
 // The vertex that lies furthest apart in two meshes, and its distance.
@@ -170,7 +158,7 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
       alone.size(),
       [&](std::size_t i, std::span<float> pose) {
         const std::size_t c = i / alone_values;
-        pose[c] = alone_value(schema.controls[c], i % alone_values, open_stream(seed, Draw::value, c));
+        pose[c] = alone_value(schema.controls[c], i % alone_values, open_stream(seed, Stream::control_values, c));
       },
       [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
         alone[i] = figure_of(error, none, points, rig.rest().points, diagonal);
@@ -192,9 +180,9 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
       [&](std::size_t i, std::span<float> pose) {
         const std::size_t c = i / differences;
         std::copy(drawn[pose_of(i)].begin(), drawn[pose_of(i)].end(), pose.begin());
-        Random random = open_stream(seed, Draw::moved, i);
+        Random random = open_stream(seed, Stream::control_moves, i);
         const Control& control = schema.controls[c];
-        pose[c] = pose[c] != control.rest ? control.rest : drawn_value(control, 0, 1, random);
+        pose[c] = pose[c] != control.rest ? control.rest : random_value(control, random);
       },
       [&](std::size_t i, std::span<const float> error, std::span<const float> points) {
         among[i] = figure_of(error, errors[pose_of(i)], points, positions[pose_of(i)], diagonal);

@@ -5,6 +5,7 @@
 
 #include "bake/measure/face_parts.h"
 #include "bake/regions/weighted_kmeans.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 namespace {
@@ -55,7 +56,8 @@ ErrorRegions error_regions(const PackedModel& model, const FaceMap& map, std::ui
   }
   const std::vector<std::uint32_t> clusters =
       moving.empty() ? std::vector<std::uint32_t>()
-                     : weighted_kmeans(points, controls, weights, {.clusters = most_clusters, .seed = seed});
+                     : weighted_kmeans(points, controls, weights,
+                                       {.clusters = most_clusters, .seed = seed_of(seed, Stream::error_regions)});
   const std::uint32_t none = clusters.empty() ? 0 : *std::max_element(clusters.begin(), clusters.end()) + 1;
   std::vector<std::uint32_t> of_block(counts.size(), none);
   for (std::size_t i = 0; i < moving.size(); ++i) of_block[moving[i]] = clusters[i];

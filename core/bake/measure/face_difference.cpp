@@ -7,7 +7,7 @@
 #include "bake/measure/face_map.h"
 #include "bake/measure/face_parts.h"
 #include "bake/rig/scaled_source.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/vector3.h"
 #include "runtime/evaluator.h"
 
@@ -113,7 +113,7 @@ void compare_random(FaceDifference& found, const PackedModel& before, const Pack
   std::vector<double> most(now.rest.surface_vertex_count());
   std::vector<float> poses;
   for (std::size_t i = 0; i < random_poses; ++i) {
-    Random random(1, i);
+    Random random = open_stream(1, Stream::compared_faces, i);
     old.pose = old_rest;
     fresh.pose = fresh_rest;
     for (const CommonControl& control : common) {

@@ -6,8 +6,9 @@
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
+#include "bake/rig/random_pose.h"
 #include "bake/rig/scaled_source.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 #include "base/vector3.h"
 #include "runtime/evaluator.h"
@@ -23,14 +24,8 @@ constexpr double off_rest_least = 1e-6;  // of a control's reach: a recorded val
 // The pose from which controls are moved.
 std::vector<float> pose_of(const RigSchema& schema, const LocalityOptions& options, std::size_t number) {
   if (number < rest_poses) return schema.rest_pose();
-  Random random(options.seed, number);
-  std::vector<float> pose;
-  for (const Control& control : schema.controls) {
-    const bool on = random.uniform() < options.active;
-    const float value = random.uniform(control.minimum, control.maximum);
-    pose.push_back(on ? value : control.rest);
-  }
-  return pose;
+  Random random = open_stream(options.seed, Stream::locality_poses, number);
+  return random_pose(schema, options.active, random);
 }
 
 float moved_value(const Control& control, float value, std::size_t number) {

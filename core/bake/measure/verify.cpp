@@ -8,7 +8,7 @@
 #include "bake/measure/float_face.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 #include "runtime/evaluator.h"
@@ -128,7 +128,7 @@ archive::Proof make_proof(const PackedModel& model, std::uint64_t seed) {
   for (const Control& control : controls) poses.push_back(control.maximum);
   for (const Control& control : controls) poses.push_back(control.minimum);
   for (std::size_t pose = 0; pose < dense_poses; ++pose) {
-    Random random(seed, pose);
+    Random random = open_stream(seed, Stream::proof, pose);
     for (const Control& control : controls) {
       const bool on = random.uniform() < 0.3f;
       const float share = float(random.below(range_steps + 1)) / float(range_steps);

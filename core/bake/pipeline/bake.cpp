@@ -24,13 +24,14 @@
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
+#include "bake/rig/random_pose.h"
 #include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
 #include "bake/sampling/named_frames.h"
 #include "base/file.h"
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -42,12 +43,9 @@ std::vector<float> quantisation_poses(const PoseSet& poses, std::uint64_t seed) 
   constexpr std::size_t count = 128;
   std::vector<float> controls = poses.subsampled(count).controls();
   for (std::size_t i = 0; i < count; ++i) {
-    Random random(seed, i);
-    for (const Control& control : poses.source().schema().controls) {
-      const bool on = random.uniform() < 0.25f;
-      const float value = random.uniform(control.minimum, control.maximum);
-      controls.push_back(on ? value : control.rest);
-    }
+    Random random = open_stream(seed, Stream::quantisation_poses, i);
+    const std::vector<float> pose = random_pose(poses.source().schema(), 0.25f, random);
+    controls.insert(controls.end(), pose.begin(), pose.end());
   }
   return controls;
 }

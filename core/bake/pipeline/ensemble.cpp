@@ -11,6 +11,7 @@
 #include "bake/regions/local_basis.h"
 #include "bake/regions/residual.h"
 #include "bake/train/trainer.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 namespace {
@@ -61,7 +62,7 @@ TrainEnsemble network_ensemble(std::uint64_t seed, const Parallel& parallel, Pro
       plan.learning_rate = 4e-3f;
       plan.output_scaling = 0.75f;
       plan.epochs = std::max<std::uint32_t>(1, training_steps * plan.batch / static_cast<std::uint32_t>(poses.size()));
-      plan.seed = seed + 2 * round + n;
+      plan.seed = seed_of(seed, Stream::ensemble_networks, networks.size() * round + n);
       plan.parallel = parallel;
       networks[n] =
           train_layers(training_set(poses.size(), schema.control_count(), outputs, inputs, basis.coefficients), plan,

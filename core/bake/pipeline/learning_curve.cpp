@@ -7,8 +7,8 @@
 #include "bake/measure/evaluate.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/sampling/coverage.h"
-#include "bake/sampling/pose_generators.h"
 #include "base/output_lock.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {

@@ -13,6 +13,7 @@
 #include "bake/measure/verify.h"
 #include "bake/rig/about.h"
 #include "bake/rig/given_sockets.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -34,9 +35,8 @@ class Repacker {
  public:
   Repacker(const archive::Archive& face, std::uint64_t seed, Progress& progress)
       : face_(&face), exact_(exact_frames(face.model)), seed_(seed), progress_(&progress) {
-    constexpr std::uint64_t other_seed = 0x9e3779b9;  // poses besides the archive's reference poses
     poses_ = make_proof(face.model, seed).controls;
-    const std::vector<float> more = make_proof(face.model, seed ^ other_seed).controls;
+    const std::vector<float> more = make_proof(face.model, seed_of(seed, Stream::repacked_poses)).controls;
     poses_.insert(poses_.end(), more.begin(), more.end());
     progress.begin("repacking", candidates);
   }

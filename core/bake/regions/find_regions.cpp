@@ -8,6 +8,7 @@
 
 #include "bake/regions/surface_graph.h"
 #include "bake/regions/weighted_kmeans.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -119,7 +120,7 @@ std::vector<std::uint32_t> cluster_vertices(const Mesh& rest, const ResidualMoti
       weighted_kmeans(features, width, weights,
                       {.clusters = options.regions ? options.regions : region_count(motion, options.motion_threshold),
                        .min_cluster_size = min_component_vertices,
-                       .seed = options.seed});
+                       .seed = seed_of(options.seed, Stream::regions)});
   for (std::size_t i = 0; i < moved.size(); ++i) labels[moved[i]] = found[i];
   return labels;
 }

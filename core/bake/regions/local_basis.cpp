@@ -9,7 +9,7 @@
 
 #include "bake/linalg/eigen_decomposition.h"
 #include "bake/linalg/gemm.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -21,7 +21,6 @@ constexpr std::size_t task_poses = 64;      // projected by one worker at a time
 constexpr std::size_t task_vertices = 192;  // whose products one worker sums at a time
 constexpr std::size_t oversampling = 32;    // directions searched beyond max_components
 constexpr std::size_t count_step = 8;       // resolution of the number of components
-constexpr std::uint64_t seed = 0x10ca1;
 
 // Poses read at a time: at most 64 MiB.
 std::size_t poses_per_read(std::size_t rows) {
@@ -111,7 +110,7 @@ void random_projection(const PoseRows& poses, std::size_t width, std::vector<Reg
              [&](std::size_t first, std::size_t count, const float* values) {
                std::vector<float> factors(count * width);
                for (std::size_t i = 0; i < count; ++i) {
-                 Random random(seed, first + i);
+                 Random random = open_stream(0, Stream::local_basis, first + i);
                  for (std::size_t k = 0; k < width; ++k) factors[i * width + k] = random.normal();
                }
                add_products(parallel, subspaces, poses.rows(), count, values,

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bake/linalg/gemm.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 namespace {
@@ -140,7 +140,7 @@ std::vector<std::uint32_t> weighted_kmeans(std::span<const float> points, std::s
   Clustering best;
   best.labels.assign(input.count(), 0);
   for (std::size_t start = 0; start < options.restarts; ++start) {
-    Random random(options.seed, start);
+    Random random = open_stream(options.seed, Stream::cluster_starts, start);
     Clustering clustering;
     clustering.labels.assign(input.count(), UINT32_MAX);
     clustering.centres = initial_centres(input, options.clusters, random);

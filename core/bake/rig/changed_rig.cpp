@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -105,7 +105,7 @@ void check_rig_unchanged(RigEvaluator& rig, std::uint64_t seed, const std::files
   EvaluationCache* const cache = rig.cache();
   if (!cache || cache->record_count() == 0) return;
   const std::uint64_t count = cache->record_count(), poses = std::min<std::uint64_t>(count, poses_checked);
-  Random random(seed, count);
+  Random random = open_stream(seed, Stream::unchanged_rig, count);
   std::vector<std::uint64_t> records;
   for (std::uint64_t i = 0; i < poses; ++i) {
     const std::uint64_t first = i * count / poses, end = (i + 1) * count / poses;

@@ -10,7 +10,7 @@
 #include "bake/rig/changed_rig.h"
 #include "base/file.h"
 #include "base/output_lock.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 #include "base/status.h"
 
@@ -142,7 +142,7 @@ std::vector<std::size_t> ReuseCheck::sample() const {
   std::vector<std::size_t> poses;
   for (std::size_t pose = 0; pose < records_.size(); ++pose)
     if (kept_[pose] && !asked_.contains(pose)) poses.push_back(pose);
-  Random random(seed_, asked_.size());
+  Random random = open_stream(seed_, Stream::reused_evaluations, asked_.size());
   for (std::size_t i = poses.size(); i > 1; --i)
     std::swap(poses[i - 1], poses[random.below(static_cast<std::uint32_t>(i))]);
   std::ranges::stable_sort(poses, {}, [&](std::size_t pose) { return active_[pose]; });

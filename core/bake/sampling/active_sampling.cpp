@@ -12,6 +12,7 @@
 #include "bake/sampling/pose_plan.h"
 #include "base/hash.h"
 #include "base/output_lock.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -193,7 +194,7 @@ SampleReport sample_actively(RigEvaluator& rig, const SamplingOptions& options, 
     if (count == 0) continue;
     DatasetSource recorded(directory);  // whose lock is this call's
     if (is_recorded(recorded, name, count, directory)) continue;
-    const std::uint64_t seed = open_stream(options.seed, Stream::choice, round + 1).next();
+    const std::uint64_t seed = seed_of(options.seed, Stream::sampling_rounds, round);
     const std::vector<float> pool = draw_candidates(rig.schema(), responses(), options, seed, count * active.pool);
     const std::vector<std::uint32_t> selected =
         select_poses(rig.schema(), pool, count, active.random_share, ensemble(recorded, round), seed);

@@ -7,32 +7,10 @@
 #include <vector>
 
 #include "bake/sampling/control_responses.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "model/rig_schema.h"
 
 namespace fb::bake {
-
-// Uses of the seed: each use has random streams of its own, one for each item.
-enum class Stream : std::uint64_t {
-  regional = 1,
-  calisthenics,
-  dense,
-  heavy,
-  random_15,
-  random_35,
-  synthetic_shots,
-  validation,
-  performances,
-  candidates,
-  choice,
-  learning_curve,
-  amplitude,
-  examples,
-};
-
-inline Random open_stream(std::uint64_t seed, Stream use, std::uint64_t item) {
-  return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
-}
 
 // One control active at a time: first what is answered, the ends of all ranges and both sides of jumps, then half of
 // the poses spread evenly over each range, the other half where chords between the poses so far differ most from the

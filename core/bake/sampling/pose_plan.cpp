@@ -4,6 +4,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/pose_plan.h"
+#include "base/random_streams.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -203,7 +204,7 @@ std::vector<float> draw_candidates(const RigSchema& schema, const ControlRespons
   for (const MixPart& part : mix_of(options))
     if (part.kind != ClipKind::excitation && part.kind != ClipKind::calisthenics) parts.push_back(part);
   PosePlan plan;
-  add_parts(plan, parts, schema, responses, options, open_stream(seed, Stream::candidates, 0).next(), poses, 0);
+  add_parts(plan, parts, schema, responses, options, seed_of(seed, Stream::candidates), poses, 0);
   std::vector<float> all;
   for (const Clip& clip : plan) all.insert(all.end(), clip.controls.begin(), clip.controls.end());
   return all;

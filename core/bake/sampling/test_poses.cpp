@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "bake/rig/random_pose.h"
 #include "bake/sampling/pose_generators.h"
 #include "bake/sampling/sampling.h"
 
@@ -11,11 +12,8 @@ std::vector<float> random_poses(const RigSchema& schema, std::uint64_t seed, Str
   std::vector<float> all;
   for (std::size_t i = 0; i < poses; ++i) {
     Random random = open_stream(seed, use, i);
-    for (const Control& control : schema.controls) {
-      const bool on = random.uniform() < probability;
-      const float value = random.uniform(control.minimum, control.maximum);
-      all.push_back(on ? std::clamp(value, control.minimum, control.maximum) : control.rest);
-    }
+    const std::vector<float> pose = random_pose(schema, probability, random);
+    all.insert(all.end(), pose.begin(), pose.end());
   }
   return all;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bake/linalg/kernels.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 
@@ -58,7 +58,7 @@ std::vector<float> initial_parameters(const NetworkShape& shape, float residual_
   std::vector<float> parameters(shape.parameters);
   for (std::size_t l = 0; l + 1 < shape.layers.size(); ++l) {
     const LayerShape& layer = shape.layers[l];
-    Random random(seed, l);
+    Random random = open_stream(seed, Stream::network_weights, l);
     const float gain = layer.activation == Activation::tanh ? 1.0f : 2.0f;
     const float deviation = std::sqrt(gain / layer.inputs) * (layer.skip ? residual_init_scale : 1.0f);
     for (std::size_t i = 0; i < layer.inputs * layer.outputs; ++i)

@@ -10,7 +10,7 @@
 #include "bake/train/loss_weights.h"
 #include "bake/train/optimiser.h"
 #include "base/hash.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -81,7 +81,7 @@ TrainingSet of_gathered(TrainingSet set, std::span<const float> features) {
 
 // The order of poses in an epoch: a Fisher-Yates shuffle with a random stream of its own.
 void shuffle(std::vector<std::uint32_t>& order, std::uint64_t seed, std::uint64_t epoch) {
-  Random random(seed, 0x10000 + epoch);
+  Random random = open_stream(seed, Stream::pose_order, epoch);
   for (std::size_t i = order.size(); i > 1; --i)
     std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
 }

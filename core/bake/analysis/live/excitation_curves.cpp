@@ -5,7 +5,7 @@
 
 #include "bake/analysis/blendshape_parts.h"
 #include "bake/analysis/curve_jumps.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -204,7 +204,7 @@ std::vector<double> validate_curves(RigEvaluator& rig, const std::vector<Control
   for (std::size_t c = 0; c < curves.size(); ++c)
     for (const bool up : {true, false}) {
       if (!has_side(schema.controls[c], up)) continue;
-      Random random(seed, std::uint64_t{9} << 48 | (2 * c + up));
+      Random random = open_stream(seed, Stream::curve_validation, 2 * c + up);
       for (int k = 0; k < draws; ++k) {
         const double position = 0.02 + 0.96 * random.uniform();
         drawn.push_back({c, up ? position : -position});

@@ -5,7 +5,8 @@
 #include <numeric>
 
 #include "bake/analysis/blendshape_parts.h"
-#include "base/random.h"
+#include "bake/rig/random_pose.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -15,24 +16,13 @@ namespace {
 // of 1.1e-7. add_missed_correctives looks for what so few do not show.
 constexpr std::size_t most_probing_rounds = 16;
 
-// Uses of the seed, one random stream for each item of a use.
-enum class Draw : std::uint64_t { order = 1, pose = 2, difference = 3 };
-
-Random open_stream(std::uint64_t seed, Draw use, std::uint64_t item) {
-  return Random(seed, static_cast<std::uint64_t>(use) << 48 | item);
-}
-
-float draw_value(const Control& control, Random& random) {
-  return std::clamp(random.uniform(control.minimum, control.maximum), control.minimum, control.maximum);
-}
-
 // In every round, each control in random order, `per_pose` of them sharing a pose.
 std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uint64_t seed, std::size_t rounds,
                                                std::size_t per_pose) {
   const std::size_t width = schema.control_count(), poses = (width + per_pose - 1) / per_pose;
   std::vector<FiniteDifference> differences;
   for (std::size_t round = 0; round < rounds; ++round) {
-    Random random = open_stream(seed, Draw::order, round);
+    Random random = open_stream(seed, Stream::difference_order, round);
     std::vector<std::uint32_t> order(width);
     std::iota(order.begin(), order.end(), 0u);
     for (std::size_t i = width; i > 1; --i) std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
@@ -40,8 +30,8 @@ std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uin
       FiniteDifference& difference = differences.emplace_back();
       difference.pose = static_cast<std::uint32_t>(round * poses + i / per_pose);
       difference.control = order[i];
-      Random value = open_stream(seed, Draw::difference, round * width + order[i]);
-      difference.value = draw_value(schema.controls[order[i]], value);
+      Random value = open_stream(seed, Stream::difference_values, round * width + order[i]);
+      difference.value = random_value(schema.controls[order[i]], value);
     }
   }
   return differences;
@@ -50,13 +40,10 @@ std::vector<FiniteDifference> plan_differences(const RigSchema& schema, std::uin
 std::vector<float> draw_dense_poses(const RigSchema& schema, std::uint64_t seed, std::size_t poses) {
   std::vector<float> controls;
   for (std::size_t p = 0; p < poses; ++p) {
-    Random random = open_stream(seed, Draw::pose, p);
+    Random random = open_stream(seed, Stream::difference_poses, p);
     const float density = random.uniform(0.1f, 0.5f);
-    for (const Control& control : schema.controls) {
-      const bool on = random.uniform() < density;
-      const float value = draw_value(control, random);
-      controls.push_back(on ? value : control.rest);
-    }
+    const std::vector<float> pose = random_pose(schema, density, random);
+    controls.insert(controls.end(), pose.begin(), pose.end());
   }
   return controls;
 }

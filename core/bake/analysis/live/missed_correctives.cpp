@@ -5,7 +5,7 @@
 
 #include "bake/analysis/activation_curve.h"
 #include "bake/analysis/live/pose_reduction.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -97,7 +97,7 @@ class MissedCorrectives {
     const std::size_t count = std::min(poses_per_control * rig_.rest_pose().size(), most_poses);
     std::vector<std::vector<float>> poses;
     for (std::size_t i = 0; i < 2 * count; ++i) {
-      const Random random(options_.seed, std::uint64_t{12} << 48 | (2 * most_poses * rounds_ + i));
+      const Random random = open_stream(options_.seed, Stream::missed_correctives, 2 * most_poses * rounds_ + i);
       poses.push_back(i < count ? dense_pose(random) : sparse_pose(random));
     }
     return poses;

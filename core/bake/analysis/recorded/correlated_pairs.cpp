@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "bake/linalg/gemm.h"
-#include "base/random.h"
+#include "base/random_streams.h"
 
 namespace fb::bake {
 namespace {
@@ -16,7 +16,7 @@ constexpr Eigen::Index fewest_poses = 8;  // with both controls active, for a pa
 std::vector<float> draw_projection(std::size_t size, std::uint64_t seed) {
   std::vector<float> projection(size * sketch_width);
   for (std::size_t i = 0; i < size; ++i) {
-    Random random(seed, std::uint64_t{11} << 48 | i);
+    Random random = open_stream(seed, Stream::pair_projection, i);
     for (std::size_t k = 0; k < sketch_width; ++k) projection[k * size + i] = random.normal();
   }
   return projection;
