@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "bake/rig/evaluation_backend.h"
-
 namespace fb::bake {
 namespace {
 
@@ -12,9 +10,9 @@ constexpr std::size_t stretch_frames = 32;
 
 }  // namespace
 
-LimitedClips::LimitedClips(std::unique_ptr<Source> source, std::uint64_t frames) : source_(std::move(source)) {
+LimitedClips::LimitedClips(std::unique_ptr<Source> source, std::uint64_t frames) : SourceDecorator(std::move(source)) {
   if (frames == 0) fail(Status::invalid_argument, "a clip budget of no frames");
-  const std::vector<Clip>& clips = source_->clips();
+  const std::vector<Clip>& clips = this->source().clips();
   std::size_t all[3] = {}, before[3] = {};
   const auto split_of = [](const Clip& clip) { return static_cast<std::size_t>(clip.split); };
   for (const Clip& clip : clips) all[split_of(clip)] += clip.frames;
@@ -31,7 +29,7 @@ LimitedClips::LimitedClips(std::unique_ptr<Source> source, std::uint64_t frames)
 }
 
 void LimitedClips::add(std::size_t clip, std::size_t first, std::size_t count) {
-  const Clip& whole = source_->clips()[clip];
+  const Clip& whole = source().clips()[clip];
   Clip& part = clips_.emplace_back(whole);
   origins_.push_back({clip, first});
   if (count == whole.frames) return;
@@ -43,7 +41,7 @@ void LimitedClips::add(std::size_t clip, std::size_t first, std::size_t count) {
 
 void LimitedClips::add_stretches(std::size_t clip, std::size_t frames) {
   if (frames == 0) return;
-  const std::size_t all = source_->clips()[clip].frames, count = (frames + stretch_frames / 2) / stretch_frames;
+  const std::size_t all = source().clips()[clip].frames, count = (frames + stretch_frames / 2) / stretch_frames;
   const std::size_t stretches = std::max<std::size_t>(1, count);
   for (std::size_t s = 0; s < stretches; ++s) {
     const std::size_t length = frames * (s + 1) / stretches - frames * s / stretches;
@@ -54,11 +52,7 @@ void LimitedClips::add_stretches(std::size_t clip, std::size_t frames) {
 
 void LimitedClips::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
   frames_of(clips_.at(clip), first, count, schema().control_count());
-  source_->read(origins_[clip].clip, origins_[clip].frame + first, count, points);
-}
-
-std::unique_ptr<EvaluationBackend> LimitedClips::make_backend(const Parallel& parallel) {
-  return source_->make_backend(parallel);
+  source().read(origins_[clip].clip, origins_[clip].frame + first, count, points);
 }
 
 }  // namespace fb::bake

@@ -55,7 +55,7 @@ RigEvaluator::RigEvaluator(Source& source, const Parallel& parallel, const std::
 
 RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel,
                            const std::filesystem::path& cache)
-    : source_(source),
+    : SourceDecorator(source),
       parallel_(parallel),
       backend_(std::move(backend)),
       rest_pose_(source.schema().rest_pose()),
@@ -66,7 +66,7 @@ RigEvaluator::RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> ba
 }
 
 void RigEvaluator::spend(std::span<const float> controls, std::size_t poses) {
-  if (!source_.live()) return;
+  if (!source().live()) return;
   const std::size_t width = rest_pose_.size();
   const std::lock_guard lock(requesting_);
   std::vector<std::uint64_t> fresh;
@@ -112,7 +112,7 @@ std::uint64_t RigEvaluator::remaining() const {
 }
 
 std::size_t RigEvaluator::block_poses() const {
-  if (!parallel_.progress || !source_.live()) return SIZE_MAX;
+  if (!parallel_.progress || !source().live()) return SIZE_MAX;
   const double seconds = pose_seconds_, poses = seconds > 0 ? std::min(backend_->block_seconds() / seconds, 1e6) : 0;
   return std::max(static_cast<std::size_t>(poses), backend_->least_poses());
 }
@@ -127,9 +127,9 @@ void RigEvaluator::run_block(const EvaluationBlock& block) {
 }
 
 void RigEvaluator::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  if (source_.recorded(clip)) {
-    if (source_.live()) frames_read_ += count;
-    source_.read(clip, first, count, points);
+  if (source().recorded(clip)) {
+    if (source().live()) frames_read_ += count;
+    source().read(clip, first, count, points);
     if (parallel_.progress) parallel_.progress->ask();
     return;
   }

@@ -18,7 +18,7 @@
 
 #include "bake/rig/evaluation_backend.h"
 #include "bake/rig/evaluation_cache.h"
-#include "bake/rig/source.h"
+#include "bake/rig/source_decorator.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 
@@ -81,7 +81,7 @@ struct CacheLimit {
 //
 // `read`, `evaluate` and what evaluates apart may be called by several threads if the source is thread-safe; the others
 // by one.
-class RigEvaluator final : public Source {
+class RigEvaluator final : public SourceDecorator {
  public:
   // Evaluates by the source's own backend. `source` must outlive this. `cache`: file for evaluations, see
   // evaluate_cached; empty: none.
@@ -89,19 +89,11 @@ class RigEvaluator final : public Source {
   RigEvaluator(Source& source, std::unique_ptr<EvaluationBackend> backend, const Parallel& parallel = {},
                const std::filesystem::path& cache = {});
 
-  const RigSchema& schema() const override { return source_.schema(); }
-  const Mesh& rest() const override { return source_.rest(); }
-  const Character& character() const override { return source_.character(); }
-  const std::vector<Clip>& clips() const override { return source_.clips(); }
-  bool readable(std::size_t clip) const override { return source_.readable(clip); }
-  std::vector<std::string> notes() const override { return source_.notes(); }
-  bool live() const override { return source_.live(); }
-  bool thread_safe() const override { return source_.thread_safe(); }
-  std::size_t preferred_block() const override { return source_.preferred_block(); }
-  std::string version() const override { return source_.version(); }
-  std::uint64_t program_hash() const override { return source_.program_hash(); }
-  bool recorded(std::size_t clip) const override { return source_.recorded(clip); }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  // Evaluates by this one, so that its poses are counted.
+  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override {
+    return Source::make_backend(parallel);
+  }
 
   // Evaluates every pose, whatever the cache holds. Fails with invalid_argument, evaluating nothing, if a budget does
   // not allow for the poses.
@@ -177,7 +169,6 @@ class RigEvaluator final : public Source {
   void evaluate_missing(std::span<const float> controls, std::span<const std::size_t> missing, std::span<float> points,
                         Keep keep);
 
-  Source& source_;
   const Parallel parallel_;
   const std::unique_ptr<EvaluationBackend> backend_;
   std::mutex caching_;  // of the cache, and of how long missing poses take

@@ -62,30 +62,29 @@ PackedModel scaled(PackedModel face, int exponent) {
 }
 
 ScaledSource::ScaledSource(Source& source, int exponent)
-    : source_(source),
+    : SourceDecorator(source),
       exponent_(exponent),
       schema_(scaled(source.schema(), exponent)),
       rest_(scaled(source.rest(), exponent)) {}
 
 ScaledSource::ScaledSource(std::unique_ptr<Source> source, int exponent)
-    : owned_(std::move(source)),
-      source_(*owned_),
+    : SourceDecorator(std::move(source)),
       exponent_(exponent),
-      schema_(scaled(source_.schema(), exponent)),
-      rest_(scaled(source_.rest(), exponent)) {}
+      schema_(scaled(this->source().schema(), exponent)),
+      rest_(scaled(this->source().rest(), exponent)) {}
 
 void ScaledSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  source_.read(clip, first, count, points);
+  source().read(clip, first, count, points);
   scale(points, exponent_);
 }
 
 void ScaledSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  source_.evaluate(controls, count, points);
+  source().evaluate(controls, count, points);
   scale(points, exponent_);
 }
 
 std::unique_ptr<EvaluationBackend> ScaledSource::make_backend(const Parallel& parallel) {
-  return std::make_unique<ScaledBackend>(source_.make_backend(parallel), exponent_);
+  return std::make_unique<ScaledBackend>(source().make_backend(parallel), exponent_);
 }
 
 }  // namespace fb::bake

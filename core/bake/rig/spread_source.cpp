@@ -95,19 +95,19 @@ void SpreadBackend::take_points(const fb_pose_block& from, std::span<const float
 }  // namespace
 
 SpreadSource::SpreadSource(Source& source, const fb_spreader& spreader, std::shared_ptr<const void> owner)
-    : owner_(std::move(owner)), source_(source), spreader_(spreader) {
+    : SourceDecorator(source), owner_(std::move(owner)), spreader_(spreader) {
   if (!source.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: there is nothing to spread", source.schema().name.c_str());
 }
 
 void SpreadSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  if (source_.recorded(clip)) return source_.read(clip, first, count, points);
+  if (source().recorded(clip)) return source().read(clip, first, count, points);
   evaluate_clip(*this, clip, first, count, points);
 }
 
 void SpreadSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
   std::vector<char> answered(count);
-  SpreadBackend(source_, spreader_, nullptr).evaluate_block({controls, count, points, answered});
+  SpreadBackend(source(), spreader_, nullptr).evaluate_block({controls, count, points, answered});
 }
 
 std::size_t SpreadSource::preferred_block() const {
@@ -115,7 +115,7 @@ std::size_t SpreadSource::preferred_block() const {
 }
 
 std::unique_ptr<EvaluationBackend> SpreadSource::make_backend(const Parallel& parallel) {
-  return std::make_unique<SpreadBackend>(source_, spreader_, parallel.progress);
+  return std::make_unique<SpreadBackend>(source(), spreader_, parallel.progress);
 }
 
 }  // namespace fb::bake
