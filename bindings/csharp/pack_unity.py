@@ -89,7 +89,7 @@ def pack(package: pathlib.Path, libraries: engine_package.Libraries) -> None:
     for source in sorted((HERE / "runtime").glob("*.cs")):
         shutil.copy(source, package / "Runtime" / source.name)
     headers = ROOT / "capi" / "include" / "facebaker"
-    interop = generate_interop.Writer(generate_interop.read_headers(headers)).lines()
+    interop = generate_interop.interop_lines(headers)
     (package / "Runtime" / "NativeInterop.cs").write_text("\n".join(interop) + "\n", encoding="utf-8")
     version = (ROOT / "VERSION").read_text(encoding="utf-8").strip()
     manifest = (HERE / "unity" / "package.json.in").read_text(encoding="utf-8").replace("@VERSION@", version)

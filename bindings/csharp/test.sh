@@ -29,16 +29,15 @@ cp "$build/lib/engines/libfacebaker.so" "$work/"
 link="-L$work -lfacebaker -Wl,-rpath,\$ORIGIN"
 cc="${CC:-cc} -std=c99 -Wall -Wextra -Werror -O2 -Icapi/include"
 
-python3 $package/generate_interop.py --headers capi/include/facebaker --out "$work/NativeInterop.cs" \
-  --layout-program "$work/layout.c"
+python3 $package/generate_interop.py --headers capi/include/facebaker --out "$work/NativeInterop.cs"
 $compile -target:library -out:"$work/FaceBaker.dll" -doc:"$work/FaceBaker.xml" $package/runtime/*.cs "$work/NativeInterop.cs"
 $compile -r:"$work/FaceBaker.dll" -out:"$work/layouts.exe" $package/tests/PrintLayouts.cs
 tests="$package/tests/CheckMain.cs $package/tests/LoadTests.cs $package/tests/PoseTests.cs $package/tests/BatchTests.cs
   $package/tests/LifetimeTests.cs $package/tests/RenderTests.cs $package/tests/CostTests.cs"
 $compile -r:"$work/FaceBaker.dll" -out:"$work/tests.exe" $tests
 
-$cc "$work/layout.c" -o "$work/layout"
-"$work/layout" | sort > "$work/c.layout"
+python3 bindings/headers/struct_layouts.py list "$work/layouts"
+sort "$work/layouts" > "$work/c.layout"
 mono "$work/layouts.exe" | sort > "$work/mono.layout"
 diff "$work/c.layout" "$work/mono.layout"
 echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C compiler"

@@ -4,8 +4,8 @@ using System.Runtime.InteropServices;
 
 namespace FaceBaker.Tests
 {
-    /// <summary>Prints the size and offsets of every struct that is generated from the headers, as the program that the
-    /// generator makes for the C compiler does.</summary>
+    /// <summary>Prints the size and offsets of every struct that is generated from the headers, as
+    /// bindings/headers/struct_layouts.py lists them.</summary>
     internal static class PrintLayouts
     {
         public static int Main()
