@@ -11,18 +11,17 @@ import contextlib
 import json
 import os
 import pathlib
-from ctypes import byref, c_double, c_void_p, sizeof
+from ctypes import byref, c_char_p, c_double, c_void_p, cast, sizeof
 from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
 
-import numpy as np
-
-from . import _bake_structs as b
+from . import _interop as abi
 from ._archive import AnyArchive, Archive
 from ._arrays import floats
-from ._bake_library import library
 from ._calls import Call, Note, c_strings, path_bytes, text_bytes
 from ._character import About, Socket
 from ._fields import socket_fields
+from ._library import assign
+from ._library import bake_library as library
 from ._progress import Progress
 from ._results import (
     USES, BakeResult, CheckResult, CompareResult, EvalResult, PackResult, PlanResult, Result, SampleResult, VerifyResult,
@@ -30,7 +29,6 @@ from ._results import (
 from ._rig import SPLITS, Clip
 from ._rig_struct import clip_struct
 from ._source import AnySource, Place, Source
-from ._structs import assign, filled
 
 _MEASURES = ("quality", "locality")
 
@@ -63,7 +61,7 @@ def sample(
     asked for at most in order to learn; 0: no limit. shots: also the rig's own clips. clips: more clips to evaluate,
     without positions. skip_failing: puts the rest pose in the place of drawn poses that fail. examples: files of control
     curves near which poses are sampled."""
-    desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
+    desc = library.filled(abi.fb_sample_desc)
     assign(desc, threads=threads, poses=poses, seed=seed, rig_budget=rig_budget)
     assign(desc, shots=shots, skip_failing=skip_failing)
     _set_plan(desc, folder, mix, examples)
@@ -91,7 +89,7 @@ def plan(
     source: as for bake, or the path of a schema: a .json file like dataset.json that needs neither rest mesh nor clips,
     and takes no `clips` here. Other options are those of sample; of a source without test clips, a fifth of `poses`, at
     most 2,000, come on top to measure on."""
-    desc = filled(b.SampleDesc, library.fb_sample_desc_fill)
+    desc = library.filled(abi.fb_sample_desc)
     assign(desc, threads=threads, poses=poses, seed=seed, shots=shots)
     _set_plan(desc, folder, mix, examples)
     if isinstance(source, (str, os.PathLike)) and pathlib.Path(source).suffix.lower() == ".json":
@@ -107,7 +105,7 @@ def plan(
 def check(folder: Place, *, threads: int = 0, progress: Progress = None, note: Note = None) -> CheckResult:
     """Reads a dataset folder, all of its points included, and finds everything that is wrong with it, and what its poses
     cover. Faults are no exception: see the result."""
-    desc = filled(b.CheckDesc, library.fb_check_desc_fill)
+    desc = library.filled(abi.fb_check_desc)
     desc.directory = path_bytes(folder)
     assign(desc, threads=threads)
     with Call(progress, note) as call:
@@ -161,7 +159,7 @@ def bake(
     4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail: a square PNG. exact:
     poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by their share;
     level_meshes: as files. threads: 0: all."""
-    desc = filled(b.BakeDesc, library.fb_bake_desc_fill)
+    desc = library.filled(abi.fb_bake_desc)
     desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
     desc.use, desc.measure = _number(USES, use, "use"), _measures(measure)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed, force=force)
@@ -194,7 +192,7 @@ def compare(
 ) -> CompareResult:
     """Bakes several recipes on the same poses and measures them on the same clips. Options are those of bake; work: None:
     a temporary folder."""
-    desc = filled(b.CompareDesc, library.fb_compare_desc_fill)
+    desc = library.filled(abi.fb_compare_desc)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed)
     assign(desc, learning_curve=learning_curve)
     desc.methods, desc.method_count = c_strings([text_bytes(method) for method in methods])
@@ -217,9 +215,9 @@ def evaluate(
     is what the tool calls eval; to pose a face, see Face.evaluate.
 
     archive: a path, bytes or a Face. source: of the same face, as for bake. measure: as for bake."""
-    desc = filled(b.EvalDesc, library.fb_eval_desc_fill)
+    desc = library.filled(abi.fb_eval_desc)
     assign(desc, threads=threads, measure=_measures(measure))
-    desc.split = -1 if split == "all" else _number(SPLITS, split, "split")
+    desc.split = abi.FB_SPLIT_ALL if split == "all" else _number(SPLITS, split, "split")
     opened_archive = Archive(archive)
     desc.archive = opened_archive.handle
     report, notes = _run(library.fb_eval, desc, source, progress, note)
@@ -265,10 +263,10 @@ def pack(
     archive: a path, or bytes. out: the .fbk to write, which may be the same; None: the result has the bytes. max_bytes,
     max_error, force: as for bake, where errors are displacements. licence, about, thumbnail: in place of the archive's;
     None: kept. sockets: added, or in place of those of the same names."""
-    desc = filled(b.PackDesc, library.fb_pack_desc_fill)
+    desc = library.filled(abi.fb_pack_desc)
     assign(desc, force=force, seed=seed, max_bytes=max_bytes, max_error=max_error)
     if isinstance(archive, bytes):
-        desc.bytes, desc.byte_count = archive, len(archive)
+        desc.bytes, desc.byte_count = cast(c_char_p(archive), c_void_p), len(archive)
     else:
         desc.path = path_bytes(archive)
     desc.out, desc.licence = _optional_path(out), _optional_text(licence)
@@ -313,20 +311,20 @@ def _reported(call: Call, function: Any, *arguments: Any, rig: Any = None) -> c_
     return report
 
 
-def _set_plan(desc: b.SampleDesc, folder: Place, mix: str, examples: Sequence[Place]) -> None:
+def _set_plan(desc: abi.fb_sample_desc, folder: Place, mix: str, examples: Sequence[Place]) -> None:
     desc.directory, desc.mix = path_bytes(folder), text_bytes(mix)
     desc.examples, desc.example_count = _paths(examples)
 
 
 def _run_planned(
-    function: Any, desc: b.SampleDesc, source: AnySource, clips: Sequence[Clip], progress: Progress, note: Note
+    function: Any, desc: abi.fb_sample_desc, source: AnySource, clips: Sequence[Clip], progress: Progress, note: Note
 ) -> Tuple[c_void_p, List[str]]:
     """As _run, for calls that plan poses and take clips besides."""
     kept: List[Any] = []  # until the call is over
     with _opened(source, progress, note) as (opened, call):
         structs = [clip_struct(_planned(clip, opened), kept) for clip in clips]
-        desc.clips, desc.clip_count = (b.RigClipStruct * len(structs))(*structs), len(structs)
-        desc.clip_stride = sizeof(b.RigClipStruct)
+        desc.clips, desc.clip_count = (abi.fb_rig_clip * len(structs))(*structs), len(structs)
+        desc.clip_stride = sizeof(abi.fb_rig_clip)
         desc.source, desc.callbacks = opened.handle, call.callbacks
         return _reported(call, function, desc, rig=opened.host_rig), call.notes
 
@@ -337,7 +335,7 @@ def _planned(clip: Clip, source: Source) -> Clip:
     return Clip(clip.name, controls, clip.kind, clip.split, clip.fps)
 
 
-def _set_levels(desc: b.BakeDesc, shares: Sequence[float], meshes: Sequence[Place]) -> None:
+def _set_levels(desc: abi.fb_bake_desc, shares: Sequence[float], meshes: Sequence[Place]) -> None:
     desc.level_meshes, desc.level_mesh_count = _paths(meshes)
     desc.level_shares, desc.level_share_count = (c_double * len(shares))(*shares), len(shares)
 
@@ -346,7 +344,7 @@ def _set_texts(desc: Any, about: Optional[About], thumbnail: Optional[bytes]) ->
     if about is not None:
         desc.about = json.dumps(about).encode()
     if thumbnail is not None:
-        desc.thumbnail, desc.thumbnail_bytes = np.frombuffer(thumbnail, np.uint8).ctypes.data, len(thumbnail)
+        desc.thumbnail, desc.thumbnail_bytes = cast(c_char_p(thumbnail), c_void_p), len(thumbnail)
 
 
 def _number(words: Sequence[str], word: str, what: str) -> int:

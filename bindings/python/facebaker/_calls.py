@@ -8,9 +8,9 @@ import threading
 from ctypes import c_char_p
 from typing import Any, Callable, List, Optional, Sequence, Tuple
 
-from ._bake_library import library
-from ._bake_structs import CallbacksStruct, NoteFunction, ProgressFunction
+from . import _interop as abi
 from ._errors import RigError
+from ._library import bake_library as library
 from ._progress import Progress, close_progress, shown_progress
 
 Note = Optional[Callable[[str], Any]]
@@ -30,7 +30,9 @@ class Call:
         self._raised: Optional[BaseException] = None
         self._handler: Any = None
         self.notes: List[str] = []
-        self.callbacks = CallbacksStruct(None, ProgressFunction(self._on_progress), NoteFunction(self._on_note))
+        self.callbacks = abi.fb_callbacks(
+            None, abi.fb_callbacks_progress(self._on_progress), abi.fb_callbacks_note(self._on_note)
+        )
 
     def __enter__(self) -> "Call":
         if threading.current_thread() is threading.main_thread():

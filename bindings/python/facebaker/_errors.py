@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Dict, Type
 
+from . import _interop as abi
+
 
 class Error(Exception):
     """A call that failed; the text is the library's sentence, which names what is wrong and where.
@@ -72,17 +74,17 @@ class InternalError(Error):
 
 
 STATUS_ERRORS: Dict[int, Type[Error]] = {
-    1: InvalidArgumentError,
-    2: NotFoundError,
-    3: FileError,
-    4: NotAnArchiveError,
-    5: CorruptError,
-    6: UnsupportedError,
-    7: LimitError,
-    8: OutOfMemoryError,
-    9: NotFiniteError,
-    10: BadDataError,
-    11: RigError,
-    12: StoppedError,
-    13: InternalError,
+    abi.FB_ERROR_INVALID_ARGUMENT: InvalidArgumentError,
+    abi.FB_ERROR_NOT_FOUND: NotFoundError,
+    abi.FB_ERROR_IO: FileError,
+    abi.FB_ERROR_NOT_AN_ARCHIVE: NotAnArchiveError,
+    abi.FB_ERROR_CORRUPT: CorruptError,
+    abi.FB_ERROR_UNSUPPORTED: UnsupportedError,
+    abi.FB_ERROR_LIMIT: LimitError,
+    abi.FB_ERROR_OUT_OF_MEMORY: OutOfMemoryError,
+    abi.FB_ERROR_NOT_FINITE: NotFiniteError,
+    abi.FB_ERROR_BAD_DATA: BadDataError,
+    abi.FB_ERROR_RIG: RigError,
+    abi.FB_ERROR_INTERRUPTED: StoppedError,
+    abi.FB_ERROR_INTERNAL: InternalError,
 }

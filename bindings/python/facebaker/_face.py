@@ -6,7 +6,7 @@ import collections.abc
 import ctypes
 import difflib
 import os
-from ctypes import byref, c_void_p
+from ctypes import POINTER, byref, c_float, c_void_p
 from typing import IO, Any, Callable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from ._arrays import ArrayLike, Floats, Indices
 from ._face_contents import FaceContents
-from ._library import check, library
-from ._structs import BatchDesc, LoadDesc, LogFunction, RowBlockStruct, assign, filled
+from ._interop import fb_batch_desc, fb_load_desc, fb_log, fb_row_block
+from ._library import assign, check, library
 
 Controls = Union[ArrayLike, Mapping[str, float]]
 
@@ -49,11 +49,11 @@ def load(
     decode the basis, at most; 0: as many as OpenMP would use. note: called
     with sentences about what is odd but no error. Raises NotFoundError, FileError, NotAnArchiveError, CorruptError,
     UnsupportedError, LimitError or OutOfMemoryError."""
-    desc = filled(LoadDesc, library.fb_load_desc_fill)
+    desc = library.filled(fb_load_desc)
     assign(desc, max_file_bytes=max_file_bytes, max_model_bytes=max_model_bytes, max_name_bytes=max_name_bytes)
     assign(desc, max_vertices=max_vertices, max_polygons=max_polygons, max_features=max_features, threads=threads)
     notes: List[str] = []
-    desc.log = LogFunction(lambda _, sentence: notes.append(sentence.decode("utf-8", "replace")))
+    desc.log = fb_log(lambda _, sentence: notes.append(sentence.decode("utf-8", "replace")))
     handle = c_void_p()
     if hasattr(source, "read"):
         source = source.read()
@@ -174,10 +174,11 @@ class Face(FaceContents):
         if out is None:
             # What of meshes that are not posed is not written stays 0.
             out = np.empty(shape, kind) if meshes is None else np.zeros(shape, kind)
-        desc = filled(BatchDesc, library.fb_batch_desc_fill)
+        desc = library.filled(fb_batch_desc)
         if threads < 0:
             raise ValueError(f"{threads} threads")
-        assign(desc, threads=threads, poses=len(values), controls=values.ctypes.data, control_floats=values.size)
+        assign(desc, threads=threads)
+        set_controls(desc, values)
         desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
         desc.lod, desc.displacements, desc.level_only = lod, int(displacements), int(level_only)
@@ -194,7 +195,7 @@ class Face(FaceContents):
         return out
 
     def _set_other_outputs(
-        self, desc: BatchDesc, sockets: Any, channels: Any, bounds: Any, errors: Any, outside: Any
+        self, desc: fb_batch_desc, sockets: Any, channels: Any, bounds: Any, errors: Any, outside: Any
     ) -> None:
         """The outputs of evaluate_batch whose format does not depend on its dtype."""
         poses: int = desc.poses
@@ -236,7 +237,7 @@ class Face(FaceContents):
         """Yields the row blocks of the basis: (rows, columns, values). rows: a slice of the 3 x vertices coordinates in baked
         order; columns: the coefficients that displace them; values: (columns, rows), the displacements for one unit."""
         for index in range(library.fb_row_block_count(self._handle)):
-            block = filled(RowBlockStruct, library.fb_row_block_fill)
+            block = library.filled(fb_row_block)
             check(library.fb_row_block_at(self._handle, index, block))
             columns = np.empty(block.column_count, np.uint32)
             values = np.empty((block.column_count, block.row_count), np.float32)
@@ -269,8 +270,14 @@ def _check_output(name: str, array: npt.NDArray[Any], shape: Tuple[int, ...], ki
         raise ValueError(f"{name} must be a writable contiguous {kind} array of shape {shape}")
 
 
+def set_controls(desc: fb_batch_desc, values: Floats) -> None:
+    """Has a batch pose these controls, (poses, controls), which the caller keeps."""
+    desc.poses, desc.control_floats = len(values), values.size
+    desc.controls = values.ctypes.data_as(POINTER(c_float))
+
+
 def set_output(
-    desc: BatchDesc, field: str, array: Any, shape: Tuple[int, ...], kind: "np.dtype[Any]", count: str = ""
+    desc: fb_batch_desc, field: str, array: Any, shape: Tuple[int, ...], kind: "np.dtype[Any]", count: str = ""
 ) -> None:
     """Has a field of a batch point to an array, if there is one, after checking it; count: the field of its size."""
     if array is None:

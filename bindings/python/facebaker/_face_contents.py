@@ -7,16 +7,16 @@ import functools
 import json
 import weakref
 from ctypes import POINTER, byref, c_void_p, cast
-from typing import Any, Callable, Dict, List, Optional, Tuple, TypeVar, Union
+from typing import Any, Callable, Dict, List, Optional, Tuple, Type, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _from_structs as read
-from . import _structs as s
+from . import _interop as abi
 from ._arrays import Floats, Indices, fan_corners
 from ._character import About, Channel, Control, ExactPose, Image, Joint, Level, Material, Mesh, Skin, Socket
-from ._library import check, library
+from ._library import AnyStruct, check, library
 from ._scratches import ScratchPool
 
 Item = TypeVar("Item")
@@ -56,7 +56,7 @@ class FaceContents:
         self.instruction_set: str = library.fb_instruction_set(handle).decode()
         self.regions = self._names(library.fb_region_count, library.fb_region_name)
         self.error_regions = self._names(library.fb_error_region_count, library.fb_error_region_name)
-        structs = [self._struct("control", s.ControlStruct, index) for index in range(self.control_count)]
+        structs = [self._struct(abi.fb_control, index) for index in range(self.control_count)]
         self.controls: Tuple[Control, ...] = read.controls_of(structs)
 
     def __repr__(self) -> str:
@@ -191,31 +191,31 @@ class FaceContents:
     @functools.cached_property
     def meshes(self) -> Tuple[Mesh, ...]:
         """At least one."""
-        return self._items("mesh", s.MeshStruct, read.mesh_of)
+        return self._items(abi.fb_mesh, read.mesh_of)
 
     @functools.cached_property
     def materials(self) -> Tuple[Material, ...]:
-        return self._items("material", s.MaterialStruct, read.material_of)
+        return self._items(abi.fb_material, read.material_of)
 
     @functools.cached_property
     def images(self) -> Tuple[Image, ...]:
         """Picture files as they are, for the textures of materials."""
-        return self._items("image", s.ImageStruct, read.image_of)
+        return self._items(abi.fb_image, read.image_of)
 
     @functools.cached_property
     def sockets(self) -> Tuple[Socket, ...]:
         """Named frames that follow the surface; evaluate_batch gives them for poses."""
-        return self._items("socket", s.SocketStruct, read.socket_of)
+        return self._items(abi.fb_socket, read.socket_of)
 
     @functools.cached_property
     def channels(self) -> Tuple[Channel, ...]:
         """Named numbers beside positions; evaluate_batch gives them for poses."""
-        return self._items("channel", s.ChannelStruct, read.channel_of)
+        return self._items(abi.fb_channel, read.channel_of)
 
     @functools.cached_property
     def joints(self) -> Tuple[Joint, ...]:
         """The skeleton that carries the face."""
-        return self._items("joint", s.JointStruct, read.joint_of)
+        return self._items(abi.fb_joint, read.joint_of)
 
     @property
     def skin(self) -> Optional[Skin]:
@@ -232,12 +232,12 @@ class FaceContents:
     @functools.cached_property
     def exact_poses(self) -> Tuple[ExactPose, ...]:
         """Poses that come out as the rig gave them."""
-        return self._items("exact_pose", s.ExactPoseStruct, read.exact_pose_of)
+        return self._items(abi.fb_exact_pose, read.exact_pose_of)
 
     @functools.cached_property
     def levels(self) -> Tuple[Level, ...]:
         """Levels of detail, with level 0, the whole; evaluate_batch's lod chooses among them."""
-        structs = [self._struct("level", s.LevelStruct, index) for index in range(self.level_count)]
+        structs = [self._struct(abi.fb_level, index) for index in range(self.level_count)]
         return tuple(read.level_of(struct, len(self.meshes)) for struct in structs)
 
     @property
@@ -248,14 +248,14 @@ class FaceContents:
     def _names(self, count: Any, name: Any) -> Tuple[str, ...]:
         return tuple(name(self._handle, index).decode() for index in range(count(self._handle)))
 
-    def _struct(self, kind: str, struct: Any, index: int) -> Any:
-        made = s.filled(struct, getattr(library, f"fb_{kind}_fill"))
-        check(getattr(library, f"fb_{kind}_at")(self._handle, index, made))
+    def _struct(self, kind: Type[AnyStruct], index: int) -> AnyStruct:
+        made = library.filled(kind)
+        check(getattr(library, f"{kind.__name__}_at")(self._handle, index, made))
         return made
 
-    def _items(self, kind: str, struct: Any, convert: Callable[[Any], Item]) -> Tuple[Item, ...]:
-        count = getattr(library, f"fb_{kind}_count")(self._handle)
-        return tuple(convert(self._struct(kind, struct, index)) for index in range(count))
+    def _items(self, kind: Type[AnyStruct], convert: Callable[[AnyStruct], Item]) -> Tuple[Item, ...]:
+        count = getattr(library, f"{kind.__name__}_count")(self._handle)
+        return tuple(convert(self._struct(kind, index)) for index in range(count))
 
     def _view(self, pointer: Any, count: int, shape: Optional[Tuple[int, ...]] = None) -> npt.NDArray[Any]:
         """A read-only array over memory of the model, which it keeps alive."""

@@ -7,7 +7,7 @@ from typing import Any, Sequence, Tuple
 
 import numpy as np
 
-from . import _structs as s
+from . import _interop as abi
 from ._character import ALPHA_MODES, SLOTS, WRAPS, Channel, Control, ExactPose, Image, Joint, Level, Material
 from ._character import MaterialRun, Mesh, Socket, Texture
 
@@ -17,25 +17,25 @@ def copied(pointer: Any, count: int) -> Any:
     return np.array(np.ctypeslib.as_array(pointer, (count,))) if count else np.zeros(0, np.dtype(pointer._type_))
 
 
-def controls_of(structs: Sequence[s.ControlStruct]) -> Tuple[Control, ...]:
+def controls_of(structs: Sequence[abi.fb_control]) -> Tuple[Control, ...]:
     names = [struct.name.decode() for struct in structs]
     return tuple(
         Control(
             name, struct.group.decode(), struct.minimum, struct.maximum, struct.rest, unit=struct.unit.decode(),
             arkit=struct.arkit.decode(), facs=struct.facs.decode(),
-            mirror="" if struct.mirror == s.NONE else names[struct.mirror],
+            mirror="" if struct.mirror == abi.FB_NO_CONTROL else names[struct.mirror],
         )
         for name, struct in zip(names, structs)
     )  # fmt: skip
 
 
-def mesh_of(struct: s.MeshStruct) -> Mesh:
-    runs = [struct.runs[i] for i in range(struct.run_count)]
+def mesh_of(struct: abi.fb_mesh) -> Mesh:
+    none, runs = abi.FB_NO_MATERIAL, [struct.runs[i] for i in range(struct.run_count)]
     return Mesh(
         struct.name.decode(),
         struct.vertex_count,
         struct.polygon_count,
-        tuple(MaterialRun(run.polygon_count, None if run.material == s.NONE else run.material) for run in runs),
+        tuple(MaterialRun(run.polygon_count, None if run.material == none else run.material) for run in runs),
         struct.first_vertex,
         struct.first_polygon,
         struct.first_corner,
@@ -43,7 +43,7 @@ def mesh_of(struct: s.MeshStruct) -> Mesh:
     )
 
 
-def material_of(struct: s.MaterialStruct) -> Material:
+def material_of(struct: abi.fb_material) -> Material:
     textures = [struct.textures[i] for i in range(struct.texture_count)]
     return Material(
         struct.name.decode(),
@@ -58,7 +58,7 @@ def material_of(struct: s.MaterialStruct) -> Material:
     )
 
 
-def image_of(struct: s.ImageStruct) -> Image:
+def image_of(struct: abi.fb_image) -> Image:
     data = ctypes.string_at(struct.bytes, struct.byte_count)
     return Image(struct.name.decode(), struct.media_type.decode(), data)
 
@@ -67,27 +67,27 @@ def _frame(values: Any) -> Any:
     return np.array(values, np.float32).reshape(3, 4)
 
 
-def socket_of(struct: s.SocketStruct) -> Socket:
+def socket_of(struct: abi.fb_socket) -> Socket:
     count = struct.vertex_count
     return Socket(
         struct.name.decode(), copied(struct.vertices, count), copied(struct.weights, count), _frame(struct.frame)
     )
 
 
-def channel_of(struct: s.ChannelStruct) -> Channel:
+def channel_of(struct: abi.fb_channel) -> Channel:
     return Channel(struct.name.decode(), struct.minimum, struct.maximum, struct.rest, struct.unit.decode())
 
 
-def joint_of(struct: s.JointStruct) -> Joint:
-    parent = None if struct.parent == s.NONE else struct.parent
+def joint_of(struct: abi.fb_joint) -> Joint:
+    parent = None if struct.parent == abi.FB_NO_JOINT else struct.parent
     return Joint(struct.name.decode(), parent, _frame(struct.rest), _frame(struct.inverse_bind))
 
 
-def exact_pose_of(struct: s.ExactPoseStruct) -> ExactPose:
+def exact_pose_of(struct: abi.fb_exact_pose) -> ExactPose:
     return ExactPose(struct.name.decode(), copied(struct.controls, struct.control_count))
 
 
-def level_of(struct: s.LevelStruct, meshes: int) -> Level:
+def level_of(struct: abi.fb_level, meshes: int) -> Level:
     """meshes: how many the face has."""
     return Level(
         struct.vertex_count,

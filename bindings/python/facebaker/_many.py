@@ -10,9 +10,9 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 
 from ._arrays import ArrayLike, Floats
-from ._face import Face, set_output
-from ._library import check, library
-from ._structs import BatchDesc, ManyDesc, ManyItem, assign, filled
+from ._face import Face, set_controls, set_output
+from ._interop import fb_batch_desc, fb_many_desc, fb_many_item
+from ._library import assign, check, library
 
 
 def evaluate_many(
@@ -28,25 +28,25 @@ def evaluate_many(
         raise ValueError(f"{threads} threads")
     if out is not None and len(out) != len(items):
         raise ValueError(f"out has {len(out)} arrays for {len(items)} items")
-    structs = (ManyItem * max(len(items), 1))()
+    structs = (fb_many_item * max(len(items), 1))()
     kept, results = [], []  # what the structs point to
     with contextlib.ExitStack() as scratches:
         for index, (face, controls) in enumerate(items):
-            batch = filled(BatchDesc, library.fb_batch_desc_fill)
+            batch = library.filled(fb_batch_desc)
             try:
                 values = face._poses(controls)
                 shape = (len(values), face.vertex_count, 3)
                 positions = np.empty(shape, np.float32) if out is None else out[index]
-                assign(batch, poses=len(values), controls=values.ctypes.data, control_floats=values.size)
+                set_controls(batch, values)
                 set_output(batch, "positions", positions, shape, np.dtype(np.float32), "position_floats")
             except ValueError as error:
                 raise ValueError(f"item {index}: {error}") from None
             scratch = scratches.enter_context(face._scratches.borrow(1))
-            structs[index] = ManyItem(face._handle, scratch, pointer(batch))
+            structs[index] = fb_many_item(face._handle, scratch, pointer(batch))
             kept.append((values, batch))
             results.append(positions)
-        desc = filled(ManyDesc, library.fb_many_desc_fill)
+        desc = library.filled(fb_many_desc)
         assign(desc, threads=threads, item_count=len(items))
-        desc.items = ctypes.cast(structs, POINTER(ManyItem))
+        desc.items = ctypes.cast(structs, POINTER(fb_many_item))
         check(library.fb_evaluate_many(desc, None))
     return results

@@ -10,10 +10,9 @@ from ctypes import byref, c_char_p, c_void_p
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple
 
-from . import _bake_structs as b
-from ._bake_library import check, library
+from . import _interop as abi
+from ._library import bake_library as library
 from ._rig import KINDS, SPLITS
-from ._structs import filled
 
 if TYPE_CHECKING:
     from ._face import Face
@@ -45,7 +44,7 @@ class Result:
         if self._report is None:
             raise ValueError("a result that was pickled has no details")
         text = c_char_p()
-        check(library.fb_report_details(self._report, byref(text)))
+        library.check(library.fb_report_details(self._report, byref(text)))
         details: Document = json.loads(text.value or b"{}")
         return details
 
@@ -164,8 +163,8 @@ class CompareResult(Result):
         self.methods = _methods(report)
         self.failures: Tuple[Failure, ...] = ()
         for index in range(library.fb_report_failure_count(report)):
-            struct = filled(b.FailureStruct, library.fb_failure_fill)
-            check(library.fb_report_failure_at(report, index, struct))
+            struct = library.filled(abi.fb_failure)
+            library.check(library.fb_report_failure_at(report, index, struct))
             self.failures += (Failure(struct.name.decode(), USES[struct.use], struct.reason.decode()),)
 
     def __repr__(self) -> str:
@@ -181,8 +180,8 @@ class SampleResult(Result):
 
     def __init__(self, report: c_void_p, notes: Sequence[str], folder: pathlib.Path) -> None:
         super().__init__(report, notes)
-        struct = filled(b.SampleResultStruct, library.fb_sample_result_fill)
-        check(library.fb_report_sample(report, struct))
+        struct = library.filled(abi.fb_sample_result)
+        library.check(library.fb_report_sample(report, struct))
         self.folder = folder
         self.poses: int = struct.poses
         self.evaluated: int = struct.evaluated
@@ -199,8 +198,8 @@ class PlanResult(Result):
 
     def __init__(self, report: c_void_p, notes: Sequence[str], folder: pathlib.Path) -> None:
         super().__init__(report, notes)
-        struct = filled(b.SampleResultStruct, library.fb_sample_result_fill)
-        check(library.fb_report_sample(report, struct))
+        struct = library.filled(abi.fb_sample_result)
+        library.check(library.fb_report_sample(report, struct))
         self.folder = folder
         self.poses: int = struct.poses
 
@@ -215,8 +214,8 @@ class CheckResult(Result):
 
     def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
         super().__init__(report, notes)
-        struct = filled(b.CheckResultStruct, library.fb_check_result_fill)
-        check(library.fb_report_check(report, struct))
+        struct = library.filled(abi.fb_check_result)
+        library.check(library.fb_report_check(report, struct))
         self.bakeable = bool(struct.bakeable)
         self.faults: Tuple[str, ...] = tuple(fault["text"] for fault in self.document["faults"])
         self.warnings: Tuple[str, ...] = tuple(warning["text"] for warning in self.document["warnings"])
@@ -233,8 +232,8 @@ class VerifyResult(Result):
 
     def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
         super().__init__(report, notes)
-        struct = filled(b.VerifyResultStruct, library.fb_verify_result_fill)
-        check(library.fb_report_verify(report, struct))
+        struct = library.filled(abi.fb_verify_result)
+        library.check(library.fb_report_verify(report, struct))
         self.bytes: int = struct.bytes
         self.poses: int = struct.poses
         self.vertices: int = struct.vertices
@@ -250,8 +249,8 @@ class PackResult(Result):
 
     def __init__(self, report: c_void_p, notes: Sequence[str]) -> None:
         super().__init__(report, notes)
-        struct = filled(b.PackResultStruct, library.fb_pack_result_fill)
-        check(library.fb_report_pack(report, struct))
+        struct = library.filled(abi.fb_pack_result)
+        library.check(library.fb_report_pack(report, struct))
         self.archive: bytes = ctypes.string_at(struct.archive, struct.archive_bytes)
         self.bytes_before: int = struct.bytes_before
         self.within_limits = bool(struct.within_limits)
@@ -267,15 +266,15 @@ def _figures(errors: Errors) -> str:
     return f"mse {errors.mse:.2g}, max {errors.max:.2g}" if errors.frames else "not measured"
 
 
-def _errors(struct: b.ErrorsStruct) -> Errors:
-    return Errors(*(getattr(struct, name) for name, *_ in b.ErrorsStruct._fields_))
+def _errors(struct: abi.fb_errors) -> Errors:
+    return Errors(*(getattr(struct, name) for name, *_ in abi.fb_errors._fields_))
 
 
 def _methods(report: c_void_p) -> Tuple[Method, ...]:
     methods = []
     for index in range(library.fb_report_method_count(report)):
-        struct = filled(b.MethodStruct, library.fb_method_fill)
-        check(library.fb_report_method_at(report, index, struct))
+        struct = library.filled(abi.fb_method)
+        library.check(library.fb_report_method_at(report, index, struct))
         methods.append(
             Method(
                 struct.name.decode(),
@@ -296,6 +295,6 @@ def _methods(report: c_void_p) -> Tuple[Method, ...]:
 
 
 def _clip_errors(report: c_void_p, method: int, index: int) -> ClipErrors:
-    struct = filled(b.ClipErrorsStruct, library.fb_clip_errors_fill)
-    check(library.fb_report_clip_at(report, method, index, struct))
+    struct = library.filled(abi.fb_clip_errors)
+    library.check(library.fb_report_clip_at(report, method, index, struct))
     return ClipErrors(struct.name.decode(), KINDS[struct.kind], SPLITS[struct.split], _errors(struct.errors))

@@ -9,15 +9,10 @@ from typing import Any, List, Optional, Sequence
 
 import numpy as np
 
-from . import _bake_structs as b
-from . import _structs as s
+from . import _interop as abi
 from ._calls import text_bytes
 from ._character import ALPHA_MODES, SLOTS, WRAPS, Channel, Image, Joint, Material, Mesh, Socket
 from ._rig import KINDS, SPLITS, Clip, Rig, describe
-
-RIG_ABI = 2
-RIG_ERROR = 11
-THREAD_SAFE = 1
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
@@ -31,9 +26,9 @@ class HostRig:
         self._kept: List[Any] = []
         self.struct = self._description()
         if rig.channels:
-            self.struct.evaluate_all = b.EvaluateAllFunction(self._evaluate_all)
+            self.struct.evaluate_all = abi.fb_rig_evaluate_all(self._evaluate_all)
         else:
-            self.struct.evaluate = b.EvaluateFunction(self._evaluate)
+            self.struct.evaluate = abi.fb_rig_evaluate(self._evaluate)
 
     def take_raised(self) -> Optional[BaseException]:
         """What the rig raised last since this was called; None if nothing."""
@@ -61,24 +56,24 @@ class HostRig:
             _memory(positions, poses, 3 * len(rig.rest_positions))[:] = points.reshape(poses, -1)
             if channels is not None:
                 _memory(channels, poses, len(rig.channels))[:] = values
-            return 0
+            return abi.FB_OK
         except BaseException as error:  # SystemExit, too: the library has to return first
             self._raised = error
             text = describe(error).encode()[: size - 1] + b"\0"
             ctypes.memmove(message, text, len(text))
-            return RIG_ERROR
+            return abi.FB_ERROR_RIG
 
     # Describing
 
-    def _description(self) -> b.RigStruct:
+    def _description(self) -> abi.fb_rig:
         rig = self._rig
-        struct = b.RigStruct(
-            struct_size=sizeof(b.RigStruct),
-            abi=RIG_ABI,
+        struct = abi.fb_rig(
+            struct_size=sizeof(abi.fb_rig),
+            abi=abi.FB_RIG_ABI,
             name=text_bytes(rig.name),
             units=text_bytes(rig.units),
             up_axis=text_bytes(rig.up_axis),
-            flags=THREAD_SAFE if rig.thread_safe else 0,
+            flags=abi.FB_RIG_THREAD_SAFE if rig.thread_safe else 0,
             vertex_count=len(rig.rest_positions),
             polygon_count=len(rig.polygon_sizes),
             uv_count=len(rig.uvs),
@@ -96,19 +91,19 @@ class HostRig:
             struct.skin_influences = rig.skin.weights.shape[1]
             self._point(struct, "skin_joints", rig.skin.joints, c_uint16)
             self._point(struct, "skin_weights", rig.skin.weights, c_float)
-        self._list(struct, "control", [self._control(control) for control in rig.controls], b.RigControlStruct)
+        self._list(struct, "control", [self._control(control) for control in rig.controls], abi.fb_rig_control)
         labels = [
-            b.RigLabelsStruct(*[text_bytes(t) for t in (c.arkit, c.facs, c.unit, c.mirror)]) for c in rig.controls
+            abi.fb_rig_labels(*[text_bytes(t) for t in (c.arkit, c.facs, c.unit, c.mirror)]) for c in rig.controls
         ]
-        struct.label_stride = sizeof(b.RigLabelsStruct)
-        struct.labels = (b.RigLabelsStruct * len(labels))(*labels)
-        self._list(struct, "clip", [self._clip(clip) for clip in rig.clips], b.RigClipStruct)
-        self._list(struct, "mesh", [self._mesh(mesh) for mesh in rig.meshes], s.MeshStruct, "meshes")
-        self._list(struct, "material", [self._material(material) for material in rig.materials], s.MaterialStruct)
-        self._list(struct, "image", [self._image(image) for image in rig.images], s.ImageStruct)
-        self._list(struct, "socket", [self._socket(socket) for socket in rig.sockets], s.SocketStruct)
-        self._list(struct, "channel", [self._channel(channel) for channel in rig.channels], s.ChannelStruct)
-        self._list(struct, "joint", [self._joint(joint) for joint in rig.joints], s.JointStruct)
+        struct.label_stride = sizeof(abi.fb_rig_labels)
+        struct.labels = (abi.fb_rig_labels * len(labels))(*labels)
+        self._list(struct, "clip", [self._clip(clip) for clip in rig.clips], abi.fb_rig_clip)
+        self._list(struct, "mesh", [self._mesh(mesh) for mesh in rig.meshes], abi.fb_mesh, "meshes")
+        self._list(struct, "material", [self._material(material) for material in rig.materials], abi.fb_material)
+        self._list(struct, "image", [self._image(image) for image in rig.images], abi.fb_image)
+        self._list(struct, "socket", [self._socket(socket) for socket in rig.sockets], abi.fb_socket)
+        self._list(struct, "channel", [self._channel(channel) for channel in rig.channels], abi.fb_channel)
+        self._list(struct, "joint", [self._joint(joint) for joint in rig.joints], abi.fb_joint)
         return struct
 
     def _point(self, struct: Any, field: str, array: Any, kind: Any) -> None:
@@ -121,31 +116,32 @@ class HostRig:
         setattr(struct, name + "_stride", sizeof(kind))
         setattr(struct, plural or name + "s", (kind * len(items))(*items))
 
-    def _control(self, control: Any) -> b.RigControlStruct:
+    def _control(self, control: Any) -> abi.fb_rig_control:
         name, group = text_bytes(control.name), text_bytes(control.group)
-        return b.RigControlStruct(name, group, control.minimum, control.maximum, control.rest)
+        return abi.fb_rig_control(name, group, control.minimum, control.maximum, control.rest)
 
-    def _clip(self, clip: Clip) -> b.RigClipStruct:
+    def _clip(self, clip: Clip) -> abi.fb_rig_clip:
         return clip_struct(clip, self._kept)
 
-    def _mesh(self, mesh: Mesh) -> s.MeshStruct:
-        runs = [s.MaterialRunStruct(r.polygons, s.NONE if r.material is None else r.material) for r in mesh.materials]
-        return s.MeshStruct(
-            struct_size=sizeof(s.MeshStruct),
+    def _mesh(self, mesh: Mesh) -> abi.fb_mesh:
+        none = abi.FB_NO_MATERIAL
+        runs = [abi.fb_material_run(r.polygons, none if r.material is None else r.material) for r in mesh.materials]
+        return abi.fb_mesh(
+            struct_size=sizeof(abi.fb_mesh),
             run_count=len(runs),
             name=text_bytes(mesh.name),
-            runs=(s.MaterialRunStruct * len(runs))(*runs),
+            runs=(abi.fb_material_run * len(runs))(*runs),
             vertex_count=mesh.vertices,
             polygon_count=mesh.polygons,
         )
 
-    def _material(self, material: Material) -> s.MaterialStruct:
+    def _material(self, material: Material) -> abi.fb_material:
         textures = [
-            s.TextureStruct(_index(SLOTS, t.slot), t.image, _index(WRAPS, t.wrap_u), _index(WRAPS, t.wrap_v), t.scale)
+            abi.fb_texture(_index(SLOTS, t.slot), t.image, _index(WRAPS, t.wrap_u), _index(WRAPS, t.wrap_v), t.scale)
             for t in material.textures
         ]
-        return s.MaterialStruct(
-            struct_size=sizeof(s.MaterialStruct),
+        return abi.fb_material(
+            struct_size=sizeof(abi.fb_material),
             alpha_mode=_index(ALPHA_MODES, material.alpha_mode),
             name=text_bytes(material.name),
             base_colour=tuple(material.base_colour),
@@ -155,23 +151,23 @@ class HostRig:
             alpha_cutoff=material.alpha_cutoff,
             double_sided=int(material.double_sided),
             texture_count=len(textures),
-            textures=(s.TextureStruct * len(textures))(*textures),
+            textures=(abi.fb_texture * len(textures))(*textures),
         )
 
-    def _image(self, image: Image) -> s.ImageStruct:
+    def _image(self, image: Image) -> abi.fb_image:
         data = np.frombuffer(image.data, np.uint8)
         self._kept.append(data)
-        return s.ImageStruct(
-            struct_size=sizeof(s.ImageStruct),
+        return abi.fb_image(
+            struct_size=sizeof(abi.fb_image),
             name=text_bytes(image.name),
             media_type=text_bytes(image.media_type),
             bytes=data.ctypes.data,
             byte_count=len(data),
         )
 
-    def _socket(self, socket: Socket) -> s.SocketStruct:
-        struct = s.SocketStruct(
-            struct_size=sizeof(s.SocketStruct),
+    def _socket(self, socket: Socket) -> abi.fb_socket:
+        struct = abi.fb_socket(
+            struct_size=sizeof(abi.fb_socket),
             vertex_count=len(socket.vertices),
             name=text_bytes(socket.name),
             vertices=(c_uint32 * len(socket.vertices))(*map(int, socket.vertices)),
@@ -185,9 +181,9 @@ class HostRig:
             struct.frame = _frame(socket.frame, f'socket "{socket.name}"')
         return struct
 
-    def _channel(self, channel: Channel) -> s.ChannelStruct:
-        return s.ChannelStruct(
-            struct_size=sizeof(s.ChannelStruct),
+    def _channel(self, channel: Channel) -> abi.fb_channel:
+        return abi.fb_channel(
+            struct_size=sizeof(abi.fb_channel),
             name=text_bytes(channel.name),
             unit=text_bytes(channel.unit),
             minimum=channel.minimum,
@@ -195,22 +191,22 @@ class HostRig:
             rest=channel.rest,
         )
 
-    def _joint(self, joint: Joint) -> s.JointStruct:
-        what = f'joint "{joint.name}"'
-        return s.JointStruct(
-            struct_size=sizeof(s.JointStruct),
-            parent=s.NONE if joint.parent is None else joint.parent,
+    def _joint(self, joint: Joint) -> abi.fb_joint:
+        what, zeros = f'joint "{joint.name}"', (0.0,) * abi.FB_FRAME_FLOATS
+        return abi.fb_joint(
+            struct_size=sizeof(abi.fb_joint),
+            parent=abi.FB_NO_JOINT if joint.parent is None else joint.parent,
             name=text_bytes(joint.name),
             rest=_frame(_IDENTITY if joint.rest is None else joint.rest, what),
-            inverse_bind=_frame((0.0,) * s.FRAME_FLOATS if joint.inverse_bind is None else joint.inverse_bind, what),
+            inverse_bind=_frame(zeros if joint.inverse_bind is None else joint.inverse_bind, what),
         )
 
 
-def clip_struct(clip: Clip, kept: List[Any]) -> b.RigClipStruct:
+def clip_struct(clip: Clip, kept: List[Any]) -> abi.fb_rig_clip:
     """A clip, whose controls are a contiguous float32 array, which is appended to `kept`."""
     controls: Any = clip.controls
     kept.append(controls)
-    return b.RigClipStruct(
+    return abi.fb_rig_clip(
         name=text_bytes(clip.name),
         kind=KINDS.index(clip.kind),
         split=SPLITS.index(clip.split),
@@ -228,9 +224,9 @@ def _memory(address: int, rows: int, columns: int) -> Any:
 
 def _frame(values: Any, what: str) -> Any:
     numbers = np.asarray(values, np.float32).ravel()
-    if len(numbers) != s.FRAME_FLOATS:
+    if len(numbers) != abi.FB_FRAME_FLOATS:
         raise ValueError(f"{what}: a frame of {len(numbers)} numbers, not (3, 4)")
-    return (c_float * s.FRAME_FLOATS)(*map(float, numbers))
+    return (c_float * abi.FB_FRAME_FLOATS)(*map(float, numbers))
 
 
 def _index(words: Sequence[str], word: str) -> int:

@@ -11,21 +11,20 @@ from typing import Any, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._arrays import ArrayLike, Floats, Indices, floats
-from ._bake_library import library
-from ._bake_structs import ClipStruct, SourceDesc, SourceInfoStruct
 from ._calls import Call, Note, c_strings, path_bytes
 from ._character import Control
 from ._dataset import save_dataset
 from ._from_structs import controls_of, copied
+from ._interop import FB_SOURCE_LIVE, fb_clip, fb_control, fb_source_desc, fb_source_info
+from ._library import assign
+from ._library import bake_library as library
 from ._progress import Progress
 from ._rig import KINDS, SPLITS, Clip, Rig
 from ._rig_struct import HostRig
-from ._structs import ControlStruct, assign, filled
 
 Place = Union[str, "os.PathLike[str]"]
 AnySource = Union["Source", Rig, Place, Sequence[Place]]
 
-_LIVE = 2
 JOINTS = ("auto", "ignore", "controls")
 
 
@@ -66,7 +65,7 @@ class Source:
     ) -> None:
         if joints not in JOINTS:
             raise ValueError(f'joints is "{joints}", none of {", ".join(JOINTS)}')
-        desc = filled(SourceDesc, library.fb_source_desc_fill)
+        desc = library.filled(fb_source_desc)
         assign(desc, workers=workers, pose_seconds=pose_seconds, clip_budget=clip_budget, joints=JOINTS.index(joints))
         desc.test_poses, desc.skip_broken = test_poses, int(skip_broken)
         desc.control_joints, desc.control_joint_count = c_strings([name.encode() for name in control_joints])
@@ -155,24 +154,24 @@ class Source:
         return positions
 
     def _describe(self) -> None:
-        info = filled(SourceInfoStruct, library.fb_source_info_fill)
+        info = library.filled(fb_source_info)
         library.check(library.fb_source_describe(self.handle, info))
         self.name: str = info.name.decode()
         self.units: str = info.units.decode()
         self.up_axis: str = info.up_axis.decode()
         self.diagonal: float = info.diagonal
-        self.live = bool(info.flags & _LIVE)
+        self.live = bool(info.flags & FB_SOURCE_LIVE)
         self.rest_positions: Floats = copied(info.rest_positions, 3 * info.vertex_count).reshape(-1, 3)
         self.polygon_sizes: Indices = copied(info.polygon_sizes, info.polygon_count)
         self.polygon_corners: Indices = copied(info.polygon_corners, info.polygon_corner_count)
-        structs = [filled(ControlStruct, library.fb_control_fill) for _ in range(info.control_count)]
+        structs = [library.filled(fb_control) for _ in range(info.control_count)]
         for index, struct in enumerate(structs):
             library.check(library.fb_source_control_at(self.handle, index, struct))
         self.controls: Tuple[Control, ...] = controls_of(structs)
         self.clips: Tuple[Clip, ...] = tuple(self._clip(index) for index in range(info.clip_count))
 
     def _clip(self, index: int) -> Clip:
-        struct = filled(ClipStruct, library.fb_clip_fill)
+        struct = library.filled(fb_clip)
         library.check(library.fb_source_clip_at(self.handle, index, struct))
         controls = copied(struct.controls, struct.frames * len(self.controls)).reshape(struct.frames, -1)
         return Clip(struct.name.decode(), controls, KINDS[struct.kind], SPLITS[struct.split], struct.fps)

@@ -1,6 +1,5 @@
 """Baking in this process: rigs of every form, options, results, errors and what stops a call."""
 
-import ctypes
 import inspect
 import json
 import os
@@ -22,8 +21,8 @@ except ImportError:
 
 import facebaker
 import toy_rig
-from facebaker import _bake_structs
-from facebaker._bake_library import library
+from facebaker import _interop
+from facebaker._library import bake_library as library
 from facebaker._calls import Call
 
 TESTS = pathlib.Path(__file__).parent
@@ -304,10 +303,7 @@ class ToolsTest(BakingTest):
             (facebaker.bake, "bake"), (facebaker.sample, "sample"), (facebaker.compare, "compare"),
             (facebaker.evaluate, "eval"), (facebaker.pack, "pack"), (facebaker.Source, "source"),
         ):  # fmt: skip
-            struct = {"bake": "BakeDesc", "sample": "SampleDesc", "compare": "CompareDesc", "eval": "EvalDesc",
-                      "pack": "PackDesc", "source": "SourceDesc"}[kind]  # fmt: skip
-            desc = getattr(_bake_structs, struct)()
-            getattr(library, f"fb_{kind}_desc_fill")(desc, ctypes.sizeof(desc))
+            desc = library.filled(getattr(_interop, f"fb_{kind}_desc"))
             fields = {name for name, *_ in desc._fields_}
             for name, parameter in inspect.signature(function).parameters.items():
                 if parameter.kind != inspect.Parameter.KEYWORD_ONLY or name in ("progress", "note"):

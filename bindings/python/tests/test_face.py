@@ -13,8 +13,8 @@ except ImportError:
     raise unittest.SkipTest("NumPy is not installed")
 
 import facebaker
+from facebaker._interop import fb_load_desc
 from facebaker._library import library
-from facebaker._structs import LoadDesc, filled
 
 FIXTURE = pathlib.Path(os.environ["FB_FIXTURE"])
 
@@ -247,7 +247,7 @@ class FaceTest(unittest.TestCase):
         for source in FIXTURE, FIXTURE.read_bytes():
             self.assert_error("FB_ERROR_LIMIT", "30 vertices", facebaker.load, source, max_vertices=29)
             self.assertEqual(facebaker.load(source, max_vertices=30, note=self.fail).vertex_count, 30)
-        defaults = filled(LoadDesc, library.fb_load_desc_fill)
+        defaults = library.filled(fb_load_desc)
         for name, parameter in inspect.signature(facebaker.load).parameters.items():
             if name.startswith("max_"):
                 self.assertEqual(parameter.default, getattr(defaults, name), name)
