@@ -19,6 +19,7 @@ if ! cmp -s "$out/package.json.new" "$out/package.json"; then
 fi
 rm -rf "$out/package.json.new" "$out/src"
 cp -r bindings/web/src bindings/web/tsconfig.json "$out"
+python3 -B bindings/headers/struct_layouts.py typescript "$out/src/struct_layouts.ts"
 cp LICENSE bindings/web/README.md "$out"
 {
   echo "facebaker.wasm has these libraries in it:"
@@ -29,7 +30,7 @@ cp LICENSE bindings/web/README.md "$out"
 } >"$out/THIRD-PARTY.txt"
 # ES modules, the same as CommonJS (three.js has none of its WebGPURenderer), and the worker as one script.
 rm -rf "$out/cjs"
-cp -r bindings/web/src "$out/cjs"
+cp -r "$out/src" "$out/cjs"
 mv "$out/cjs/asset_urls_cjs.ts" "$out/cjs/asset_urls.ts"
 rm -f "$out/cjs/worker_main.ts" "$out/cjs/three_webgpu.ts"
 echo '{ "type": "commonjs", "sideEffects": false }' | tee "$out/cjs/package.json" >"$out/package.cjs"

@@ -1,10 +1,16 @@
 // The memory of an instance: views, strings and structs in it.
 import { FaceBakerError } from "./errors.js";
 import type { Exports } from "./instance.js";
+import { structLayouts } from "./struct_layouts.js";
 
 type Kind = "u32" | "u64" | "f32" | "text" | "pointer";
 type Member = readonly [offset: number, kind: Kind, count?: number];
-type Layout = Readonly<Record<string, Member>>;
+
+/** Where the members of a struct are: `kind` is that of an array's elements, "text" a pointer to a string. */
+export interface Layout {
+  readonly size: number;
+  readonly members: Readonly<Record<string, Member>>;
+}
 
 /** A struct as it is read, by the names of its members: strings are decoded, pointers are addresses. */
 export type StructValues = Record<string, any>;
@@ -14,12 +20,10 @@ export class Heap {
   u8!: Uint8Array;
   u32!: Uint32Array;
   f32!: Float32Array;
-  private readonly layouts: Readonly<Record<string, Layout>>;
   private readonly decoder = new TextDecoder();
 
   constructor(readonly exports: Exports) {
     this.refresh();
-    this.layouts = JSON.parse(this.text(this.call("fb_web_layouts")));
   }
 
   /** Looks at the memory again; to be called after anything that may allocate. */
@@ -94,23 +98,17 @@ export class Heap {
     return address ? this.f32.slice(address >>> 2, (address >>> 2) + count) : new Float32Array(0);
   }
 
-  layout(struct: string): Layout {
-    const found = this.layouts[struct];
-    if (!found) throw new Error(`facebaker.wasm has no layout of ${struct}`);
-    return found;
-  }
   size(struct: string): number {
-    return this.layout(struct)[""]![0];
+    return structLayouts[struct]!.size;
   }
   offset(struct: string, member: string): number {
-    return this.layout(struct)[member]![0];
+    return structLayouts[struct]!.members[member]![0];
   }
 
   /** The struct at an address. */
   read(struct: string, address: number): StructValues {
     const values: StructValues = {};
-    for (const [name, [offset, kind, count]] of Object.entries(this.layout(struct))) {
-      if (name === "") continue;
+    for (const [name, [offset, kind, count]] of Object.entries(structLayouts[struct]!.members)) {
       const at = (address + offset) >>> 2;
       if (kind === "f32") values[name] = count ? Array.from(this.f32.subarray(at, at + count)) : this.f32[at];
       else if (kind === "text") values[name] = this.text(this.u32[at]!);
