@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds the C# package with Mono, which it installs (Debian) where there is none, and tests it: layouts against the C
-# compiler's, poses bit for bit against the C interface's, broken archives, threads, lifetimes, callbacks, garbage and the
+# Builds the C# package with Mono, which it installs (Debian) where there is none, and tests it: layouts against those of
+# the headers, poses bit for bit against the C interface's, broken archives, threads, lifetimes, callbacks, garbage and the
 # cost of calls; then the Unity package, packed, against stubs of Unity's classes. Takes a minute.
 # With --aot the tests run once more without a JIT compiler, everything compiled ahead of time as IL2CPP does: two minutes.
 #   bindings/csharp/test.sh [--aot] [BUILD]
@@ -40,7 +40,7 @@ python3 bindings/headers/struct_layouts.py list "$work/layouts"
 sort "$work/layouts" > "$work/c.layout"
 mono "$work/layouts.exe" | sort > "$work/mono.layout"
 diff "$work/c.layout" "$work/mono.layout"
-echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the C compiler"
+echo "layouts of $(grep -vc '\.' "$work/c.layout") structs are those of the headers"
 
 $cc bindings/engine/tests/dump_poses.c -o "$work/dump_poses" $link
 $cc -shared -fPIC $package/tests/time_calls.c -o "$work/libtimecalls.so" $link
