@@ -68,7 +68,7 @@ bake::Use use_of(std::int32_t use) {
   return use == FB_USE_VARIANT ? bake::Use::variant : bake::Use::backlot;
 }
 
-fb_errors c_errors(const bake::Errors& errors) {
+fb_errors c_errors(const Errors& errors) {
   return {errors.frames, errors.mse, errors.rms, errors.mean, errors.p99, errors.max, errors.mfm, errors.worst_frame};
 }
 

@@ -17,7 +17,7 @@
 #include "abi_guard.h"
 #include "archive/reader.h"
 #include "bake/documents.h"
-#include "bake/pipeline/compare.h"
+#include "bake/recipe/bake_options.h"
 #include "bake/rig/source.h"
 #include "bake/sampling/read_examples.h"
 #include "base/parallel.h"
@@ -128,7 +128,7 @@ std::vector<float> examples_of(const Desc& desc, const bake::Source& source, Pro
   return source.live() ? bake::read_examples(files, source, progress) : std::vector<float>();
 }
 
-fb_errors c_errors(const bake::Errors& errors);
+fb_errors c_errors(const Errors& errors);
 
 // Fills a caller's struct as far as its struct_size goes.
 template <class Struct>
@@ -150,9 +150,8 @@ const T& element(const T* array, std::uint32_t stride, std::size_t index) {
 struct fb_report {
   std::string json;
   std::optional<fb::capi::TemporaryFolder> folder;  // outlives the recording that lies in it
-  fb::bake::CompareReport faces;
-  fb::capi::Measured measured;
-  fb::bake::Errors quantisation;  // of fb_bake
+  fb::FaceFigures faces;
+  fb::Errors quantisation;        // of fb_bake
   fb_source recorded;             // of fb_compare on a live rig
   std::string details;            // empty: not made yet
   std::vector<std::byte> packed;  // of fb_pack

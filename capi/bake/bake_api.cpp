@@ -2,6 +2,7 @@
 #include <array>
 
 #include "bake/authoring.h"
+#include "bake/measure/locality.h"
 #include "bake/pipeline/recipe_table.h"
 #include "base/sha256.h"
 
@@ -64,7 +65,7 @@ void measure_locality(fb_report& report, fb::bake::Source& source, const fb::bak
   const std::uint64_t left =
       options.rig_budget > 0 ? options.rig_budget - std::min(options.rig_budget, asked) : UINT64_MAX;
   const auto locality = fb::bake::locality_within(left, source.schema().control_count());
-  fb::bake::MethodReport& face = report.faces.methods[0];
+  fb::MethodReport& face = report.faces.methods[0];
   const std::array<std::span<const std::byte>, 1> archives = {face.archive};
   if (!source.live()) {
     for (auto& recorded : fb::bake::recorded_locality(archives, source, options.parallel, progress))
@@ -84,22 +85,16 @@ std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked b
   report->faces.units = source.schema().units;
   report->faces.diagonal = source.rest().diagonal();
   report->faces.rig_calls = baked.rig_calls;
-  report->faces.counts = baked.counts;
-  fb::bake::MethodReport& face = report->faces.methods.emplace_back();
+  report->faces.asked_by_stage = baked.asked_by_stage;
+  fb::MethodReport& face = report->faces.methods.emplace_back();
   face.name = desc.recipe;
-  face.use = use_of(desc.use);
-  face.bytes = baked.archive.size();
-  face.parameters = baked.parameters;
-  face.coefficients = baked.coefficients;
-  face.poses = baked.poses;
-  face.train_seconds = baked.train_seconds;
-  face.archive = std::move(baked.archive);
+  face.use = name_of(use_of(desc.use));
   face.dependency = baked.dependency;
   if (baked.independent && (desc.measure & FB_MEASURE_QUALITY)) {
     face.independent = std::move(*baked.independent);
-    report->measured.split = baked.independent_split;
+    report->faces.measured_split = face.independent.clips.at(0).split;
   }
-  face.stats = std::move(baked.stats);
+  static_cast<fb::TrainedFace&>(face) = std::move(baked);
   return report;
 }
 

@@ -1,4 +1,5 @@
 #include "bake/authoring.h"
+#include "bake/pipeline/compare.h"
 
 using namespace fb::capi;
 
@@ -37,10 +38,10 @@ fb_status fb_compare(const fb_compare_desc* desc, fb_report** report) {
     fb::bake::BakeOptions options = training_options(known, "fb_compare_desc: mix", progress);
     auto made = std::make_unique<fb_report>();
     if (options.work.empty()) options.work = made->folder.emplace().path();
-    made->faces = fb::bake::compare(source, methods_of(known), options, progress);
-    made->recorded.source = std::move(made->faces.recorded);
-    made->measured.split = fb::bake::Split::test;
-    made->json = compare_json(made->faces);
+    fb::bake::CompareReport compared = fb::bake::compare(source, methods_of(known), options, progress);
+    made->recorded.source = std::move(compared.recorded);
+    made->faces = std::move(compared);
+    made->json = faces_json(made->faces, false);
     *report = made.release();
   });
 }

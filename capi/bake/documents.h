@@ -6,18 +6,15 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 
 #include "archive/reader.h"
 #include "bake/check/check_dataset.h"
-#include "bake/measure/evaluate.h"
 #include "bake/measure/face_difference.h"
-#include "bake/measure/locality.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/bake.h"
-#include "bake/pipeline/compare.h"
 #include "bake/sampling/sampling.h"
+#include "figures/face_figures.h"
 
 namespace fb::capi {
 
@@ -33,9 +30,9 @@ std::string check_json(const std::string& dataset, const bake::DatasetCheck& che
 std::string check_details_json(const bake::DatasetCheck& check);
 std::string bake_json(const std::string& archive, const bake::Baked& baked);
 // "quality" and "locality" are null where they were not measured.
-std::string eval_json(const std::string& archive, const bake::EvalReport& report,
-                      const std::optional<bake::Locality>& locality);
-std::string compare_json(const bake::CompareReport& report);
+std::string eval_json(const std::string& archive, const MethodReport& face);
+// Of fb_compare; with details, see fb_report_details.
+std::string faces_json(const FaceFigures& faces, bool details);
 std::string verify_json(const std::string& archive, const bake::VerifyReport& report);
 // `before`, `now`: paths of the archives.
 std::string diff_json(const std::string& before, const archive::Archive& old_archive, const std::string& now,
@@ -44,13 +41,6 @@ std::string pack_json(const std::string& archive, const std::string& out, const 
 // total_bytes: of the file; runtime_bytes: what a loaded face keeps in memory.
 std::string inspect_json(const std::string& path, const archive::Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes);
-
-// Which clips the errors of a report are of.
-struct Measured {
-  std::optional<bake::Split> split;  // none: all clips, or nothing was measured
-};
-// See fb_report_details.
-std::string details_json(const bake::CompareReport& report, const Measured& measured);
 
 // What the archive says about how it was made: the provenance's "recipe", "" if it has none.
 std::string recipe_of(const archive::Archive& archive);

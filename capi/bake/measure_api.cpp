@@ -1,6 +1,8 @@
 #include <array>
 
 #include "bake/authoring.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/locality.h"
 #include "base/shown_path.h"
 
 using fb::fail;
@@ -16,15 +18,13 @@ std::optional<fb::bake::Split> split_of(std::int32_t split) {
   return static_cast<fb::bake::Split>(split);
 }
 
-std::unique_ptr<fb_report> report_of(const fb_archive& archive, const fb::bake::Source& source,
-                                     fb::bake::EvalReport errors) {
+std::unique_ptr<fb_report> report_of(const fb_archive& archive, const fb::bake::Source& source, fb::EvalReport errors) {
   auto report = std::make_unique<fb_report>();
   report->faces.name = source.schema().name;
   report->faces.units = source.schema().units;
   report->faces.diagonal = source.rest().diagonal();
-  fb::bake::MethodReport& face = report->faces.methods.emplace_back();
+  fb::MethodReport& face = report->faces.methods.emplace_back();
   face.name = std::filesystem::path(archive.name).stem().string();
-  face.bytes = archive.bytes.size();
   face.archive = archive.bytes;
   face.independent = std::move(errors);
   return report;
@@ -55,7 +55,7 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
     auto made = report_of(archive, source,
                           fb::bake::evaluate_archive(archive.bytes, source, split, parallel, progress,
                                                      quality ? fb::bake::Detail::quality : fb::bake::Detail::errors));
-    fb::bake::MethodReport& face = made->faces.methods[0];
+    fb::MethodReport& face = made->faces.methods[0];
     if (known.measure & FB_MEASURE_LOCALITY) {
       const std::array<std::span<const std::byte>, 1> archives = {archive.bytes};
       fb::bake::RigEvaluator rig(source, parallel);
@@ -63,8 +63,8 @@ fb_status fb_eval(const fb_eval_desc* desc, fb_report** report) {
                                     : fb::bake::recorded_locality(archives, source, parallel, progress);
       if (!measured.empty()) face.locality = std::move(measured[0]);
     }
-    made->measured.split = split;
-    made->json = eval_json(archive.name, face.independent, face.locality);
+    if (split) made->faces.measured_split = fb::bake::name_of(*split);
+    made->json = eval_json(archive.name, face);
     *report = made.release();
   });
 }

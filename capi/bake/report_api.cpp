@@ -6,11 +6,15 @@ using namespace fb::capi;
 
 namespace {
 
-const fb::bake::MethodReport& method_at(const fb_report* report, std::uint32_t index) {
+const fb::MethodReport& method_at(const fb_report* report, std::uint32_t index) {
   require(report, "report");
   const auto& methods = report->faces.methods;
   if (index >= methods.size()) fail(Status::invalid_argument, "method %u of %zu", index, methods.size());
   return methods[index];
+}
+
+std::int32_t use_number(const std::string& use) {
+  return use == fb::bake::name_of(fb::bake::Use::backlot) ? FB_USE_BACKLOT : FB_USE_VARIANT;
 }
 
 template <class Result>
@@ -38,7 +42,7 @@ fb_status fb_report_details(fb_report* report, const char** json) {
     require(json, "json");
     if (report->faces.methods.empty() && report->details.empty())
       fail(Status::invalid_argument, "the report is of a call that bakes or measures no face: it has no details");
-    if (report->details.empty()) report->details = details_json(report->faces, report->measured);
+    if (report->details.empty()) report->details = faces_json(report->faces, true);
     *json = report->details.c_str();
   });
 }
@@ -53,9 +57,9 @@ uint32_t fb_report_method_count(const fb_report* report) {
 
 fb_status fb_report_method_at(const fb_report* report, uint32_t index, fb_method* method) {
   return abi_guard([&] {
-    const fb::bake::MethodReport& found = method_at(report, index);
+    const fb::MethodReport& found = method_at(report, index);
     fb_method full = {};
-    full.use = static_cast<std::int32_t>(found.use);
+    full.use = use_number(found.use);
     full.name = found.name.c_str();
     full.archive = found.archive.data();
     full.archive_bytes = found.archive.size();
@@ -80,11 +84,12 @@ fb_status fb_report_clip_at(const fb_report* report, uint32_t method, uint32_t i
   return abi_guard([&] {
     const auto& clips = method_at(report, method).independent.clips;
     if (index >= clips.size()) fail(Status::invalid_argument, "clip %u of %zu", index, clips.size());
-    const fb::bake::ClipErrors& found = clips[index];
-    write_struct(clip,
-                 {0, static_cast<std::int32_t>(found.kind), static_cast<std::int32_t>(found.split), 0,
-                  found.name.c_str(), c_errors(found.errors)},
-                 "fb_clip_errors");
+    const fb::ClipErrors& found = clips[index];
+    write_struct(
+        clip,
+        {0, static_cast<std::int32_t>(fb::bake::clip_kind_from(found.kind)),
+         static_cast<std::int32_t>(fb::bake::split_from(found.split)), 0, found.name.c_str(), c_errors(found.errors)},
+        "fb_clip_errors");
   });
 }
 
@@ -101,9 +106,8 @@ fb_status fb_report_failure_at(const fb_report* report, uint32_t index, fb_failu
     require(report, "report");
     const auto& failures = report->faces.failures;
     if (index >= failures.size()) fail(Status::invalid_argument, "failure %u of %zu", index, failures.size());
-    const fb::bake::MethodFailure& found = failures[index];
-    write_struct(failure, {0, static_cast<std::int32_t>(found.use), found.name.c_str(), found.reason.c_str()},
-                 "fb_failure");
+    const fb::MethodFailure& found = failures[index];
+    write_struct(failure, {0, use_number(found.use), found.name.c_str(), found.reason.c_str()}, "fb_failure");
   });
 }
 

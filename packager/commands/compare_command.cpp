@@ -42,7 +42,7 @@ class MethodTable {
   template <class Cell>
   void row(std::string name, const Cell& cell) {
     std::vector<std::string> row = {std::move(name)};
-    for (const MethodFigures& method : figures_.methods) row.push_back(cell(method));
+    for (const MethodReport& method : figures_.methods) row.push_back(cell(method));
     table_.add(std::move(row));
   }
   std::string text() const { return table_.text() + "\n"; }
@@ -50,7 +50,7 @@ class MethodTable {
  private:
   static std::vector<std::string> heads(const FaceFigures& figures, const char* head) {
     std::vector<std::string> heads = {head};
-    for (const MethodFigures& method : figures.methods) heads.push_back(method.name + " " + method.use);
+    for (const MethodReport& method : figures.methods) heads.push_back(method.name + " " + method.use);
     return heads;
   }
   const FaceFigures& figures_;
@@ -64,38 +64,41 @@ std::string scientific(double value) {
 // The paper's Table 1 with more figures.
 std::string errors_text(const FaceFigures& figures) {
   MethodTable table(figures, "Table 1");
-  const auto add_test = [&](const std::string& test, Errors MethodFigures::*errors) {
-    table.row(test + " MSE", [&](const MethodFigures& m) { return scientific((m.*errors).mse); });
-    table.row(test + " max err", [&](const MethodFigures& m) { return scientific((m.*errors).max); });
-    table.row(test + " p99", [&](const MethodFigures& m) { return scientific((m.*errors).p99); });
-    table.row(test + " mfm", [&](const MethodFigures& m) { return scientific((m.*errors).mfm); });
+  const auto add_test = [&](const std::string& test, const auto& errors) {
+    table.row(test + " MSE", [&](const MethodReport& m) { return scientific(errors(m).mse); });
+    table.row(test + " max err", [&](const MethodReport& m) { return scientific(errors(m).max); });
+    table.row(test + " p99", [&](const MethodReport& m) { return scientific(errors(m).p99); });
+    table.row(test + " mfm", [&](const MethodReport& m) { return scientific(errors(m).mfm); });
   };
-  add_test("independent", &MethodFigures::total);
-  add_test("dependency", &MethodFigures::dependency);
+  add_test("independent", [](const MethodReport& m) { return m.independent.total; });
+  add_test("dependency", [](const MethodReport& m) { return m.dependency; });
   return table.text();
 }
 
 std::string clips_text(const FaceFigures& figures) {
   MethodTable table(figures, "independent MSE by clip");
-  const std::vector<ClipErrors>& clips = figures.methods.at(0).clips;
+  const std::vector<ClipErrors>& clips = figures.methods.at(0).independent.clips;
   for (std::size_t c = 0; c < clips.size(); ++c)
-    table.row(clips[c].name, [&](const MethodFigures& m) { return scientific(m.clips.at(c).errors.mse); });
+    table.row(clips[c].name, [&](const MethodReport& m) { return scientific(m.independent.clips.at(c).errors.mse); });
   return table.text();
 }
 
 std::string costs_text(const FaceFigures& figures) {
   MethodTable table(figures, "cost");
-  const auto add_count = [&](const char* name, std::uint64_t MethodFigures::*count) {
-    table.row(name, [&](const MethodFigures& m) { return std::to_string(m.*count); });
+  const auto add_count = [&](const char* name, std::size_t TrainedFace::*count) {
+    table.row(name, [&](const MethodReport& m) { return std::to_string(m.*count); });
   };
-  add_count("archive, bytes", &MethodFigures::bytes);
-  table.row("touched a shot pose, bytes: mean", [](const MethodFigures& m) { return format("%.0f", m.touched.mean); });
-  table.row("touched a shot pose, bytes: p95", [](const MethodFigures& m) { return std::to_string(m.touched.p95); });
-  add_count("poses trained on", &MethodFigures::poses);
-  table.row("bones", [](const MethodFigures& m) { return m.bones ? std::to_string(m.bones) : std::string("-"); });
-  add_count("coefficients", &MethodFigures::coefficients);
-  add_count("trained numbers", &MethodFigures::parameters);
-  table.row("training, seconds", [](const MethodFigures& m) { return format("%.1f", m.train_seconds); });
+  table.row("archive, bytes", [](const MethodReport& m) { return std::to_string(m.archive.size()); });
+  table.row("touched a shot pose, bytes: mean",
+            [](const MethodReport& m) { return format("%.0f", m.independent.bytes_read.mean); });
+  table.row("touched a shot pose, bytes: p95",
+            [](const MethodReport& m) { return std::to_string(m.independent.bytes_read.p95); });
+  add_count("poses trained on", &TrainedFace::poses);
+  table.row("bones",
+            [](const MethodReport& m) { return m.stats.bones ? std::to_string(m.stats.bones) : std::string("-"); });
+  add_count("coefficients", &TrainedFace::coefficients);
+  add_count("trained numbers", &TrainedFace::parameters);
+  table.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
   return table.text();
 }
 

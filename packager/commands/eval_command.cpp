@@ -31,16 +31,16 @@ std::string eval_text(const FaceFigures& figures) {
     for (const double figure : {e.mse, e.rms, e.mean, e.p99, e.max, e.mfm}) row.push_back(format("%.2e", figure));
     table.add(std::move(row));
   };
-  const MethodFigures& face = figures.methods.at(0);
-  for (const ClipErrors& clip : face.clips) add(clip.name, clip.kind, clip.split, clip.errors);
-  add("total", "", "", face.total);
-  const std::string contact = face.quality ? contact_text(face.quality->contact) + "\n" : "";
+  const MethodReport& face = figures.methods.at(0);
+  for (const ClipErrors& clip : face.independent.clips) add(clip.name, clip.kind, clip.split, clip.errors);
+  add("total", "", "", face.independent.total);
+  const std::string contact = face.independent.quality ? contact_text(face.independent.quality->contact) + "\n" : "";
   return table.text() +
          format("All errors are fractions of the rest mesh's diagonal, %g %s.\n", figures.diagonal,
                 figures.units.c_str()) +
-         format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n", face.touched.mean,
-                static_cast<unsigned long long>(face.touched.p95)) +
-         contact + (face.expectation ? expectation_text(*face.expectation) + "\n" : "");
+         format("A pose reads %.0f bytes of the model on average, 95 of 100 at most %llu.\n",
+                face.independent.bytes_read.mean, static_cast<unsigned long long>(face.independent.bytes_read.p95)) +
+         contact + (face.independent.expectation ? expectation_text(*face.independent.expectation) + "\n" : "");
 }
 
 constexpr std::uint64_t drawn_poses = 500;  // where the rig has no clips

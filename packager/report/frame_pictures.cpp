@@ -63,16 +63,16 @@ FrameAddress FrameReader::find(const std::string& clip, std::size_t frame) const
   fail(Status::internal, "the source has no clip \"%s\", which was measured", clip.c_str());
 }
 
-PosedFrame FrameReader::read(const FrameAddress& at, const std::vector<const MethodFigures*>& methods) {
+PosedFrame FrameReader::read(const FrameAddress& at, const std::vector<const MethodReport*>& methods) {
   const auto clip = static_cast<std::uint32_t>(at.clip);
   PosedFrame frame{
       format("%s, frame %zu", source_.clip(clip).name, at.frame), methods, source_.read(clip, at.frame, 1), {}};
   const float* controls = source_.clip(clip).controls + at.frame * source_.info().control_count;
-  for (const MethodFigures* method : methods) frame.posed.push_back(evaluate(*method, controls));
+  for (const MethodReport* method : methods) frame.posed.push_back(evaluate(*method, controls));
   return frame;
 }
 
-std::vector<float> FrameReader::evaluate(const MethodFigures& method, const float* controls) {
+std::vector<float> FrameReader::evaluate(const MethodReport& method, const float* controls) {
   auto found = models_.find(&method);
   if (found == models_.end()) found = models_.try_emplace(&method, method.archive.data(), method.archive.size()).first;
   facebaker::Scratch scratch(found->second);

@@ -17,7 +17,7 @@ MeshView rest_mesh(const facebaker::SourceView& source);
 // A frame as the rig and as methods pose it.
 struct PosedFrame {
   std::string name;  // "story, frame 12"
-  std::vector<const MethodFigures*> methods;
+  std::vector<const MethodReport*> methods;
   std::vector<float> truth;
   std::vector<std::vector<float>> posed;  // one a method
 };
@@ -28,13 +28,13 @@ class FrameReader {
 
   // By the source's clips.
   FrameAddress find(const std::string& clip, std::size_t frame) const;
-  PosedFrame read(const FrameAddress& at, const std::vector<const MethodFigures*>& methods);
+  PosedFrame read(const FrameAddress& at, const std::vector<const MethodReport*>& methods);
 
  private:
-  std::vector<float> evaluate(const MethodFigures& method, const float* controls);
+  std::vector<float> evaluate(const MethodReport& method, const float* controls);
 
   facebaker::SourceView source_;
-  std::map<const MethodFigures*, facebaker::Model> models_;
+  std::map<const MethodReport*, facebaker::Model> models_;
 };
 
 class FramePictures {

@@ -29,26 +29,26 @@ void add_weakest_region(std::vector<std::string>& items, const Quality& quality)
 }
 
 void add_hardest_control(std::vector<std::string>& items, const Quality& quality) {
-  const ControlErrors* hardest = nullptr;
-  for (const ControlErrors& control : quality.controls)
-    if (control.frames > 0 && (!hardest || control.mse > hardest->mse)) hardest = &control;
+  const ControlQuality* hardest = nullptr;
+  for (const ControlQuality& control : quality.controls)
+    if (control.combined.frames > 0 && (!hardest || control.combined.mse > hardest->combined.mse)) hardest = &control;
   if (hardest)
     items.push_back(
         format("The hardest control in combination is \"%s\": rms %.1e, worst %.1e of the diagonal on what "
                "it moves, in %llu frames.",
-               hardest->name.c_str(), std::sqrt(hardest->mse), hardest->max,
-               static_cast<unsigned long long>(hardest->frames)));
+               hardest->name.c_str(), std::sqrt(hardest->combined.mse), hardest->combined.max,
+               static_cast<unsigned long long>(hardest->combined.frames)));
 }
 
 void add_leaks(std::vector<std::string>& items, const Locality& locality) {
-  if (locality.share_above <= leaking_share || locality.worst.empty()) return;
+  if (locality.above <= leaking_share || locality.leaks.empty()) return;
   items.push_back(format(
       "%.0f %% of the controls move vertices that they leave alone in the rig by more than %.0e of the "
       "diagonal, most of all \"%s\" by %.1e: only worth a look if it is seen.",
-      100 * locality.share_above, locality.tolerance, locality.worst[0].control.c_str(), locality.worst[0].distance));
+      100 * locality.above, locality.options.tolerance, locality.leaks[0].control.c_str(), locality.leaks[0].leak));
 }
 
-void add_contact(std::vector<std::string>& items, const Contact& contact) {
+void add_contact(std::vector<std::string>& items, const ContactErrors& contact) {
   if (contact.max > contact.visible)
     items.push_back(
         "What touches in the rig is seen apart or in each other in the face; more poses that close it would help. " +
@@ -63,14 +63,14 @@ bool is_advice(const std::string& note) {
 
 void add_advice(Html& page, const ReportView& view) {
   std::vector<std::string> items;
-  const MethodFigures& ours = view.ours();
+  const MethodReport& ours = view.ours();
   for (const std::string& note : ours.stats.notes)
     if (is_advice(note)) items.push_back(note + ".");
-  if (view.measured() && ours.quality) {
-    add_weakest_region(items, *ours.quality);
-    add_hardest_control(items, *ours.quality);
-    add_contact(items, ours.quality->contact);
-    const Quality& q = *ours.quality;
+  if (view.measured() && ours.independent.quality) {
+    add_weakest_region(items, *ours.independent.quality);
+    add_hardest_control(items, *ours.independent.quality);
+    add_contact(items, ours.independent.quality->contact);
+    const Quality& q = *ours.independent.quality;
     if (q.border_edges > 0 && q.border_jump > seam_ratio * q.inside_jump)
       items.push_back(
           format("The error jumps %.1f times as far where regions meet as inside them: look for seams there.",

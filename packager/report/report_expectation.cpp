@@ -16,11 +16,11 @@ struct FramePair {
   double expected, measured;  // over D
 };
 
-std::vector<FramePair> frame_pairs(const MethodFigures& method) {
+std::vector<FramePair> frame_pairs(const MethodReport& method) {
   std::vector<FramePair> pairs;
-  for (const ClipErrors& clip : method.clips)
-    for (std::size_t f = 0; clip.kind == "shot" && f < clip.frame_expected.size(); ++f)
-      pairs.push_back({clip.frame_expected[f], std::sqrt(clip.frame_mse[f])});
+  for (const ClipErrors& clip : method.independent.clips)
+    for (std::size_t f = 0; clip.kind == "shot" && f < clip.frames.size(); ++f)
+      pairs.push_back({clip.frames[f].expected, std::sqrt(double(clip.frames[f].mse))});
   return pairs;
 }
 
@@ -57,8 +57,8 @@ Plot plot_expectation(std::vector<FramePair> pairs) {
 
 void add_expectation(Html& page, const ReportView& view) {
   const std::vector<FramePair> pairs = frame_pairs(view.ours());
-  if (!view.ours().expectation || pairs.empty()) return;
-  const Expectation& expected = *view.ours().expectation;
+  if (!view.ours().independent.expectation || pairs.empty()) return;
+  const Expectation& expected = *view.ours().independent.expectation;
   page.heading("Expected error");
   page.paragraph(format(
       "What the face itself expects of each frame, before anything is measured: for %llu frames of shots that were not "

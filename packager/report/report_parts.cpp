@@ -38,16 +38,16 @@ std::vector<std::size_t> parts_of(const Quality& quality) {
 
 // The errors of all methods in the regions of ours.
 void add_region_bars(Html& page, const ReportView& view, const std::vector<std::size_t>& parts) {
-  const Quality& ours = *view.ours().quality;
+  const Quality& ours = *view.ours().independent.quality;
   std::vector<std::string> names;
   std::vector<int> colours;
   std::vector<Bar> bars;
   for (const RegionErrors& region : ours.regions) bars.push_back({region.title, {}});
-  for (const MethodFigures& method : view.methods()) {
-    if (method.use != view.ours().use || !method.quality) continue;
+  for (const MethodReport& method : view.methods()) {
+    if (method.use != view.ours().use || !method.independent.quality) continue;
     names.push_back(view.label(method));
     colours.push_back(view.colour(method));
-    const std::vector<float>& rms = method.quality->vertex_rms;
+    const std::vector<float>& rms = method.independent.quality->vertex_rms;
     std::vector<double> squares(bars.size()), counts(bars.size());
     for (std::size_t v = 0; v < rms.size(); ++v)
       if (parts[v] < bars.size()) {
@@ -61,7 +61,7 @@ void add_region_bars(Html& page, const ReportView& view, const std::vector<std::
 }
 
 void add_regions(Html& page, const ReportView& view, const FramePictures& pictures) {
-  const Quality& ours = *view.ours().quality;
+  const Quality& ours = *view.ours().independent.quality;
   if (ours.regions.size() < 2) return;
   page.subheading("By region");
   page.paragraph("Regions are those of the networks of " + view.label(view.ours()) +
@@ -90,25 +90,25 @@ void add_regions(Html& page, const ReportView& view, const FramePictures& pictur
 }
 
 std::vector<std::string> alone_cells(const ReportView& view, const std::string& control) {
-  const MethodFigures& method = view.ours();
+  const MethodReport& method = view.ours();
   if (method.locality)
-    for (const ErrorsAlone& alone : method.locality->alone)
-      if (alone.name == control)
-        return {format("%llu (%llu)", static_cast<unsigned long long>(alone.poses),
-                       static_cast<unsigned long long>(alone.unseen_poses)),
-                view.length(alone.max)};
+    for (const ControlLeak& alone : method.locality->leaks)
+      if (alone.control == control)
+        return {format("%zu (%zu)", alone.alone_poses, alone.unseen_poses), view.length(alone.alone_error)};
   return {"0", "-"};
 }
 
 void add_controls(Html& page, const ReportView& view) {
-  const MethodFigures& ours = view.ours();
-  std::vector<ControlErrors> worst = ours.quality->controls;
+  const MethodReport& ours = view.ours();
+  std::vector<ControlQuality> worst = ours.independent.quality->controls;
   if (worst.empty()) return;
-  const auto combined = [](const ControlErrors& control) { return control.frames > 0 ? control.mse : 0; };
+  const auto combined = [](const ControlQuality& control) {
+    return control.combined.frames > 0 ? control.combined.mse : 0;
+  };
   std::stable_sort(worst.begin(), worst.end(), [&](const auto& a, const auto& b) { return combined(a) > combined(b); });
   const std::size_t all = worst.size();
   worst.resize(std::min(all, controls_shown));
-  const bool linear = view.linear() && view.linear()->quality;
+  const bool linear = view.linear() && view.linear()->independent.quality;
   page.subheading("By control");
   page.paragraph(format(
       "Measured where each control acts. In combination: on the vertices that the control moves, in the measured "
@@ -122,15 +122,16 @@ void add_controls(Html& page, const ReportView& view) {
   Rows rows = {{"control", "vertices moved", "combined: frames", "combined: rms / D", "combined: worst / D",
                 "alone: poses", "alone: worst / D"}};
   if (linear) rows[0].push_back("linear, combined: rms / D");
-  for (const ControlErrors& control : worst) {
-    const bool seen = control.frames > 0;
-    rows.push_back({control.name, std::to_string(control.vertices), std::to_string(control.frames),
-                    seen ? view.length(std::sqrt(control.mse)) : "-", seen ? view.length(control.max) : "-"});
+  for (const ControlQuality& control : worst) {
+    const FrameSetErrors& errors = control.combined;
+    const bool seen = errors.frames > 0;
+    rows.push_back({control.name, std::to_string(control.vertices), std::to_string(errors.frames),
+                    seen ? view.length(std::sqrt(errors.mse)) : "-", seen ? view.length(errors.max) : "-"});
     for (std::string& cell : alone_cells(view, control.name)) rows.back().push_back(std::move(cell));
     if (!linear) continue;
     std::string beside = "-";
-    for (const ControlErrors& other : view.linear()->quality->controls)
-      if (other.name == control.name && other.frames > 0) beside = view.length(std::sqrt(other.mse));
+    for (const ControlQuality& other : view.linear()->independent.quality->controls)
+      if (other.name == control.name && other.combined.frames > 0) beside = view.length(std::sqrt(other.combined.mse));
     rows.back().push_back(beside);
   }
   page.table(rows);
@@ -139,7 +140,7 @@ void add_controls(Html& page, const ReportView& view) {
 }  // namespace
 
 void add_parts(Html& page, const ReportView& view, const FramePictures& pictures) {
-  if (!view.ours().quality) return;
+  if (!view.ours().independent.quality) return;
   page.heading("Error by region and by control");
   add_regions(page, view, pictures);
   add_controls(page, view);

@@ -68,7 +68,7 @@ std::vector<FrameAddress> pick_expressive(const facebaker::SourceView& source,
 }
 
 std::vector<PosedFrame> read_all(FrameReader& reader, const std::vector<FrameAddress>& frames,
-                                 const std::vector<const MethodFigures*>& methods) {
+                                 const std::vector<const MethodReport*>& methods) {
   std::vector<PosedFrame> read;
   for (const FrameAddress& at : frames) read.push_back(reader.read(at, methods));
   return read;
@@ -76,42 +76,42 @@ std::vector<PosedFrame> read_all(FrameReader& reader, const std::vector<FrameAdd
 
 // The frame in which linear blendshapes are furthest off, if there are any.
 std::vector<PosedFrame> read_figure_1(FrameReader& reader, const ReportView& view) {
-  const MethodFigures* linear = view.linear();
+  const MethodReport* linear = view.linear();
   if (!linear) return {};
   const auto worst =
-      std::max_element(linear->clips.begin(), linear->clips.end(),
+      std::max_element(linear->independent.clips.begin(), linear->independent.clips.end(),
                        [](const ClipErrors& a, const ClipErrors& b) { return a.errors.max < b.errors.max; });
   return {reader.read(reader.find(worst->name, worst->errors.worst_frame), {&view.ours(), linear})};
 }
 
-std::vector<FrameAddress> worst_frames_of(const FrameReader& reader, const MethodFigures& method) {
+std::vector<FrameAddress> worst_frames_of(const FrameReader& reader, const MethodReport& method) {
   std::vector<FrameAddress> worst;
-  for (const FrameAddress& at : method.worst_frames)
-    if (worst.size() < worst_shown) worst.push_back(reader.find(method.clips.at(at.clip).name, at.frame));
+  for (const FrameOfClip& at : method.independent.worst)
+    if (worst.size() < worst_shown) worst.push_back(reader.find(method.independent.clips.at(at.clip).name, at.frame));
   return worst;
 }
 
 // The frame in which touching surfaces are furthest off, if that is seen.
 std::vector<PosedFrame> read_contact(FrameReader& reader, const ReportView& view) {
-  if (!view.ours().quality) return {};
-  const Contact& contact = view.ours().quality->contact;
+  if (!view.ours().independent.quality) return {};
+  const ContactErrors& contact = view.ours().independent.quality->contact;
   if (contact.max <= contact.visible) return {};
   return {reader.read(reader.find(contact.worst_clip, contact.worst_frame), {&view.ours()})};
 }
 
 // The methods whose errors over the face are shown: of the use of ours, which is among them.
-std::vector<const MethodFigures*> mapped_methods(const ReportView& view) {
-  std::vector<const MethodFigures*> mapped;
-  for (const MethodFigures& method : view.methods()) {
-    if (method.use != view.ours().use || !method.quality) continue;
+std::vector<const MethodReport*> mapped_methods(const ReportView& view) {
+  std::vector<const MethodReport*> mapped;
+  for (const MethodReport& method : view.methods()) {
+    if (method.use != view.ours().use || !method.independent.quality) continue;
     if (mapped.size() + 1 == error_maps_shown && &method < &view.ours()) continue;  // the last one is kept for ours
     if (mapped.size() < error_maps_shown) mapped.push_back(&method);
   }
   return mapped;
 }
 
-float largest_rms(const MethodFigures& method) {
-  const std::vector<float>& rms = method.quality->vertex_rms;
+float largest_rms(const MethodReport& method) {
+  const std::vector<float>& rms = method.independent.quality->vertex_rms;
   return *std::max_element(rms.begin(), rms.end());
 }
 
@@ -151,8 +151,8 @@ void add_frames(Html& page, const std::vector<PosedFrame>& frames, const FramePi
 
 void add_error_maps(Html& page, const ReportView& view, const FramePictures& pictures) {
   std::vector<Panel> panels;
-  for (const MethodFigures* method : mapped_methods(view))
-    panels.push_back({pictures.draw_rest(method->quality->vertex_rms),
+  for (const MethodReport* method : mapped_methods(view))
+    panels.push_back({pictures.draw_rest(method->independent.quality->vertex_rms),
                       format("%s\nworst %.1e", view.label(*method).c_str(), largest_rms(*method)),
                       {}});
   if (panels.empty()) return;
@@ -170,10 +170,11 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
                   const std::filesystem::path& folder, const Parallel& parallel, Progress& progress) {
   if (!view.measured()) return;
   FrameReader reader(source);
-  std::vector<const MethodFigures*> faces = {&view.ours()};
+  std::vector<const MethodReport*> faces = {&view.ours()};
   if (view.backlot()) faces.push_back(view.backlot());
   const std::vector<PosedFrame> figure_1 = read_figure_1(reader, view),
-                                expressive = read_all(reader, pick_expressive(source, view.ours().clips), faces),
+                                expressive =
+                                    read_all(reader, pick_expressive(source, view.ours().independent.clips), faces),
                                 worst = read_all(reader, worst_frames_of(reader, view.ours()), {&view.ours()});
   const std::vector<PosedFrame> contact = read_contact(reader, view);
   std::vector<PosedFrame> all = figure_1;
@@ -181,7 +182,7 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
   all.insert(all.end(), expressive.begin(), expressive.end());
   all.insert(all.end(), worst.begin(), worst.end());
   float largest = 0;
-  for (const MethodFigures* method : mapped_methods(view)) largest = std::max(largest, largest_rms(*method));
+  for (const MethodReport* method : mapped_methods(view)) largest = std::max(largest, largest_rms(*method));
   const FramePictures pictures(view, source, all, largest, folder, parallel);
 
   add_parts(page, view, pictures);
@@ -194,7 +195,7 @@ void add_pictures(Html& page, const ReportView& view, const facebaker::SourceVie
   add_frames(page, worst, pictures, "worst", "worst", progress, "drawing worst frames");
   if (!contact.empty()) {
     page.subheading("Worst contact");
-    page.paragraph(contact_text(view.ours().quality->contact));
+    page.paragraph(contact_text(view.ours().independent.quality->contact));
     add_frames(page, contact, pictures, "contact", "contact", progress, "drawing worst contact");
   }
   add_error_maps(page, view, pictures);

@@ -45,9 +45,9 @@ void add_kinds(Html& page, const ReportView& view) {
   const bool several = view.methods().size() > 1;
   Rows rows = {{"kind", "frames", "rms", "p99", "max", "mfm"}};
   if (several) rows[0].insert(rows[0].begin() + 1, "method");
-  for (std::size_t k = 0; k < view.ours().kinds.size(); ++k)
-    for (const MethodFigures& m : view.methods()) {
-      const KindErrors& kind = m.kinds.at(k);
+  for (std::size_t k = 0; k < view.ours().independent.kinds.size(); ++k)
+    for (const MethodReport& m : view.methods()) {
+      const KindErrors& kind = m.independent.kinds.at(k);
       rows.push_back({kind.kind});
       if (several) rows.back().push_back(view.label(m));
       rows.back().push_back(std::to_string(kind.errors.frames));
@@ -60,7 +60,7 @@ void add_kinds(Html& page, const ReportView& view) {
 }  // namespace
 
 void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
-  const MethodFigures& ours = view.ours();
+  const MethodReport& ours = view.ours();
   page.paragraph(
       format("Errors are distances between a vertex and its position in the true rig, as fractions of the "
              "diagonal D of the rest mesh's bounding box: %.4g %s.",
@@ -68,21 +68,22 @@ void add_summary(Html& page, const ReportView& view, const FaceReport& report) {
   page.paragraph(report.measured_on);
   Rows rows = {{view.label(ours), "value"}};
   if (view.measured()) {
-    const Errors& e = ours.total;
+    const Errors& e = ours.independent.total;
     rows.push_back({"frames measured", std::to_string(e.frames)});
     rows.push_back({"mean squared error / D^2", figure_text(e.mse)});
     rows.push_back({"root mean square / D", view.length(e.rms)});
     rows.push_back({"99 % of vertices are nearer than / D", view.length(e.p99)});
     rows.push_back({"worst vertex of all frames / D", view.length(e.max)});
     rows.push_back({"worst vertex of a frame, on average / D", view.length(e.mfm)});
-    if (ours.quality) rows.push_back({"normals, degrees rms", format("%.3f", ours.quality->normal_rms)});
-    if (const MethodFigures* linear = view.linear())
-      rows.push_back({"mse of linear blendshapes over ours", format("%.3g", linear->total.mse / e.mse)});
+    if (ours.independent.quality)
+      rows.push_back({"normals, degrees rms", format("%.3f", ours.independent.quality->normal_rms)});
+    if (const MethodReport* linear = view.linear())
+      rows.push_back({"mse of linear blendshapes over ours", format("%.3g", linear->independent.total.mse / e.mse)});
   }
-  rows.push_back({"archive", bytes_text(static_cast<double>(ours.bytes))});
+  rows.push_back({"archive", bytes_text(static_cast<double>(ours.archive.size()))});
   if (ours.poses > 0) rows.push_back({"poses trained on", std::to_string(ours.poses)});
   if (ours.train_seconds > 0) rows.push_back({"training, seconds", format("%.1f", ours.train_seconds)});
-  if (ours.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.rig_calls)});
+  if (ours.stats.rig_calls > 0) rows.push_back({"rig calls besides", std::to_string(ours.stats.rig_calls)});
   page.table(rows);
   for (const std::string& note : ours.stats.notes)
     if (!is_advice(note)) page.paragraph(note);
@@ -96,10 +97,10 @@ void add_table_1(Html& page, const ReportView& view) {
       "are the paper's own characters, with about 6,000 vertices and 500 controls, on the paper's own shots: "
       "other faces in other motion, so only orders of magnitude compare. Independent: poses nothing was "
       "trained on. Dependency: poses trained on.");
-  std::vector<const MethodFigures*> shown;  // ours first
-  for (const MethodFigures& method : view.methods())
+  std::vector<const MethodReport*> shown;  // ours first
+  for (const MethodReport& method : view.methods())
     if (method.name == view.ours().name) shown.push_back(&method);
-  for (const MethodFigures& method : view.methods())
+  for (const MethodReport& method : view.methods())
     if (method.name != view.ours().name && (method.name == "linear" || method.name.starts_with("paper")))
       shown.push_back(&method);
   Rows rows = {{"Independent test"}, {"MSE"}, {"Max err"}, {"Dependency test"}, {"MSE"}, {"Max err"}};
@@ -111,10 +112,10 @@ void add_table_1(Html& page, const ReportView& view) {
     rows[4].push_back(column.dependency_mse);
     rows[5].push_back(column.dependency_max);
   }
-  for (const MethodFigures* method : shown) {
+  for (const MethodReport* method : shown) {
     rows[0].push_back(view.figures().name + ": " + method->name + " " + method->use);
-    rows[1].push_back(mse_of(method->total));
-    rows[2].push_back(length_of(view, method->total, &Errors::max));
+    rows[1].push_back(mse_of(method->independent.total));
+    rows[2].push_back(length_of(view, method->independent.total, &Errors::max));
     rows[3].push_back("");
     rows[4].push_back(mse_of(method->dependency));
     rows[5].push_back(length_of(view, method->dependency, &Errors::max));
@@ -128,12 +129,12 @@ void add_methods(Html& page, const ReportView& view) {
   if (view.methods().size() > 1) {
     Rows rows = {{"method", "mse", "rms", "p99", "max", "mfm", "mse / ours", "dependency mse", "dependency max",
                   "archive", "trained numbers", "poses", "seconds"}};
-    for (const MethodFigures& m : view.methods()) {
-      const Errors& e = m.total;
+    for (const MethodReport& m : view.methods()) {
+      const Errors& e = m.independent.total;
       rows.push_back({view.label(m), mse_of(e), length_of(view, e, &Errors::rms), length_of(view, e, &Errors::p99),
                       length_of(view, e, &Errors::max), length_of(view, e, &Errors::mfm),
-                      format("%.3g", e.mse / view.ours().total.mse), mse_of(m.dependency),
-                      length_of(view, m.dependency, &Errors::max), bytes_text(static_cast<double>(m.bytes)),
+                      format("%.3g", e.mse / view.ours().independent.total.mse), mse_of(m.dependency),
+                      length_of(view, m.dependency, &Errors::max), bytes_text(static_cast<double>(m.archive.size())),
                       std::to_string(m.parameters), std::to_string(m.poses), format("%.1f", m.train_seconds)});
     }
     page.table(rows);
@@ -143,13 +144,13 @@ void add_methods(Html& page, const ReportView& view) {
     page.subheading("Mean squared error by clip");
   }
   Rows rows = {{"clip", "kind", "split", "frames"}};
-  for (const MethodFigures& m : view.methods()) rows[0].push_back(view.label(m));
+  for (const MethodReport& m : view.methods()) rows[0].push_back(view.label(m));
   if (view.methods().size() == 1) rows[0].insert(rows[0].end(), {"rms", "p99", "max", "mfm"});
-  const auto& clips = view.ours().clips;
+  const auto& clips = view.ours().independent.clips;
   for (std::size_t c = 0; c < clips.size(); ++c) {
     const Errors& e = clips[c].errors;
     rows.push_back({clips[c].name, clips[c].kind, clips[c].split, std::to_string(e.frames)});
-    for (const MethodFigures& m : view.methods()) rows.back().push_back(mse_of(m.clips.at(c).errors));
+    for (const MethodReport& m : view.methods()) rows.back().push_back(mse_of(m.independent.clips.at(c).errors));
     if (view.methods().size() == 1)
       for (const auto figure : {&Errors::rms, &Errors::p99, &Errors::max, &Errors::mfm})
         rows.back().push_back(length_of(view, e, figure));
@@ -160,7 +161,7 @@ void add_methods(Html& page, const ReportView& view) {
 }
 
 void add_smoothness(Html& page, const ReportView& view) {
-  if (!view.measured() || !view.ours().quality) return;
+  if (!view.measured() || !view.ours().independent.quality) return;
   page.heading("Smoothness and contact");
   page.paragraph(
       "Normals: degrees between the area-weighted vertex normals of the rig and of the method. Jitter: root mean "
@@ -170,15 +171,15 @@ void add_smoothness(Html& page, const ReportView& view) {
       "closed lips or a lid on the eye, how far the method parts them or moves them into each other.");
   Rows rows = {{"method", "normals rms", "normals p99", "jitter / D", "jump at borders", "jump inside", "ratio",
                 "border edges", "gaps rms / D", "gaps max / D", "gaps opened"}};
-  for (const MethodFigures& m : view.methods()) {
-    if (!m.quality) continue;
-    const Quality& q = *m.quality;
+  for (const MethodReport& m : view.methods()) {
+    if (!m.independent.quality) continue;
+    const Quality& q = *m.independent.quality;
     const bool border = q.border_edges > 0;
     rows.push_back({view.label(m), format("%.3f deg", q.normal_rms), format("%.3f deg", q.normal_p99),
                     q.jitter_frames > 0 ? view.length(q.jitter) : "-", border ? view.length(q.border_jump) : "-",
                     view.length(q.inside_jump), border ? format("%.2f", q.border_jump / q.inside_jump) : "-",
                     std::to_string(q.border_edges)});
-    const Contact& contact = q.contact;
+    const ContactErrors& contact = q.contact;
     const bool touching = contact.pairs > 0;
     rows.back().push_back(touching ? view.length(contact.rms) : "-");
     rows.back().push_back(touching ? view.length(contact.max) : "-");
@@ -187,11 +188,11 @@ void add_smoothness(Html& page, const ReportView& view) {
                  : "-");
   }
   page.table(rows);
-  page.paragraph(contact_text(view.ours().quality->contact));
+  page.paragraph(contact_text(view.ours().independent.quality->contact));
 }
 
 void add_locality(Html& page, const ReportView& view) {
-  const auto measured = [](const MethodFigures& m) { return m.locality.has_value(); };
+  const auto measured = [](const MethodReport& m) { return m.locality.has_value(); };
   page.heading("Locality");
   if (std::none_of(view.methods().begin(), view.methods().end(), measured)) {
     page.paragraph(
@@ -200,46 +201,46 @@ void add_locality(Html& page, const ReportView& view) {
     return;
   }
   const auto first = std::find_if(view.methods().begin(), view.methods().end(), measured);
-  const Locality& options = *first->locality;
+  const Locality& locality = *first->locality;
+  const LocalityOptions& options = locality.options;
   const std::string poses =
-      options.recorded_poses > 0
+      locality.recorded_poses > 0
           ? format(
                 "Measured on %llu recorded poses, of any split, in which a single control is off rest: %llu controls "
                 "have any, and up to 16 each are taken.",
-                static_cast<unsigned long long>(options.recorded_poses),
-                static_cast<unsigned long long>(options.controls))
+                static_cast<unsigned long long>(locality.recorded_poses),
+                static_cast<unsigned long long>(locality.leaks.size()))
           : format("Every control was moved in %u poses of the live rig, alone and among others.", options.poses);
   page.paragraph(
       poses + format(" A leak is how far the archive then moves a vertex that the rig moves less than %.0e D in all of "
                      "them; leaks up to %.0e D are tolerated.",
                      options.still, options.tolerance));
   Rows rows = {{"method", "largest leak / D", "controls above the tolerance"}};
-  for (const MethodFigures& m : view.methods())
+  for (const MethodReport& m : view.methods())
     if (m.locality)
-      rows.push_back(
-          {view.label(m), view.length(m.locality->largest), format("%.1f %%", 100 * m.locality->share_above)});
+      rows.push_back({view.label(m), view.length(m.locality->largest), format("%.1f %%", 100 * m.locality->above)});
   page.table(rows);
   if (!view.ours().locality || view.ours().locality->largest == 0) return;
   Rows worst = {{"largest leaks of " + view.label(view.ours()), "leak / D", "vertex"}};
-  for (const Leak& leak : view.ours().locality->worst)
-    worst.push_back({leak.control, view.length(leak.distance), std::to_string(leak.vertex)});
+  for (const ControlLeak& leak : view.ours().locality->leaks)
+    if (leak.leak > 0) worst.push_back({leak.control, view.length(leak.leak), std::to_string(leak.vertex)});
   page.table(worst);
 }
 
 void add_calls(Html& page, const ReportView& view) {
-  const std::vector<StageCalls>& calls = view.figures().calls;
+  const std::vector<StageCalls>& calls = view.figures().asked_by_stage;
   if (calls.empty()) return;
   page.heading("What the rig was asked");
   Rows rows = {{"stage", "poses asked to learn", "poses evaluated now", "seconds"}};
   for (const StageCalls& stage : calls)
     rows.push_back(
-        {stage.name, std::to_string(stage.asked), std::to_string(stage.evaluated), format("%.1f", stage.seconds)});
+        {stage.stage, std::to_string(stage.asked), std::to_string(stage.evaluated), format("%.1f", stage.seconds)});
   page.table(rows);
 }
 
 void add_sizes(Html& page, const ReportView& view) {
   page.heading("Size");
-  const MethodFigures& ours = view.ours();
+  const MethodReport& ours = view.ours();
   const facebaker::Archive archive(ours.archive.data(), ours.archive.size(), ours.name);
   page.paragraph(format("The archive of %s has %s.", view.label(ours).c_str(),
                         bytes_text(static_cast<double>(ours.archive.size())).c_str()));
@@ -254,10 +255,10 @@ void add_sizes(Html& page, const ReportView& view) {
     bars.push_back({section.name, {static_cast<double>(section.stored_bytes) / 1e3}});
   }
   page.table(rows);
-  if (const TouchedBytes& touched = ours.touched; touched.poses > 0)
+  if (const BytesRead& touched = ours.independent.bytes_read; touched.poses > 0)
     page.paragraph(format("A pose reads %s of the model on average, %s at most, of %s (measured on %zu poses).",
                           bytes_text(touched.mean).c_str(), bytes_text(static_cast<double>(touched.max)).c_str(),
-                          bytes_text(static_cast<double>(touched.all)).c_str(),
+                          bytes_text(static_cast<double>(touched.runtime_bytes)).c_str(),
                           static_cast<std::size_t>(touched.poses)));
   page.raw(draw_bars({"kB"}, {1}, bars, false));
 }

@@ -36,13 +36,13 @@ ReportView::ReportView(const FaceFigures& figures) : figures_(&figures) {
   }
 }
 
-std::string ReportView::label(const MethodFigures& method) const {
-  const auto other_use = [&](const MethodFigures& other) { return other.use != method.use; };
+std::string ReportView::label(const MethodReport& method) const {
+  const auto other_use = [&](const MethodReport& other) { return other.use != method.use; };
   const bool both = std::any_of(methods().begin(), methods().end(), other_use);
   return both ? method.name + " " + method.use : method.name;
 }
 
-int ReportView::colour(const MethodFigures& method) const {
+int ReportView::colour(const MethodReport& method) const {
   const auto at = std::find(recipes_.begin(), recipes_.end(), method.name);
   if (at == recipes_.end()) return 0;
   if (method.name == ours().name) return 1;
@@ -51,8 +51,8 @@ int ReportView::colour(const MethodFigures& method) const {
 }
 
 std::string ReportView::region_of(std::size_t vertex) const {
-  if (!ours().quality || vertex >= ours().quality->vertex_region.size()) return "";
-  const Quality& quality = *ours().quality;
+  if (!ours().independent.quality || vertex >= ours().independent.quality->vertex_region.size()) return "";
+  const Quality& quality = *ours().independent.quality;
   const std::size_t label = quality.vertex_region[vertex];
   for (const RegionErrors& region : quality.regions)
     if (label < quality.region_names.size() && region.name == quality.region_names[label]) return region.title;

@@ -17,23 +17,23 @@ class ReportView {
   explicit ReportView(const FaceFigures& figures);
 
   const FaceFigures& figures() const { return *figures_; }
-  const std::vector<MethodFigures>& methods() const { return figures_->methods; }
+  const std::vector<MethodReport>& methods() const { return figures_->methods; }
   // The method that the pictures are of: of the best recipe there is, the variant if there is one.
-  const MethodFigures& ours() const { return methods()[ours_]; }
+  const MethodReport& ours() const { return methods()[ours_]; }
   // The same recipe for the other use, and linear blendshapes for the use of ours; null where there is none.
-  const MethodFigures* backlot() const { return at(backlot_); }
-  const MethodFigures* linear() const { return at(linear_); }
+  const MethodReport* backlot() const { return at(backlot_); }
+  const MethodReport* linear() const { return at(linear_); }
 
-  std::string label(const MethodFigures& method) const;  // "hero", or "hero variant" where there are both uses
-  int colour(const MethodFigures& method) const;         // of curves and bars: one a recipe
-  bool measured() const { return ours().total.frames > 0; }
+  std::string label(const MethodReport& method) const;  // "hero", or "hero variant" where there are both uses
+  int colour(const MethodReport& method) const;         // of curves and bars: one a recipe
+  bool measured() const { return ours().independent.total.frames > 0; }
   // A length over D, 1.23e-04, and on a line of its own in the rig's unit; a dash if it is not finite.
   std::string length(double value) const;
   // The title of the region of ours that a vertex belongs to; "" if there is none.
   std::string region_of(std::size_t vertex) const;
 
  private:
-  const MethodFigures* at(std::optional<std::size_t> index) const { return index ? &methods()[*index] : nullptr; }
+  const MethodReport* at(std::optional<std::size_t> index) const { return index ? &methods()[*index] : nullptr; }
 
   const FaceFigures* figures_;
   std::size_t ours_ = 0;

@@ -46,6 +46,7 @@ const std::map<std::string, Layers>& law() {
     std::map<std::string, Layers> may;
     may["base"] = {};
     may["model"] = {"base"};
+    may["figures"] = {"base"};
     may["archive reader"] = nouns;
     may["archive writer"] = with(nouns, {"archive reader"});
     may["runtime"] = with(nouns, {"archive reader"});
@@ -61,13 +62,14 @@ const std::map<std::string, Layers>& law() {
     may["bake/sampling"] = with(with(nouns, data), {"bake/analysis"});
     may["bake/check"] = with(with(nouns, data), {"bake/sampling"});
     may["bake/regions"] = with(nouns, {"bake/linalg", "bake/rig", "bake/analysis"});
-    may["bake/train"] = with(nouns, {"bake/linalg"});
+    may["bake/train"] = with(nouns, {"bake/linalg", "figures"});
     may["bake/compress"] = with(written, {"bake/linalg"});
-    may["bake/measure"] = with(written, {"runtime", "bake/rig", "bake/regions"});
-    may["bake/recipe"] = with(nouns, {"bake/rig", "bake/compress", "bake/train"});
+    may["bake/measure"] = with(written, {"figures", "runtime", "bake/rig", "bake/regions"});
+    may["bake/recipe"] = with(nouns, {"figures", "bake/rig", "bake/compress", "bake/train"});
     may["bake/levels"] = with(with(nouns, data), {"bake/regions", "bake/recipe"});
-    may["bake/face"] = with(with(written, data), {"bake/linalg", "bake/analysis", "bake/sampling", "bake/regions",
-                                                  "bake/train", "bake/compress", "bake/measure", "bake/recipe"});
+    may["bake/face"] =
+        with(with(written, data), {"figures", "bake/linalg", "bake/analysis", "bake/sampling", "bake/regions",
+                                   "bake/train", "bake/compress", "bake/measure", "bake/recipe"});
     may["bake/baselines"] = with(may["bake/face"], {"bake/face"});
     may["bake/export"] = nouns;
     may["bake/pipeline"] = with(may["bake/baselines"], {"bake/baselines", "bake/levels"});
@@ -76,7 +78,7 @@ const std::map<std::string, Layers>& law() {
     may["C ABI"] = with(nouns, {"archive reader", "runtime", "public headers"});
     may["authoring C ABI"] = with(with(may["C ABI"], may["bake/pipeline"]),
                                   {"C ABI", "bake/pipeline", "bake/rig_process", "bake/check", "bake/export"});
-    may["packager"] = {"base", "public headers"};
+    may["packager"] = {"base", "figures", "public headers"};
     may["bindings"] = {"public headers"};
     may["samples"] = {"public headers"};
     return may;

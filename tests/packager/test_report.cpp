@@ -201,12 +201,12 @@ TEST_CASE("regions are named, listed with what moves them, and mapped in the col
   desc.measure = FB_MEASURE_QUALITY;
   const facebaker::Report measured = facebaker::eval(desc);
   FaceFigures figures = read_figures(measured);
-  Quality& quality = figures.methods.at(0).quality.value();
+  Quality& quality = figures.methods.at(0).independent.quality.value();
   quality.region_names = {"a", "b", "hidden"};
   quality.regions = {{"a", "mouth, lower <left>", {"jaw", "smile"}, 10, 3e-6, 0.01},
                      {"b", "brow, upper right", {}, 5, 1e-6, 0.01}};
-  for (std::size_t v = 0; v < quality.vertex_region.size(); ++v) quality.vertex_region[v] = v % 2;
-  quality.contact = {1, 1, 10, 1e-3, 2e-3, 1e-3, 3, 0, figures.methods[0].clips.at(0).name, "lids", 0, 5, 2e-3};
+  for (std::size_t v = 0; v < quality.vertex_region.size(); ++v) quality.vertex_region[v] = static_cast<std::uint32_t>(v % 2);
+  quality.contact = {1, 1, 10, 1e-3, 2e-3, 1e-3, 3, 0, figures.methods[0].independent.clips.at(0).name, "lids", 0, 5, 2e-3};
   const OutputLock lock = claim_report_folder(report);
   write_face_report(report, {"title", "measured", figures, source}, {}, silent_progress());
   const std::string page = text_of(report + "/index.html");

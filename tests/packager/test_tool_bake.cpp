@@ -66,7 +66,7 @@ void check_bake(const ScratchFolder& folder, const std::string& dataset, const s
 }
 
 // The document of `eval` on the toy rig's test clip, against the errors that the library measures.
-void check_figures(const Json& measured, const fb::bake::Errors& errors) {
+void check_figures(const Json& measured, const fb::Errors& errors) {
   CHECK(measured.at("units") == "cm");
   CHECK(measured.at("diagonal") > 0);
   REQUIRE(measured.at("clips").size() == 1);
@@ -121,7 +121,7 @@ TEST_CASE("a rig is sampled, baked, verified, measured and shown") {
   REQUIRE(eval.exit_code == 0);
   const Json measured = Json::parse(text_of(json));
   CHECK(measured.at("archive") == archive);
-  const fb::bake::Errors errors = fb::bake::evaluate_archive(fb::read_file(archive), *fb::bake::open_source(dataset),
+  const fb::Errors errors = fb::bake::evaluate_archive(fb::read_file(archive), *fb::bake::open_source(dataset),
                                                              fb::bake::Split::test, {}, fb::silent_progress())
                                       .total;
   check_figures(measured, errors);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bake/rig/pose_set.h"
+#include "figures/error_figures.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
@@ -33,13 +34,6 @@ class BytesReadCounter {
   std::uint64_t always_ = 0;
   std::vector<std::uint64_t> direct_;   // columns of each direct feature
   std::vector<std::uint64_t> regions_;  // each region without the weights of its first layer
-};
-
-struct BytesRead {
-  double mean = 0;
-  std::uint64_t p95 = 0, max = 0;   // over poses
-  std::uint64_t runtime_bytes = 0;  // BytesReadCounter::total
-  std::size_t poses = 0;            // counted
 };
 
 // Over at most 500 of the poses, evenly spaced. Without poses all are 0 but runtime_bytes.

@@ -9,6 +9,7 @@
 #include "base/decimal_points.h"
 #include "base/hash.h"
 #include "base/status.h"
+#include "figures/json_fields.h"
 
 namespace fb::bake {
 namespace {
@@ -22,13 +23,8 @@ double rounded(double value) {
 }
 
 void add(Json& json, const Errors& errors) {
-  json["frames"] = errors.frames;
-  json["mse"] = rounded(errors.mse);
-  json["rms"] = rounded(errors.rms);
-  json["mean"] = rounded(errors.mean);
-  json["p99"] = rounded(errors.p99);
-  json["max"] = rounded(errors.max);
-  json["mfm"] = rounded(errors.mfm);
+  FieldWriter<Json> writer(json, {.rounded = rounded});
+  visit_distances(writer, errors);
   for (const ChannelErrors& channel : errors.channels)
     json["channels"].push_back({{"name", channel.name}, {"rms", rounded(channel.rms)}, {"max", rounded(channel.max)}});
 }
@@ -59,31 +55,28 @@ const char* measured_part(const Json& certificate) {
 Json kind_list(const std::vector<KindErrors>& kinds) {
   Json list = Json::array();
   for (const KindErrors& kind : kinds) {
-    Json& figures = list.emplace_back(Json{{"kind", name_of(kind.kind)}});
+    Json& figures = list.emplace_back(Json{{"kind", kind.kind}});
     add(figures, kind.errors);
   }
   return list;
 }
 
-Json independent_errors(const EvalReport& report, Split split) {
-  Json json = {{"split", name_of(split)}};
+Json independent_errors(const EvalReport& report) {
+  Json json = {{"split", report.clips.at(0).split}};
   add(json, report.total);
   for (const ClipErrors& clip : report.clips) {
-    Json figures = {{"name", clip.name}, {"kind", name_of(clip.kind)}};
+    Json figures = {{"name", clip.name}, {"kind", clip.kind}};
     add(figures, clip.errors);
     json["clips"].push_back(std::move(figures));
   }
   json["kinds"] = kind_list(report.kinds);
-  if (const auto& expected = report.expectation)
-    json["expected"] = {{"frames", expected->frames},
-                        {"rank", rounded(expected->rank)},
-                        {"within_two", rounded(expected->within_two)},
-                        {"constant_within_two", rounded(expected->constant_within_two)},
-                        {"outside", expected->outside}};
+  if (report.expectation) json["expected"] = fields_of<Json>(*report.expectation, {.rounded = rounded});
   if (!report.quality) return json;
-  for (const PartErrors& part : report.quality->regions)
-    json["regions"].push_back(
-        {{"name", part.name}, {"vertices", part.count}, {"mse", rounded(part.mse)}, {"max", rounded(part.max)}});
+  for (const RegionErrors& region : report.quality->regions)
+    json["regions"].push_back({{"name", region.name},
+                               {"vertices", region.vertices},
+                               {"mse", rounded(region.mse)},
+                               {"max", rounded(region.max)}});
   json["normals"] = {{"rms_degrees", rounded(report.quality->normal_rms)},
                      {"p99_degrees", rounded(report.quality->normal_p99)}};
   const ContactErrors& contact = report.quality->contact;
@@ -99,26 +92,24 @@ Json independent_errors(const EvalReport& report, Split split) {
 
 }  // namespace
 
-std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
-                        const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
-                        const std::vector<std::string>& warnings, const std::optional<Errors>& exact,
-                        const std::vector<LevelErrors>& levels) {
+std::string certificate(const CertifiedFace& face) {
   Json json;
-  add(json["dependency"], dependency);
-  if (held_back.total.frames > 0) {
-    add(json["held_back"], held_back.total);
-    json["held_back"]["kinds"] = kind_list(held_back.kinds);
+  add(json["dependency"], face.dependency);
+  if (face.held_back.total.frames > 0) {
+    add(json["held_back"], face.held_back.total);
+    json["held_back"]["kinds"] = kind_list(face.held_back.kinds);
   }
-  json["independent"] = independent ? independent_errors(*independent, split) : Json();
-  add(json["quantisation"], quantisation);
-  if (exact) json["exact"] = {{"poses", exact->frames}, {"rms", rounded(exact->rms)}, {"max", rounded(exact->max)}};
-  for (const LevelErrors& level : levels) {
+  json["independent"] = face.independent ? independent_errors(*face.independent) : Json();
+  add(json["quantisation"], face.quantisation);
+  if (const auto& exact = face.exact)
+    json["exact"] = {{"poses", exact->frames}, {"rms", rounded(exact->rms)}, {"max", rounded(exact->max)}};
+  for (const LevelErrors& level : face.levels) {
     Json figures = {{"vertices", level.vertices}, {"polygons", level.polygons}, {"coefficients", level.coefficients}};
     add(figures, level.own);
     figures["surface"] = {{"rms", rounded(level.surface.rms)}, {"max", rounded(level.surface.max)}};
     json["levels"].push_back(std::move(figures));
   }
-  if (!warnings.empty()) json["warnings"] = warnings;
+  if (!face.warnings.empty()) json["warnings"] = face.warnings;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

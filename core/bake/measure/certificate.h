@@ -6,21 +6,26 @@
 #include <string>
 #include <vector>
 
-#include "bake/measure/evaluate.h"
-#include "bake/measure/held_back_errors.h"
 #include "bake/measure/level_errors.h"
 #include "bake/rig/pose_set.h"
+#include "figures/face_figures.h"
 
 namespace fb::bake {
 
-// A JSON object. `dependency`: on training poses. `held_back`: on those that nothing was fitted to. `independent` and
-// its split: with Detail::quality, on poses that were not trained on; absent where there are none. `quantisation`: of
-// the packed model against the float model. `warnings`: sentences; the certificate has the key only where there are
-// some. `exact`: on the poses that are kept exact. `levels`: of faces with levels of detail.
-std::string certificate(const Errors& dependency, const HeldBackErrors& held_back,
-                        const std::optional<EvalReport>& independent, Split split, const Errors& quantisation,
-                        const std::vector<std::string>& warnings = {}, const std::optional<Errors>& exact = {},
-                        const std::vector<LevelErrors>& levels = {});
+// What is measured of a packed face and certified.
+struct CertifiedFace {
+  Errors quantisation;                    // against the float model, on training and random poses
+  Errors dependency;                      // on training poses
+  HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
+  std::optional<Errors> exact;            // on the poses that are kept exact; absent where there are none
+  std::optional<EvalReport> independent;  // on clips of one split that were not trained on, with quality; absent where
+                                          // there are none
+  std::vector<LevelErrors> levels;        // of its levels of detail, on the same poses; on training poses without them
+  std::vector<std::string> warnings;      // sentences on what is wrong with the face or its rig
+};
+
+// A JSON object, with the key of warnings only where there are some.
+std::string certificate(const CertifiedFace& face);
 
 // Adds to a certificate (whatever text it is) the errors made by repacking, "repacked": displacements of vertices from
 // where the archive before had them. Those of several repackings are summed. Where the certificate has measured errors,

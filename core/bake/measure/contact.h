@@ -11,13 +11,10 @@
 
 #include "bake/regions/surface_graph.h"
 #include "base/vector3.h"
+#include "figures/quality_figures.h"
 #include "model/mesh.h"
 
 namespace fb::bake {
-
-// Over D, the rest mesh's bounding-box diagonal: a pixel where the face is a thousand pixels tall. Places nearer than
-// this touch, and a gap that differs by more than this is seen.
-constexpr double visible_gap = 1e-3;
 
 // A vertex p and the nearest point q of the triangle that it touches, q = sum of weights times corners.
 struct TouchingPair {
@@ -68,19 +65,6 @@ class ContactFinder {
   std::vector<float> rest_sizes_;  // of triangles: twice their area
   float cell_;                     // size of cells
   std::array<std::uint64_t, 54> facing_parts_;
-};
-
-// Errors of gaps over D, with e the error vectors of places, predicted - true: the gap of a touching pair is off by
-// (e(p) - e(q)) . direction, which is positive where the face parts what touches, and negative where it moves one place
-// into the other.
-struct ContactErrors {
-  std::size_t looked_at = 0;          // frames that were searched
-  std::size_t frames = 0, pairs = 0;  // those in which something touches; touching pairs in all of them
-  double rms = 0, max = 0;            // of pairs; max: the largest absolute error
-  std::size_t open = 0, deep = 0;     // pairs with an error above visible_gap, and below -visible_gap
-  std::size_t worst_frame = 0;        // with the largest absolute error
-  std::uint32_t worst_vertex = 0;
-  double worst = 0;  // that error
 };
 
 // Sums over frames; partial sums are joined with `append` in order, like ErrorSums.

@@ -7,6 +7,7 @@
 
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "figures/member_list.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
@@ -20,6 +21,15 @@ struct ControlError {
   double among_share = 0;   // rms of those errors over the rms of what moving the control adds; 0 to about 1
   std::string place = {};   // of the vertex with the largest of these errors, see FaceMap::name_of
 };
+
+// Of the documents.
+template <class Visit, MaybeConst<ControlError> Struct>
+void visit_fields(Visit& visit, Struct& error) {
+  visit("name", error.name);
+  visit("alone", error.alone);
+  visit("among", error.among);
+  visit("among_share", error.among_share);
+}
 
 // Poses that control_errors evaluates on a rig.
 std::uint64_t control_error_calls(std::size_t controls);

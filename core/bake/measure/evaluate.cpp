@@ -136,6 +136,16 @@ QualityBasis quality_basis(const PackedModel& model, const FaceMap& map, const P
   return basis;
 }
 
+// Tells clip and place of the worst contact, whose frame is one of all clips before.
+void name_worst_contact(EvalReport& report, const FaceMap& map) {
+  ContactErrors& contact = report.quality->contact;
+  std::size_t clip = 0;
+  for (; contact.worst_frame >= report.clips.at(clip).frames.size(); ++clip)
+    contact.worst_frame -= report.clips[clip].frames.size();
+  contact.worst_clip = report.clips[clip].name;
+  contact.worst_place = map.name_of(contact.worst_vertex);
+}
+
 }  // namespace
 
 void check_same_face(const PackedModel& model, const Source& source) {
@@ -189,19 +199,18 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
     const PoseSet poses(source, [&](const Clip& other) { return &other == &clip; });
     if (poses.size() == 0) continue;  // a plan
     const Sums sums = measure(face, poses, clip.kind == ClipKind::shot, by, parallel, progress, done);
-    report.clips.push_back({clip.name, clip.kind, clip.split, sums.errors.figures(report.diagonal),
+    report.clips.push_back({clip.name, name_of(clip.kind), name_of(clip.split), sums.errors.figures(report.diagonal),
                             sums.quality ? sums.quality->frames() : std::vector<FrameErrors>()});
     total.append(sums);
     auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == clip.kind; });
     if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {clip.kind, {}});
     kind->second.append(sums.errors);
   }
-  for (const auto& [kind, sums] : kinds) report.kinds.push_back({kind, sums.figures(report.diagonal)});
+  for (const auto& [kind, sums] : kinds) report.kinds.push_back({name_of(kind), sums.figures(report.diagonal)});
   report.total = total.errors.figures(report.diagonal);
   if (total.quality) {
     report.quality = total.quality->figures();
-    if (const ContactErrors& contact = report.quality->contact; contact.pairs > 0)
-      report.worst_contact = map->name_of(contact.worst_vertex);
+    if (report.quality->contact.pairs > 0) name_worst_contact(report, *map);
     report.expectation = compare_expected_errors(face, report, source);
     report.worst = worst_frames(report, source, worst_frames_kept);
   }

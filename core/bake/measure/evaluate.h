@@ -14,51 +14,10 @@
 #include "bake/rig/source.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "figures/face_figures.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
-
-struct ClipErrors {
-  std::string name;
-  ClipKind kind;
-  Split split;
-  Errors errors;
-  std::vector<FrameErrors> frames;  // with Detail::quality
-};
-
-// Over all clips of a kind.
-struct KindErrors {
-  ClipKind kind;
-  Errors errors;
-};
-
-struct FrameOfClip {
-  std::size_t clip = 0;  // in EvalReport::clips
-  std::size_t frame = 0;
-  FrameErrors errors;
-};
-
-// How expected errors of the whole face agree with measured ones, on the frames of shots: unseen motion.
-struct Expectation {
-  std::size_t frames = 0;
-  double rank = 0;                 // Spearman's rank correlation
-  double within_two = 0;           // share of frames measured within a factor of two of what was expected
-  double constant_within_two = 0;  // the same of the frames' median in place of expected errors
-  std::size_t outside = 0;         // frames, of all clips, in which a control is outside of what was trained
-};
-
-struct EvalReport {
-  std::string units;
-  double diagonal = 0;
-  std::vector<ClipErrors> clips;
-  std::vector<KindErrors> kinds = {};      // of those clips, in the order of their first ones
-  Errors total;                            // over the frames of all clips
-  BytesRead bytes_read;                    // by poses of those clips that are shots, or of all if none is
-  std::optional<Quality> quality;          // of the same clips, with Detail::quality
-  std::string worst_contact;               // where the vertex of the worst contact lies, see FaceMap::name_of
-  std::vector<FrameOfClip> worst;          // see worst_frames; with Detail::quality
-  std::optional<Expectation> expectation;  // with Detail::quality, of faces that have expected errors
-};
 
 // What is measured: errors alone, or normals, jitter, seams, contact, regions and controls too, which takes longer.
 enum class Detail { errors, quality };

@@ -60,7 +60,7 @@ std::optional<Expectation> compare_expected_errors(const runtime::Evaluator& fac
       face.expected_errors(&found->controls[f * controls], errors.data(), &frame.outside, workspace);
       frame.expected = static_cast<float>(errors[0] / diagonal);
       result.outside += frame.outside > 0;
-      if (clip.kind != ClipKind::shot) continue;
+      if (found->kind != ClipKind::shot) continue;
       expected.push_back(frame.expected);
       measured.push_back(std::sqrt(frame.mse));
     }

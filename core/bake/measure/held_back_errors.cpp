@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "bake/measure/evaluate.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -28,15 +29,15 @@ HeldBackErrors held_back_errors(const PackedModel& model, const PoseSet& held_ba
   if (held_back.size() == 0) return errors;
   errors.total = evaluate_model_on(model, held_back.subsampled(most_poses), parallel, progress);
   for (const auto& [kind, numbers] : poses_by_kind(held_back))
-    errors.kinds.push_back(
-        {kind, evaluate_model_on(model, held_back.picked(numbers).subsampled(most_poses), parallel, progress)});
+    errors.kinds.push_back({name_of(kind), evaluate_model_on(model, held_back.picked(numbers).subsampled(most_poses),
+                                                             parallel, progress)});
   return errors;
 }
 
 std::string text_of(const HeldBackErrors& errors) {
   std::string kinds;
   for (const KindErrors& kind : errors.kinds)
-    kinds += format("%s%s %.1e", kinds.empty() ? "" : ", ", name_of(kind.kind), kind.errors.rms);
+    kinds += format("%s%s %.1e", kinds.empty() ? "" : ", ", kind.kind.c_str(), kind.errors.rms);
   const Errors& total = errors.total;
   return format(
       "on %zu poses held back from every fit, the rms error is %.1e of the diagonal (%s), give or take %.0f %%; the "

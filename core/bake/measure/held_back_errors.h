@@ -6,16 +6,10 @@
 #include "bake/rig/pose_set.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "figures/error_figures.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
-
-// Errors of a packed face on poses of its training data that nothing was fitted to: what to expect of unseen poses of
-// the same kinds.
-struct HeldBackErrors {
-  Errors total;
-  std::vector<KindErrors> kinds;  // in the order of ClipKind, those that there are
-};
 
 // Of at most 4,000 poses of a kind, evenly spaced; 0 frames without poses.
 HeldBackErrors held_back_errors(const PackedModel& model, const PoseSet& held_back, const Parallel& parallel,

@@ -120,8 +120,8 @@ void QualitySums::Part::append(const Part& later) {
   worst = std::max(worst, later.worst);
 }
 
-PartErrors QualitySums::Part::errors(const std::string& name) const {
-  return {name, frames, mean(squares, static_cast<double>(frames)), worst};
+FrameSetErrors QualitySums::Part::errors() const {
+  return {frames, mean(squares, static_cast<double>(frames)), worst};
 }
 
 void QualitySums::add_controls(std::span<const float> controls, const FrameErrors& frame) {
@@ -210,28 +210,32 @@ Quality QualitySums::figures() const {
   quality.inside_jump = root_mean(inside_squares_, frames_.size());
   quality.border_edges = basis_->borders.size();
   quality.contact = contact_.figures();
-  quality.parts = basis_->parts;
+  quality.region_names = basis_->parts.names;
+  quality.vertex_region = basis_->parts.labels;
   for (std::size_t c = 0; c < controls_.size(); ++c) {
     const std::string& name = basis_->schema.controls[c].name;
     const std::size_t moved = basis_->moved[c].size();
     if (controls_[c].all.frames > 0)
-      quality.controls.push_back({controls_[c].all.errors(name), moved > 0 ? moved : vertex_squares_.size(),
-                                  controls_[c].combined.errors(name)});
+      quality.controls.push_back({name, controls_[c].all.errors(), moved > 0 ? moved : vertex_squares_.size(),
+                                  controls_[c].combined.errors()});
   }
-  std::vector<PartErrors> regions;
-  for (const std::string& name : basis_->parts.names) regions.push_back({name});
+  const FaceParts& parts = basis_->parts;
+  std::vector<RegionErrors> regions;
+  for (std::size_t r = 0; r < parts.names.size(); ++r)
+    regions.push_back(parts.titles.empty() ? RegionErrors{parts.names[r], {}, {}}
+                                           : RegionErrors{parts.names[r], parts.titles[r], parts.movers[r]});
   for (std::size_t v = 0; v < vertex_squares_.size(); ++v) {
     const double mse = mean(vertex_squares_[v], frames);
     quality.vertex_rms.push_back(static_cast<float>(std::sqrt(mse)));
-    const std::uint32_t label = basis_->parts.labels[v];
+    const std::uint32_t label = parts.labels[v];
     if (label == regions.size()) continue;
-    ++regions[label].count;
+    ++regions[label].vertices;
     regions[label].mse += mse;
     regions[label].max = std::max(regions[label].max, std::sqrt(double(vertex_worst_[v])));
   }
-  for (PartErrors& region : regions) {
-    if (region.count == 0) continue;
-    region.mse /= static_cast<double>(region.count);
+  for (RegionErrors& region : regions) {
+    if (region.vertices == 0) continue;
+    region.mse /= static_cast<double>(region.vertices);
     quality.regions.push_back(region);
   }
   return quality;

@@ -11,54 +11,12 @@
 #include "bake/measure/contact.h"
 #include "bake/measure/face_parts.h"
 #include "bake/measure/histogram.h"
+#include "figures/error_figures.h"
+#include "figures/quality_figures.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
 
 namespace fb::bake {
-
-// Errors of one frame, over D^2 and D (see Errors).
-struct FrameErrors {
-  float mse = 0, max = 0;
-  std::uint32_t worst_vertex = 0;
-  // What the face itself says, see ExpectedErrors: rms of its vertices, and controls outside of what was trained.
-  float expected = 0;
-  std::uint32_t outside = 0;
-};
-
-// Errors of a part of all measured vertices or frames, over D^2 and D.
-struct PartErrors {
-  std::string name;
-  std::size_t count = 0;  // vertices or frames
-  double mse = 0, max = 0;
-};
-
-// Errors of the frames in which a control is beyond half its reach: of the whole face, and, where others are off rest
-// too, of what the control moves.
-struct ControlQuality {
-  PartErrors all;            // count: those frames
-  std::size_t vertices = 0;  // that the control alone moves, see FaceMap; all, if it alone moves none
-  PartErrors combined;       // of those vertices, in the frames in which another control is off rest
-};
-
-// With e the error vector of a vertex, predicted - true, over D, the rest mesh's bounding-box diagonal.
-struct Quality {
-  // Degrees between area-weighted vertex normals, over vertices with a polygon that has an area.
-  double normal_rms = 0, normal_p99 = 0;
-  // Root mean square of |e(t-1) - 2 e(t) + e(t+1)| over consecutive frames of shots of 3 frames or more; jitter_frames
-  // is 0 without any.
-  double jitter = 0;
-  std::size_t jitter_frames = 0;
-  // Root mean square of |e(i) - e(j)| over edges i-j of polygons: of edges between parts, and of edges inside a part.
-  // The latter are weighted so that each border edge counts the edges inside the two parts it joins equally: a seam is
-  // a border_jump above inside_jump. Without border edges inside_jump is over all edges inside parts.
-  double border_jump = 0, inside_jump = 0;
-  std::size_t border_edges = 0;
-  ContactErrors contact;                 // of every contact_step-th frame
-  std::vector<PartErrors> regions;       // parts of the face that have vertices
-  std::vector<ControlQuality> controls;  // those that are beyond half their reach in some frame
-  std::vector<float> vertex_rms;         // one a vertex
-  FaceParts parts;
-};
 
 // What all frames share.
 struct QualityBasis {
@@ -100,7 +58,7 @@ class QualitySums {
 
     void add(double mse, double max);
     void append(const Part& later);
-    PartErrors errors(const std::string& name) const;
+    FrameSetErrors errors() const;
   };
   struct ControlPart {
     Part all, combined;

@@ -8,17 +8,12 @@
 
 #include "bake/rig/pose_set.h"
 #include "bake/rig/rig_evaluator.h"
+#include "figures/error_figures.h"
 
 namespace fb::bake {
 
 // Poses that are evaluated again, at most.
 inline constexpr std::size_t repeated_poses = 16;
-
-// Distances of vertices between two evaluations of the same poses, over D.
-struct Repeatability {
-  std::size_t poses = 0;
-  double rms = 0, max = 0;
-};
 
 // Evaluates at most 16 recorded poses once more, evenly spaced, whatever the cache holds. Counts against no budget.
 Repeatability measure_repeatability(const PoseSet& recorded, RigEvaluator& rig, Progress& progress);

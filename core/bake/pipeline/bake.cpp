@@ -12,9 +12,11 @@
 #include "bake/face/finish_face.h"
 #include "bake/levels/plan_levels.h"
 #include "bake/measure/calibrate_errors.h"
-#include "bake/measure/certificate.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/held_back_errors.h"
 #include "bake/measure/keep_exact.h"
 #include "bake/measure/level_coefficients.h"
+#include "bake/measure/repeatability.h"
 #include "bake/measure/verify.h"
 #include "bake/measure/worst_vertex.h"
 #include "bake/pipeline/learning_curve.h"
@@ -142,11 +144,10 @@ void measure(PackedFace& face, Source& data, RigEvaluator& source, const BakeOpt
   if (baked.held_back.total.frames > 0) progress.note(text_of(baked.held_back));
   const PoseSet poses = independent_poses(source);
   if (poses.size() > 0) {
-    baked.independent_split = source.clips()[poses.ranges()[0].clip].split;
+    const Split split = source.clips()[poses.ranges()[0].clip].split;
     measure_unless_failing("on clips that were not trained on", source, options, progress, [&] {
       const PurposeScope purpose(source, EvaluationPurpose::clips);
-      baked.independent =
-          evaluate_model(face.model, source, baked.independent_split, options.parallel, progress, Detail::quality);
+      baked.independent = evaluate_model(face.model, source, split, options.parallel, progress, Detail::quality);
     });
   }
   if (!face.model.levels.empty()) {
@@ -244,12 +245,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   if (options.learning_curve)
     measure_learning_curve(training, independent, face.model, rig, options, face.baked.stats, progress);
   measure(face, data, evaluator, options, progress);
-  const std::vector<std::string> certified = face.baked.warnings;
+  const std::string measured = certificate(face.baked);
   warn_of_worst_vertex(face, data, evaluator, options, progress);
   Baked baked = std::move(face.baked);
-  const std::string measured =
-      certificate(baked.dependency, baked.held_back, baked.independent, baked.independent_split, baked.quantisation,
-                  certified, baked.exact, baked.levels);
   baked.archive = ask_during(progress, [&] {
     return archive::write_archive(face.model, face.proof, {options.licence, measured});
   });
@@ -257,8 +255,9 @@ Baked bake_ordinary(Source& source, const BakeOptions& given, Progress& progress
   if (const EvaluationCache* cache = evaluator.cache()) baked.reused = cache->reused_poses().size();
   baked.asked = evaluator.requested();
   baked.plan = std::move(plan);
-  baked.counts = evaluator.counts();
-  baked.counts[static_cast<std::size_t>(EvaluationPurpose::measuring)].evaluated += checked.value_or(0);
+  EvaluationCounts counts = evaluator.counts();
+  counts[static_cast<std::size_t>(EvaluationPurpose::measuring)].evaluated += checked.value_or(0);
+  baked.asked_by_stage = calls_by_stage(counts);
   return baked;
 }
 

@@ -16,45 +16,26 @@
 #include <vector>
 
 #include "archive/proof.h"
+#include "bake/measure/certificate.h"
 #include "bake/measure/control_errors.h"
-#include "bake/measure/evaluate.h"
-#include "bake/measure/held_back_errors.h"
-#include "bake/measure/level_errors.h"
-#include "bake/measure/repeatability.h"
 #include "bake/pipeline/evaluation_plan.h"
 #include "bake/recipe/bake_options.h"
-#include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "figures/face_figures.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {
 
-struct Baked {
-  std::vector<std::byte> archive;
-  std::size_t poses = 0;         // trained on
-  std::uint64_t rig_calls = 0;   // poses a live rig evaluated in this call
-  std::uint64_t asked = 0;       // different poses asked of it in order to learn: what the rig budget limits
-  std::uint64_t reused = 0;      // evaluations of an earlier bake that were taken over, see BakeOptions::reuse
-  std::size_t coefficients = 0;  // columns of the basis
-  std::size_t parameters = 0;    // trained numbers
-  double train_seconds = 0;      // basis and network, without sampling and without what an earlier call had done
-  Errors quantisation;           // of the packed model against the float model, on training and random poses
-  // What bake_face measured of the packed model, as the certificate has it.
-  Errors dependency;                      // on training poses
-  HeldBackErrors held_back;               // on those that nothing was fitted to; without frames where there are none
-  std::optional<Errors> exact;            // on the poses that are kept exact; absent where there are none
-  std::optional<EvalReport> independent;  // on clips that were not trained on, with quality; absent where there are
-                                          // none
-  Split independent_split = Split::test;  // of those clips
-  std::vector<LevelErrors> levels;        // of its levels of detail, on the same poses; on training poses without them
-  std::vector<ControlError> controls;     // of all controls of a live rig, if the budget allows for it
-  BakeStats stats;
-  EvaluationPlan plan;                         // of a live rig: what was to be asked of it
-  EvaluationCounts counts = {};                // and what was
+// Besides certified warnings, `warnings` has limits that are not kept and, last, where the face is furthest off.
+struct Baked : TrainedFace, CertifiedFace {
+  std::uint64_t rig_calls = 0;         // poses a live rig evaluated in this call
+  std::uint64_t asked = 0;             // different poses asked of it in order to learn: what the rig budget limits
+  std::uint64_t reused = 0;            // evaluations of an earlier bake that were taken over, see BakeOptions::reuse
+  std::vector<ControlError> controls;  // of all controls of a live rig, if the budget allows for it
+  EvaluationPlan plan;                 // of a live rig: what was to be asked of it
+  std::vector<StageCalls> asked_by_stage;      // and what was
   std::optional<Repeatability> repeatability;  // of a live rig
-  // What is wrong with the face or its rig, also in the certificate; then where the face is furthest off, which is not.
-  std::vector<std::string> warnings;
 };
 
 // Samples (a live rig), trains, packs, measures and writes the archive in memory. Trains only on clips of the split

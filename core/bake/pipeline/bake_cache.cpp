@@ -13,15 +13,10 @@
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
+#include "base/status.h"
+#include "figures/json_fields.h"
 
 namespace fb::bake {
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Errors, frames, mse, rms, mean, p99, max, mfm, worst_frame)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EpochLoss, training, validation)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RegionStats, name, vertices, inputs, coefficients, parameters, energy, validation,
-                                   epochs, restarts)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningPoint, poses, mse, max)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BakeStats, notes, bones, rig_calls, regions, learning, coverage)
 
 namespace {
 
@@ -67,6 +62,24 @@ std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions
   return hash64_of<char>(fields.dump(), hash64_of<std::uint32_t>(rest.polygon_corners, mesh));
 }
 
+// Of bake.json, besides what it is of.
+template <class Visit, MaybeConst<Baked> Struct>
+void visit_cached(Visit& visit, Struct& baked) {
+  visit("poses", baked.poses);
+  visit("coefficients", baked.coefficients);
+  visit("parameters", baked.parameters);
+  visit("train_seconds", baked.train_seconds);
+  visit.object("quantisation", [&](auto& quantisation) {
+    visit_distances(quantisation, baked.quantisation);
+    quantisation("worst_frame", baked.quantisation.worst_frame);
+  });
+  visit.object("stats", [&](auto& stats) {
+    stats("bones", baked.stats.bones);
+    stats("rig_calls", baked.stats.rig_calls);
+    visit_fields(stats, baked.stats);
+  });
+}
+
 // None if it is missing, damaged or of another key.
 std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key) {
   if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
@@ -74,32 +87,26 @@ std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key
   const std::vector<std::byte> text = read_file(folder / figures_name);
   const std::string_view words(reinterpret_cast<const char*>(text.data()), text.size());
   with_context(shown(folder / figures_name), [&] { check_json_depth(words); });
+  const Json json = Json::parse(words, nullptr, false);
+  Baked baked;
+  baked.archive = read_file(folder / archive_name);
   try {
-    const Json json = Json::parse(words);
-    Baked baked;
-    baked.archive = read_file(folder / archive_name);
-    if (json.at("key") != key || json.at("archive") != hash64(baked.archive)) return std::nullopt;
-    json.at("poses").get_to(baked.poses);
-    json.at("coefficients").get_to(baked.coefficients);
-    json.at("parameters").get_to(baked.parameters);
-    json.at("train_seconds").get_to(baked.train_seconds);
-    json.at("quantisation").get_to(baked.quantisation);
-    json.at("stats").get_to(baked.stats);
+    const FieldReader reader(json);
+    std::uint64_t of_key = 0, of_archive = 0;
+    reader("key", of_key);
+    reader("archive", of_archive);
+    if (of_key != key || of_archive != hash64(baked.archive)) return std::nullopt;
+    visit_cached(reader, baked);
     return baked;
-  } catch (const Json::exception&) {
+  } catch (const Error&) {
     return std::nullopt;
   }
 }
 
 void save(const std::filesystem::path& folder, std::uint64_t key, const Baked& baked) {
-  const Json json = {{"key", key},
-                     {"archive", hash64(baked.archive)},
-                     {"poses", baked.poses},
-                     {"coefficients", baked.coefficients},
-                     {"parameters", baked.parameters},
-                     {"train_seconds", baked.train_seconds},
-                     {"quantisation", baked.quantisation},
-                     {"stats", baked.stats}};
+  Json json = {{"key", key}, {"archive", hash64(baked.archive)}};
+  FieldWriter writer(json);
+  visit_cached(writer, baked);
   write_verified_archive(folder / archive_name, baked.archive);
   write_file(folder / figures_name, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }

@@ -4,7 +4,11 @@
 #include <exception>
 
 #include "archive/reader.h"
+#include "bake/measure/evaluate.h"
+#include "bake/measure/locality.h"
+#include "bake/measure/repeatability.h"
 #include "bake/pipeline/bake_cache.h"
+#include "bake/pipeline/evaluation_plan.h"
 #include "bake/pipeline/learning_curve.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/pipeline/sample_poses.h"
@@ -38,21 +42,14 @@ void check_splits(Source& data) {
 }
 
 MethodReport run_method(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
-  Baked baked = cached_bake(data, rig, options, progress);
-  const PackedModel model = archive::read_archive(baked.archive).model;
-  const PoseSet training = training_poses(data, options.use);
   MethodReport report;
+  static_cast<TrainedFace&>(report) = cached_bake(data, rig, options, progress);
+  const PackedModel model = archive::read_archive(report.archive).model;
+  const PoseSet training = training_poses(data, options.use);
   report.name = options.recipe;
-  report.use = options.use;
+  report.use = name_of(options.use);
   report.independent = evaluate_model(model, data, Split::test, options.parallel, progress, Detail::quality);
   report.dependency = evaluate_model_on(model, training.subsampled(dependency_poses), options.parallel, progress);
-  report.bytes = baked.archive.size();
-  report.parameters = baked.parameters;
-  report.coefficients = baked.coefficients;
-  report.poses = baked.poses;
-  report.train_seconds = baked.train_seconds;
-  report.archive = std::move(baked.archive);
-  report.stats = std::move(baked.stats);
   if (const auto warning = worse_than_rest(model, training, options.parallel)) {
     progress.note("warning: " + *warning);
     report.stats.notes.push_back("warning: " + *warning);
@@ -109,7 +106,7 @@ std::exception_ptr compare_on(CompareReport& report, Source& data, RigEvaluator*
       if (error.status() == Status::interrupted) throw;
       if (!first_failure) first_failure = std::current_exception();
       progress.note(format("the %s of \"%s\" failed: %s", name_of(use), method.c_str(), error.what()));
-      report.failures.push_back({method, use, error.what()});
+      report.failures.push_back({method, name_of(use), error.what()});
     }
   }
   return first_failure;
@@ -129,7 +126,11 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
   Source& data = recorded ? *recorded : source;
   check_splits(data);
 
-  CompareReport report{data.schema().name, data.schema().units, data.rest().diagonal(), 0, {}, {}, {}, {}};
+  CompareReport report;
+  report.name = data.schema().name;
+  report.units = data.schema().units;
+  report.diagonal = data.rest().diagonal();
+  report.measured_split = name_of(Split::test);
   BakeOptions each = with_budget_left(options, evaluator, 2 * evaluating);  // at most two uses
   std::exception_ptr first_failure;
   for (const Use use : {Use::variant, Use::backlot}) {
@@ -147,7 +148,7 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
     add_recorded_locality(report, data, options.parallel, progress);
   }
   report.rig_calls = evaluator.evaluated();
-  report.counts = evaluator.counts();
+  report.asked_by_stage = calls_by_stage(evaluator.counts());
   report.recorded = std::move(recorded);
   return report;
 }

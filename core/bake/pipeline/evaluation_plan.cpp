@@ -174,4 +174,13 @@ std::string text_of(const EvaluationPlan& plan, bool budgeted) {
   return text + "\n" + disk_text(plan);
 }
 
+std::vector<StageCalls> calls_by_stage(const EvaluationCounts& counts) {
+  std::vector<StageCalls> calls;
+  for (std::size_t p = 0; p < counts.size(); ++p)
+    if (counts[p].asked > 0 || counts[p].evaluated > 0)
+      calls.push_back(
+          {name_of(static_cast<EvaluationPurpose>(p)), counts[p].asked, counts[p].evaluated, counts[p].seconds});
+  return calls;
+}
+
 }  // namespace fb::bake

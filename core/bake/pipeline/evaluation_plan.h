@@ -8,6 +8,7 @@
 #include "bake/recipe/bake_options.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "figures/face_figures.h"
 
 namespace fb::bake {
 
@@ -33,5 +34,8 @@ EvaluationPlan plan_evaluations(RigEvaluator& rig, const BakeOptions& options, b
 // A table of stages, or a sentence where there is no budget and all takes less than a minute; then what the disk is to
 // hold.
 std::string text_of(const EvaluationPlan& plan, bool budgeted);
+
+// What was asked, of the stages in which anything was.
+std::vector<StageCalls> calls_by_stage(const EvaluationCounts& counts);
 
 }  // namespace fb::bake

@@ -10,9 +10,9 @@
 
 #include "bake/measure/errors.h"
 #include "bake/recipe/bake_options.h"
-#include "bake/recipe/bake_stats.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "figures/training_figures.h"
 #include "model/packed_model.h"
 
 namespace fb::bake {

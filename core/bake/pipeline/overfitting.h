@@ -4,8 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "bake/recipe/bake_stats.h"
-
 namespace fb::bake {
 
 // A sentence if the networks overfit: if they leave more than twice as much of validation poses as of those they were

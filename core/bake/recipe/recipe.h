@@ -6,10 +6,10 @@
 
 #include "bake/compress/pack_model.h"
 #include "bake/recipe/bake_options.h"
-#include "bake/recipe/bake_stats.h"
 #include "bake/rig/pose_set.h"
 #include "bake/rig/rig_evaluator.h"
 #include "base/progress.h"
+#include "figures/training_figures.h"
 #include "model/face_model.h"
 
 namespace fb::bake {

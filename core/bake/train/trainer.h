@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "figures/training_figures.h"
 #include "model/network.h"
 
 namespace fb::bake {
@@ -77,12 +78,6 @@ struct TrainingPlan {
   std::vector<DenseLayer> initial_layers;
   Parallel parallel;
   std::filesystem::path checkpoint;  // written twice a minute and resumed from; empty: none
-};
-
-// Losses of one epoch: squared coefficient error over squared coefficients.
-struct EpochLoss {
-  double training = 0;    // mean over the epoch
-  double validation = 0;  // on the validation poses, as last measured
 };
 
 struct TrainedLayers {

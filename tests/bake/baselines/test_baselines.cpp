@@ -5,6 +5,7 @@
 
 #include "archive/reader.h"
 #include "bake/baselines/pose_correctives.h"
+#include "bake/measure/evaluate.h"
 #include "bake/pipeline/compare.h"
 #include "bake/pipeline/recipe_table.h"
 #include "base/file.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "archive/reader.h"
+#include "bake/measure/evaluate.h"
 #include "base/random.h"
 #include "runtime/evaluator.h"
 #include "toy_faces.h"

@@ -275,7 +275,10 @@ TEST_CASE("sums joined in order are the sums of all frames") {
 TEST_CASE("the certificate states contact, and is read without it") {
   MemorySource source = mouth();
   const EvalReport report = measured(source, 2);
-  std::string text = certificate(report.total, {}, report, Split::test, {});
+  CertifiedFace face;
+  face.dependency = report.total;
+  face.independent = report;
+  const std::string text = certificate(face);
   const nlohmann::json contact = nlohmann::json::parse(text).at("independent").at("contact");
   const ContactErrors& figures = report.quality.value().contact;
   CHECK(contact.at("looked_at") == figures.looked_at);

@@ -101,8 +101,8 @@ TEST_CASE("errors on poses held back are those of unseen poses of the same kind,
   const HeldBackErrors& errors = baked.held_back;
   CHECK(errors.total.frames == source.held_frames());
   REQUIRE(errors.kinds.size() == 2);
-  CHECK(errors.kinds[0].kind == ClipKind::shot);
-  CHECK(errors.kinds[1].kind == ClipKind::dense);
+  CHECK(errors.kinds[0].kind == "shot");
+  CHECK(errors.kinds[1].kind == "dense");
   CHECK(errors.kinds[0].errors.frames + errors.kinds[1].errors.frames == errors.total.frames);
   const double unseen = std::sqrt(unseen_mse(baked.archive, source));
   MESSAGE("held back ", errors.kinds[1].errors.rms, ", unseen ", unseen, ", trained on ", baked.dependency.rms);

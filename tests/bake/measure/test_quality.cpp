@@ -101,7 +101,7 @@ TEST_CASE("a step of the error where parts meet is a jump at the border and none
   REQUIRE(quality.regions.size() == 2);
   CHECK(quality.regions[0].mse == 0);
   CHECK(quality.regions[1].name == "right");
-  CHECK(quality.regions[1].count == side * side / 2);
+  CHECK(quality.regions[1].vertices == side * side / 2);
   CHECK(quality.regions[1].max == doctest::Approx(0.25 / basis.diagonal));
   CHECK(quality.vertex_rms.at(side - 1) == doctest::Approx(0.25 / basis.diagonal));
 }
@@ -181,8 +181,8 @@ TEST_CASE("sums joined in order, with frames led in, are the sums of all frames"
   CHECK(a.vertex_rms == b.vertex_rms);
   CHECK(all.frames().size() == joined.frames().size());
   REQUIRE(a.controls.size() == 1);  // the other one never goes so far
-  CHECK(a.controls[0].all.name == "control0");
-  CHECK(a.controls[0].all.count == 4);
+  CHECK(a.controls[0].name == "control0");
+  CHECK(a.controls[0].all.frames == 4);
   CHECK(a.controls[0].all.mse == doctest::Approx(b.controls.at(0).all.mse));
 }
 
@@ -249,12 +249,12 @@ TEST_CASE("the error of a control is that of what it moves, where others are off
   const ControlQuality &sound = quality.controls[0], &poor = quality.controls[1];
   const double off = 0.75 * 0.5 / source.rest().diagonal();
   CHECK(sound.vertices == side * side / 2);
-  CHECK(sound.all.count == 4);
+  CHECK(sound.all.frames == 4);
   CHECK(sound.all.max == doctest::Approx(off).epsilon(1e-3));
-  CHECK(sound.combined.count == 4);
+  CHECK(sound.combined.frames == 4);
   CHECK(sound.combined.max < 1e-4);
-  CHECK(poor.all.count == 7);
-  CHECK(poor.combined.count == 4);
+  CHECK(poor.all.frames == 7);
+  CHECK(poor.combined.frames == 4);
   CHECK(poor.combined.max == doctest::Approx(off).epsilon(1e-3));
   CHECK(std::sqrt(poor.combined.mse) == doctest::Approx(off).epsilon(1e-3));
 }

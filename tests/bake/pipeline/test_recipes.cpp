@@ -243,11 +243,11 @@ TEST_CASE("compare reports every method as variant and backlot, measured on unse
     REQUIRE(method.independent.clips.size() == 1);
     CHECK(method.independent.clips[0].name == "unseen");
     CHECK(method.independent.total.frames == 200);
-    CHECK(method.dependency.frames == (method.use == Use::variant ? 200 : 256));
+    CHECK(method.dependency.frames == (method.use == "variant" ? 200 : 256));
     CHECK(method.bytes > 0);
   }
   CHECK(report.methods[1].name == "paper");
-  CHECK(report.methods[1].use == Use::variant);
+  CHECK(report.methods[1].use == "variant");
   CHECK(report.methods[1].independent.total.mse < report.methods[0].independent.total.mse);
 }
 

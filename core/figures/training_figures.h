@@ -6,9 +6,21 @@
 #include <string>
 #include <vector>
 
-#include "bake/train/trainer.h"
+#include "figures/member_list.h"
 
-namespace fb::bake {
+namespace fb {
+
+// Losses of one epoch: squared coefficient error over squared coefficients.
+struct EpochLoss {
+  double training = 0;    // mean over the epoch
+  double validation = 0;  // on the validation poses, as last measured
+};
+
+template <class Visit, MaybeConst<EpochLoss> Struct>
+void visit_fields(Visit& visit, Struct& epoch) {
+  visit("training", epoch.training);
+  visit("validation", epoch.validation);
+}
 
 // One network and the part of the face it moves.
 struct RegionStats {
@@ -21,11 +33,31 @@ struct RegionStats {
   std::uint32_t restarts = 0;     // after the loss became NaN
 };
 
+template <class Visit, MaybeConst<RegionStats> Struct>
+void visit_fields(Visit& visit, Struct& region) {
+  visit("name", region.name);
+  visit("vertices", region.vertices);
+  visit("inputs", region.inputs);
+  visit("coefficients", region.coefficients);
+  visit("parameters", region.parameters);
+  visit("energy", region.energy);
+  visit("validation", region.validation);
+  visit("restarts", region.restarts);
+  visit("epochs", region.epochs);
+}
+
 // A point of the learning curve: the error with this number of training poses.
 struct LearningPoint {
   std::size_t poses = 0;
   double mse = 0, max = 0;  // on independent poses, over D^2 and D
 };
+
+template <class Visit, MaybeConst<LearningPoint> Struct>
+void visit_fields(Visit& visit, Struct& point) {
+  visit("poses", point.poses);
+  visit("mse", point.mse);
+  visit("max", point.max);
+}
 
 struct BakeStats {
   std::vector<std::string> notes;       // sentences, such as what the analysis found
@@ -36,4 +68,13 @@ struct BakeStats {
   std::string coverage;                 // what training poses do not cover: sentences and Markdown tables
 };
 
-}  // namespace fb::bake
+// Without bones and rig_calls, which documents have elsewhere.
+template <class Visit, MaybeConst<BakeStats> Struct>
+void visit_fields(Visit& visit, Struct& stats) {
+  visit("notes", stats.notes);
+  visit("regions", stats.regions);
+  visit("learning", stats.learning);
+  visit("coverage", stats.coverage);
+}
+
+}  // namespace fb
