@@ -159,12 +159,12 @@ TEST_CASE("what cannot be said or shown is refused") {
     fb::write_file(sockets, std::string(json));
     refused({"pack", archive, "--out", out, "--sockets", sockets}, words);
   };
-  socket_refused(R"({"name": "hat"})", {"no JSON array"});
+  socket_refused(R"({"name": "hat"})", {"sockets is no list"});
   socket_refused(R"([{"name": "hat", "vertices": "all"}])", {"sockets", "vertices"});
   socket_refused(R"([{"name": "hat", "vertices": [0, 1, 700]}])", {"hat", "700"});
   refused({"bake", FB_TOY_RIG, "--out", out, "--about", more}, {"rights uses is no string"});
   fb::write_file(more, std::string("about me"));
-  refused({"pack", archive, "--out", out, "--about", more}, {"about is no JSON object"});
+  refused({"pack", archive, "--out", out, "--about", more}, {"about: is no JSON: parse error at line 1, column 1"});
   refused({"pack", archive, "--out", out, "--about", folder / "none.json"}, {"none.json"});
 }
 

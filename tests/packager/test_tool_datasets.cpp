@@ -125,8 +125,8 @@ TEST_CASE("check goes on where a dataset is broken") {
     "clips": [{"name": "c", "controls": "c.npy", "points": "p.npy"}]})";
   const ToolRun run = run_tool({"check", broken, "--report", folder / "report"});
   CHECK(run.exit_code == 1);
-  for (const char* words : {"up_axis: is neither", "none.obj", "control \"a\": minimum 1 is not below",
-                            "controls[1]: has no \"min\"", "c.npy: no such file", "nothing to train on"}) {
+  for (const char* words : {"up_axis is neither", "none.obj", "control \"a\": minimum 1 is not below",
+                            "controls[1] min is missing", "c.npy: no such file", "nothing to train on"}) {
     CHECK_MESSAGE(has(run.out, words), run.out);
   }
   CHECK(has(text_of(folder / "report/index.html"), "minimum 1 is not below"));

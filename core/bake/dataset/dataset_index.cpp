@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cinttypes>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
 #include "bake/rig/character_json.h"
+#include "bake/rig/json_field.h"
 #include "base/file.h"
 #include "base/file_extension.h"
-#include "base/json_depth.h"
 #include "base/path_inside.h"
 #include "base/shown_path.h"
 #include "base/status.h"
@@ -24,144 +23,24 @@ using nlohmann::json;
 constexpr const char* format_name = "facebaker-dataset";
 constexpr int format_version = 1;
 
-// A JSON value and the path to it, with which messages begin: "dataset.json: clips[2] fps".
-class Field {
- public:
-  Field(const json& root, const fs::path& file) : value_(root), where_(shown(file)), inside_(": ") {}
-
-  [[noreturn]] void refuse(const std::string& why, Status status = Status::bad_data) const {
-    fail(status, "%s: %s", where_.c_str(), why.c_str());
-  }
-
-  bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
-
-  Field operator[](const char* key) const {
-    if (!value_.is_object()) refuse("is no object");
-    const auto found = value_.find(key);
-    if (found == value_.end()) refuse(format("has no \"%s\"", key));
-    return {*found, where_ + inside_ + key};
-  }
-
-  std::string text_or_empty() const {
-    if (!value_.is_string()) refuse("is no string");
-    std::string text = value_.get<std::string>();
-    if (text.find('\0') != std::string::npos) refuse("holds a zero byte");
-    return text;
-  }
-
-  std::string text() const {
-    std::string text = text_or_empty();
-    if (text.empty()) refuse("is empty");
-    return text;
-  }
-
-  double number() const {
-    if (!value_.is_number()) refuse("is no number");
-    const double number = value_.get<double>();
-    if (!std::isfinite(number)) refuse("is not finite", Status::not_finite);
-    return number;
-  }
-
-  float single() const {
-    const double value = number();
-    if (std::abs(value) > 3.4e38) refuse("is too large for a float");
-    return static_cast<float>(value);
-  }
-
-  std::uint64_t hash() const {
-    std::uint64_t hash = 0;
-    if (std::sscanf(text().c_str(), "%" SCNx64, &hash) != 1) refuse("is no hexadecimal number");
-    return hash;
-  }
-
-  std::uint64_t count() const {
-    if (!value_.is_number_unsigned() || value_.get<std::uint64_t>() == 0) refuse("is no positive whole number");
-    return value_.get<std::uint64_t>();
-  }
-
-  bool flag() const {
-    if (!value_.is_boolean()) refuse("is neither true nor false");
-    return value_.get<bool>();
-  }
-
-  std::vector<Field> items() const {
-    if (!value_.is_array()) refuse("is no list");
-    if (value_.empty()) refuse("is empty");
-    std::vector<Field> items;
-    for (std::size_t i = 0; i < value_.size(); ++i)
-      items.push_back(Field(value_[i], where_ + "[" + std::to_string(i) + "]"));
-    return items;
-  }
-
-  // A file name, or a list of them.
-  std::vector<std::string> files() const {
-    if (value_.is_string()) return {text()};
-    std::vector<std::string> names;
-    for (const Field& item : items()) names.push_back(item.text());
-    return names;
-  }
-
-  // The character's fields of this object.
-  void read_character(DatasetIndex& index) const {
-    try {
-      bake::read_character(
-          value_,
-          [&](const json& image) {
-            const auto file = image.find("file");
-            if (file == image.end() || !file->is_string() || file->get<std::string>().empty())
-              fail(Status::bad_data, "images[%zu] has no \"file\"", index.image_files.size());
-            index.image_files.push_back(file->get<std::string>());
-            return std::vector<std::byte>();
-          },
-          index.parts, index.character);
-      index.schema.channels = read_channels(value_);
-    } catch (const Error& error) {
-      refuse(error.what(), error.status());
-    }
-  }
-
-  bool is_text() const { return value_.is_string(); }
-
-  // Calls read(text), adding this field's path to messages of errors.
-  template <class Read>
-  auto word(Read&& read) const {
-    try {
-      return read(text());
-    } catch (const Error& error) {
-      refuse(error.what(), error.status());
-    }
-  }
-
- private:
-  Field(const json& value, std::string where) : value_(value), where_(std::move(where)), inside_(" ") {}
-
-  const json& value_;
-  std::string where_;
-  const char* inside_;  // between where_ and a key of it
-};
-
-Control read_control(const Field& field) {
-  Control control;
-  control.name = field["name"].text();
-  control.minimum = field["min"].single();
-  control.maximum = field["max"].single();
-  control.rest = field["default"].single();
-  const auto text = [&](const char* key) { return field.has(key) ? field[key].text_or_empty() : std::string(); };
-  control.group = text("group");
-  control.labels = {text("arkit"), text("facs"), text("unit"), text("mirror")};
-  return control;
+// A file name, or a list of them.
+std::vector<std::string> read_files(const JsonField& field) {
+  if (field.is_text()) return {field.nonempty_text()};
+  std::vector<std::string> names;
+  for (const JsonField& item : field.nonempty_items()) names.push_back(item.nonempty_text());
+  return names;
 }
 
-DatasetIndex::Entry read_entry(const Field& field) {
+DatasetIndex::Entry read_entry(const JsonField& field) {
   DatasetIndex::Entry entry;
-  entry.name = field["name"].text();
-  if (field.has("kind")) entry.kind = field["kind"].word(clip_kind_from);
-  if (field.has("split")) entry.split = field["split"].word(split_from);
-  if (field.has("fps")) entry.fps = field["fps"].number();
+  entry.name = field["name"].nonempty_text();
+  entry.kind = field["kind"].read_or(entry.kind, clip_kind_from);
+  entry.split = field["split"].read_or(entry.split, split_from);
+  if (field["fps"].exists()) entry.fps = field["fps"].number();
   if (entry.fps <= 0) field["fps"].refuse("is not above zero");
-  entry.controls = field["controls"].files();
-  if (field.has("points")) entry.points = field["points"].files();
-  if (field.has("channels")) entry.channels = field["channels"].files();
+  entry.controls = read_files(field["controls"]);
+  if (field["points"].exists()) entry.points = read_files(field["points"]);
+  if (field["channels"].exists()) entry.channels = read_files(field["channels"]);
   return entry;
 }
 
@@ -186,67 +65,74 @@ class Attempts {
   std::vector<std::string>* faults_;
 };
 
-void read_rest(const Field& rest, DatasetIndex& index) {
+void read_rest(const JsonField& rest, DatasetIndex& index) {
   if (rest.is_text()) {
-    index.rest_mesh = rest.text();
+    index.rest_mesh = rest.nonempty_text();
     return;
   }
-  index.rest_arrays.points = rest["points"].text();
-  index.rest_arrays.faces = rest["faces"].text();
-  if (rest.has("uvs") || rest.has("uv_faces")) {
-    index.rest_arrays.uvs = rest["uvs"].text();
-    index.rest_arrays.uv_faces = rest["uv_faces"].text();
+  index.rest_arrays.points = rest["points"].nonempty_text();
+  index.rest_arrays.faces = rest["faces"].nonempty_text();
+  if (rest["uvs"].exists() || rest["uv_faces"].exists()) {
+    index.rest_arrays.uvs = rest["uvs"].nonempty_text();
+    index.rest_arrays.uv_faces = rest["uv_faces"].nonempty_text();
   }
 }
 
-void read_clips(const Field& root, DatasetIndex& index, const Attempts& attempt) {
+void read_clips(const JsonField& root, DatasetIndex& index, const Attempts& attempt) {
   std::unordered_set<std::string> names;
-  for (const Field& item : root["clips"].items())
+  for (const JsonField& item : root["clips"].nonempty_items())
     attempt([&] {
       DatasetIndex::Entry entry = read_entry(item);
-      if (!names.insert(entry.name).second) item.refuse(format("clip name \"%s\" occurs twice", entry.name.c_str()));
+      if (!names.insert(entry.name).second) item["name"].refuse(format("\"%s\" occurs twice", entry.name.c_str()));
       index.clips.push_back(std::move(entry));
     });
 }
 
-void read_sampling(const Field& sampling, DatasetIndex& index) {
+void read_sampling(const JsonField& sampling, DatasetIndex& index) {
   index.sampling =
-      DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count()};
-  if (sampling.has("left_out")) index.sampling->left_out = sampling["left_out"].count();
+      DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].whole(1)};
+  if (const JsonField left_out = sampling["left_out"]; left_out.exists()) index.sampling->left_out = left_out.whole(1);
 }
 
 // `schema_only`: rest mesh and clips may be missing.
-DatasetIndex read_index(const Field& root, const Attempts& attempt, bool schema_only) {
+DatasetIndex read_index(const JsonField& root, const Attempts& attempt, bool schema_only) {
   DatasetIndex index;
+  const JsonField named_format = root["format"];  // no attempt: without an object there is nothing else to find
   attempt([&] {
-    if (!root.has("format") || root["format"].text() != format_name)
-      root.refuse(format("its \"format\" is not \"%s\"", format_name));
+    if (named_format.text_or("") != format_name) root.refuse(format("its \"format\" is not \"%s\"", format_name));
   });
   attempt([&] {
     if (const double version = root["version"].number(); version != format_version)
       root["version"].refuse(format("is %g; this program reads %d", version, format_version), Status::unsupported);
   });
-  attempt([&] { index.schema.name = root["name"].text(); });
-  attempt([&] { index.schema.units = root["units"].text(); });
+  attempt([&] { index.schema.name = root["name"].nonempty_text(); });
+  attempt([&] { index.schema.units = root["units"].nonempty_text(); });
   attempt([&] {
-    const std::string axis = root["up_axis"].text();
+    const std::string axis = root["up_axis"].nonempty_text();
     if (axis != "y" && axis != "z") root["up_axis"].refuse("is neither \"y\" nor \"z\"");
     index.schema.up_axis = axis;
   });
-  if (!schema_only || root.has("rest")) attempt([&] { read_rest(root["rest"], index); });
+  if (!schema_only || root["rest"].exists()) attempt([&] { read_rest(root["rest"], index); });
   attempt([&] {
-    for (const Field& item : root["controls"].items())
+    for (const JsonField& item : root["controls"].nonempty_items())
       attempt([&] { index.schema.controls.push_back(read_control(item)); });
   });
   if (!schema_only) attempt([&] { read_clips(root, index, attempt); });
-  attempt([&] { root.read_character(index); });
-  if (root.has("skin"))
+  attempt([&] {
+    const auto name_image = [&](const JsonField& image) {
+      index.image_files.push_back(image["file"].nonempty_text());
+      return std::vector<std::byte>();
+    };
+    read_character(root, name_image, index.parts, index.character);
+    index.schema.channels = read_channels(root);
+  });
+  if (const JsonField skin = root["skin"]; skin.exists())
     attempt([&] {
-      index.skin_joints = root["skin"]["joints"].text();
-      index.skin_weights = root["skin"]["weights"].text();
+      index.skin_joints = skin["joints"].nonempty_text();
+      index.skin_weights = skin["weights"].nonempty_text();
     });
-  if (root.has("sampling") && !schema_only) attempt([&] { read_sampling(root["sampling"], index); });
-  if (root.has("plan") && !schema_only) attempt([&] { index.plan = root["plan"].flag(); });
+  if (root["sampling"].exists() && !schema_only) attempt([&] { read_sampling(root["sampling"], index); });
+  if (!schema_only) attempt([&] { index.plan = root["plan"].flag_or(false); });
   return index;
 }
 
@@ -265,16 +151,8 @@ namespace {
 
 DatasetIndex parse_index(const fs::path& path, const Attempts& attempt, bool schema_only) {
   const std::vector<std::byte> bytes = read_file(path, std::uint64_t{1} << 28);
-  const char* text = reinterpret_cast<const char*>(bytes.data());
-  with_context(shown(path), [&] { check_json_depth({text, bytes.size()}); });
-  json root;
-  try {
-    root = json::parse(text, text + bytes.size());
-  } catch (const json::exception& error) {
-    const std::string why = error.what();  // "[json.exception...] parse error at line 3, ..."
-    fail(Status::bad_data, "%s: is no JSON: %s", shown(path).c_str(), why.substr(why.find("] ") + 2).c_str());
-  }
-  return read_index(Field(root, path), attempt, schema_only);
+  const auto root = parse_json<json>({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, shown(path));
+  return read_index(JsonField(root, shown(path) + ":"), attempt, schema_only);
 }
 
 DatasetIndex read_checked(const fs::path& path, bool schema_only) {
@@ -316,12 +194,7 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
     root["rest"]["uvs"] = rest.uvs;
     root["rest"]["uv_faces"] = rest.uv_faces;
   }
-  root["controls"] = Ordered::array();
-  for (const Control& c : index.schema.controls) {
-    Ordered control = {{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}};
-    write_labels(c, control);
-    root["controls"].push_back(control);
-  }
+  root["controls"] = json_of(index.schema.controls);
   root["clips"] = Ordered::array();
   for (const DatasetIndex::Entry& entry : index.clips) {
     Ordered clip = {{"name", entry.name},

@@ -2,9 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/json_depth.h"
+#include "bake/rig/json_field.h"
 #include "base/status.h"
-#include "base/utf8.h"
 #include "model/character.h"
 
 namespace fb::bake {
@@ -19,7 +18,7 @@ void check_texts(const ordered_json& object, std::initializer_list<const char*> 
 }
 
 void check_fields(const ordered_json& about) {
-  if (!about.is_object()) fail(Status::bad_data, "about is no JSON object");
+  if (!about.is_object()) fail(Status::bad_data, "about: is no object");
   check_texts(about, {"name", "author", "contact", "rig", "rig_version", "created"}, "");
   if (!about.contains("rights") || about["rights"].is_null()) return;
   const ordered_json& rights = about["rights"];
@@ -46,9 +45,7 @@ std::string about_text(const ordered_json& about) {
 }
 
 ordered_json parse_about(const std::string& text) {
-  if (find_utf8_fault(text)) fail(Status::bad_data, "about is no UTF-8 text");
-  check_json_depth(text);
-  ordered_json about = ordered_json::parse(text, nullptr, false);
+  ordered_json about = parse_json<ordered_json>(text, "about");
   check_fields(about);
   return about;
 }

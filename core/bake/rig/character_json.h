@@ -1,10 +1,11 @@
-// Meshes, materials, images, sockets, joints, channels and what is said about a character as JSON: in dataset.json and
-// in the rig protocol.
+// Controls, meshes, materials, images, sockets, joints, channels and what is said about a character as JSON: in
+// dataset.json and in the rig protocol.
 #pragma once
 
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
+#include "bake/rig/json_field.h"
 #include "model/character.h"
 #include "model/mesh.h"
 #include "model/rig_schema.h"
@@ -13,6 +14,10 @@ namespace fb::bake {
 
 // Adds the fields "group", "arkit", "facs", "unit" and "mirror" to a control's object, those that are not empty.
 void write_labels(const Control& control, nlohmann::ordered_json& to);
+
+// Controls as a list, and one of such a list.
+nlohmann::ordered_json json_of(const std::vector<Control>& controls);
+Control read_control(const JsonField& from);
 
 // Adds the fields "meshes", "materials", "images", "sockets" and "joints" to an object, those that are not empty.
 // `describe` writes where the bytes of an image are into its object. A skin is not written.
@@ -23,14 +28,15 @@ void write_character(const std::vector<MeshPart>& parts, const Character& charac
 // Adds the field "about", a JSON object given as text, if there is one.
 void write_about(const std::string& about, nlohmann::ordered_json& to);
 
-// What an object has in these fields. `read_bytes` gives an image's bytes. Fails with bad_data, naming the field, on
-// what is missing or of the wrong type; whether it makes sense is not checked.
-using ReadImageBytes = std::function<std::vector<std::byte>(const nlohmann::json& image)>;
-void read_character(const nlohmann::json& from, const ReadImageBytes& read_bytes, std::vector<MeshPart>& parts,
+// What an object has in these fields. `read_bytes` gives an image's bytes. Fails on what is missing or of the wrong
+// type; whether it makes sense is not checked.
+using ReadImageBytes = std::function<std::vector<std::byte>(const JsonField& image)>;
+void read_character(const JsonField& from, const ReadImageBytes& read_bytes, std::vector<MeshPart>& parts,
                     Character& character);
+std::vector<Socket> read_sockets(const JsonField& list);
 
 // Adds the field "channels" unless there are none; reads it, where it is there.
 void write_channels(const std::vector<Channel>& channels, nlohmann::ordered_json& to);
-std::vector<Channel> read_channels(const nlohmann::json& from);
+std::vector<Channel> read_channels(const JsonField& from);
 
 }  // namespace fb::bake

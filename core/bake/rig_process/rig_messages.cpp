@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "bake/rig/channel_points.h"
 #include "bake/rig/character_json.h"
+#include "bake/rig/json_field.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
-#include "base/json_depth.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -45,69 +44,13 @@ std::string quoted(std::span<const std::byte> bytes) {
   return '"' + text + '"';
 }
 
-// The JSON object of a message or one inside it; failures name the field.
-class Fields {
- public:
-  explicit Fields(const RigMessage& message) {
-    check_json_depth(message.text);
-    root_ = json::parse(message.text, nullptr, false);
-    if (!root_.is_object())
-      fail(Status::rig, "the text of a message is no JSON object: %s", shown(message.text).c_str());
-  }
-  Fields(const json& object, std::string where) : root_(object), where_(std::move(where)) {
-    if (!root_.is_object()) fail(Status::rig, "%sis no object", where_.c_str());
-  }
-
-  bool has(const char* key) const { return root_.contains(key); }
-  std::string text(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_string()) refuse(key, "is no string");
-    return value.get<std::string>();
-  }
-  std::string text_or(const char* key, const char* otherwise) const { return has(key) ? text(key) : otherwise; }
-  std::uint64_t count(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_number_unsigned() || value.get<std::uint64_t>() > UINT32_MAX)
-      refuse(key, "is no whole number from 0 to 4294967295");
-    return value.get<std::uint64_t>();
-  }
-  std::uint64_t count_or_zero(const char* key) const { return has(key) ? count(key) : 0; }
-  std::vector<std::string> texts_or_none(const char* key) const {
-    std::vector<std::string> found;
-    if (!has(key)) return found;
-    if (!at(key).is_array()) refuse(key, "is no list");
-    for (const json& item : at(key)) {
-      if (!item.is_string()) refuse(key, "is no list of strings");
-      found.push_back(item.get<std::string>());
-    }
-    return found;
-  }
-  double number(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_number()) refuse(key, "is no number");
-    return value.get<double>();
-  }
-  const json& root() const { return root_; }
-  std::vector<Fields> objects(const char* key) const {
-    std::vector<Fields> found;
-    if (!at(key).is_array()) refuse(key, "is no list");
-    for (const json& item : at(key)) found.emplace_back(item, format("%s[%zu] ", key, found.size()));
-    return found;
-  }
-
- private:
-  [[noreturn]] void refuse(const char* key, const char* why) const {
-    fail(Status::rig, "%s\"%s\" %s", where_.c_str(), key, why);
-  }
-  const json& at(const char* key) const {
-    const auto found = root_.find(key);
-    if (found == root_.end()) refuse(key, "is missing");
-    return *found;
-  }
-
-  json root_;
-  std::string where_;
-};
+// The text of a message, and its fields.
+json parsed(const RigMessage& message) {
+  return parse_json<json>(message.text, "a message (" + shown(message.text) + ")", Status::rig);
+}
+JsonField fields_of(const json& text) {
+  return {text, "a message:", Status::rig};
+}
 
 // The data of a message, number after number.
 class Numbers {
@@ -132,33 +75,33 @@ class Numbers {
 };
 
 // The sentence of an answer of type "error".
-std::string reason_of(const Fields& fields) {
-  const std::string reason = fields.text("message");
+std::string reason_of(const JsonField& fields) {
+  const std::string reason = fields["message"].any_text();
   return reason.empty() ? "an error without a message" : shown(reason);
 }
 
-void check_version(const Fields& fields) {
-  if (const std::uint64_t version = fields.count("version"); version != rig_protocol_version)
+void check_version(const JsonField& fields) {
+  if (const std::uint64_t version = fields["version"].whole(); version != rig_protocol_version)
     fail(Status::rig, "version %llu of the rig protocol, where %llu is spoken",
          static_cast<unsigned long long>(version), static_cast<unsigned long long>(rig_protocol_version));
 }
 
-Mesh read_mesh(const Fields& fields, Numbers& numbers) {
+Mesh read_mesh(const JsonField& fields, Numbers& numbers) {
   Mesh mesh;
-  mesh.points = numbers.take<float>(3 * fields.count("vertices"), "rest mesh");
-  mesh.polygon_sizes = numbers.take<std::uint32_t>(fields.count_or_zero("polygons"), "sizes of polygons");
+  mesh.points = numbers.take<float>(3 * std::size_t{fields["vertices"].whole()}, "rest mesh");
+  mesh.polygon_sizes = numbers.take<std::uint32_t>(fields["polygons"].whole_or(0), "sizes of polygons");
   std::size_t corners = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) corners += size;
   mesh.polygon_corners = numbers.take<std::uint32_t>(corners, "corners of polygons");
-  if (const std::size_t uvs = fields.count_or_zero("uvs")) {
+  if (const std::size_t uvs = fields["uvs"].whole_or(0)) {
     mesh.uvs = numbers.take<float>(2 * uvs, "texture coordinates");
     mesh.uv_corners = numbers.take<std::uint32_t>(corners, "texture coordinates of corners");
   }
   return mesh;
 }
 
-Skin read_skin(const Fields& fields, Numbers& numbers, const Mesh& rest) {
-  Skin skin{static_cast<std::uint32_t>(fields.count_or_zero("skin_influences")), {}, {}};
+Skin read_skin(const JsonField& fields, Numbers& numbers, const Mesh& rest) {
+  Skin skin{fields["skin_influences"].whole_or(0), {}, {}};
   const std::size_t places = checked_multiply(rest.surface_vertex_count(), skin.influences, "influences");
   skin.joints = numbers.take<std::uint16_t>(places, "joints of vertices");
   skin.weights = numbers.take<float>(places, "weights of joints");
@@ -166,16 +109,15 @@ Skin read_skin(const Fields& fields, Numbers& numbers, const Mesh& rest) {
   return skin;
 }
 
-std::vector<Clip> read_clips(const Fields& fields, Numbers& numbers, std::size_t controls) {
+std::vector<Clip> read_clips(const JsonField& fields, Numbers& numbers, std::size_t controls) {
   std::vector<Clip> clips;
-  if (!fields.has("clips")) return clips;
-  for (const Fields& from : fields.objects("clips")) {
+  for (const JsonField& from : fields["clips"].items_or_none()) {
     Clip clip;
-    clip.name = from.text("name");
-    clip.kind = clip_kind_from(from.text_or("kind", name_of(ClipKind::shot)));
-    clip.split = split_from(from.text_or("split", name_of(Split::train)));
-    clip.fps = from.number("fps");
-    clip.frames = from.count("frames");
+    clip.name = from["name"].text();
+    clip.kind = from["kind"].read_or(clip.kind, clip_kind_from);
+    clip.split = from["split"].read_or(clip.split, split_from);
+    clip.fps = from["fps"].number();
+    clip.frames = from["frames"].whole();
     clip.controls = numbers.take<float>(checked_multiply(clip.frames, controls, "frames x controls"), "clips");
     clips.push_back(std::move(clip));
   }
@@ -253,8 +195,9 @@ RigMessage bye_request() {
 }
 
 RigRequest request_of(const RigMessage& message) {
-  const Fields fields(message);
-  const std::string type = fields.text("type");
+  const json text = parsed(message);
+  const JsonField fields = fields_of(text);
+  const std::string type = fields["type"].text();
   if (type == "evaluate") return RigRequest::evaluate;
   if (type == "bye") return RigRequest::bye;
   if (type != "hello") fail(Status::rig, "a request of type \"%s\"", shown(type).c_str());
@@ -264,8 +207,8 @@ RigRequest request_of(const RigMessage& message) {
 
 std::vector<float> poses_of(const RigMessage& request, std::size_t controls) {
   Numbers numbers(request);
-  std::vector<float> values =
-      numbers.take<float>(checked_multiply(Fields(request).count("poses"), controls, "poses x controls"), "controls");
+  std::vector<float> values = numbers.take<float>(
+      checked_multiply(fields_of(parsed(request))["poses"].whole(), controls, "poses x controls"), "controls");
   numbers.finish();
   return values;
 }
@@ -273,11 +216,7 @@ std::vector<float> poses_of(const RigMessage& request, std::size_t controls) {
 RigMessage hello_answer(const Source& rig) {
   const RigSchema& schema = rig.schema();
   const Mesh& rest = rig.rest();
-  ordered_json controls = ordered_json::array(), clips = ordered_json::array();
-  for (const Control& c : schema.controls) {
-    controls.push_back({{"name", c.name}, {"min", c.minimum}, {"max", c.maximum}, {"default", c.rest}});
-    write_labels(c, controls.back());
-  }
+  ordered_json clips = ordered_json::array();
   for (const Clip& clip : rig.clips())
     clips.push_back({{"name", clip.name},
                      {"kind", name_of(clip.kind)},
@@ -289,7 +228,7 @@ RigMessage hello_answer(const Source& rig) {
                         {"name", schema.name},
                         {"units", schema.units},
                         {"up_axis", schema.up_axis},
-                        {"controls", controls},
+                        {"controls", json_of(schema.controls)},
                         {"vertices", rest.surface_vertex_count()},
                         {"polygons", rest.polygon_sizes.size()},
                         {"uvs", rest.uvs.size() / 2},
@@ -334,29 +273,22 @@ RigMessage error_answer(const RigFailure& failure) {
 }
 
 RigDescription description_of(const RigMessage& answer) {
-  const Fields fields(answer);
-  const std::string type = fields.text("type");
+  const json text = parsed(answer);
+  const JsonField fields = fields_of(text);
+  const std::string type = fields["type"].text();
   if (type == "error") fail(Status::rig, "%s", reason_of(fields).c_str());
   if (type != "hello") fail(Status::rig, "answered hello by a message of type \"%s\"", shown(type).c_str());
   check_version(fields);
   RigDescription rig;
-  rig.schema = {fields.text("name"), fields.text("units"), fields.text("up_axis"), {}};
-  for (const Fields& from : fields.objects("controls"))
-    rig.schema.controls.push_back(
-        {from.text("name"),
-         static_cast<float>(from.number("min")),
-         static_cast<float>(from.number("max")),
-         static_cast<float>(from.number("default")),
-         from.text_or("group", ""),
-         {from.text_or("arkit", ""), from.text_or("facs", ""), from.text_or("unit", ""), from.text_or("mirror", "")}});
+  rig.schema = {fields["name"].text(), fields["units"].text(), fields["up_axis"].text(), {}};
+  for (const JsonField& from : fields["controls"].items()) rig.schema.controls.push_back(read_control(from));
   Numbers numbers(answer);
   rig.rest = read_mesh(fields, numbers);
   try {
     read_character(
-        fields.root(),
-        [&](const json& image) { return numbers.take<std::byte>(Fields(image, "image ").count("bytes"), "images"); },
+        fields, [&](const JsonField& image) { return numbers.take<std::byte>(image["bytes"].whole(), "images"); },
         rig.rest.parts, rig.character);
-    rig.schema.channels = read_channels(fields.root());
+    rig.schema.channels = read_channels(fields);
     rig.character.skin = read_skin(fields, numbers, rig.rest);
   } catch (const Error& error) {
     fail(Status::rig, "%s", error.what());
@@ -364,9 +296,9 @@ RigDescription description_of(const RigMessage& answer) {
   for (Socket& socket : rig.character.sockets) set_default_frame(socket, rig.rest.points);
   rig.clips = read_clips(fields, numbers, rig.schema.control_count());
   numbers.finish();
-  rig.preferred_block = std::min<std::size_t>(fields.count_or_zero("preferred_block"), most_preferred_poses);
-  rig.version = fields.text_or("rig_version", "");
-  rig.notes = fields.texts_or_none("notes");
+  rig.preferred_block = std::min<std::size_t>(fields["preferred_block"].whole_or(0), most_preferred_poses);
+  rig.version = fields["rig_version"].text_or("");
+  for (const JsonField& note : fields["notes"].items_or_none()) rig.notes.push_back(note.text());
   check_source(rig.schema, rig.rest, rig.character);
   add_channel_vertices(rig.schema, rig.rest);
   check_clips(rig.clips);
@@ -376,11 +308,12 @@ RigDescription description_of(const RigMessage& answer) {
 
 std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescription& rig, std::size_t poses,
                                       std::span<float> points) {
-  const Fields fields(answer);
-  const std::string type = fields.text("type");
+  const json text = parsed(answer);
+  const JsonField fields = fields_of(text);
+  const std::string type = fields["type"].text();
   if (type == "error") {
     RigFailure failure{std::nullopt, reason_of(fields)};
-    if (fields.has("pose")) failure.pose = fields.count("pose");
+    if (fields["pose"].exists()) failure.pose = fields["pose"].whole();
     if (failure.pose && *failure.pose >= poses)
       fail(Status::rig, "an error for pose %zu of a request for %zu", *failure.pose, poses);
     return failure;
@@ -388,9 +321,9 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescrip
   if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
   const std::size_t positions = poses * rig.rest.surface_points().size(), channels = poses * rig.schema.channels.size();
   const std::size_t bytes = (positions + channels) * sizeof(float);
-  if (fields.count("poses") != poses || answer.data.size() != bytes)
+  if (fields["poses"].whole() != poses || answer.data.size() != bytes)
     fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
-         static_cast<unsigned long long>(fields.count("poses")), answer.data.size(), poses, bytes);
+         static_cast<unsigned long long>(fields["poses"].whole()), answer.data.size(), poses, bytes);
   Numbers numbers(answer);
   const std::vector<float> of_surface = numbers.take<float>(positions, "positions");
   join_channels(rig.schema, of_surface, numbers.take<float>(channels, "channels"), poses, points);

@@ -116,7 +116,7 @@ TEST_CASE("all faults are found, not the first only") {
   const DatasetCheck check = wrong.check();
   CAPTURE(all_of(check));
   CHECK_FALSE(check.bakeable);
-  CHECK(found(check, true, "index", "split: \"exam\" is no split"));
+  CHECK(found(check, true, "index", "split \"exam\" is no split"));
   CHECK(found(check, true, "index", "sockets is no list"));
   CHECK(found(check, true, "controls", "control \"open\": minimum 0 is not below maximum 0"));
   CHECK(found(check, true, "controls", "gone.controls.npy: no such file"));

@@ -250,7 +250,7 @@ TEST_CASE("a rig whose character contradicts itself is refused by name") {
   check_refused([](HostRig& r) { r.images[1].media_type = ""; }, "the media type of image 1 is empty");
   check_refused([](HostRig& r) { r.sockets[0].vertex_count = 2; }, "socket \"nose\" has 2 vertices");
   check_refused([](HostRig& r) { r.sockets[0].vertices = nullptr; }, "vertices of a socket is null");
-  check_refused([](HostRig& r) { r.rig.about = "[1]"; }, "about is no JSON object");
+  check_refused([](HostRig& r) { r.rig.about = "[1]"; }, "about: is no object");
   check_refused([](HostRig& r) { r.rig.about = "{\"author\": 7}"; }, "about: author is no string");
   check_refused([](HostRig& r) { r.channels[1].name = ""; }, "the name of channel 1 is empty");
   check_refused([](HostRig& r) { r.channels[1].name = "frown"; }, "channel name \"frown\" occurs twice");
@@ -351,14 +351,14 @@ TEST_CASE("fields of a character in dataset.json are refused by name") {
   lie("\"slot\": \"normal\"", "\"slot\": \"bump\"", "slot is \"bump\"; there are base_colour, metallic_roughness");
   lie("\"alpha_mode\": \"mask\"", "\"alpha_mode\": 7", "materials[0] alpha_mode is no string");
   lie("\"file\": \"image0.png\"", "\"file\": \"../image0.png\"", "does not lie in its folder");
-  lie("\"file\": \"image0.png\"", "\"path\": \"image0.png\"", "images[0] has no \"file\"");
+  lie("\"file\": \"image0.png\"", "\"path\": \"image0.png\"", "images[0] file is missing");
   lie("\"unit\": \"K\"", "\"unit\": 7", "channels[3] unit is no string");
   lie("\"channels\": \"", "\"chennels\": \"", "has points but no channels");
   lie("\"parent\": 0", "\"parent\": -1", "joints[1] parent is no whole number");
   lie("\"parent\": 0", "\"parent\": 1", "joint \"head\" has the number 1 and its parent 1");
   lie("\"inverse_bind\": [", "\"inverse_bind\": [1,", "joints[0] inverse_bind has 13 numbers, not 12");
   lie("\"skin_weights.npy\"", "\"rest.npy\"", "shape (30, 3) where (30, influences), 1 to 32, is needed");
-  lie("\"skin_joints.npy\"", "7", "skin joints: is no string");
+  lie("\"skin_joints.npy\"", "7", "skin joints is no string");
   lie("\"sockets\": [", "\"sockets\": 7, \"x\": [", "sockets is no list");
 }
 

@@ -154,8 +154,8 @@ TEST_CASE("a child that does not speak the protocol is refused with what and whe
                 {"claims vertices", {"the data end within the rest mesh: 12000000000 numbers are needed"}},
                 {"claims few vertices", {"the data end within the corners of polygons"}},
                 {"is of another version", {"version 2 of the rig protocol, where 1 is spoken"}},
-                {"has no name", {"\"name\" is missing"}},
-                {"is no JSON", {"is no JSON object"}},
+                {"has no name", {"a message: name is missing"}},
+                {"is no JSON", {"a message ([\"type\":", "is no JSON: parse error at line 1, column 8"}},
                 {"refuses", {"the licence server is asleep"}}};
   for (const auto& wrong : faults) {
     CAPTURE(wrong.fault);

@@ -169,7 +169,7 @@ TEST_CASE("schemas that make no sense are refused by name") {
   } spoiled[] = {
       {"\"max\": 0", "\"max\": -2", "control \"jaw\": minimum -1 is not below maximum -2"},
       {"\"smile_R\"", "\"smile_L\"", "control name \"smile_L\" occurs twice"},
-      {"\"units\": \"cm\", ", "", "has no \"units\""},
+      {"\"units\": \"cm\", ", "", "units is missing"},
       {"\"units\"", "\"sockets\": [{\"name\": \"pin\", \"vertices\": [0, 1, 2]}], \"units\"", "but no \"rest\""},
       {"\"units\"", "\"rest\": \"none.obj\", \"units\"", "none.obj"}};
   for (const auto& wrong : spoiled) {
