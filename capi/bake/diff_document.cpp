@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/documents.h"
+#include "bake/rig/json_field.h"
 
 namespace fb::capi {
 namespace {

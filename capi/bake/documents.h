@@ -20,9 +20,6 @@ namespace fb::capi {
 
 std::string json_text(const nlohmann::ordered_json& json);
 
-// An object of bounded depth whatever an archive holds, else null: files come from anyone, and printing JSON recurses.
-nlohmann::ordered_json object_in(const std::string& text);
-
 std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
 // `rest`: whether the plan has a rest mesh.
 std::string plan_json(const std::string& dataset, const bake::PosePlan& plan, bool rest);

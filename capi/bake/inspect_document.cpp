@@ -2,6 +2,7 @@
 
 #include "bake/documents.h"
 #include "bake/rig/character_json.h"
+#include "bake/rig/json_field.h"
 
 namespace fb::capi {
 namespace {
@@ -66,17 +67,11 @@ Json skin_of(const PackedModel& model) {
 }
 
 Json provenance_of(const Archive& archive) {
-  const Json json = object_in(archive.model.provenance);
+  const Json json = bake::object_in(archive.model.provenance);
   return json.is_null() ? Json::object() : json;
 }
 
 }  // namespace
-
-nlohmann::ordered_json object_in(const std::string& text) {
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(text, shallow, false);
-  return json.is_object() ? json : Json();
-}
 
 std::string inspect_json(const std::string& path, const Archive& archive, std::uint64_t total_bytes,
                          std::uint64_t runtime_bytes) {
@@ -97,7 +92,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
       {"recipe", recipe.empty() ? Json() : Json(recipe)},
       {"bytes", std::move(bytes)},
       {"runtime_bytes", runtime_bytes},
-      {"certificate", object_in(archive.text.certificate)},
+      {"certificate", bake::object_in(archive.text.certificate)},
       {"network", network_of(model)},
       {"basis", {{"rows", model.rest.points.size()}, {"columns", model.columns}, {"values", model.value_count()}}},
       {"control_list", control_list(model.schema)},
@@ -119,7 +114,7 @@ std::string inspect_json(const std::string& path, const Archive& archive, std::u
                                   {"polygons", level.polygon_sizes.size()},
                                   {"coefficients", coefficients_of(model, level)}});
   }
-  if (!model.character.about.empty()) document["about"] = object_in(model.character.about);
+  if (!model.character.about.empty()) document["about"] = bake::object_in(model.character.about);
   if (!model.character.thumbnail.empty()) document["thumbnail"] = {{"bytes", model.character.thumbnail.size()}};
   return json_text(document);
 }

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/documents.h"
+#include "bake/rig/json_field.h"
 #include "figures/json_fields.h"
 
 namespace fb::capi {

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "bake/rig/json_field.h"
 #include "base/decimal_points.h"
 #include "base/hash.h"
 #include "base/status.h"
@@ -29,11 +30,10 @@ void add(Json& json, const Errors& errors) {
     json["channels"].push_back({{"name", channel.name}, {"rms", rounded(channel.rms)}, {"max", rounded(channel.max)}});
 }
 
-// A certificate that comes from anyone, as an object of bounded depth.
+// A certificate that comes from anyone.
 Json parsed(const std::string& certificate) {
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) { return depth < 32; };
-  Json json = Json::parse(certificate, shallow, false);
-  return json.is_object() ? json : Json::object();
+  Json json = object_in(certificate);
+  return json.is_null() ? Json::object() : json;
 }
 
 std::optional<double> figure(const Json& part, const char* key) {

@@ -7,9 +7,9 @@
 #include "bake/measure/verify.h"
 #include "bake/pipeline/recipe_table.h"
 #include "bake/rig/character_json.h"
+#include "bake/rig/json_field.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "base/json_depth.h"
 #include "base/keep_asking.h"
 #include "base/output_lock.h"
 #include "base/shown_path.h"
@@ -85,9 +85,7 @@ std::optional<Baked> load(const std::filesystem::path& folder, std::uint64_t key
   if (!std::filesystem::exists(folder / figures_name) || !std::filesystem::exists(folder / archive_name))
     return std::nullopt;
   const std::vector<std::byte> text = read_file(folder / figures_name);
-  const std::string_view words(reinterpret_cast<const char*>(text.data()), text.size());
-  with_context(shown(folder / figures_name), [&] { check_json_depth(words); });
-  const Json json = Json::parse(words, nullptr, false);
+  const Json json = object_in({reinterpret_cast<const char*>(text.data()), text.size()});
   Baked baked;
   baked.archive = read_file(folder / archive_name);
   try {

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/rig/json_field.h"
 #include "base/hash.h"
-#include "base/json_depth.h"
 #include "base/shown_path.h"
 
 namespace fb::bake {
@@ -60,8 +60,7 @@ std::string text_of(const RigIdentity& identity) {
 
 std::optional<RigIdentity> identity_from(std::string_view text) {
   try {
-    check_json_depth(text);
-    const Json json = Json::parse(text);
+    const Json json = object_in(text);
     RigIdentity identity;
     identity.schema = {json.at("name"), json.at("units"), json.at("up_axis"), {}};
     for (const Json& c : json.at("controls"))
