@@ -94,7 +94,7 @@ std::unique_ptr<fb_report> report_of(const fb_bake_desc& desc, fb::bake::Baked b
     face.independent = std::move(*baked.independent);
     report->faces.measured_split = face.independent.clips.at(0).split;
   }
-  static_cast<fb::TrainedFace&>(face) = std::move(baked);
+  static_cast<fb::BakedFace&>(face) = std::move(baked);
   return report;
 }
 

@@ -53,8 +53,8 @@ void visit_clips(Visit& visit, Struct& report) {
   });
 }
 
-// A face as a recipe makes it of training poses.
-struct TrainedFace {
+// What a bake gives besides measurements.
+struct BakedFace {
   std::vector<std::byte> archive = {};
   std::size_t poses = 0;         // trained on
   std::size_t coefficients = 0;  // columns of the basis
@@ -64,7 +64,7 @@ struct TrainedFace {
 };
 
 // A face that was baked or measured: in a comparison, a column of the paper's Table 1.
-struct MethodReport : TrainedFace {
+struct MethodReport : BakedFace {
   std::string name;                  // the recipe, such as "paper"; of a measured archive its name
   std::string use = "variant";       // or "backlot"
   EvalReport independent;            // on clips that nothing was trained on; of a measured archive those asked for

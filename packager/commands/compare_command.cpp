@@ -85,7 +85,7 @@ std::string clips_text(const FaceFigures& figures) {
 
 std::string costs_text(const FaceFigures& figures) {
   MethodTable table(figures, "cost");
-  const auto add_count = [&](const char* name, std::size_t TrainedFace::*count) {
+  const auto add_count = [&](const char* name, std::size_t BakedFace::*count) {
     table.row(name, [&](const MethodReport& m) { return std::to_string(m.*count); });
   };
   table.row("archive, bytes", [](const MethodReport& m) { return std::to_string(m.archive.size()); });
@@ -93,11 +93,11 @@ std::string costs_text(const FaceFigures& figures) {
             [](const MethodReport& m) { return format("%.0f", m.independent.bytes_read.mean); });
   table.row("touched a shot pose, bytes: p95",
             [](const MethodReport& m) { return std::to_string(m.independent.bytes_read.p95); });
-  add_count("poses trained on", &TrainedFace::poses);
+  add_count("poses trained on", &BakedFace::poses);
   table.row("bones",
             [](const MethodReport& m) { return m.stats.bones ? std::to_string(m.stats.bones) : std::string("-"); });
-  add_count("coefficients", &TrainedFace::coefficients);
-  add_count("trained numbers", &TrainedFace::parameters);
+  add_count("coefficients", &BakedFace::coefficients);
+  add_count("trained numbers", &BakedFace::parameters);
   table.row("training, seconds", [](const MethodReport& m) { return format("%.1f", m.train_seconds); });
   return table.text();
 }

@@ -1,8 +1,10 @@
 // How the time of a pose grows with vertices, with controls and with controls that are moved, on made-up faces of the
 // proportions of a baked one. Prints comma-separated values; draws them on a page if given its name. With --vertices,
-// only faces of so many vertices: 4,000,000 take 5 GB.
+// only faces of so many vertices: 4,000,000 take 5 GB. With --archive it writes such a face, with a proof, for
+// /usr/bin/time -v facebaker verify FACE.fbk.
 //   bench_growth [PAGE.html]
 //   bench_growth --vertices N...
+//   bench_growth --archive N FACE.fbk
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +13,8 @@
 #include <numeric>
 #include <vector>
 
+#include "archive/writer.h"
+#include "bake/measure/verify.h"
 #include "base/file.h"
 #include "base/status.h"
 #include "base/thread_time.h"
@@ -151,6 +155,11 @@ std::string series(const char* name, const std::vector<Size>& sizes, std::uint32
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 4 && std::strcmp(argv[1], "--archive") == 0) {
+    const PackedModel model = made_up_face({static_cast<std::uint32_t>(std::strtoul(argv[2], nullptr, 10)), 500, 100});
+    write_file(argv[3], archive::write_archive(model, bake::make_proof(model, 1)));
+    return 0;
+  }
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   std::printf("varied,vertices,controls,moved controls,us alone,us in a batch of up to %zu,bytes of the model\n",
               most_frames);

@@ -28,7 +28,7 @@
 namespace fb::bake {
 
 // Besides certified warnings, `warnings` has limits that are not kept and, last, where the face is furthest off.
-struct Baked : TrainedFace, CertifiedFace {
+struct Baked : BakedFace, CertifiedFace {
   std::uint64_t rig_calls = 0;         // poses a live rig evaluated in this call
   std::uint64_t asked = 0;             // different poses asked of it in order to learn: what the rig budget limits
   std::uint64_t reused = 0;            // evaluations of an earlier bake that were taken over, see BakeOptions::reuse

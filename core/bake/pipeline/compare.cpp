@@ -43,7 +43,7 @@ void check_splits(Source& data) {
 
 MethodReport run_method(Source& data, RigEvaluator* rig, const BakeOptions& options, Progress& progress) {
   MethodReport report;
-  static_cast<TrainedFace&>(report) = cached_bake(data, rig, options, progress);
+  static_cast<BakedFace&>(report) = cached_bake(data, rig, options, progress);
   const PackedModel model = archive::read_archive(report.archive).model;
   const PoseSet training = training_poses(data, options.use);
   report.name = options.recipe;
