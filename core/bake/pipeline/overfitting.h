@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "figures/training_figures.h"
+
 namespace fb::bake {
 
 // A sentence if the networks overfit: if they leave more than twice as much of validation poses as of those they were

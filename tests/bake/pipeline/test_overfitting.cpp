@@ -4,6 +4,7 @@
 
 namespace test_overfitting {
 
+using namespace fb;
 using namespace fb::bake;
 
 namespace {
