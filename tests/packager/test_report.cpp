@@ -172,7 +172,7 @@ TEST_CASE("a recording is measured on its single poses, and bars and pictures ca
 }
 
 TEST_CASE("contact is told in words") {
-  Contact contact;
+  fb::ContactErrors contact;
   contact.looked_at = 250;
   CHECK(contact_text(contact) == "No surfaces touch in the 250 frames that were searched for contact.");
   contact = {250, 120, 4000, 3e-4, 5e-3, 1e-3, 30, 7, "story", "mouth, lower left", 12, 614, -5e-3};

@@ -135,7 +135,7 @@ TEST_CASE("a repeated comparison bakes nothing again, unless the poses differ") 
   for (std::size_t m = 0; m < after.methods.size(); ++m) {
     CHECK(after.methods[m].independent.total.mse == before.methods[m].independent.total.mse);
     CHECK(after.methods[m].parameters == before.methods[m].parameters);
-    CHECK(after.methods[m].archive.size() == before.methods[m].archive.size());
+    CHECK(after.methods[m].archive == before.methods[m].archive);
   }
   std::filesystem::remove(folder.path / "linear.variant" / "face.fbk");
   write_file(folder.path / "paper.backlot" / "bake.json", std::string("{\"key\": 1"));
