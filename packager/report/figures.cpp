@@ -15,17 +15,16 @@ unsigned long long count(std::uint64_t number) {
 }  // namespace
 
 std::string expectation_text(const Expectation& expected) {
-  const auto number = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
   std::string text = format(
       "The face's own expected errors: rank correlation %.2f with those measured on %llu frames of shots, %.1f %% "
       "within a factor of two.",
-      expected.rank, number(expected.frames), 100 * expected.within_two);
+      expected.rank, count(expected.frames), 100 * expected.within_two);
   if (expected.frames == 0) text = "There are no shots to compare the face's own expected errors with.";
   if (expected.outside > 0)
     text += format(
         "\nwarning: in %llu frames, controls are beyond the values they were trained to, or together as they "
         "never were.",
-        number(expected.outside));
+        count(expected.outside));
   return text;
 }
 
