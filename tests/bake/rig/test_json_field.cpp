@@ -85,7 +85,7 @@ TEST_CASE("a text that is no JSON is refused with its name and place") {
                                       {"[\"\xff\"]", "ill-formed UTF-8 byte; last read: '\"\\xff'"},
                                       {"[1e999]", "name: is no JSON: number overflow parsing '1e999'"},
                                       {deep, "name: JSON: byte 64 lies more than 64 objects and arrays deep"}}) {
-    const std::string seen = failure(Status::rig, [&] { parse_json<json>(text, "name", Status::rig); });
+    const std::string seen = failure(Status::rig, [&, text = text] { parse_json<json>(text, "name", Status::rig); });
     CHECK_MESSAGE(contains(seen, message), seen);
     CHECK(seen.starts_with("name: "));
     CHECK(object_in(text).is_null());
