@@ -90,8 +90,8 @@ void read_clips(const JsonField& root, DatasetIndex& index, const Attempts& atte
 
 void read_sampling(const JsonField& sampling, DatasetIndex& index) {
   index.sampling =
-      DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].whole(1)};
-  if (const JsonField left_out = sampling["left_out"]; left_out.exists()) index.sampling->left_out = left_out.whole(1);
+      DatasetIndex::Sampling{sampling["request"].hash(), sampling["plan"].hash(), sampling["shard_frames"].count(1)};
+  if (const JsonField left_out = sampling["left_out"]; left_out.exists()) index.sampling->left_out = left_out.count(1);
 }
 
 // `schema_only`: rest mesh and clips may be missing.

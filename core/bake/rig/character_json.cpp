@@ -22,9 +22,9 @@ std::vector<MeshPart> read_parts(const JsonField& root) {
   std::vector<MeshPart> parts;
   for (const JsonField& from : root["meshes"].items_or_none()) {
     MeshPart& part =
-        parts.emplace_back(MeshPart{from["name"].text(), from["vertices"].whole(), from["polygons"].whole()});
+        parts.emplace_back(MeshPart{from["name"].text(), from["vertices"].count(), from["polygons"].count()});
     for (const JsonField& run : from["materials"].items_or_none())
-      part.materials.push_back({run["polygons"].whole(), run["material"].whole_or(no_material)});
+      part.materials.push_back({run["polygons"].count(), run["material"].count_or(no_material)});
     if (part.materials.empty() && part.polygons > 0) part.materials = {{part.polygons, no_material}};
   }
   return parts;
@@ -41,14 +41,14 @@ Material read_material(const JsonField& from) {
   material.alpha_cutoff = from["alpha_cutoff"].single_or(material.alpha_cutoff);
   material.double_sided = from["double_sided"].flag_or(false);
   for (const JsonField& texture : from["textures"].items_or_none())
-    material.textures.push_back({texture["slot"].word_or(TextureSlot::base_colour, slots), texture["image"].whole(),
+    material.textures.push_back({texture["slot"].word_or(TextureSlot::base_colour, slots), texture["image"].count(),
                                  texture["wrap_u"].word_or(Wrap::repeat, wraps),
                                  texture["wrap_v"].word_or(Wrap::repeat, wraps), texture["scale"].single_or(1)});
   return material;
 }
 
 Socket read_socket(const JsonField& from) {
-  Socket socket{from["name"].text(), from["vertices"].wholes(), {}, {}};
+  Socket socket{from["name"].text(), from["vertices"].counts(), {}, {}};
   const JsonField weights = from["weights"];
   socket.weights = weights.exists() ? weights.singles() : std::vector<float>(socket.vertices.size(), 1.0f);
   from["frame"].read_singles(socket.frame);
@@ -56,7 +56,7 @@ Socket read_socket(const JsonField& from) {
 }
 
 Joint read_joint(const JsonField& from) {
-  Joint joint{from["name"].text(), from["parent"].whole_or(no_joint), {}, {}};
+  Joint joint{from["name"].text(), from["parent"].count_or(no_joint), {}, {}};
   joint.rest = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   from["rest"].read_singles(joint.rest);
   from["inverse_bind"].read_singles(joint.inverse_bind);

@@ -125,16 +125,16 @@ void JsonField::read_singles(std::span<float> to) const {
   std::ranges::copy(values, to.begin());
 }
 
-std::uint32_t JsonField::whole(std::uint32_t least) const {
+std::uint32_t JsonField::count(std::uint32_t least) const {
   const bool counts = value().is_number_unsigned();
   if (!counts || value_->get<std::uint64_t>() < least || value_->get<std::uint64_t>() > UINT32_MAX)
     refuse(format("is no whole number from %u to %u", least, UINT32_MAX));
   return value_->get<std::uint32_t>();
 }
 
-std::vector<std::uint32_t> JsonField::wholes() const {
+std::vector<std::uint32_t> JsonField::counts() const {
   std::vector<std::uint32_t> values;
-  for (std::size_t i = 0; i < size(); ++i) values.push_back(item(i).whole());
+  for (std::size_t i = 0; i < size(); ++i) values.push_back(item(i).count());
   return values;
 }
 

@@ -50,9 +50,9 @@ class JsonField {
   // Where the field exists, it must be a list of as many numbers as there is room for.
   void read_singles(std::span<float> to) const;
 
-  std::uint32_t whole(std::uint32_t least = 0) const;
-  std::uint32_t whole_or(std::uint32_t otherwise) const { return exists() ? whole() : otherwise; }
-  std::vector<std::uint32_t> wholes() const;
+  std::uint32_t count(std::uint32_t least = 0) const;
+  std::uint32_t count_or(std::uint32_t otherwise) const { return exists() ? count() : otherwise; }
+  std::vector<std::uint32_t> counts() const;
   bool flag_or(bool otherwise) const;
 
   // The enumerator with the number of the one of these words that it is.

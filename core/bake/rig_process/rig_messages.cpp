@@ -81,19 +81,19 @@ std::string reason_of(const JsonField& fields) {
 }
 
 void check_version(const JsonField& fields) {
-  if (const std::uint64_t version = fields["version"].whole(); version != rig_protocol_version)
+  if (const std::uint64_t version = fields["version"].count(); version != rig_protocol_version)
     fail(Status::rig, "version %llu of the rig protocol, where %llu is spoken",
          static_cast<unsigned long long>(version), static_cast<unsigned long long>(rig_protocol_version));
 }
 
 Mesh read_mesh(const JsonField& fields, Numbers& numbers) {
   Mesh mesh;
-  mesh.points = numbers.take<float>(3 * std::size_t{fields["vertices"].whole()}, "rest mesh");
-  mesh.polygon_sizes = numbers.take<std::uint32_t>(fields["polygons"].whole_or(0), "sizes of polygons");
+  mesh.points = numbers.take<float>(3 * std::size_t{fields["vertices"].count()}, "rest mesh");
+  mesh.polygon_sizes = numbers.take<std::uint32_t>(fields["polygons"].count_or(0), "sizes of polygons");
   std::size_t corners = 0;
   for (const std::uint32_t size : mesh.polygon_sizes) corners += size;
   mesh.polygon_corners = numbers.take<std::uint32_t>(corners, "corners of polygons");
-  if (const std::size_t uvs = fields["uvs"].whole_or(0)) {
+  if (const std::size_t uvs = fields["uvs"].count_or(0)) {
     mesh.uvs = numbers.take<float>(2 * uvs, "texture coordinates");
     mesh.uv_corners = numbers.take<std::uint32_t>(corners, "texture coordinates of corners");
   }
@@ -101,7 +101,7 @@ Mesh read_mesh(const JsonField& fields, Numbers& numbers) {
 }
 
 Skin read_skin(const JsonField& fields, Numbers& numbers, const Mesh& rest) {
-  Skin skin{fields["skin_influences"].whole_or(0), {}, {}};
+  Skin skin{fields["skin_influences"].count_or(0), {}, {}};
   const std::size_t places = checked_multiply(rest.surface_vertex_count(), skin.influences, "influences");
   skin.joints = numbers.take<std::uint16_t>(places, "joints of vertices");
   skin.weights = numbers.take<float>(places, "weights of joints");
@@ -117,7 +117,7 @@ std::vector<Clip> read_clips(const JsonField& fields, Numbers& numbers, std::siz
     clip.kind = from["kind"].read_or(clip.kind, clip_kind_from);
     clip.split = from["split"].read_or(clip.split, split_from);
     clip.fps = from["fps"].number();
-    clip.frames = from["frames"].whole();
+    clip.frames = from["frames"].count();
     clip.controls = numbers.take<float>(checked_multiply(clip.frames, controls, "frames x controls"), "clips");
     clips.push_back(std::move(clip));
   }
@@ -208,7 +208,7 @@ RigRequest request_of(const RigMessage& message) {
 std::vector<float> poses_of(const RigMessage& request, std::size_t controls) {
   Numbers numbers(request);
   std::vector<float> values = numbers.take<float>(
-      checked_multiply(fields_of(parsed(request))["poses"].whole(), controls, "poses x controls"), "controls");
+      checked_multiply(fields_of(parsed(request))["poses"].count(), controls, "poses x controls"), "controls");
   numbers.finish();
   return values;
 }
@@ -286,7 +286,7 @@ RigDescription description_of(const RigMessage& answer) {
   rig.rest = read_mesh(fields, numbers);
   try {
     read_character(
-        fields, [&](const JsonField& image) { return numbers.take<std::byte>(image["bytes"].whole(), "images"); },
+        fields, [&](const JsonField& image) { return numbers.take<std::byte>(image["bytes"].count(), "images"); },
         rig.rest.parts, rig.character);
     rig.schema.channels = read_channels(fields);
     rig.character.skin = read_skin(fields, numbers, rig.rest);
@@ -296,7 +296,7 @@ RigDescription description_of(const RigMessage& answer) {
   for (Socket& socket : rig.character.sockets) set_default_frame(socket, rig.rest.points);
   rig.clips = read_clips(fields, numbers, rig.schema.control_count());
   numbers.finish();
-  rig.preferred_block = std::min<std::size_t>(fields["preferred_block"].whole_or(0), most_preferred_poses);
+  rig.preferred_block = std::min<std::size_t>(fields["preferred_block"].count_or(0), most_preferred_poses);
   rig.version = fields["rig_version"].text_or("");
   for (const JsonField& note : fields["notes"].items_or_none()) rig.notes.push_back(note.text());
   check_source(rig.schema, rig.rest, rig.character);
@@ -313,7 +313,7 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescrip
   const std::string type = fields["type"].text();
   if (type == "error") {
     RigFailure failure{std::nullopt, reason_of(fields)};
-    if (fields["pose"].exists()) failure.pose = fields["pose"].whole();
+    if (fields["pose"].exists()) failure.pose = fields["pose"].count();
     if (failure.pose && *failure.pose >= poses)
       fail(Status::rig, "an error for pose %zu of a request for %zu", *failure.pose, poses);
     return failure;
@@ -321,9 +321,9 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescrip
   if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
   const std::size_t positions = poses * rig.rest.surface_points().size(), channels = poses * rig.schema.channels.size();
   const std::size_t bytes = (positions + channels) * sizeof(float);
-  if (fields["poses"].whole() != poses || answer.data.size() != bytes)
+  if (fields["poses"].count() != poses || answer.data.size() != bytes)
     fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
-         static_cast<unsigned long long>(fields["poses"].whole()), answer.data.size(), poses, bytes);
+         static_cast<unsigned long long>(fields["poses"].count()), answer.data.size(), poses, bytes);
   Numbers numbers(answer);
   const std::vector<float> of_surface = numbers.take<float>(positions, "positions");
   join_channels(rig.schema, of_surface, numbers.take<float>(channels, "channels"), poses, points);

@@ -23,7 +23,7 @@ TEST_CASE("fields are read by type, and those that are missing as what is given 
                                    "v": [1, 2.5]})",
                        "text");
   const JsonField root(text, "text:"), a = root["a"].nonempty_items().at(0);
-  CHECK(a["n"].whole() == UINT32_MAX);
+  CHECK(a["n"].count() == UINT32_MAX);
   CHECK(a["x"].number() == -0.5);
   CHECK(a["x"].single_or(1) == -0.5f);
   CHECK(a["s"].text() == "");
@@ -36,7 +36,7 @@ TEST_CASE("fields are read by type, and those that are missing as what is given 
   CHECK(none.items_or_none().empty());
   CHECK(none.text_or("other") == "other");
   CHECK(none.single_or(2) == 2);
-  CHECK(none.whole_or(7) == 7);
+  CHECK(none.count_or(7) == 7);
   CHECK(none.flag_or(true));
   CHECK(none.word_or(1, words) == 1);
   std::array<float, 2> values = {3, 4};
@@ -53,8 +53,8 @@ TEST_CASE("what is wrong with a field is told with its place and the status of t
   const auto refused = [](const char* message, auto&& read, Status status = Status::rig) {
     CHECK(failure(status, read) == message);
   };
-  refused("text: a[0] n is no whole number from 0 to 4294967295", [&] { a["n"].whole(); });
-  refused("text: a[0] x is no whole number from 1 to 4294967295", [&] { a["x"].whole(1); });
+  refused("text: a[0] n is no whole number from 0 to 4294967295", [&] { a["n"].count(); });
+  refused("text: a[0] x is no whole number from 1 to 4294967295", [&] { a["x"].count(1); });
   refused("text: a[0] x is too large for a float", [&] { a["x"].single(); });
   refused("text: a[0] x is no string", [&] { a["x"].text_or(""); });
   refused("text: a[0] x is no object", [&] { a["x"]["y"]; });
@@ -65,7 +65,7 @@ TEST_CASE("what is wrong with a field is told with its place and the status of t
   refused("text: a[0] w is \"up\"; there are left, right", [&] { a["w"].word_or(0, words); });
   refused("text: a[0] w is no hexadecimal number", [&] { a["w"].hash(); });
   refused("text: a[0] e is empty", [&] { a["e"].nonempty_items(); });
-  refused("text: a[0] v[1] is no whole number from 0 to 4294967295", [&] { a["v"].wholes(); });
+  refused("text: a[0] v[1] is no whole number from 0 to 4294967295", [&] { a["v"].counts(); });
   std::array<float, 3> values;
   refused("text: a[0] v has 2 numbers, not 3", [&] { a["v"].read_singles(values); });
   refused("text: a[0] none is missing", [&] { a["none"].nonempty_text(); });
