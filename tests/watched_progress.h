@@ -10,7 +10,7 @@ namespace fb::test {
 
 // Ignores everything and never cancels; for those that override a part of it.
 struct QuietProgress : Progress {
-  void begin(std::string_view, std::uint64_t) override {}
+  void begin(fb::Phase, std::string_view, std::uint64_t) override {}
   void update(std::uint64_t) override {}
   bool cancelled() const override { return false; }
   void note(std::string_view) override {}

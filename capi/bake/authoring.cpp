@@ -20,8 +20,16 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-void HostProgress::begin(std::string_view stage, std::uint64_t total) {
+namespace {
+
+thread_local std::int32_t told_phase = FB_PHASE_SAMPLING;  // of the last call of a host's progress
+
+}  // namespace
+
+void HostProgress::begin(Phase phase, std::string_view stage, std::uint64_t total) {
+  static_assert(static_cast<int>(Phase::writing) == FB_PHASE_WRITING);
   const std::lock_guard lock(mutex_);
+  phase_ = phase;
   stage_ = stage;
   total_ = total;
   report(0);
@@ -44,6 +52,7 @@ void HostProgress::ask() {
 void HostProgress::report(std::uint64_t done) {
   done_ = done;
   reported_ = std::chrono::steady_clock::now().time_since_epoch().count();
+  told_phase = static_cast<std::int32_t>(phase_);
   if (callbacks_.progress && callbacks_.progress(callbacks_.user, stage_.c_str(), done, total_) != 0) cancelled_ = true;
 }
 
@@ -73,3 +82,7 @@ fb_errors c_errors(const Errors& errors) {
 }
 
 }  // namespace fb::capi
+
+extern "C" int32_t fb_progress_phase(void) {
+  return fb::capi::told_phase;
+}

@@ -57,7 +57,7 @@ class HostProgress final : public Progress {
  public:
   explicit HostProgress(const fb_callbacks& callbacks) : callbacks_(callbacks) {}
 
-  void begin(std::string_view stage, std::uint64_t total) override;
+  void begin(Phase phase, std::string_view stage, std::uint64_t total) override;
   void update(std::uint64_t done) override;
   bool cancelled() const override { return cancelled_; }
   void note(std::string_view sentence) override;
@@ -70,6 +70,7 @@ class HostProgress final : public Progress {
   fb_callbacks callbacks_;
   std::mutex mutex_;
   std::string stage_ = "starting";  // until the first begins
+  Phase phase_ = Phase::sampling;   // of the stage
   std::uint64_t done_ = 0, total_ = 0;
   std::atomic<std::chrono::steady_clock::rep> reported_ = 0;  // time of the last report
   std::atomic<bool> cancelled_ = false;

@@ -15,7 +15,7 @@ void Progress::ask() {
 
 Progress& silent_progress() {
   struct Silent final : Progress {
-    void begin(std::string_view, std::uint64_t) override {}
+    void begin(Phase, std::string_view, std::uint64_t) override {}
     void update(std::uint64_t) override {}
     bool cancelled() const override { return false; }
     void note(std::string_view) override {}

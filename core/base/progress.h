@@ -6,11 +6,21 @@
 
 namespace fb {
 
+// What a stage of work belongs to, in the order of a bake, which may come back to an earlier one.
+enum class Phase {
+  sampling,   // poses of a rig, and what tells which
+  analysis,   // curves and correctives
+  training,   // local blendshapes and networks
+  packing,    // values are rounded and coded
+  measuring,  // errors and times
+  writing,    // reports, pictures, other forms of a face
+};
+
 class Progress {
  public:
   virtual ~Progress() = default;
   // A stage of `total` steps begins ("sampling poses"); the previous one, if any, is complete.
-  virtual void begin(std::string_view stage, std::uint64_t total) = 0;
+  virtual void begin(Phase phase, std::string_view stage, std::uint64_t total) = 0;
   // `done` steps of the current stage are complete.
   virtual void update(std::uint64_t done) = 0;
   // True once the user asked to stop; work ends at the next point where no result is lost. Callable from any thread.

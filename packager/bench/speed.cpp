@@ -251,7 +251,7 @@ MorphFigures SpeedBench::morph_figures() {
 
 // Every method runs over all poses once, until all it reads is in the caches, before it is measured on them.
 void SpeedBench::measure_warm(const char* what, std::vector<Timing>& timings) {
-  progress_.begin(what, options_.rounds);
+  progress_.begin(Phase::measuring, what, options_.rounds);
   for (std::size_t round = 0; round < options_.rounds; ++round) {
     for (Timing& timing : timings) {
       const std::size_t calls = std::max<std::size_t>(1, poses_ / timing.poses_a_call);
@@ -264,7 +264,7 @@ void SpeedBench::measure_warm(const char* what, std::vector<Timing>& timings) {
 
 void SpeedBench::measure_cold(std::vector<Timing>& timings) {
   CacheFlusher caches;
-  progress_.begin("measuring cold poses", options_.cold);
+  progress_.begin(Phase::measuring, "measuring cold poses", options_.cold);
   for (std::size_t pose = 0; pose < options_.cold; ++pose) {
     for (Timing& timing : timings) {
       caches.flush();
@@ -289,7 +289,7 @@ std::vector<Timing> SpeedBench::batch_timings() {
 }
 
 void SpeedBench::measure_batches(std::vector<Timing>& timings) {
-  progress_.begin("measuring batches", options_.rounds + 1);
+  progress_.begin(Phase::measuring, "measuring batches", options_.rounds + 1);
   for (std::size_t round = 0; round <= options_.rounds; ++round) {
     for (Timing& timing : timings)
       if (round == 0)

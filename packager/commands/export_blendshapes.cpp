@@ -178,7 +178,7 @@ ExportResult export_blendshapes(PoseEvaluator& evaluator, const Poses& poses, co
   std::optional<ClipSpan> span;
   const TargetLimits limits = options.targets.limits(diagonal);
   if (clip && limits.tolerance != 0.0) span.emplace(evaluator, poses.controls);
-  progress.begin("blendshapes", character.meshes.size());
+  progress.begin(Phase::writing, "blendshapes", character.meshes.size());
   MorphError clip_error;
   std::size_t corrections = 0;
   for (std::size_t m = 0; m < character.meshes.size(); ++m) {

@@ -82,12 +82,12 @@ ExportResult ExportCommand::write_points(PoseEvaluator& evaluator, const facebak
     return evaluator.positions(std::span(frames.controls).subspan(first * width, count * width));
   };
   if (extension() == ".usda") {
-    progress.begin("writing frames", frames.frames * character.meshes.size());
+    progress.begin(Phase::writing, "writing frames", frames.frames * character.meshes.size());
     const fb_archive_info info = opened.info();
     result.notes = write_usda(out, {character, frames.frames, frames.fps, positions, info.licence, info.about},
                               [&](std::size_t done) { progress.step(done); });
   } else {
-    progress.begin("writing frames", frames.frames);
+    progress.begin(Phase::writing, "writing frames", frames.frames);
     PointCacheWriter file(out, extension() == ".mdd" ? PointCache::mdd : PointCache::pc2, frames.frames,
                           character.mesh.vertex_count(), frames.fps);
     for_frame_blocks(positions, frames.frames, [&](std::size_t first, std::size_t count, std::span<const float> block) {

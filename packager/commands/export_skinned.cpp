@@ -214,7 +214,7 @@ ExportResult export_skinned(PoseEvaluator& evaluator, const facebaker::Archive& 
 
   const std::vector<float> measured =
       clip ? poses.controls : draw_poses(evaluator.model(), options.poses, options.seed, Stream::skinned_measure);
-  progress.begin("fitting joints to poses", evaluator.frames(measured));
+  progress.begin(Phase::writing, "fitting joints to poses", evaluator.frames(measured));
   const SkinnedClip played = face.play(measured, progress);
   ExportResult result;
   result.lines.push_back(format("%zu joints, %zu blendshapes", face.mesh().joint_count(), face.shapes().count));
@@ -232,7 +232,7 @@ ExportResult export_skinned(PoseEvaluator& evaluator, const facebaker::Archive& 
   if (clip) {
     scene.joint_frames = face.mesh().with_root(played.frames);
   } else {
-    progress.begin("animations of controls", ends.size());
+    progress.begin(Phase::writing, "animations of controls", ends.size());
     const SkinnedClip single = face.play(poses_of(evaluator.model(), ends), progress);
     scene.more = control_animations(face, skinned, ends, single, moved);
   }

@@ -122,7 +122,7 @@ void PoseCommand::write_stills(PoseEvaluator& evaluator, const Poses& poses) {
                      resolution_from(size), parallel);
   }
   ProgressBar progress;
-  if (poses.frames > 1) progress.begin("writing frames", poses.frames);
+  if (poses.frames > 1) progress.begin(Phase::writing, "writing frames", poses.frames);
   for (std::size_t f = 0; f < poses.frames; ++f) {
     const float* controls = &poses.controls[f * width];
     std::vector<float> expected;

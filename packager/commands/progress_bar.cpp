@@ -64,10 +64,10 @@ ProgressBar::~ProgressBar() {
   }
 }
 
-void ProgressBar::begin(std::string_view stage, std::uint64_t total) {
+void ProgressBar::begin(Phase phase, std::string_view stage, std::uint64_t total) {
   const std::lock_guard lock(mutex_);
   const bool first = part_.empty();
-  const bool fresh = phases_ ? phases_->begin(stage) : stage != stage_;
+  const bool fresh = phases_ ? phases_->begin(phase) : stage != stage_;
   part_ = stage;
   total_ = total;
   done_ = 0;
@@ -111,7 +111,7 @@ fb_callbacks ProgressBar::callbacks() {
   callbacks.progress = [](void* user, const char* stage, std::uint64_t done, std::uint64_t total) -> std::int32_t {
     ProgressBar& bar = *static_cast<ProgressBar*>(user);
     if (bar.begins(stage, done))
-      bar.begin(stage, total);
+      bar.begin(static_cast<Phase>(fb_progress_phase()), stage, total);
     else
       bar.update(done);
     return bar.cancelled();
@@ -139,7 +139,7 @@ std::string ProgressBar::time_left(Clock::time_point now) const {
   const double left = seconds_between(count_start_, now) * more / worked;
   if (!phases_) return duration_text(left) + " left";
   if (worked < least_worked * static_cast<double>(total_)) return {};
-  const std::optional<double> whole = seconds_left(stage_, part_, left, seconds_between(begin_, now));
+  const std::optional<double> whole = seconds_left(phases_->phase(), part_, left, seconds_between(begin_, now));
   return whole ? "about " + duration_text(*whole) + " left" : std::string();
 }
 

@@ -26,7 +26,7 @@ class ProgressBar final : public Progress {
   // Completes the stage, unless an exception unwinds the stack.
   ~ProgressBar() override;
 
-  void begin(std::string_view stage, std::uint64_t total) override;
+  void begin(Phase phase, std::string_view stage, std::uint64_t total) override;
   void update(std::uint64_t done) override;
   bool cancelled() const override;
   void note(std::string_view sentence) override;

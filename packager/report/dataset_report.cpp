@@ -134,7 +134,7 @@ void add_coverage(Html& page, const DatasetFigures& figures, const std::filesyst
 void write_dataset_report(const std::filesystem::path& folder, const DatasetFigures& figures,
                           const std::optional<facebaker::SourceView>& source, const Parallel& parallel,
                           Progress& progress) {
-  progress.begin("drawing", 2);
+  progress.begin(Phase::writing, "drawing", 2);
   Html page("Dataset " + (figures.name.empty() ? figures.folder : figures.name));
   add_verdict(page, figures);
   add_findings(page, "Faults", figures.faults);

@@ -140,7 +140,7 @@ void add_figure_1(Html& page, const std::vector<PosedFrame>& frames, const Frame
 // Pictures of frames with their captions: name.png, name_2.png...
 void add_frames(Html& page, const std::vector<PosedFrame>& frames, const FramePictures& pictures,
                 const std::string& first, const std::string& name, Progress& progress, const char* stage) {
-  progress.begin(stage, frames.size());
+  progress.begin(Phase::writing, stage, frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::string file = i == 0 ? first + ".png" : format("%s_%zu.png", name.c_str(), i + 1);
     const std::string errors = pictures.write_comparison(file, frames[i]);

@@ -155,7 +155,7 @@ TEST_CASE("progress forwards steps and throws when cancelled") {
   } catch (const Error& error) {
     CHECK(error.status() == Status::interrupted);
   }
-  silent_progress().begin("anything", 1);
+  silent_progress().begin(Phase::writing, "anything", 1);
   CHECK_FALSE(silent_progress().cancelled());
 }
 

@@ -17,7 +17,7 @@
 namespace {
 
 struct Notes final : fb::Progress {
-  void begin(std::string_view stage, std::uint64_t total) override {
+  void begin(fb::Phase, std::string_view stage, std::uint64_t total) override {
     const auto now = std::chrono::steady_clock::now();
     if (!last.empty() && last.substr(0, 8) != std::string(stage).substr(0, 8))
       std::fprintf(stderr, "%s: until %.1f s\n", last.c_str(), std::chrono::duration<double>(now - start).count());

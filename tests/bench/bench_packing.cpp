@@ -42,7 +42,7 @@ double seconds() {
 // Prints how long each stage took.
 class PrintedStages : public Progress {
  public:
-  void begin(std::string_view stage, std::uint64_t) override {
+  void begin(Phase, std::string_view stage, std::uint64_t) override {
     if (!stage_.empty()) std::fprintf(stderr, "%6.1f s %s\n", seconds() - start_, stage_.c_str());
     stage_ = stage;
     start_ = seconds();

@@ -32,7 +32,7 @@ class GapMeter final : public fb::Progress {
     std::string where;
   };
 
-  void begin(std::string_view stage, std::uint64_t total) override {
+  void begin(fb::Phase, std::string_view stage, std::uint64_t total) override {
     report("to " + std::string(stage));
     stage_ = std::string(stage) + " (" + std::to_string(total) + ")";
   }

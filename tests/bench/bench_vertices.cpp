@@ -19,7 +19,7 @@ namespace {
 
 // Tells notes on the error stream.
 struct Notes final : Progress {
-  void begin(std::string_view, std::uint64_t) override {}
+  void begin(fb::Phase, std::string_view, std::uint64_t) override {}
   void update(std::uint64_t) override {}
   bool cancelled() const override { return false; }
   void note(std::string_view sentence) override {

@@ -44,6 +44,7 @@ static inline void assert_refused(fb_status status, fb_status expected, const ch
 /* What a host sees of a call. */
 typedef struct Seen {
   int stages, calls, notes;
+  unsigned phases; /* a bit for each, FB_PHASE_... */
   int stop_after; /* calls; 0: never */
   char note[512];
 } Seen;
@@ -51,6 +52,8 @@ typedef struct Seen {
 static inline int32_t see_progress(void* user, const char* stage, uint64_t done, uint64_t total) {
   Seen* seen = user;
   assert_true(*stage && done <= total);
+  assert_in_range(fb_progress_phase(), FB_PHASE_SAMPLING, FB_PHASE_WRITING);
+  seen->phases |= 1u << fb_progress_phase();
   seen->stages += done == 0;
   ++seen->calls;
   return seen->stop_after > 0 && seen->calls >= seen->stop_after;

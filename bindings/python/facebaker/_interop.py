@@ -59,6 +59,12 @@ FB_SPLIT_VALIDATION = 1
 FB_SPLIT_TEST = 2
 FB_RIG_THREAD_SAFE = 1
 FB_RIG_SKINNED = 2
+FB_PHASE_SAMPLING = 0
+FB_PHASE_ANALYSIS = 1
+FB_PHASE_TRAINING = 2
+FB_PHASE_PACKING = 3
+FB_PHASE_MEASURING = 4
+FB_PHASE_WRITING = 5
 FB_JOINTS_AUTO = 0
 FB_JOINTS_IGNORE = 1
 FB_JOINTS_CONTROLS = 2
@@ -422,7 +428,7 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_skin_joints": (POINTER(c_uint16), [c_void_p]), "fb_skin_weights": (POINTER(c_float), [c_void_p]),
     "fb_level_fill": (None, [POINTER(fb_level), c_uint32]), "fb_level_count": (c_uint32, [c_void_p]),
     "fb_level_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_level)]), "fb_about": (c_char_p, [c_void_p]),
-    "fb_thumbnail": (c_void_p, [c_void_p, c_void_p]),
+    "fb_thumbnail": (c_void_p, [c_void_p, c_void_p]), "fb_progress_phase": (c_int32, []),
     "fb_source_desc_fill": (None, [POINTER(fb_source_desc), c_uint32]),
     "fb_source_open": (c_int32, [POINTER(fb_source_desc), POINTER(c_void_p)]), "fb_source_close": (None, [c_void_p]),
     "fb_source_serve": (c_int32, [POINTER(fb_source_desc), c_int32, c_int32]),

@@ -28,6 +28,18 @@ typedef struct fb_callbacks {
   void (*note)(void* user, const char* sentence);
 } fb_callbacks;
 
+/* What a stage belongs to, in the order of a bake, which may come back to an earlier one. */
+#define FB_PHASE_SAMPLING 0  /**< poses of a source are evaluated */
+#define FB_PHASE_ANALYSIS 1  /**< curves and correctives are looked for */
+#define FB_PHASE_TRAINING 2  /**< local blendshapes and networks are trained */
+#define FB_PHASE_PACKING 3   /**< values are rounded and coded */
+#define FB_PHASE_MEASURING 4 /**< errors are measured, datasets checked */
+#define FB_PHASE_WRITING 5   /**< other forms of a face are written */
+
+/** The phase, FB_PHASE_..., of the stage that fb_callbacks::progress is called for: to be asked within it, on its
+ * thread. Before any such call, FB_PHASE_SAMPLING. */
+FB_API int32_t fb_progress_phase(void);
+
 /* ---- Sources: where poses come from ------------------------------------------------------------------------------ */
 
 /** An opened rig or recording. Immutable but for what its rig keeps. */

@@ -49,7 +49,7 @@ std::vector<float> fit_transforms(const Skeleton& skeleton, const PoseSet& poses
   const BoneFitter fitter(skeleton, rest);
   const std::size_t rows = rest.points.size(), parameters = skeleton.parameter_count();
   std::vector<float> transforms(poses.size() * parameters);
-  progress.begin("fitting bones to poses", poses.size());
+  progress.begin(Phase::analysis, "fitting bones to poses", poses.size());
   for_blocks(Displacements(poses), bone_poses_per_read, parallel, progress,
              [&](std::size_t first, std::size_t count, const float* values) {
                parallel_for(parallel, count, [&](std::size_t i, std::size_t) {

@@ -85,12 +85,12 @@ PrincipalComponents principal_components(const PoseRows& poses, double fraction,
   };
   for (;;) {  // wider each time, up to the number of rows or poses
     subspace = orthonormal(subspace);
-    progress.begin("finding blendshapes", poses.size());
+    progress.begin(Phase::analysis, "finding blendshapes", poses.size());
     subspace = orthonormal(subspace_iteration(poses, subspace, parallel, progress));
 
     PrincipalComponents result;
     std::vector<float> projected(poses.size() * width);
-    progress.begin("projecting poses", poses.size());
+    progress.begin(Phase::training, "projecting poses", poses.size());
     double squares = 0;
     for_blocks(poses, poses_per_read, parallel, progress, [&](std::size_t first, std::size_t n, const float* block) {
       project(subspace, block, n, projected.data() + first * width, parallel);

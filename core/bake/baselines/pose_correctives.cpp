@@ -145,7 +145,7 @@ std::vector<Feature> pursue_features(const Samples& samples, const std::vector<F
   Matrix train_features(train.ramps.rows(), 0), validation_features(validation.ramps.rows(), 0);
   Matrix residual = train.targets;
   double least_error = validation.targets.squaredNorm();
-  progress.begin("choosing correctives", rounds);
+  progress.begin(Phase::analysis, "choosing correctives", rounds);
   for (std::uint32_t round = 0; round < rounds; ++round) {
     const std::size_t wanted = max_count * (round + 1) / rounds - selected.size();
     const std::vector<Feature> added = select_features(

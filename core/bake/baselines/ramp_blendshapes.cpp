@@ -27,7 +27,7 @@ Matrix evaluate_shapes(RigEvaluator& rig, const std::vector<Feature>& ramps, Pro
     poses.insert(poses.end(), pose.begin(), pose.end());
   }
   Matrix shapes(rest.size(), ramps.size());
-  progress.begin("evaluating blendshapes", ramps.size());
+  progress.begin(Phase::analysis, "evaluating blendshapes", ramps.size());
   rig.evaluate_cached(poses, ramps.size(), std::span(shapes.data(), shapes.size()));
   progress.step(ramps.size());
   return shapes.colwise() - Eigen::Map<const Eigen::VectorXf>(rest.data(), rest.size());
@@ -67,7 +67,7 @@ void fit_missing_shapes(const PoseSet& poses, const std::vector<Feature>& ramps,
   const RigSchema& schema = poses.source().schema();
   const std::size_t rows = poses.source().rest().points.size();
   const PoseSet sample = poses.subsampled(most_fitted_poses);
-  progress.begin("fitting blendshapes", sample.size());
+  progress.begin(Phase::analysis, "fitting blendshapes", sample.size());
   const std::vector<float> controls = sample.controls();
   Matrix inner = Matrix::Zero(missing.size(), missing.size()), outer = Matrix::Zero(rows, missing.size());
   Matrix residual(rows, 1);
@@ -93,7 +93,7 @@ Matrix recorded_shapes(const PoseSet& poses, const std::vector<Feature>& ramps, 
   const IsolatedPoses isolated = isolated_poses(poses, ramps);
   Matrix shapes = Matrix::Zero(rows, ramps.size());
   std::vector<std::size_t> missing;
-  progress.begin("finding blendshapes", ramps.size());
+  progress.begin(Phase::analysis, "finding blendshapes", ramps.size());
   for (std::size_t r = 0; r < ramps.size(); ++r) {
     if (isolated.pose[r] < poses.size()) {
       poses.read_displacements(isolated.pose[r], 1, std::span(shapes.col(r).data(), rows));

@@ -38,7 +38,7 @@ class PointsCheck {
   PointsSeen run(Progress& progress) {
     std::size_t all = 0, done = 0;
     for (const ClipFiles& clip : files_.clips) all += clip.points.rows();
-    progress.begin("checking points", all);
+    progress.begin(Phase::measuring, "checking points", all);
     for (std::size_t c = 0; c < files_.clips.size(); ++c) {
       const ClipFiles& clip = files_.clips[c];
       if (clip.points.rows() == 0) continue;

@@ -183,7 +183,7 @@ Fitted fit_target(const FaceModel& model, const FitInputs& inputs, const FitTarg
                   const std::function<std::uint64_t(const PackedModel&)>& bytes, const Parallel& parallel,
                   Progress& progress) {
   constexpr std::uint64_t most_measured = 24;  // bytes and error on both ladders
-  progress.begin("fitting bytes and error", most_measured);
+  progress.begin(Phase::packing, "fitting bytes and error", most_measured);
   Candidates candidates(model, inputs, error, bytes, parallel, progress);
   const auto choose = [&](const FitTarget& wanted) {
     return choose_precision(

@@ -192,7 +192,7 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
       if (rounded_well) result.packing.samples = samples(result.model);
       result.packed = pack_model(result.model, result.packing, without_asking(options.parallel));
     };
-    progress.begin("rounding", 0);
+    progress.begin(Phase::packing, "rounding", 0);
     RecipeResult result = bounded_result({shots, max_bytes_read}, progress, [&](double factor) {
       return ask_during(progress, [&] {
         RecipeResult made = with_factor(pca, pca_options.threshold, packing, factor);

@@ -102,7 +102,9 @@ double excess_alone(const ControlError& error) {
 class Comparison {
  public:
   Comparison(const PackedModel& model, RigEvaluator& rig, Progress& progress)
-      : rig_(rig), face_(model), stage_(progress, "measuring controls", control_error_calls(rig.rest_pose().size())) {
+      : rig_(rig),
+        face_(model),
+        stage_(progress, Phase::measuring, "measuring controls", control_error_calls(rig.rest_pose().size())) {
     for (std::size_t w = 0; w < worker_count(rig.parallel()); ++w) work_.emplace_back(face_);
   }
 

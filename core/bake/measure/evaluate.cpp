@@ -193,7 +193,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
   std::vector<std::pair<ClipKind, ErrorSums>> kinds;
   Sums total{{}, by ? std::optional<QualitySums>(*by) : std::nullopt};
   std::uint64_t done = 0;
-  progress.begin("measuring", all.size());
+  progress.begin(Phase::measuring, "measuring", all.size());
   for (const Clip& clip : source.clips()) {
     if (!wanted(clip)) continue;
     const PoseSet poses(source, [&](const Clip& other) { return &other == &clip; });
@@ -222,7 +222,7 @@ EvalReport evaluate_model(const PackedModel& model, Source& source, std::optiona
 Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const Parallel& parallel, Progress& progress) {
   check_same_face(model, poses.source());
   std::uint64_t done = 0;
-  progress.begin("measuring", poses.size());
+  progress.begin(Phase::measuring, "measuring", poses.size());
   return measure(runtime::Evaluator(model), poses, false, nullptr, parallel, progress, done)
       .errors.figures(poses.source().rest().diagonal());
 }

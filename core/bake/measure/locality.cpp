@@ -141,7 +141,7 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
   const std::size_t controls = rig.schema().control_count(), width = rig.rest().points.size();
   const double diagonal = rig.rest().diagonal();
   Motion truth(controls * width / 3);
-  progress.begin("measuring locality", options.poses * controls);
+  progress.begin(Phase::measuring, "measuring locality", options.poses * controls);
   for (std::size_t p = 0; p < options.poses; ++p) {
     const std::vector<float> pose = pose_of(rig.schema(), options, p);
     for (std::size_t first = 0; first < controls; first += moves_at_once) {
@@ -214,7 +214,7 @@ std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte
   const double diagonal = rest.diagonal();
   Motion truth(controls * vertices);
   std::vector<float> expected(rest.points.size()), posed(rest.points.size());
-  progress.begin("measuring locality", singles.size());
+  progress.begin(Phase::measuring, "measuring locality", singles.size());
   for (std::size_t i = 0; i < singles.size(); ++i) {
     const SinglePose& single = singles[i];
     const Clip& clip = recording.clips()[single.clip];

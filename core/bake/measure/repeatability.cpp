@@ -20,7 +20,7 @@ Repeatability measure_repeatability(const PoseSet& recorded, RigEvaluator& rig, 
   const std::vector<float> controls = poses.controls();
   std::vector<float> before(size), now(size);
   ErrorSums sums;
-  EvaluationStage stage(progress, "evaluating poses again", poses.size());
+  EvaluationStage stage(progress, Phase::measuring, "evaluating poses again", poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses.read_points(i, 1, before);
     rig.evaluate_apart(std::span(controls).subspan(i * width, width), 1, now);

@@ -187,7 +187,7 @@ std::vector<ExactFrame> read_exact_frames(RigEvaluator& source, const std::vecto
   std::vector<ExactFrame> frames;
   if (named.empty()) return frames;
   const PurposeScope purpose(source, EvaluationPurpose::clips);
-  progress.begin("exact poses", named.size());
+  progress.begin(Phase::sampling, "exact poses", named.size());
   for (const NamedFrame& one : named) {
     ExactFrame& frame =
         frames.emplace_back(ExactFrame{one.name, one.controls, std::vector<float>(source.rest().points.size())});
@@ -317,7 +317,7 @@ PackedFace train_and_pack(Source& data, RigEvaluator* rig, const BakeOptions& gi
   }
 
   if (!result.packed) result.model.basis = cut_at_parts(std::move(result.model.basis), result.model.rest);
-  progress.begin("packing", 2);
+  progress.begin(Phase::packing, "packing", 2);
   face.model = ask_during(progress, [&] { return take_packed(result); });
   face.model.character = rig ? rig->character() : data.character();
   face.model.character.about = options.about;

@@ -40,7 +40,7 @@ double measure_pose_seconds(RigEvaluator& rig, Progress& progress) {
   const std::vector<float> poses = end_poses(rig);
   std::vector<float> points;
   double seconds = 0, spent = 0;
-  progress.begin("timing the rig", 1);
+  progress.begin(Phase::sampling, "timing the rig", 1);
   const auto time = [&](std::size_t count, bool fresh) {
     points.resize(count * rig.coordinate_count());
     const auto controls = std::span(poses).first(count * width);

@@ -38,7 +38,7 @@ class Repacker {
     poses_ = make_proof(face.model, seed).controls;
     const std::vector<float> more = make_proof(face.model, seed_of(seed, Stream::repacked_poses)).controls;
     poses_.insert(poses_.end(), more.begin(), more.end());
-    progress.begin("repacking", candidates);
+    progress.begin(Phase::packing, "repacking", candidates);
   }
 
   struct Candidate {

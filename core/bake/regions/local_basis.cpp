@@ -105,7 +105,7 @@ void random_projection(const PoseRows& poses, std::size_t width, std::vector<Reg
                        const Parallel& parallel, Progress& progress) {
   for (RegionSubspace& subspace : subspaces)
     subspace.sum = Matrix::Zero(subspace.rows(), std::min(width, subspace.rows()));
-  progress.begin("looking for local blendshapes", poses.size());
+  progress.begin(Phase::training, "looking for local blendshapes", poses.size());
   for_blocks(poses, poses_per_read(poses.rows()), parallel, progress,
              [&](std::size_t first, std::size_t count, const float* values) {
                std::vector<float> factors(count * width);
@@ -127,7 +127,7 @@ void iterate_subspaces(const PoseRows& poses, const std::vector<FaceRegion>& reg
     subspace.sum.setZero();
     subspace.coefficients.resize(block * subspace.width());
   }
-  progress.begin("finding local blendshapes", poses.size());
+  progress.begin(Phase::training, "finding local blendshapes", poses.size());
   for_blocks(poses, block, parallel, progress, [&](std::size_t, std::size_t count, const float* values) {
     for_region_poses(parallel, regions, poses.rows(), count, values,
                      [&](std::size_t r, std::size_t first, std::size_t n, std::vector<float>& displacements) {
@@ -240,7 +240,7 @@ std::vector<LocalBasis> truncate(const PoseRows& poses, const std::vector<FaceRe
     errors[r].resize((max_counts[r] + count_step - 1) / count_step + 1);
     subspaces[r].coefficients.resize(poses.size() * subspaces[r].width());
   }
-  progress.begin("measuring local blendshapes", poses.size());
+  progress.begin(Phase::training, "measuring local blendshapes", poses.size());
   for_blocks(poses, block, parallel, progress, [&](std::size_t start, std::size_t count, const float* values) {
     for_region_poses(parallel, regions, poses.rows(), count, values,
                      [&](std::size_t r, std::size_t first, std::size_t n, std::vector<float>& displacements) {
@@ -274,7 +274,7 @@ std::vector<LocalBasis> truncate(const PoseRows& poses, const std::vector<FaceRe
 void project_poses(const PoseRows& poses, const std::vector<FaceRegion>& regions, std::vector<LocalBasis>& bases,
                    const Parallel& parallel, Progress& progress) {
   for (LocalBasis& basis : bases) basis.coefficients.resize(poses.size() * basis.count);
-  progress.begin("projecting poses", poses.size());
+  progress.begin(Phase::training, "projecting poses", poses.size());
   for_blocks(poses, poses_per_read(poses.rows()), parallel, progress,
              [&](std::size_t start, std::size_t count, const float* values) {
                for_region_poses(

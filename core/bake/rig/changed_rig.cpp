@@ -111,7 +111,7 @@ void check_rig_unchanged(RigEvaluator& rig, std::uint64_t seed, const std::files
     const std::uint64_t first = i * count / poses, end = (i + 1) * count / poses;
     records.push_back(first + random.below(static_cast<std::uint32_t>(end - first)));
   }
-  EvaluationStage stage(progress, "evaluating kept poses again", poses);
+  EvaluationStage stage(progress, Phase::sampling, "evaluating kept poses again", poses);
   EarlierEvaluations earlier(*cache);
   RigComparison comparison(rig, earlier);
   const std::vector<ChangedPose> changes = comparison.compare(records, stage);

@@ -78,7 +78,7 @@ ReuseCheck::ReuseCheck(RigEvaluator& rig, EarlierEvaluations& earlier, Evaluatio
       width_(rig.rest_pose().size()),
       singles_(width_) {
   std::vector<float> controls(width_), points(rig.coordinate_count());
-  progress.begin("reading evaluations", earlier.record_count());
+  progress.begin(Phase::sampling, "reading evaluations", earlier.record_count());
   for (std::uint64_t record = 0; record < earlier.record_count(); ++record) {
     progress.step(record);
     if (!earlier.read(record, controls, points)) continue;
@@ -98,7 +98,7 @@ ReuseCheck::ReuseCheck(RigEvaluator& rig, EarlierEvaluations& earlier, Evaluatio
 std::vector<std::size_t> ReuseCheck::ask(const std::vector<std::size_t>& poses, const char* stage_name) {
   Records records;
   for (const std::size_t pose : poses) records.push_back(records_[pose]);
-  EvaluationStage stage(progress_, stage_name, poses.size());
+  EvaluationStage stage(progress_, Phase::sampling, stage_name, poses.size());
   RigComparison comparison(rig_, earlier_, &answers_);
   const std::vector<ChangedPose> changes = comparison.compare(records, stage);
   if (changes.size() != poses.size()) fail(Status::io, "the evaluations to be reused have changed meanwhile");
@@ -198,7 +198,7 @@ void ReuseCheck::run() {
 
 void ReuseCheck::store(EvaluationCache& to) {
   std::vector<float> controls(width_), points(rig_.coordinate_count());
-  progress_.begin("copying evaluations", records_.size());
+  progress_.begin(Phase::sampling, "copying evaluations", records_.size());
   for (std::size_t pose = 0; pose < records_.size(); ++pose) {
     progress_.step(pose);
     const bool asked = asked_.contains(pose);

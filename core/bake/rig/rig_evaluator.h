@@ -29,8 +29,8 @@ class EvaluationBudget;
 // A stage of work over so many poses, reported while they are evaluated.
 class EvaluationStage {
  public:
-  EvaluationStage(Progress& progress, std::string_view name, std::uint64_t poses) : progress_(progress) {
-    progress.begin(name, poses);
+  EvaluationStage(Progress& progress, Phase phase, std::string_view name, std::uint64_t poses) : progress_(progress) {
+    progress.begin(phase, name, poses);
   }
   // Throws interrupted if the user wants to stop.
   void advance(std::uint64_t poses) { progress_.step(done_ += poses); }

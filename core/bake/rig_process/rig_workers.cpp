@@ -60,7 +60,7 @@ RigWorkers::RigWorkers(RigCommand command, Progress* progress)
     : command_(std::move(command)), workers_(command_.workers) {
   Work none;
   try {
-    if (progress) progress->begin("starting the rig", 1);
+    if (progress) progress->begin(Phase::sampling, "starting the rig", 1);
     start(workers_[0]);
     run(none, progress, [&] { return workers_[0].state == State::idle; });
   } catch (const Error& error) {

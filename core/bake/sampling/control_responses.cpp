@@ -97,7 +97,7 @@ ControlResponses::ControlResponses(RigEvaluator& rig, std::uint64_t budget, Prog
   steep_.resize(width);
   jumps_.resize(width);
   directions_.resize(2 * width);
-  progress.begin("evaluating single controls", width);
+  progress.begin(Phase::sampling, "evaluating single controls", width);
   const std::size_t most = std::clamp<std::size_t>((std::size_t{64} << 20) / (values * size * sizeof(float)), 1, 16);
   std::vector<float> points;
   for (std::size_t first = 0; first < width; first += most) {
@@ -120,7 +120,7 @@ ControlResponses::ControlResponses(RigEvaluator& rig, std::uint64_t budget, Prog
   }
   const auto suspects = static_cast<std::uint64_t>(std::count(steep_.begin(), steep_.end(), 1));
   if (suspects > 0 && !budgeted) {
-    EvaluationStage stage(progress, "looking for jumps", suspects * 32);
+    EvaluationStage stage(progress, Phase::sampling, "looking for jumps", suspects * 32);
     for (std::size_t c = 0; c < width; ++c)
       if (steep_[c]) find_jumps(rig, c, stage);
   }

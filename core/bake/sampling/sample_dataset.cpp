@@ -157,7 +157,7 @@ class DatasetWriter {
   }
 
   void write_shards(bool resuming, std::optional<std::size_t> last_clip) {
-    progress_.begin("sampling poses", report_.poses);
+    progress_.begin(Phase::sampling, "sampling poses", report_.poses);
     std::vector<Shard> there;
     for (const Shard& shard : shards()) {
       if (!resuming || !is_written(shard)) continue;

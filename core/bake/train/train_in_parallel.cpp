@@ -20,7 +20,9 @@ class SharedProgress {
  public:
   static constexpr std::uint64_t total = 10000;
 
-  SharedProgress(Progress& progress, std::string_view stage) : progress_(progress) { progress.begin(stage, total); }
+  SharedProgress(Progress& progress, std::string_view stage) : progress_(progress) {
+    progress.begin(Phase::training, stage, total);
+  }
 
   bool cancelled() const { return progress_.cancelled(); }
   void note(std::string_view sentence) {
@@ -43,7 +45,7 @@ class SharedProgress {
 class PartProgress final : public Progress {
  public:
   PartProgress(SharedProgress& whole, double share) : whole_(whole), share_(share) {}
-  void begin(std::string_view, std::uint64_t total) override { total_ = total; }
+  void begin(Phase, std::string_view, std::uint64_t total) override { total_ = total; }
   void update(std::uint64_t done) override {
     const double fraction = static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(total_, 1));
     whole_.add((fraction - fraction_) * share_);

@@ -144,7 +144,7 @@ class Training {
   TrainedLayers run(Progress& progress) {
     initialise();
     load();
-    progress.begin("training", steps_);
+    progress.begin(Phase::training, "training", steps_);
     auto last_save = std::chrono::steady_clock::now();
     while (step_ < steps_) {
       if (!train_step()) restart();

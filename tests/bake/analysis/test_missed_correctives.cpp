@@ -127,7 +127,9 @@ TEST_CASE("looking for missed correctives keeps to a budget, and can be interrup
     CHECK(notes.all.find("missed correctives") != std::string::npos);
   }
   struct Impatient final : test::QuietProgress {
-    void begin(std::string_view stage, std::uint64_t) override { stop = stop || stage.find("missed") < stage.size(); }
+    void begin(Phase, std::string_view stage, std::uint64_t) override {
+      stop = stop || stage.find("missed") < stage.size();
+    }
     bool cancelled() const override { return stop; }
     bool stop = false;
   } progress;

@@ -22,7 +22,7 @@ using namespace fb::bake;
 namespace {
 
 struct RecordedProgress final : test::QuietProgress {
-  void begin(std::string_view stage, std::uint64_t) override { stages += std::string(stage) + "; "; }
+  void begin(Phase, std::string_view stage, std::uint64_t) override { stages += std::string(stage) + "; "; }
   void note(std::string_view sentence) override { notes += std::string(sentence) + "; "; }
   bool did(const char* stage) const { return stages.find(stage) != std::string::npos; }
   std::string stages, notes;

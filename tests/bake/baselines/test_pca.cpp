@@ -32,7 +32,7 @@ MemorySource three_shapes() {
 
 // Counts the steps of subspace iteration.
 struct Passes final : test::QuietProgress {
-  void begin(std::string_view stage, std::uint64_t) override { count += stage == "finding blendshapes"; }
+  void begin(Phase, std::string_view stage, std::uint64_t) override { count += stage == "finding blendshapes"; }
   int count = 0;
 };
 

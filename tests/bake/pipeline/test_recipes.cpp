@@ -27,7 +27,7 @@ namespace {
 
 struct StopIn final : test::QuietProgress {
   explicit StopIn(std::string_view stage) : wanted(stage) {}
-  void begin(std::string_view stage, std::uint64_t) override { inside = stage == wanted; }
+  void begin(Phase, std::string_view stage, std::uint64_t) override { inside = stage == wanted; }
   void update(std::uint64_t done) override { stopped = stopped || (inside && done > 10); }
   bool cancelled() const override { return stopped; }
   std::string_view wanted;
@@ -113,7 +113,7 @@ TEST_CASE("what is written is what was verified, and a failure at the end keeps 
   // Occupies the name of the temporary file when the packed model is measured: the last step cannot write.
   struct Occupy final : test::QuietProgress {
     explicit Occupy(std::filesystem::path path) : path(std::move(path)) {}
-    void begin(std::string_view stage, std::uint64_t) override {
+    void begin(Phase, std::string_view stage, std::uint64_t) override {
       if (stage == "measuring") std::filesystem::create_directories(path);
     }
     std::filesystem::path path;

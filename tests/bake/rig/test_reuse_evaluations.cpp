@@ -173,7 +173,7 @@ TEST_CASE("reusing goes on after an interruption without evaluating again") {
     return reuse_evaluations(evaluator, folder / "old/rig.evaluations", folder / "new/rig.evaluations", 1, progress);
   };
   struct StopAfterFirstControls final : QuietProgress {
-    void begin(std::string_view stage, std::uint64_t) override { stop = stage == "evaluating kept poses again"; }
+    void begin(Phase, std::string_view stage, std::uint64_t) override { stop = stage == "evaluating kept poses again"; }
     bool cancelled() const override { return stop; }
     bool stop = false;
   } stop;

@@ -84,7 +84,7 @@ TEST_CASE("points come in the order of the poses, whatever threads, pieces and c
     evaluator.evaluate(poses, 1003, points);
     CHECK(points == expected);
     std::fill(points.begin(), points.end(), NAN);
-    EvaluationStage stage(silent_progress(), "all", 1003);
+    EvaluationStage stage(silent_progress(), Phase::sampling, "all", 1003);
     evaluator.evaluate_each(
         1003, stage,
         [&](std::size_t i, std::span<float> pose) {
@@ -445,7 +445,7 @@ TEST_CASE("a block in which poses fail is evaluated again, and a pose that fails
   twice.most = 2;
   RigEvaluator failing(twice);
   CHECK(failure(Status::rig, [&] { failing.evaluate(poses, 200, points); }) == "pose 70: no licence");
-  EvaluationStage stage(silent_progress(), "all", 200);
+  EvaluationStage stage(silent_progress(), Phase::sampling, "all", 200);
   FlakyRig named;
   named.most = 2;
   RigEvaluator by_name(named);

@@ -44,7 +44,7 @@ std::vector<float> random_pool(std::size_t poses) {
 }
 
 struct StopAt final : QuietProgress {
-  void begin(std::string_view, std::uint64_t) override { ++stages; }
+  void begin(Phase, std::string_view, std::uint64_t) override { ++stages; }
   bool cancelled() const override { return stages >= stop_at; }
   std::size_t stages = 0, stop_at = SIZE_MAX;
 };

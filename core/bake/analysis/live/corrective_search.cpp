@@ -261,7 +261,7 @@ void CorrectiveSearch::evaluate_candidates(const char* stage_name, std::span<Can
   if (samplings.size() < candidates.size())
     progress_.note(format("the budget of rig calls leaves %zu of %zu candidates out of \"%s\"",
                           candidates.size() - samplings.size(), candidates.size(), stage_name));
-  EvaluationStage stage(progress_, stage_name, total);
+  EvaluationStage stage(progress_, Phase::analysis, stage_name, total);
   for (std::size_t begin = 0; begin < samplings.size();) {
     std::vector<std::size_t> first;  // residual of each candidate of this block
     std::size_t end = begin, poses = 0;

@@ -198,7 +198,7 @@ void refit_difficult_curves(RigEvaluator& rig, const AnalysisOptions& options, s
     if (curves[c].steep || curves[c].error > acceptable || errors[c] > suspect * options.curve_tolerance)
       controls.push_back(c);
   if (controls.empty()) return;
-  EvaluationStage stage(progress, "sampling controls that may jump", controls.size() * 2 * cells);
+  EvaluationStage stage(progress, Phase::analysis, "sampling controls that may jump", controls.size() * 2 * cells);
   std::size_t jumping = 0;
   for (const std::uint32_t c : controls) {
     CurveRefit refit(rig, limits, c, rig.rest_pose(), stage);
@@ -227,7 +227,7 @@ bool add_joint_steps(RigEvaluator& rig, const AnalysisOptions& options, const Co
   std::vector<CorrectiveSearch::Misfit> misfits = correctives.misfits(difficult * limits.tolerance);
   std::erase_if(misfits, [&](const auto& misfit) { return !curves[misfit.control].steps.empty(); });
   if (misfits.empty()) return false;
-  EvaluationStage stage(progress, "looking for jumps in company", misfits.size() * few_cells);
+  EvaluationStage stage(progress, Phase::analysis, "looking for jumps in company", misfits.size() * few_cells);
   std::size_t jumping = 0;
   for (const auto& [c, pose] : misfits) {
     CurveRefit refit(rig, limits, c, pose, stage);

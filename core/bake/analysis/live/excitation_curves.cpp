@@ -100,7 +100,7 @@ class ControlSampler {
     if (positions.size() > available) positions.resize(available);
     if (positions.empty()) return false;
     std::vector<std::vector<float>> displacements(positions.size());
-    EvaluationStage stage(progress_,
+    EvaluationStage stage(progress_, Phase::analysis,
                           format("evaluating controls %zu to %zu of %zu", begin_ + 1, end_, schema.control_count()),
                           positions.size());
     rig_.evaluate_each(
@@ -185,7 +185,7 @@ std::vector<CurveErrors> measure_curves(RigEvaluator& rig, const std::vector<Con
   if (all.size() > rig.remaining()) all.resize(rig.remaining());
   const double drop = 2e-6 * rig.diagonal();
   std::vector<SparseShape> found(all.size());
-  EvaluationStage stage(progress, "measuring activation curves", all.size());
+  EvaluationStage stage(progress, Phase::analysis, "measuring activation curves", all.size());
   evaluate_curve_errors(rig, curves, all, stage,
                         [&](std::size_t i, std::span<const float> error) { found[i] = make_sparse(0, error, drop); });
   for (std::size_t i = 0, k = 0; i < all.size(); ++i, ++k) {
@@ -212,7 +212,7 @@ std::vector<double> validate_curves(RigEvaluator& rig, const std::vector<Control
     }
   if (drawn.size() > rig.remaining()) drawn.resize(rig.remaining());
   std::vector<double> distances(drawn.size());
-  EvaluationStage stage(progress, "validating activation curves", drawn.size());
+  EvaluationStage stage(progress, Phase::analysis, "validating activation curves", drawn.size());
   evaluate_curve_errors(rig, curves, drawn, stage, [&](std::size_t i, std::span<const float> error) {
     for (std::size_t k = 0; k < error.size(); k += 3)
       distances[i] = std::max(distances[i], std::hypot(double(error[k]), error[k + 1], error[k + 2]));

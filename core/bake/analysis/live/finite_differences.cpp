@@ -90,7 +90,7 @@ DenseDifferences evaluate_differences(RigEvaluator& rig, std::uint64_t seed, Pro
   dense.differences = plan_differences(schema, seed, rounds, per_pose);
   dense.controls = draw_dense_poses(schema, seed, dense.poses);
   dense.displacements.resize(dense.poses * size);
-  EvaluationStage stage(progress, "evaluating dense poses", dense.poses + dense.differences.size());
+  EvaluationStage stage(progress, Phase::analysis, "evaluating dense poses", dense.poses + dense.differences.size());
   rig.evaluate_each(
       dense.poses, stage,
       [&](std::size_t p, std::span<float> pose) {

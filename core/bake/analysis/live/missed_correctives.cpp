@@ -111,7 +111,7 @@ class MissedCorrectives {
   // Those of the poses that are off by more than the bound, the worst first.
   std::vector<BadPose> evaluate(const std::vector<std::vector<float>>& poses) {
     std::vector<BadPose> evaluated(poses.size());
-    EvaluationStage stage(progress_, "looking for missed correctives", poses.size());
+    EvaluationStage stage(progress_, Phase::analysis, "looking for missed correctives", poses.size());
     rig_.evaluate_each(
         poses.size(), stage,
         [&](std::size_t i, std::span<float> pose) { std::copy(poses[i].begin(), poses[i].end(), pose.begin()); },
@@ -178,7 +178,7 @@ class MissedCorrectives {
       total += order.size();
       reductions.emplace_back(pose, std::move(order), rig_.rest_pose());
     }
-    EvaluationStage stage(progress_, "reducing poses with missed correctives", total);
+    EvaluationStage stage(progress_, Phase::analysis, "reducing poses with missed correctives", total);
     for (;;) {
       std::vector<PoseReduction*> open;
       for (PoseReduction& reduction : reductions)

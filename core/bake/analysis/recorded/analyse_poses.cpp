@@ -107,7 +107,7 @@ class RecordedAnalysis {
     std::vector<std::uint32_t> controls;
     for (std::uint32_t c = 0; c < rest_.size(); ++c)
       if (!alone_[2 * c].empty() || !alone_[2 * c + 1].empty()) controls.push_back(c);
-    progress_.begin("fitting controls recorded alone", controls.size());
+    progress_.begin(Phase::analysis, "fitting controls recorded alone", controls.size());
     for (std::size_t i = 0; i < controls.size(); ++i) {
       const std::uint32_t c = controls[i];
       const CurveSamples samples = read_alone(c);

@@ -29,7 +29,7 @@ Eigen::MatrixXf sketch_poses(const RecordedPoses& recorded, std::uint64_t seed, 
   const std::vector<float> projection = draw_projection(size, seed);
   Eigen::MatrixXf sketch(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(sketch_width));
   std::vector<float> residuals, flat;
-  progress.begin("finding pairs in recorded poses", count);
+  progress.begin(Phase::analysis, "finding pairs in recorded poses", count);
   for (std::size_t first = 0; first < count; first += recorded_poses_in_memory) {
     const std::size_t poses = std::min(recorded_poses_in_memory, count - first);
     residuals.resize(poses * size);

@@ -19,7 +19,7 @@ NormalEquations accumulate(const RecordedPoses& recorded, std::span<const Featur
   const auto n = static_cast<Eigen::Index>(columns);
   NormalEquations sums{Eigen::MatrixXd::Zero(n, n), std::vector<float>(columns * size), std::vector<double>(size)};
   std::vector<float> residuals, table, values(features.size());
-  progress.begin("fitting recorded poses", count);
+  progress.begin(Phase::analysis, "fitting recorded poses", count);
   for (std::size_t first = 0; first < count; first += recorded_poses_in_memory) {
     const std::size_t poses = std::min(recorded_poses_in_memory, count - first);
     residuals.resize(poses * size);

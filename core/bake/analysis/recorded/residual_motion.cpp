@@ -55,7 +55,7 @@ ResidualSums sum_residuals(const RecordedPoses& recorded, std::size_t vertices, 
   ResidualSums sums{std::vector<double>(vertices), std::vector<double>(vertices), std::vector<float>(width * vertices),
                     std::vector<std::size_t>(width)};
   std::vector<float> residuals, squares;
-  progress.begin("measuring residuals of recorded poses", count);
+  progress.begin(Phase::analysis, "measuring residuals of recorded poses", count);
   for (std::size_t first = 0; first < count; first += poses_a_block) {
     const std::size_t poses = std::min(poses_a_block, count - first);
     residuals.resize(poses * size);

@@ -108,7 +108,7 @@ Skeleton cluster_bones(const Mesh& rest, const PoseSample& poses, std::uint32_t 
 
   Clusters clusters{1, std::vector<std::uint32_t>(vertices, 0), std::vector<double>(vertices, 0.0)};
   const int rounds = 4 + 2 * static_cast<int>(std::bit_width(bones));  // a round adds half as many; plus a reserve
-  progress.begin("clustering vertices", rounds);
+  progress.begin(Phase::analysis, "clustering vertices", rounds);
   for (int round = 0; round < rounds; ++round) {
     for (int i = 0; i < reassignments_per_round; ++i) reassign_vertices(clusters, rest, poses, centre, parallel);
     progress.step(round + 1);

@@ -13,7 +13,7 @@ PoseSample::PoseSample(const PoseSet& poses, std::size_t max_count, Progress& pr
   count = sample.size();
   displacements.resize(count * rows);
   trajectories.resize(3 * count, rows / 3);
-  progress.begin("reading poses for bones", count);
+  progress.begin(Phase::analysis, "reading poses for bones", count);
   for (std::size_t p = 0; p < count; ++p) {
     const std::span<float> pose = std::span(displacements).subspan(p * rows, rows);
     sample.read_displacements(p, 1, pose);

@@ -42,7 +42,7 @@ Skeleton skeleton_of_sample(const Mesh& rest, const PoseSample& sample, const Sk
   const SurfaceGraph graph(rest, {});
   const double smoothing = std::pow(options.smoothing * rest.diagonal(), 2) * static_cast<double>(sample.count);
   std::vector<float> transforms;
-  progress.begin("fitting bones", options.rounds);
+  progress.begin(Phase::analysis, "fitting bones", options.rounds);
   for (std::uint32_t round = 0; round < options.rounds; ++round) {
     fit_poses(skeleton, rest, sample, round == 0 ? 0 : 2, transforms, parallel);
     const BoneMotion motion(skeleton, rest, sample, transforms, parallel);
