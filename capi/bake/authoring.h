@@ -17,6 +17,7 @@
 #include "abi_guard.h"
 #include "archive/reader.h"
 #include "bake/documents.h"
+#include "bake/option_fields.h"
 #include "bake/recipe/bake_options.h"
 #include "bake/rig/source.h"
 #include "bake/sampling/read_examples.h"
@@ -94,17 +95,12 @@ inline std::vector<std::byte> bytes_or_none(const void* bytes, std::uint64_t siz
   return first ? std::vector<std::byte>(first, first + size) : std::vector<std::byte>();
 }
 
-// What fb_bake_desc and fb_compare_desc have in common.
+// What fb_bake_desc and fb_compare_desc, of this type, have in common.
 template <class Desc>
-bake::BakeOptions training_options(const Desc& desc, const char* mix_field, Progress& progress) {
-  require(desc.mix, mix_field);
+bake::BakeOptions training_options(const Desc& desc, const char* type, Progress& progress) {
   bake::BakeOptions options;
-  options.seed = desc.seed;
-  options.poses = desc.poses;
-  options.mix = desc.mix;
-  options.rig_budget = desc.rig_budget;
-  options.epochs = desc.epochs;
-  options.learning_curve = desc.learning_curve != 0;
+  read_options(desc, type, options);
+  read_named_options(desc.options, desc.option_count, type, options);
   options.parallel = parallel_of(desc.threads, &progress);
   options.work = text_or_empty(desc.work);
   return options;

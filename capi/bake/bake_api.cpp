@@ -28,16 +28,9 @@ std::vector<std::string> exact_of(const fb_bake_desc& desc) {
 
 fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Source& source, fb::Progress& progress) {
   require(desc.recipe, "fb_bake_desc: recipe");
-  fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc: mix", progress);
+  fb::bake::BakeOptions options = training_options(desc, "fb_bake_desc", progress);
   options.recipe = desc.recipe;
   options.use = use_of(desc.use);
-  options.max_bytes = desc.max_bytes;
-  options.max_error = desc.max_error;
-  if (!(desc.normal_weight >= 0 && desc.normal_weight <= 4))
-    fail(fb::Status::invalid_argument, "fb_bake_desc: normal_weight is %g, not 0 to 4", desc.normal_weight);
-  options.normal_weight = desc.normal_weight;
-  options.force = desc.force != 0;
-  options.skip_failing = desc.skip_failing != 0;
   options.examples = examples_of(desc, source, progress);
   options.exact = exact_of(desc);
   options.licence = text_or_empty(desc.licence);
@@ -54,7 +47,6 @@ fb::bake::BakeOptions options_of(const fb_bake_desc& desc, const fb::bake::Sourc
     require(desc.level_meshes[i], "fb_bake_desc: one of level_meshes");
     options.level_meshes.emplace_back(reinterpret_cast<const char8_t*>(desc.level_meshes[i]));
   }
-  options.cache_bytes = desc.cache_bytes;
   options.reuse = text_or_empty(desc.reuse);
   return options;
 }
@@ -111,15 +103,10 @@ const char* fb_recipe_name(uint32_t index) {
 }
 
 void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size) {
-  const fb::bake::BakeOptions options;
   fb_bake_desc defaults = {};
+  fill_options(defaults);
   defaults.recipe = "hero";
   defaults.use = FB_USE_BACKLOT;
-  defaults.poses = options.poses;
-  defaults.mix = "dense";
-  defaults.seed = options.seed;
-  defaults.normal_weight = options.normal_weight;
-  defaults.cache_bytes = options.cache_bytes;
   fill_struct(to, struct_size, defaults);
 }
 

@@ -20,11 +20,8 @@ std::vector<std::string> methods_of(const fb_compare_desc& desc) {
 extern "C" {
 
 void fb_compare_desc_fill(fb_compare_desc* to, uint32_t struct_size) {
-  const fb::bake::BakeOptions options;
   fb_compare_desc defaults = {};
-  defaults.poses = options.poses;
-  defaults.mix = "dense";
-  defaults.seed = options.seed;
+  fill_options(defaults);
   fill_struct(to, struct_size, defaults);
 }
 
@@ -35,7 +32,7 @@ fb_status fb_compare(const fb_compare_desc* desc, fb_report** report) {
     const fb_compare_desc known = read_struct(*desc, fb_compare_desc_init, "fb_compare_desc");
     fb::bake::Source& source = source_of(known.source, "fb_compare_desc: source");
     HostProgress progress(known.callbacks);
-    fb::bake::BakeOptions options = training_options(known, "fb_compare_desc: mix", progress);
+    fb::bake::BakeOptions options = training_options(known, "fb_compare_desc", progress);
     auto made = std::make_unique<fb_report>();
     if (options.work.empty()) options.work = made->folder.emplace().path();
     fb::bake::CompareReport compared = fb::bake::compare(source, methods_of(known), options, progress);

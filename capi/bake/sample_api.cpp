@@ -27,14 +27,15 @@ fb::bake::Clip clip_of(const fb_rig_clip& from, std::uint32_t index, std::size_t
 }
 
 fb::bake::SamplingOptions options_of(const fb_sample_desc& desc, std::size_t controls) {
-  require(desc.mix, "fb_sample_desc: mix");
+  fb::bake::BakeOptions common;
+  read_options(desc, "fb_sample_desc", common);
   fb::bake::SamplingOptions options;
-  options.poses = desc.poses;
-  options.seed = desc.seed;
-  options.mix = desc.mix;
+  options.poses = common.poses;
+  options.seed = common.seed;
+  options.mix = common.mix;
   options.shots = desc.shots != 0;
-  options.rig_budget = desc.rig_budget;
-  options.skip_failing = desc.skip_failing != 0;
+  options.rig_budget = common.rig_budget;
+  options.skip_failing = common.skip_failing;
   if (desc.clip_count == 0) return options;
   require(desc.clips, "fb_sample_desc: clips");
   if (desc.clip_stride < sizeof(fb_rig_clip) || desc.clip_stride % alignof(fb_rig_clip) != 0)
@@ -62,11 +63,8 @@ std::size_t test_poses_of_plan(std::uint64_t poses) {
 extern "C" {
 
 void fb_sample_desc_fill(fb_sample_desc* to, uint32_t struct_size) {
-  const fb::bake::SamplingOptions options;
   fb_sample_desc defaults = {};
-  defaults.poses = options.poses;
-  defaults.seed = options.seed;
-  defaults.mix = "dense";
+  fill_options(defaults);
   defaults.shots = 1;
   defaults.clip_stride = sizeof(fb_rig_clip);
   fill_struct(to, struct_size, defaults);

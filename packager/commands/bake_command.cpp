@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_options.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
@@ -25,15 +26,16 @@ struct BakeCommand {
   }
 
   std::vector<std::string> sources, poses_like, exact;
-  std::string out, recipe = "hero", use = "backlot", mix = "dense", work, reuse, report, licence, about, created;
+  std::string out, recipe = "hero", use = "backlot", work, reuse, report, licence, about, created;
   std::vector<double> shares;  // of levels of detail
   std::vector<std::string> level_meshes;
   std::uint32_t levels = 0;
   std::uint64_t cache_mib;
   fb_bake_desc desc;
+  LibraryOptions options;
   Parallel parallel;
   RigOptions rigs;
-  bool json = false, thumbnail = true, learning_curve = false, force = false, skip_failing = false;
+  bool json = false, thumbnail = true;
 
   void run();
 
@@ -81,13 +83,13 @@ facebaker::Report BakeCommand::bake(const facebaker::Source& source, Progress& p
   const std::vector<const char*> exact_poses = c_strings(exact);
   desc.exact = exact_poses.data();
   desc.exact_count = static_cast<std::uint32_t>(exact_poses.size());
-  desc.skip_failing = skip_failing ? 1 : 0;
+  const std::vector<std::string> given = options.given();
+  const std::vector<const char*> named = c_strings(given);
+  desc.options = named.data();
+  desc.option_count = static_cast<std::uint32_t>(named.size());
   desc.archive = out.c_str();
   desc.recipe = recipe.c_str();
   desc.use = use == "variant" ? FB_USE_VARIANT : FB_USE_BACKLOT;
-  desc.mix = mix.c_str();
-  desc.learning_curve = learning_curve ? 1 : 0;
-  desc.force = force ? 1 : 0;
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
   desc.licence = licence.empty() ? nullptr : licence_words.c_str();
   desc.about = about.empty() ? nullptr : about_words.c_str();
@@ -151,20 +153,6 @@ void add_level_options(Command app, BakeCommand& command) {
       .not_with(shares);
 }
 
-// What a face may take: bytes, error, time.
-void add_limits(Command app, BakeCommand& command) {
-  app.add_option("--max-bytes", command.desc.max_bytes,
-                 "Size limit of the archive: the least error within it; 0: the precision of the recipe")
-      .checked(whole_number)
-      .type_name("N")
-      .shows_default();
-  app.add_option("--max-error", command.desc.max_error,
-                 "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
-      .not_negative()
-      .type_name("E")
-      .shows_default();
-}
-
 // What is kept of the work, and what is taken over of an earlier bake.
 void add_work_options(Command app, BakeCommand& command) {
   app.add_option("--work", command.work,
@@ -196,21 +184,16 @@ void add_bake(Command tool) {
       .one_of({"variant", "backlot"})
       .shows_default();
   add_poses(app, command->desc.poses, command->desc.rig_budget);
-  add_mix(app, command->mix);
+  command->options.add_to(app, FB_OPTION_SAMPLING);
   add_poses_like(app, command->poses_like);
   app.add_option("--exact", command->exact,
                  "Poses that must come out as the source gives them, within rounding: CLIP:FRAME[,FRAME...], CLIP for "
                  "all its frames, or, of a rig, a .csv or .npy of control values (repeatable)")
       .type_name("POSES")
       .repeatable();
-  add_epochs(app, command->desc.epochs);
-  add_limits(app, *command);
-  app.add_option("--normal-weight", command->desc.normal_weight,
-                 "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
-      .between(0.0, 4.0)
-      .type_name("W")
-      .shows_default();
-  add_force(app, command->force);
+  command->options.add_to(app, FB_OPTION_TRAINING);
+  command->options.add_to(app, FB_OPTION_LIMITS);
+  command->options.add_to(app, FB_OPTION_FACE);
   add_licence(app, command->licence);
   add_about(app, command->about);
   app.add_flag("!--no-thumbnail", command->thumbnail, "Leave out the picture of the face that file managers show");
@@ -219,13 +202,6 @@ void add_bake(Command tool) {
   add_level_options(app, *command);
   add_work_options(app, *command);
   add_report(app, command->report, ", and a page of pictures, curves and tables (index.html)");
-  add_learning_curve(app, command->learning_curve);
-  add_seed(app, command->desc.seed);
-  app.add_flag(
-      "--skip-failing-poses", command->skip_failing,
-      "Leave out what a rig cannot evaluate, with a note, instead of failing: drawn poses, up to a tenth of all; "
-      "the analysis of the rig, in place of which blendshapes are fitted to the training poses; measuring. "
-      "Poses of clips to train on, and of controls moved alone, still have to succeed");
   command->rigs.add_clip_budget_to(app);
   command->rigs.add_to(app);
   add_threads(app, command->parallel);

@@ -25,13 +25,6 @@ void add_threads(Command command, Parallel& parallel) {
       .shows_default();
 }
 
-void add_seed(Command command, std::uint64_t& seed) {
-  command.add_option("--seed", seed, "Seed of everything random: the same seed gives the same bytes")
-      .checked(whole_number)
-      .type_name("N")
-      .shows_default();
-}
-
 namespace {
 
 // Check of the name of an archive to write.
@@ -74,23 +67,6 @@ void add_poses_like(Command command, std::vector<std::string>& files) {
       .repeatable();
 }
 
-void add_mix(Command command, std::string& mix) {
-  command
-      .add_option(
-          "--mix", mix,
-          "Kinds of the sampled poses: paper (excitations, regional expressions, calisthenics) or dense (mostly "
-          "many controls of many control groups at once)")
-      .one_of({"paper", "dense"})
-      .shows_default();
-}
-
-void add_epochs(Command command, std::uint32_t& epochs) {
-  command.add_option("--epochs", epochs, "Passes over the training poses; 0: as many as the recipe takes")
-      .checked(whole_number)
-      .type_name("N")
-      .shows_default();
-}
-
 void add_sources(Command command, std::vector<std::string>& sources) {
   command
       .add_option("SOURCE", sources,
@@ -110,11 +86,6 @@ void add_out_archive(Command command, std::string& out) {
       .required();
 }
 
-void add_force(Command command, bool& force) {
-  command.add_flag("--force", force,
-                   "Write the nearest there is where --max-bytes or --max-error cannot be met, instead of failing");
-}
-
 void add_licence(Command command, std::string& file) {
   command.add_option("--licence", file, "A text file: the licence of the face, which goes into the archive")
       .type_name("FILE");
@@ -132,11 +103,6 @@ std::string file_text(const std::string& file) {
   if (file.empty()) return {};
   const auto bytes = read_file(file, 1u << 20);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-void add_learning_curve(Command command, bool& learning_curve) {
-  command.add_flag("--learning-curve", learning_curve,
-                   "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report");
 }
 
 void add_json_flag(Command command, bool& json) {

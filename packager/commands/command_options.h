@@ -17,25 +17,19 @@ namespace fb::tool {
 std::string whole_number(const std::string& word);
 
 void add_threads(Command command, Parallel& parallel);
-void add_seed(Command command, std::uint64_t& seed);
 // --poses, a number of poses that is described by `what`.
 Option add_pose_count(Command command, std::uint64_t& poses, const char* what);
 // --poses and --rig-budget; without --poses, a budget sets poses too.
 void add_poses(Command command, std::uint64_t& poses, std::uint64_t& rig_budget);
 // --poses-like: files of control curves.
 void add_poses_like(Command command, std::vector<std::string>& files);
-void add_mix(Command command, std::string& mix);
-void add_epochs(Command command, std::uint32_t& epochs);
 void add_sources(Command command, std::vector<std::string>& sources);
 Option add_archive(Command command, std::string& archive);
 void add_out_archive(Command command, std::string& out);
-// --force: writes the nearest there is where --max-bytes or --max-error cannot be met.
-void add_force(Command command, bool& force);
 // --licence and --about: text files whose texts go into the archive.
 void add_licence(Command command, std::string& file);
 void add_about(Command command, std::string& file);
 std::string file_text(const std::string& file);  // "" without a file
-void add_learning_curve(Command command, bool& learning_curve);
 void add_json_flag(Command command, bool& json);
 // `more` ends the description: what is written besides.
 void add_report(Command command, std::string& folder, const char* more = "");

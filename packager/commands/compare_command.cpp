@@ -6,6 +6,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_options.h"
 #include "commands/progress_bar.h"
 #include "commands/rig_options.h"
 #include "commands/view_line.h"
@@ -20,12 +21,12 @@ struct CompareCommand {
   CompareCommand() { fb_compare_desc_init(&desc); }
 
   std::vector<std::string> sources, methods = {"linear", "paper-tuned", "hero"};
-  std::string work, mix = "dense";
+  std::string work;
   FigureOutputs outputs;
   fb_compare_desc desc;
+  LibraryOptions options;
   Parallel parallel;
   RigOptions rigs;
-  bool learning_curve = false;
 
   void run();
 
@@ -119,8 +120,10 @@ facebaker::Report CompareCommand::compare(const facebaker::Source& source, const
   desc.source = source.get();
   desc.methods = names.data();
   desc.method_count = static_cast<std::uint32_t>(names.size());
-  desc.mix = mix.c_str();
-  desc.learning_curve = learning_curve ? 1 : 0;
+  const std::vector<std::string> given = options.given();
+  const std::vector<const char*> named = c_strings(given);
+  desc.options = named.data();
+  desc.option_count = static_cast<std::uint32_t>(named.size());
   desc.threads = static_cast<std::uint32_t>(parallel.threads);
   desc.work = work.empty() ? nullptr : work.c_str();
   desc.callbacks = callbacks;
@@ -177,15 +180,13 @@ void add_compare(Command tool) {
       .one_of(names)
       .shows_default();
   add_poses(app, command->desc.poses, command->desc.rig_budget);
-  add_mix(app, command->mix);
-  add_epochs(app, command->desc.epochs);
+  command->options.add_to(app, FB_OPTION_SAMPLING);
+  command->options.add_to(app, FB_OPTION_TRAINING);
   app.add_option("--work", command->work,
                  "Folder for intermediate files, kept so that the same command can continue; by default "
                  "a temporary one")
       .type_name("DIR");
   command->outputs.add_to(app);
-  add_learning_curve(app, command->learning_curve);
-  add_seed(app, command->desc.seed);
   command->rigs.add_clip_budget_to(app);
   command->rigs.add_to(app);
   add_threads(app, command->parallel);

@@ -11,6 +11,7 @@
 #include "commands/commands.h"
 #include "commands/export_blendshapes.h"
 #include "commands/export_skinned.h"
+#include "commands/library_options.h"
 #include "commands/pose_controls.h"
 #include "commands/pose_evaluator.h"
 #include "commands/progress_bar.h"
@@ -244,7 +245,7 @@ void add_export(Command tool) {
       .required();
   add_moving_options(app, *command);
   add_glb_options(app, *command);
-  add_seed(app, command->seed);
+  add_library_option(app, "seed", command->seed);
   add_threads(app, command->parallel);
   add_json_flag(app, command->json);
   app.when_called([command] { command->run(); });

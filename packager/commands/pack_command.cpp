@@ -5,6 +5,7 @@
 #include "base/status.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_options.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/thumbnail.h"
@@ -90,8 +91,8 @@ void add_pack(Command tool) {
       .not_negative()
       .type_name("E")
       .shows_default();
-  add_force(app, command->force);
-  add_seed(app, command->desc.seed);
+  add_library_option(app, "force", command->force);
+  add_library_option(app, "seed", command->desc.seed);
   add_threads(app, command->parallel);
   app.footer(
       "Without --max-bytes and --max-error the face poses as it did, to the last bit; its reference poses are kept, or "

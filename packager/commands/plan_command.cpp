@@ -8,6 +8,7 @@
 #include "commands/clip_files.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_options.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
@@ -80,11 +81,11 @@ void add_plan(Command tool) {
       .required();
   app.add_option("--out", command->out, "The dataset folder to write").type_name("DIR").required();
   add_pose_count(app, command->desc.poses, "Poses to train on; a fifth, at most 2,000, come on top to measure on");
-  add_mix(app, command->mix);
+  add_library_option(app, "mix", command->mix);
   add_poses_like(app, command->poses_like);
   add_clip_files(app, command->clips);
   app.add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
-  add_seed(app, command->desc.seed);
+  add_library_option(app, "seed", command->desc.seed);
   command->rigs.add_clip_budget_to(app);
   command->rigs.add_to(app);
   add_threads(app, command->parallel);

@@ -6,6 +6,7 @@
 #include "commands/clip_files.h"
 #include "commands/command_options.h"
 #include "commands/commands.h"
+#include "commands/library_options.h"
 #include "commands/progress_bar.h"
 #include "commands/results.h"
 #include "commands/rig_options.h"
@@ -81,11 +82,11 @@ void add_sample(Command tool) {
       .type_name("DIR")
       .required();
   add_poses(app, command->desc.poses, command->desc.rig_budget);
-  add_mix(app, command->mix);
+  add_library_option(app, "mix", command->mix);
   add_poses_like(app, command->poses_like);
   add_clip_files(app, command->clips);
   app.add_flag("--no-shots", command->no_shots, "Leave out the rig's own clips");
-  add_seed(app, command->desc.seed);
+  add_library_option(app, "seed", command->desc.seed);
   app.add_flag(
       "--skip-failing-poses", command->skip_failing,
       "Put the rest pose in the place of drawn poses that the rig cannot evaluate, up to a tenth of all, instead "

@@ -232,6 +232,25 @@ static void recipes_have_names(void** state) {
   assert_null(fb_recipe_name(fb_recipe_count()));
 }
 
+static void options_are_listed(void** state) {
+  (void)state;
+  fb_option_info info;
+  int weights = 0;
+  for (uint32_t i = 0; i < fb_option_count(); ++i) {
+    fb_option_info_init(&info);
+    assert_ok(fb_option_at(i, &info));
+    assert_true(info.name[0] && info.help[0] && info.since[0] && info.standard[0] && info.least <= info.most);
+    assert_true((info.kind == FB_OPTION_WORD) == (info.words[0] != 0));
+    if (strcmp(info.name, "normal_weight") != 0) continue;
+    ++weights;
+    assert_true(info.kind == FB_OPTION_NUMBER && info.part == FB_OPTION_FACE && info.least == 0 && info.most == 4);
+    assert_string_equal(info.argument, "--normal-weight");
+    assert_string_equal(info.standard, "1");
+  }
+  assert_int_equal(weights, 1);
+  assert_refused(fb_option_at(fb_option_count(), &info), FB_ERROR_INVALID_ARGUMENT, "there is no option");
+}
+
 static fb_bake_desc small_bake(const char* name) {
   fb_bake_desc desc;
   fb_bake_desc_init(&desc);
@@ -240,6 +259,56 @@ static fb_bake_desc small_bake(const char* name) {
   desc.poses = 200;
   desc.epochs = 2;
   return desc;
+}
+
+static void assert_same_files(const char* first, const char* second) {
+  FILE *a = fopen(first, "rb"), *b = fopen(second, "rb");
+  assert_true(a && b);
+  for (int byte = 0; byte != EOF;) {
+    byte = fgetc(a);
+    assert_int_equal(byte, fgetc(b));
+  }
+  fclose(a);
+  fclose(b);
+}
+
+/* What a bake with one option by name is refused for. */
+static void assert_option_refused(const char* option, const char* reason) {
+  fb_bake_desc desc = small_bake("never.fbk");
+  desc.options = &option;
+  desc.option_count = 1;
+  assert_refused(fb_bake(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, reason);
+}
+
+static void options_are_given_by_name(void** state) {
+  (void)state;
+  fb_bake_desc by_field = small_bake("by_field.fbk"), by_name = small_bake("by_name.fbk");
+  by_field.recipe = by_name.recipe = "compact";
+  by_field.seed = 7;
+  by_field.normal_weight = 0;
+  const char* options[] = {"seed=7", "normal_weight=0"};
+  by_name.options = options;
+  by_name.option_count = 2;
+  by_name.seed = 8; /* which the name comes before */
+  assert_ok(fb_bake(&by_field, NULL));
+  assert_ok(fb_bake(&by_name, NULL));
+  assert_same_files(by_field.archive, by_name.archive);
+  assert_option_refused("normal_wieght=1",
+                        "fb_bake_desc: there is no option \"normal_wieght\"; the closest is \"normal_weight\"");
+  assert_option_refused("normal_weight=5", "fb_bake_desc: normal_weight is 5, not 0 to 4");
+  assert_option_refused("normal_weight=nan", "normal_weight is nan");
+  assert_option_refused("normal_weight=1,5", "normal_weight is \"1,5\"");
+  assert_option_refused("seed=-1", "seed is \"-1\"");
+  assert_option_refused("epochs=4294967296", "epochs is \"4294967296\"");
+  assert_option_refused("force=yes", "force is \"yes\", not 0 or 1");
+  assert_option_refused("mix=soup", "mix is \"soup\", none of \"paper\", \"dense\"");
+  assert_option_refused("mix", "options[0] is \"mix\", not \"NAME=VALUE\"");
+  fb_bake_desc desc = small_bake("never.fbk");
+  desc.normal_weight = 5;
+  assert_refused(fb_bake(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "fb_bake_desc: normal_weight is 5, not 0 to 4");
+  desc.normal_weight = 1;
+  desc.option_count = 1;
+  assert_refused(fb_bake(&desc, NULL), FB_ERROR_INVALID_ARGUMENT, "fb_bake_desc: options is null");
 }
 
 static void a_bake_is_measured_for_its_report(void** state) {
@@ -444,6 +513,8 @@ int main(void) {
       cmocka_unit_test(sampling_writes_a_dataset),
       cmocka_unit_test(plans_wait_for_points),
       cmocka_unit_test(recipes_have_names),
+      cmocka_unit_test(options_are_listed),
+      cmocka_unit_test(options_are_given_by_name),
       cmocka_unit_test(a_bake_is_measured_for_its_report),
       cmocka_unit_test(a_bake_may_be_stopped_and_goes_on),
       cmocka_unit_test(bakes_that_cannot_be_are_refused),

@@ -6,7 +6,7 @@ facebaker.serve serves a rig to another process."""
 
 from typing import TYPE_CHECKING
 
-from ._bake import bake, check, compare, diff, evaluate, inspect, pack, plan, recipes, sample, verify
+from ._bake import Option, bake, check, compare, diff, evaluate, inspect, options, pack, plan, recipes, sample, verify
 from ._character import (
     Channel,
     Control,
@@ -44,7 +44,7 @@ __all__ = [
     "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult",
     "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture",
     "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate",
-    "evaluate_many", "inspect", "load", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
+    "evaluate_many", "inspect", "load", "options", "pack", "plan", "recipes", "sample", "save_dataset", "verify",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import json
 import os
 import pathlib
 from ctypes import byref, c_char_p, c_double, c_void_p, cast, sizeof
-from typing import Any, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _interop as abi
 from ._archive import AnyArchive, Archive
@@ -31,11 +31,38 @@ from ._rig_struct import clip_struct
 from ._source import AnySource, Place, Source
 
 _MEASURES = ("quality", "locality")
+_OPTION_KINDS = ("count", "number", "flag", "word")
+OptionValue = Union[int, float, bool, str]
 
 
 def recipes() -> Tuple[str, ...]:
     """The names of the recipes that bake and compare know."""
     return tuple(library.fb_recipe_name(index).decode() for index in range(library.fb_recipe_count()))
+
+
+class Option(NamedTuple):
+    """An option of bake and compare."""
+
+    name: str  # the keyword
+    kind: str  # "count", a whole number, "number", "flag", 0 or 1, or "word", one of `words`
+    standard: str  # the default, as text
+    least: float  # of numbers
+    most: float
+    words: Tuple[str, ...]
+    since: str  # the version that had it first
+    help: str
+
+
+def options() -> Tuple[Option, ...]:
+    """The numbers, flags and words that decide how a face is baked, as this version of the library has them."""
+    found = []
+    for index in range(library.fb_option_count()):
+        info = library.filled(abi.fb_option_info)
+        library.check(library.fb_option_at(index, byref(info)))
+        name, standard, since, text = (t.decode() for t in (info.name, info.standard, info.since, info.help))
+        words = tuple(info.words.decode().split(",")) if info.words else ()
+        found.append(Option(name, _OPTION_KINDS[info.kind], standard, info.least, info.most, words, since, text))
+    return tuple(found)
 
 
 def sample(
@@ -145,6 +172,7 @@ def bake(
     threads: int = 0,
     progress: Progress = None,
     note: Note = None,
+    **more: OptionValue,
 ) -> BakeResult:
     """Samples a live source, trains, packs, measures and verifies a face and writes its archive, complete or not at all.
 
@@ -158,8 +186,9 @@ def bake(
     reuse: work folder of a bake of an earlier version of the rig. normal_weight: how much errors of normals count, 0 to
     4. cache_bytes: of evaluations that are kept. about: fields about the character. thumbnail: a square PNG. exact:
     poses that come out exactly, "CLIP:FRAME,...", "CLIP" or a file. level_shares: levels of detail by their share;
-    level_meshes: as files. threads: 0: all."""
+    level_meshes: as files. threads: 0: all. more: options() that have no keyword here."""
     desc = library.filled(abi.fb_bake_desc)
+    desc.options, desc.option_count = _named(more)
     desc.archive, desc.recipe, desc.mix = path_bytes(out), text_bytes(recipe), text_bytes(mix)
     desc.use, desc.measure = _number(USES, use, "use"), _measures(measure)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed, force=force)
@@ -189,10 +218,12 @@ def compare(
     threads: int = 0,
     progress: Progress = None,
     note: Note = None,
+    **more: OptionValue,
 ) -> CompareResult:
     """Bakes several recipes on the same poses and measures them on the same clips. Options are those of bake; work: None:
     a temporary folder."""
     desc = library.filled(abi.fb_compare_desc)
+    desc.options, desc.option_count = _named(more)
     assign(desc, threads=threads, epochs=epochs, poses=poses, rig_budget=rig_budget, seed=seed)
     assign(desc, learning_curve=learning_curve)
     desc.methods, desc.method_count = c_strings([text_bytes(method) for method in methods])
@@ -333,6 +364,12 @@ def _planned(clip: Clip, source: Source) -> Clip:
     controls = floats(clip.controls, (None, len(source.controls)), f'clip "{clip.name}": controls')
     _number(SPLITS, clip.split, "split")
     return Clip(clip.name, controls, clip.kind, clip.split, clip.fps)
+
+
+def _named(values: Mapping[str, OptionValue]) -> Tuple[Any, int]:
+    """Options by name, as fb_bake_desc takes them. A flag is True or False."""
+    texts = [f"{name}={int(value) if isinstance(value, bool) else value}" for name, value in values.items()]
+    return c_strings([text_bytes(text) for text in texts])
 
 
 def _set_levels(desc: abi.fb_bake_desc, shares: Sequence[float], meshes: Sequence[Place]) -> None:

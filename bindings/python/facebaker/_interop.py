@@ -75,6 +75,14 @@ FB_ACTIVATION_TANH = 2
 FB_ACTIVATION_SILU = 3
 FB_USE_VARIANT = 0
 FB_USE_BACKLOT = 1
+FB_OPTION_COUNT = 0
+FB_OPTION_NUMBER = 1
+FB_OPTION_FLAG = 2
+FB_OPTION_WORD = 3
+FB_OPTION_SAMPLING = 0
+FB_OPTION_TRAINING = 1
+FB_OPTION_LIMITS = 2
+FB_OPTION_FACE = 3
 FB_MEASURE_QUALITY = 1
 FB_MEASURE_LOCALITY = 2
 
@@ -326,6 +334,12 @@ class fb_check_result(Structure):
         ("struct_size", c_uint32), ("bakeable", c_uint32), ("faults", c_uint64), ("warnings", c_uint64),
         ("poses", c_uint64), ("evaluated", c_uint64),
     ]
+class fb_option_info(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("kind", c_int32), ("part", c_int32), ("reserved", c_uint32), ("name", c_char_p),
+        ("argument", c_char_p), ("value", c_char_p), ("standard", c_char_p), ("words", c_char_p), ("since", c_char_p),
+        ("help", c_char_p), ("least", c_double), ("most", c_double),
+    ]
 class fb_bake_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("source", c_void_p), ("archive", c_char_p),
@@ -337,14 +351,16 @@ class fb_bake_desc(Structure):
         ("normal_weight", c_double), ("cache_bytes", c_uint64), ("about", c_char_p), ("thumbnail", c_void_p),
         ("thumbnail_bytes", c_uint64), ("exact", POINTER(c_char_p)), ("exact_count", c_uint32), ("reserved2", c_uint32),
         ("level_share_count", c_uint32), ("level_mesh_count", c_uint32), ("level_shares", POINTER(c_double)),
-        ("level_meshes", POINTER(c_char_p)),
+        ("level_meshes", POINTER(c_char_p)), ("options", POINTER(c_char_p)), ("option_count", c_uint32),
+        ("reserved3", c_uint32),
     ]
 class fb_compare_desc(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("threads", c_uint32), ("source", c_void_p), ("methods", POINTER(c_char_p)),
         ("method_count", c_uint32), ("epochs", c_uint32), ("poses", c_uint64), ("mix", c_char_p),
         ("rig_budget", c_uint64), ("seed", c_uint64), ("learning_curve", c_uint32), ("reserved", c_uint32),
-        ("work", c_char_p), ("callbacks", fb_callbacks),
+        ("work", c_char_p), ("callbacks", fb_callbacks), ("options", POINTER(c_char_p)), ("option_count", c_uint32),
+        ("reserved2", c_uint32),
     ]
 class fb_eval_desc(Structure):
     _fields_ = [
@@ -484,7 +500,9 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_check": (c_int32, [POINTER(fb_check_desc), POINTER(c_void_p)]),
     "fb_check_result_fill": (None, [POINTER(fb_check_result), c_uint32]),
     "fb_report_check": (c_int32, [c_void_p, POINTER(fb_check_result)]), "fb_recipe_count": (c_uint32, []),
-    "fb_recipe_name": (c_char_p, [c_uint32]), "fb_bake_desc_fill": (None, [POINTER(fb_bake_desc), c_uint32]),
+    "fb_recipe_name": (c_char_p, [c_uint32]), "fb_option_info_fill": (None, [POINTER(fb_option_info), c_uint32]),
+    "fb_option_count": (c_uint32, []), "fb_option_at": (c_int32, [c_uint32, POINTER(fb_option_info)]),
+    "fb_bake_desc_fill": (None, [POINTER(fb_bake_desc), c_uint32]),
     "fb_bake": (c_int32, [POINTER(fb_bake_desc), POINTER(c_void_p)]),
     "fb_compare_desc_fill": (None, [POINTER(fb_compare_desc), c_uint32]),
     "fb_compare": (c_int32, [POINTER(fb_compare_desc), POINTER(c_void_p)]),

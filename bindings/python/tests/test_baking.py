@@ -194,6 +194,12 @@ class SourcesTest(BakingTest):
         self.assertTrue((self.folder / "work").is_dir())
         self.assertIn("2030-01-01", face.provenance.values())
         self.assertEqual(face.provenance["seed"], 5)
+        names = [option.name for option in facebaker.options()]
+        self.assertIn("normal_weight", names)
+        for option in facebaker.options():  # what any is by default, by name
+            self.assertEqual(option.kind == "word", bool(option.words), option)
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, 'no option "normal_wieght"; the closest is "normal_weight"'):
+            self.bake(toy_rig.make(), recipe="compact", normal_wieght=1)
         with self.assertRaisesRegex(facebaker.Error, "earlier"):
             self.bake(toy_rig.make(), recipe="compact", reuse=self.folder / "earlier")
         with self.assertRaisesRegex(facebaker.BadDataError, "PNG"):

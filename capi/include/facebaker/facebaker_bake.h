@@ -257,6 +257,44 @@ FB_API uint32_t fb_recipe_count(void);
 /** The name of a recipe, in static storage; null for index >= fb_recipe_count. */
 FB_API const char* fb_recipe_name(uint32_t index);
 
+/* What the value of an option is. */
+#define FB_OPTION_COUNT 0  /**< a whole number */
+#define FB_OPTION_NUMBER 1 /**< a number with a point or without */
+#define FB_OPTION_FLAG 2   /**< 0 or 1 */
+#define FB_OPTION_WORD 3   /**< one of fb_option_info::words */
+
+/* What an option decides, and with that who takes it. */
+#define FB_OPTION_SAMPLING 0 /**< which poses of a live source are learnt from: of fb_bake, fb_compare */
+#define FB_OPTION_TRAINING 1 /**< how it is learnt: of fb_bake, fb_compare */
+#define FB_OPTION_LIMITS 2   /**< what an archive may take: of fb_bake */
+#define FB_OPTION_FACE 3     /**< everything else: of fb_bake */
+
+/** An option of fb_bake and fb_compare, for programs that show or pass on all there are. Texts stay valid. */
+typedef struct fb_option_info {
+  uint32_t struct_size;
+  int32_t kind;         /**< FB_OPTION_COUNT, ... */
+  int32_t part;         /**< FB_OPTION_SAMPLING, ... */
+  uint32_t reserved;    /**< 0 */
+  const char* name;     /**< of the option, and of the field of descriptions that have one: "normal_weight" */
+  const char* argument; /**< of the tool's command line, "--normal-weight"; "": the tool has another form of it */
+  const char* value;    /**< what the tool's help calls the value, "W"; "" of flags and words */
+  const char* standard; /**< the default, as a text that fb_bake_desc::options takes */
+  const char* words;    /**< that a word may be, with commas between; "" of others */
+  const char* since;    /**< version that had the option first */
+  const char* help;     /**< an English sentence without its full stop */
+  double least;         /**< of a number */
+  double most;          /**< of a number; DBL_MAX where the type alone is the limit */
+} fb_option_info;
+
+FB_API void fb_option_info_fill(fb_option_info* to, uint32_t struct_size);
+static inline void fb_option_info_init(fb_option_info* to) {
+  fb_option_info_fill(to, (uint32_t)sizeof *to);
+}
+/** How many options there are. Thread-safe, as fb_option_at. */
+FB_API uint32_t fb_option_count(void);
+/** Describes an option; INVALID_ARGUMENT for index >= fb_option_count. */
+FB_API fb_status fb_option_at(uint32_t index, fb_option_info* info);
+
 /* What to measure; or-ed. */
 #define FB_MEASURE_QUALITY \
   1u /**< normals, jitter, border jumps, contact, errors by region, control, vertex and frame */
@@ -326,6 +364,10 @@ typedef struct fb_bake_desc {
   const char* const* level_meshes; /**< levels of detail as given: files .obj or .glb, the finest first, whose vertices
                                       are vertices of the source's rest mesh, up to 1e-4 of its diagonal; in place of
                                       level_shares. Null (default): none */
+  const char* const* options; /**< options by name, "NAME=VALUE" each (fb_option_at lists them), over the fields of the
+                                 same names; those that came after 0.9 have no field. Null (default): none */
+  uint32_t option_count;      /**< of options */
+  uint32_t reserved3;         /**< 0 */
 } fb_bake_desc;
 
 FB_API void fb_bake_desc_fill(fb_bake_desc* to, uint32_t struct_size);
@@ -359,6 +401,9 @@ typedef struct fb_compare_desc {
   const char* work; /**< folder for intermediate files, kept so that the same call goes on; null (default): a temporary
                        one, removed by fb_report_free */
   fb_callbacks callbacks;
+  const char* const* options; /**< as in fb_bake_desc, those of sampling and training; null (default): none */
+  uint32_t option_count;      /**< of options */
+  uint32_t reserved2;         /**< 0 */
 } fb_compare_desc;
 
 FB_API void fb_compare_desc_fill(fb_compare_desc* to, uint32_t struct_size);

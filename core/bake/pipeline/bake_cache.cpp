@@ -48,11 +48,11 @@ std::uint64_t cache_key(Source& data, const RigEvaluator* rig, const BakeOptions
   const PoseSet poses = training_poses(data, options.use), sample = poses.subsampled(16);
   std::vector<float> points(sample.size() * data.rest().points.size());
   sample.read_points(0, sample.size(), points);
-  const std::uint64_t budget = find_recipe(options.recipe).evaluates_rig ? options.rig_budget : 0;
-  Json fields = {FB_VERSION,     options.recipe,       name_of(options.use), options.seed,
-                 options.epochs, options.max_bytes,    options.max_error,    budget,
-                 rig != nullptr, options.normal_weight};
-  if (options.force) fields.push_back("force");
+  const bool evaluates_rig = find_recipe(options.recipe).evaluates_rig;
+  Json fields = {FB_VERSION, options.recipe, name_of(options.use), evaluates_rig ? options.rig_budget : 0,
+                 rig != nullptr};
+  for (const OptionRow& row : option_table)
+    if (row.changes_face) fields.push_back(option_text(options, row));
   for (const double share : options.level_shares) fields.push_back(share);
   for (const auto& mesh : options.level_meshes) fields.push_back(hash64(read_file(mesh)));
   const std::uint64_t samples = hash64_of<float>(poses.controls(), hash64_of<float>(points));

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "bake/rig/pose_set.h"
@@ -79,6 +81,107 @@ struct BakeOptions {
   // still hold, see reuse_evaluations; empty: none.
   std::filesystem::path reuse;
 };
+
+// An option that is a number, a flag or a word, as every interface describes it: by this table the C interface reads
+// its structs and options by name, the tool declares its command line, help, man pages and completion, and Python takes
+// keywords. A new one is a member above, a row below, and the place that uses it.
+struct OptionRow {
+  enum class Part { sampling, training, limits, face };  // `compare` has the first two
+  using Member = std::variant<std::uint32_t BakeOptions::*, std::uint64_t BakeOptions::*, double BakeOptions::*,
+                              bool BakeOptions::*, std::string BakeOptions::*>;
+
+  // `summary`: what the help says, a sentence without its full stop.
+  constexpr OptionRow(const char* option, Member of, Part decides, const char* summary)
+      : name(option), help(summary), member(of), part(decides) {}
+  // "--name" on the command line, and what the help calls its value, "N"; "" of flags and words.
+  constexpr OptionRow on_command_line(const char* argument_name, const char* value_name = "") const {
+    OptionRow row = *this;
+    row.argument = argument_name;
+    row.value = value_name;
+    return row;
+  }
+  constexpr OptionRow between(double lowest, double highest) const {
+    OptionRow row = *this;
+    row.least = lowest;
+    row.most = highest;
+    return row;
+  }
+  // What a word may be, with commas between.
+  constexpr OptionRow one_of(const char* choices) const {
+    OptionRow row = *this;
+    row.words = choices;
+    return row;
+  }
+  // Of the same poses the same face is baked, whatever it is.
+  constexpr OptionRow keeps_face() const {
+    OptionRow row = *this;
+    row.changes_face = false;
+    return row;
+  }
+
+  const char *name, *help, *argument = "", *value = "", *words = "", *since = "0.9";
+  Member member;
+  Part part;
+  double least = 0, most = std::numeric_limits<double>::max();  // of numbers
+  bool changes_face = true;
+};
+
+inline constexpr OptionRow option_table[] = {
+    OptionRow("poses", &BakeOptions::poses, OptionRow::Part::sampling, "Training poses to sample from the rig")
+        .keeps_face(),
+    OptionRow("rig_budget", &BakeOptions::rig_budget, OptionRow::Part::sampling,
+              "Different poses to ask of the rig at most in order to learn; 0: any")
+        .keeps_face(),
+    OptionRow("mix", &BakeOptions::mix, OptionRow::Part::sampling,
+              "Kinds of the sampled poses: paper (excitations, regional expressions, calisthenics) or dense (mostly "
+              "many controls of many control groups at once)")
+        .on_command_line("--mix")
+        .one_of("paper,dense")
+        .keeps_face(),
+    OptionRow("seed", &BakeOptions::seed, OptionRow::Part::sampling,
+              "Seed of everything random: the same seed gives the same bytes")
+        .on_command_line("--seed", "N"),
+    OptionRow("epochs", &BakeOptions::epochs, OptionRow::Part::training,
+              "Passes over the training poses; 0: as many as the recipe takes")
+        .on_command_line("--epochs", "N")
+        .between(0, std::numeric_limits<std::uint32_t>::max()),
+    OptionRow("learning_curve", &BakeOptions::learning_curve, OptionRow::Part::training,
+              "Bake also on 1/8, 1/4 and 1/2 of the poses and measure on clips not trained on, for the report")
+        .on_command_line("--learning-curve")
+        .keeps_face(),
+    OptionRow("max_bytes", &BakeOptions::max_bytes, OptionRow::Part::limits,
+              "Size limit of the archive: the least error within it; 0: the precision of the recipe")
+        .on_command_line("--max-bytes", "N"),
+    OptionRow("max_error", &BakeOptions::max_error, OptionRow::Part::limits,
+              "Largest error allowed on validation poses, over the diagonal: in as few bytes as it allows; 0: any")
+        .on_command_line("--max-error", "E"),
+    OptionRow("force", &BakeOptions::force, OptionRow::Part::limits,
+              "Write the nearest there is where --max-bytes or --max-error cannot be met, instead of failing")
+        .on_command_line("--force"),
+    OptionRow("normal_weight", &BakeOptions::normal_weight, OptionRow::Part::face,
+              "How much errors of normals count beside distances when the face is rounded, 0 to 4; 0: not")
+        .on_command_line("--normal-weight", "W")
+        .between(0, 4),
+    OptionRow(
+        "skip_failing", &BakeOptions::skip_failing, OptionRow::Part::face,
+        "Leave out what a rig cannot evaluate, with a note, instead of failing: drawn poses, up to a tenth of all; "
+        "the analysis of the rig, in place of which blendshapes are fitted to the training poses; measuring. "
+        "Poses of clips to train on, and of controls moved alone, still have to succeed")
+        .on_command_line("--skip-failing-poses")
+        .keeps_face(),
+    OptionRow("cache_bytes", &BakeOptions::cache_bytes, OptionRow::Part::face,
+              "Bytes of disk that evaluations of a slow rig may take in the work folder")
+        .keeps_face(),
+};
+
+// The row of this name. Fails with invalid_argument, naming those there are.
+const OptionRow& option_row(std::string_view name);
+// What an option is, as text: "0.5", "dense", "1" of a flag.
+std::string option_text(const BakeOptions& options, const OptionRow& row);
+// Sets an option by its text. Fails with invalid_argument on what the row does not allow.
+void set_option(BakeOptions& options, const OptionRow& row, std::string_view text);
+// Fails with invalid_argument, naming it, on a number that the row does not allow. NaN is never allowed.
+void check_option(const OptionRow& row, double value);
 
 // Whether the options have a target of bytes, error or time.
 bool has_target(const BakeOptions& options);
