@@ -7,8 +7,8 @@
 #include "bake/measure/error_regions.h"
 #include "bake/measure/evaluate.h"
 #include "bake/measure/face_map.h"
+#include "bake/measure/measured_face.h"
 #include "base/status.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -25,24 +25,17 @@ constexpr double largest_weight = 0.9;   // of those that a byte stands for
 // Mean squared errors of each pose, regions x poses, in the rig's units.
 std::vector<std::vector<double>> squared_errors(const PackedModel& model, const PoseSet& poses,
                                                 const ErrorRegions& regions, const Parallel& parallel) {
-  const runtime::Evaluator face(model);
-  const std::size_t width = model.rest.points.size(), controls = face.control_count();
+  const std::size_t controls = model.schema.control_count(), surface = 3 * model.rest.surface_vertex_count();
   const std::vector<float> all = poses.controls();
   std::vector<std::vector<double>> squares(regions.names.size(), std::vector<double>(poses.size()));
-  struct Worker {
-    runtime::Workspace workspace;
-    std::vector<float> truth, predicted;
-  };
-  const Parallel workers =
-      poses.source().thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
-  std::vector<Worker> work;
-  for (std::size_t w = 0; w < worker_count(workers); ++w)
-    work.push_back({runtime::Workspace(face), std::vector<float>(width), std::vector<float>(width)});
+  const Parallel workers = poses.readers(parallel);
+  MeasuredFace face(model, worker_count(workers));
+  std::vector<std::vector<float>> truths(worker_count(workers), std::vector<float>(model.rest.points.size()));
   parallel_for(workers, poses.size(), [&](std::size_t i, std::size_t w) {
-    auto& [workspace, truth, predicted] = work[w];
-    poses.read_points(i, 1, truth);
-    face.evaluate(&all[i * controls], predicted.data(), workspace);
-    for (std::size_t k = 0; k < 3 * face.vertex_count(); ++k) {
+    const std::vector<float>& truth = truths[w];
+    poses.read_points(i, 1, truths[w]);
+    const std::span<const float> predicted = face.positions(&all[i * controls], w);
+    for (std::size_t k = 0; k < surface; ++k) {
       const double d = double(predicted[k]) - truth[k];
       squares[regions.of_vertex[k / 3]][i] += d * d;
     }

@@ -5,11 +5,11 @@
 
 #include "bake/measure/evaluate.h"
 #include "bake/measure/face_map.h"
+#include "bake/measure/measured_face.h"
+#include "bake/measure/vertex_distance.h"
 #include "bake/rig/random_pose.h"
 #include "base/random_streams.h"
 #include "base/status.h"
-#include "base/vector3.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -39,20 +39,6 @@ std::vector<float> drawn_pose(const RigSchema& schema, std::uint64_t seed, std::
   return random_pose(schema, active, random);
 }
 
-// The vertex that lies furthest apart in two meshes, and its distance.
-struct Furthest {
-  float distance = 0;
-  std::uint32_t vertex = 0;
-};
-Furthest furthest(std::span<const float> a, std::span<const float> b) {
-  Furthest worst;
-  for (std::uint32_t v = 0; v < a.size() / 3; ++v) {
-    const float distance = length(vector_at(a.data(), v) - vector_at(b.data(), v));
-    if (distance > worst.distance) worst = {distance, v};
-  }
-  return worst;
-}
-
 // Random poses that each control is moved in: more where controls are few.
 std::size_t difference_count(std::size_t controls) {
   return std::clamp(differences_of_all / controls, least_differences, most_differences);
@@ -67,8 +53,8 @@ struct Figure {
 // error: archive minus rig; points: of the rig; each against another mesh.
 Figure figure_of(std::span<const float> error, std::span<const float> other_error, std::span<const float> points,
                  std::span<const float> other_points, double diagonal) {
-  const Furthest worst = furthest(error, other_error);
-  return {worst.distance / diagonal, furthest(points, other_points).distance / diagonal, worst.vertex};
+  const FurthestVertex worst = furthest_vertex(error, other_error);
+  return {worst.distance / diagonal, furthest_vertex(points, other_points).distance / diagonal, worst.vertex};
 }
 
 Figure largest(std::span<const Figure> figures) {
@@ -103,10 +89,8 @@ class Comparison {
  public:
   Comparison(const PackedModel& model, RigEvaluator& rig, Progress& progress)
       : rig_(rig),
-        face_(model),
-        stage_(progress, Phase::measuring, "measuring controls", control_error_calls(rig.rest_pose().size())) {
-    for (std::size_t w = 0; w < worker_count(rig.parallel()); ++w) work_.emplace_back(face_);
-  }
+        face_(model, worker_count(rig.parallel())),
+        stage_(progress, Phase::measuring, "measuring controls", control_error_calls(rig.rest_pose().size())) {}
 
   // use(i, archive minus rig, positions of the rig) for `count` poses, on several threads.
   template <class Fill, class Use>
@@ -121,8 +105,8 @@ class Comparison {
       }
       rig_.evaluate_cached(controls, some, points);
       parallel_for(rig_.parallel(), some, [&](std::size_t i, std::size_t worker) {
-        std::vector<float> error(size);
-        face_.evaluate_points(&controls[i * width], error.data(), work_[worker]);
+        const std::span<const float> posed = face_.points(&controls[i * width], worker);
+        std::vector<float> error(posed.begin(), posed.end());
         for (std::size_t k = 0; k < size; ++k) error[k] -= points[i * size + k];
         use(first + i, error, std::span<const float>(points).subspan(i * size, size));
       });
@@ -134,9 +118,8 @@ class Comparison {
   static constexpr std::size_t poses_at_once = 64;
 
   RigEvaluator& rig_;
-  const runtime::Evaluator face_;
+  MeasuredFace face_;
   EvaluationStage stage_;
-  std::vector<runtime::Workspace> work_;  // one a worker
 };
 
 }  // namespace

@@ -5,10 +5,10 @@
 
 #include "archive/reader.h"
 #include "bake/measure/expectation.h"
+#include "bake/measure/measured_face.h"
 #include "bake/rig/scaled_source.h"
 #include "base/status.h"
 #include "base/vector3.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -37,22 +37,15 @@ struct Sums {
 };
 
 // `shot`: poses are consecutive in time. `basis`: null for errors alone. `done`: frames measured so far, for progress.
-Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, const QualityBasis* basis,
+Sums measure(MeasuredFace& measured, const PoseSet& poses, bool shot, const QualityBasis* basis,
              const Parallel& parallel, Progress& progress, std::uint64_t& done) {
+  const runtime::Evaluator& face = measured.evaluator();
   const std::size_t width = 3 * face.point_count(), controls = face.control_count();
   const std::size_t surface = 3 * face.vertex_count();  // channels are behind
   const std::size_t warm_up = shot && basis ? warm_up_frames : 0;
-  const Parallel workers =
-      poses.source().thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
+  const Parallel workers = poses.readers(parallel);
   const std::vector<float> all_controls = poses.controls();
-  struct Worker {
-    runtime::Workspace workspace;
-    std::vector<float> truth, predicted;
-  };
-  std::vector<Worker> work;
-  for (std::size_t w = 0; w < worker_count(workers); ++w)
-    work.push_back(
-        {runtime::Workspace(face), std::vector<float>((warm_up + block_frames) * width), std::vector<float>(width)});
+  std::vector<std::vector<float>> truths(worker_count(workers), std::vector<float>((warm_up + block_frames) * width));
 
   const auto none = [&] { return Sums{{}, basis ? std::optional<QualitySums>(*basis) : std::nullopt}; };
   Sums sums = none();
@@ -60,22 +53,20 @@ Sums measure(const runtime::Evaluator& face, const PoseSet& poses, bool shot, co
     const std::size_t frames = std::min(block_frames * blocks_at_once, poses.size() - first);
     std::vector<Sums> blocks((frames + block_frames - 1) / block_frames, none());
     parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t w) {
-      Worker& mine = work[w];
       const std::size_t begin = first + b * block_frames, end = std::min(begin + block_frames, first + frames);
       const std::size_t from = begin - std::min(warm_up, begin);
-      poses.read_points(from, end - from, std::span(mine.truth).first((end - from) * width));
+      poses.read_points(from, end - from, std::span(truths[w]).first((end - from) * width));
       for (std::size_t i = from; i < end; ++i) {
         const auto pose = std::span(all_controls).subspan(i * controls, controls);
-        const auto points = std::span(mine.truth).subspan((i - from) * width, width);
-        face.evaluate_points(pose.data(), mine.predicted.data(), mine.workspace);
-        const auto truth = points.first(surface), predicted = std::span(mine.predicted).first(surface);
+        const auto points = std::span<const float>(truths[w]).subspan((i - from) * width, width);
+        const std::span<const float> posed = measured.points(pose.data(), w);
+        const auto truth = points.first(surface), predicted = posed.first(surface);
         if (i < begin) {
           blocks[b].quality->add_warm_up(predicted, truth);
           continue;
         }
         blocks[b].errors.add_frame(predicted, truth);
-        blocks[b].errors.add_channels(face.schema().channels, std::span(mine.predicted).subspan(surface),
-                                      points.subspan(surface));
+        blocks[b].errors.add_channels(face.schema().channels, posed.subspan(surface), points.subspan(surface));
         const bool contact = basis && (done + i - first) % basis->contact_step == 0;
         if (basis) blocks[b].quality->add_frame(pose, predicted, truth, shot, contact);
       }
@@ -176,7 +167,7 @@ EvalReport evaluate_archive(std::span<const std::byte> archive, Source& source, 
 EvalReport evaluate_model(const PackedModel& model, Source& source, std::optional<Split> split,
                           const Parallel& parallel, Progress& progress, Detail detail) {
   check_same_face(model, source);
-  const runtime::Evaluator face(model);
+  MeasuredFace face(model, worker_count(parallel));
   const auto wanted = [&](const Clip& clip) { return !split || clip.split == *split; };
   const PoseSet all(source, wanted);
   if (all.size() == 0)
@@ -223,7 +214,8 @@ Errors evaluate_model_on(const PackedModel& model, const PoseSet& poses, const P
   check_same_face(model, poses.source());
   std::uint64_t done = 0;
   progress.begin(Phase::measuring, "measuring", poses.size());
-  return measure(runtime::Evaluator(model), poses, false, nullptr, parallel, progress, done)
+  MeasuredFace face(model, worker_count(parallel));
+  return measure(face, poses, false, nullptr, parallel, progress, done)
       .errors.figures(poses.source().rest().diagonal());
 }
 

@@ -43,12 +43,11 @@ double share_within_two(const std::vector<double>& expected, const std::vector<d
 
 }  // namespace
 
-std::optional<Expectation> compare_expected_errors(const runtime::Evaluator& face, EvalReport& report,
-                                                   const Source& source) {
+std::optional<Expectation> compare_expected_errors(MeasuredFace& posed, EvalReport& report, const Source& source) {
+  const runtime::Evaluator& face = posed.evaluator();
   if (face.error_count() == 0) return std::nullopt;
   const std::size_t controls = face.control_count();
   const double diagonal = source.rest().diagonal();
-  runtime::Workspace workspace(face);
   std::vector<float> errors(face.error_count());
   std::vector<double> expected, measured;
   Expectation result;
@@ -57,7 +56,7 @@ std::optional<Expectation> compare_expected_errors(const runtime::Evaluator& fac
                                     [&](const Clip& other) { return other.name == clip.name; });
     for (std::size_t f = 0; f < clip.frames.size(); ++f) {
       FrameErrors& frame = clip.frames[f];
-      face.expected_errors(&found->controls[f * controls], errors.data(), &frame.outside, workspace);
+      face.expected_errors(&found->controls[f * controls], errors.data(), &frame.outside, posed.workspace());
       frame.expected = static_cast<float>(errors[0] / diagonal);
       result.outside += frame.outside > 0;
       if (found->kind != ClipKind::shot) continue;

@@ -6,10 +6,10 @@
 
 #include "bake/measure/face_map.h"
 #include "bake/measure/face_parts.h"
+#include "bake/measure/measured_face.h"
+#include "bake/measure/vertex_distance.h"
 #include "bake/rig/scaled_source.h"
 #include "base/random_streams.h"
-#include "base/vector3.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -25,12 +25,11 @@ struct CommonControl {
 // A face with room to evaluate it.
 struct Posable {
   explicit Posable(const PackedModel& model)
-      : rest(model.rest.surface_points()), face(model), workspace(face), pose(model.schema.rest_pose()) {}
+      : rest(model.rest.surface_points()), face(model), pose(model.schema.rest_pose()) {}
 
   std::vector<float> points() {
-    std::vector<float> points(rest.size());
-    face.evaluate(pose.data(), points.data(), workspace);
-    return points;
+    const std::span<const float> points = face.positions(pose.data());
+    return {points.begin(), points.end()};
   }
   std::vector<float> displacements() {
     std::vector<float> moved = points();
@@ -39,8 +38,7 @@ struct Posable {
   }
 
   std::span<const float> rest;
-  runtime::Evaluator face;
-  runtime::Workspace workspace;
+  MeasuredFace face;
   std::vector<float> pose;
 };
 
@@ -124,8 +122,7 @@ void compare_random(FaceDifference& found, const PackedModel& before, const Pack
     }
     const std::vector<float> a = old.points(), b = fresh.points();
     sums.add_frame(b, a);
-    for (std::size_t v = 0; v < most.size(); ++v)
-      most[v] = std::max<double>(most[v], length(vector_at(b.data(), v) - vector_at(a.data(), v)));
+    raise_to_distances(std::span(most), b, a, found.diagonal);
     poses.insert(poses.end(), fresh.pose.begin(), fresh.pose.end());
   }
   found.random = sums.figures(found.diagonal);
@@ -139,7 +136,7 @@ void compare_random(FaceDifference& found, const PackedModel& before, const Pack
     if (parts.labels[v] >= found.parts.size()) continue;
     PartDifference& part = found.parts[parts.labels[v]];
     ++part.vertices;
-    part.max = std::max(part.max, most[v] / found.diagonal);
+    part.max = std::max(part.max, most[v]);
   }
   std::erase_if(found.parts, [](const PartDifference& part) { return part.max == 0; });
   std::ranges::stable_sort(found.parts, std::greater<>{}, &PartDifference::max);

@@ -5,7 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "runtime/evaluator.h"
+#include "bake/measure/measured_face.h"
+#include "bake/measure/vertex_distance.h"
 
 namespace fb::bake {
 namespace {
@@ -27,29 +28,16 @@ FaceMap::FaceMap(const PackedModel& model, const Parallel& parallel)
       vertices_(model.rest.surface_vertex_count()) {
   const std::size_t controls = schema_.control_count();
   const double diagonal = model.rest.diagonal();
-  const runtime::Evaluator face(model);
-  const std::vector<float> at_rest = schema_.rest_pose();
-  struct Worker {
-    runtime::Workspace workspace;
-    std::vector<float> pose, points;
-  };
-  std::vector<Worker> work;
-  for (std::size_t w = 0; w < worker_count(parallel); ++w)
-    work.push_back({runtime::Workspace(face), at_rest, std::vector<float>(3 * face.point_count())});
+  MeasuredFace face(model, worker_count(parallel));
   motion_.resize(controls * vertices_);
   squared_motion_.resize(controls);
   parallel_for(parallel, controls, [&](std::size_t c, std::size_t w) {
-    Worker& mine = work[w];
+    std::vector<float> pose = schema_.rest_pose();
     const std::span<float> most = std::span(motion_).subspan(c * vertices_, vertices_);
     for (const float end : {schema_.controls[c].minimum, schema_.controls[c].maximum}) {
-      mine.pose[c] = end;
-      face.evaluate_points(mine.pose.data(), mine.points.data(), mine.workspace);
-      for (std::size_t v = 0; v < vertices_; ++v) {
-        const float distance = length(vector_at(mine.points.data(), v) - vector_at(rest_.data(), v));
-        most[v] = std::max(most[v], static_cast<float>(distance / diagonal));
-      }
+      pose[c] = end;
+      raise_to_distances(most, face.positions(pose.data(), w), rest_, diagonal);
     }
-    mine.pose[c] = at_rest[c];
     for (const float m : most) squared_motion_[c] += double(m) * m;
   });
 

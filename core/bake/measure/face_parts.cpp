@@ -3,18 +3,17 @@
 #include <map>
 #include <set>
 
+#include "bake/measure/measured_face.h"
 #include "base/checked.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
 
-std::vector<double> mean_squares(const runtime::Evaluator& face, std::span<const float> poses) {
-  runtime::Workspace workspace(face);
-  std::vector<float> coefficients(face.coefficient_count());
-  std::vector<double> squares(coefficients.size());
-  for (std::size_t at = 0; at < poses.size(); at += face.control_count()) {
-    face.coefficients(&poses[at], coefficients.data(), workspace);
+std::vector<double> mean_squares(const PackedModel& model, std::span<const float> poses) {
+  MeasuredFace face(model);
+  std::vector<double> squares(face.evaluator().coefficient_count());
+  for (std::size_t at = 0; at < poses.size(); at += model.schema.control_count()) {
+    const std::span<const float> coefficients = face.coefficients(&poses[at]);
     for (std::size_t c = 0; c < squares.size(); ++c) squares[c] += double(coefficients[c]) * coefficients[c];
   }
   return squares;
@@ -30,7 +29,7 @@ FaceParts face_parts(const PackedModel& model, std::span<const float> poses) {
     region_of.resize(region_of.size() + region.layers.back().outputs, parts.names.size());
     parts.names.push_back(region.name);
   }
-  const std::vector<double> squares = mean_squares(runtime::Evaluator(model), poses);
+  const std::vector<double> squares = mean_squares(model, poses);
   std::vector<double> moved(vertices * regions);
   for (const PackedRowBlock& group : model.row_blocks)
     for (std::size_t c = 0; c < group.columns.size(); ++c) {

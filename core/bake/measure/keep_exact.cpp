@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "bake/measure/measured_face.h"
 #include "base/status.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -14,13 +14,6 @@ namespace {
 constexpr double correction_step = 1e-6;
 // Of the distance to rest. Farther, poses differ too much for one correction: tests/bake/measure/test_keep_exact.
 constexpr float rest_reach = 0.5f;
-
-std::vector<float> points_of(const runtime::Evaluator& face, const std::vector<float>& controls,
-                             runtime::Workspace& workspace) {
-  std::vector<float> points(3 * face.point_count());
-  face.evaluate_points(controls.data(), points.data(), workspace);
-  return points;
-}
 
 // The least number whose product with a squared distance, as exact_weight takes it, is 1 or more.
 float falloff_at(float squared) {
@@ -56,12 +49,11 @@ void keep_exact(PackedModel& model, std::span<const ExactFrame> frames) {
   model.exact.clear();
   if (frames.empty()) return;
   const std::vector<float> falloffs = find_falloffs(model.schema, frames);
-  const runtime::Evaluator face(model);
-  runtime::Workspace workspace(face);
+  MeasuredFace face(model);
   std::vector<ExactPose> poses;
   std::vector<double> corrections(model.rest.points.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::vector<float> uncorrected = points_of(face, frames[i].controls, workspace);
+    const std::span<const float> uncorrected = face.points(frames[i].controls.data());
     double largest = 0;
     for (std::uint32_t row = 0; row < corrections.size(); ++row) {
       const std::size_t at = model.coordinate(row);
@@ -80,23 +72,22 @@ void keep_exact(PackedModel& model, std::span<const ExactFrame> frames) {
 std::vector<ExactFrame> exact_frames(const PackedModel& model) {
   std::vector<ExactFrame> frames;
   if (model.exact.empty()) return frames;
-  const runtime::Evaluator face(model);
-  runtime::Workspace workspace(face);
-  for (const ExactPose& pose : model.exact)
-    frames.push_back({pose.name, pose.controls, points_of(face, pose.controls, workspace)});
+  MeasuredFace face(model);
+  for (const ExactPose& pose : model.exact) {
+    const std::span<const float> points = face.points(pose.controls.data());
+    frames.push_back({pose.name, pose.controls, {points.begin(), points.end()}});
+  }
   return frames;
 }
 
 Errors exact_errors(const PackedModel& model, std::span<const ExactFrame> frames) {
-  const runtime::Evaluator face(model);
-  runtime::Workspace workspace(face);
+  MeasuredFace face(model);
   ErrorSums sums;
-  const std::size_t surface = 3 * face.vertex_count();
+  const std::size_t surface = 3 * model.rest.surface_vertex_count();
   for (const ExactFrame& frame : frames) {
-    const std::vector<float> points = points_of(face, frame.controls, workspace);
-    sums.add_frame(std::span(points).first(surface), std::span(frame.points).first(surface));
-    sums.add_channels(model.schema.channels, std::span(points).subspan(surface),
-                      std::span(frame.points).subspan(surface));
+    const std::span<const float> points = face.points(frame.controls.data());
+    sums.add_frame(points.first(surface), std::span(frame.points).first(surface));
+    sums.add_channels(model.schema.channels, points.subspan(surface), std::span(frame.points).subspan(surface));
   }
   return sums.figures(model.rest.diagonal());
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "runtime/evaluator.h"
+#include "bake/measure/measured_face.h"
 
 namespace fb::bake {
 namespace {
@@ -19,15 +19,15 @@ struct CoefficientSize {
 
 std::vector<CoefficientSize> coefficient_sizes(const PackedModel& model, const PoseSet& poses,
                                                const Parallel& parallel) {
-  const runtime::Evaluator face(model);
+  MeasuredFace face(model, worker_count(parallel));
+  const std::size_t width = face.evaluator().control_count(), count = face.evaluator().coefficient_count();
   const PoseSet some = poses.subsampled(sized_poses);
   const std::vector<float> controls = some.controls();
-  std::vector<float> values(some.size() * face.coefficient_count());
-  parallel_for(parallel, some.size(), [&](std::size_t pose, std::size_t) {
-    runtime::Workspace workspace(face);
-    face.coefficients(&controls[pose * face.control_count()], &values[pose * face.coefficient_count()], workspace);
+  std::vector<float> values(some.size() * count);
+  parallel_for(parallel, some.size(), [&](std::size_t pose, std::size_t worker) {
+    std::ranges::copy(face.coefficients(&controls[pose * width], worker), &values[pose * count]);
   });
-  std::vector<CoefficientSize> sizes(face.coefficient_count());
+  std::vector<CoefficientSize> sizes(count);
   for (std::size_t i = 0; i < values.size(); ++i) {
     CoefficientSize& size = sizes[i % sizes.size()];
     size.square += double(values[i]) * values[i] / double(some.size());

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "runtime/evaluator.h"
+#include "bake/measure/measured_face.h"
 
 namespace fb::bake {
 namespace {
@@ -20,13 +20,13 @@ std::vector<float> first_vertices(const PackedModel& model, std::span<const floa
   return first;
 }
 
-std::vector<LevelSums> sums_of(const runtime::Evaluator& face, const PackedModel& model, const PoseSet& poses,
-                               std::size_t begin, std::size_t end) {
+std::vector<LevelSums> sums_of(MeasuredFace& measured, std::size_t worker, const PackedModel& model,
+                               const PoseSet& poses, std::size_t begin, std::size_t end) {
+  const runtime::Evaluator& face = measured.evaluator();
   const std::size_t width = poses.source().rest().points.size(), surface = 3 * face.vertex_count();
   std::vector<float> truth((end - begin) * width), controls((end - begin) * face.control_count()), posed(surface);
   poses.read_points(begin, end - begin, truth);
   poses.read_controls(begin, end - begin, controls);
-  runtime::Workspace workspace(face);
   std::vector<LevelSums> sums(model.levels.size());
   for (std::size_t i = 0; i < end - begin; ++i)
     for (std::size_t k = 1; k <= sums.size(); ++k) {
@@ -35,7 +35,7 @@ std::vector<LevelSums> sums_of(const runtime::Evaluator& face, const PackedModel
       batch.controls = std::span(controls).subspan(i * face.control_count(), face.control_count());
       batch.positions = {posed.data(), posed.size()};
       batch.masks.lod = static_cast<float>(k);
-      face.evaluate_batch(batch, {&workspace, 1});
+      face.evaluate_batch(batch, {&measured.workspace(worker), 1});
       const auto exact = std::span(truth).subspan(i * width, surface);
       const std::uint32_t own = model.levels[k - 1].vertices;
       sums[k - 1].own.add_frame(first_vertices(model, posed, own), first_vertices(model, exact, own));
@@ -48,13 +48,12 @@ std::vector<LevelSums> sums_of(const runtime::Evaluator& face, const PackedModel
 
 std::vector<LevelErrors> measure_levels(const PackedModel& model, const PoseSet& poses, const Parallel& parallel) {
   if (model.levels.empty()) return {};
-  const runtime::Evaluator face(model);
   const PoseSet some = poses.subsampled(measured_frames);
   std::vector<std::vector<LevelSums>> blocks((some.size() + frames_of_block - 1) / frames_of_block);
-  const Parallel workers =
-      poses.source().thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
-  parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t) {
-    blocks[b] = sums_of(face, model, some, b * frames_of_block, std::min((b + 1) * frames_of_block, some.size()));
+  const Parallel workers = poses.readers(parallel);
+  MeasuredFace face(model, worker_count(workers));
+  parallel_for(workers, blocks.size(), [&](std::size_t b, std::size_t w) {
+    blocks[b] = sums_of(face, w, model, some, b * frames_of_block, std::min((b + 1) * frames_of_block, some.size()));
   });
   std::vector<LevelErrors> errors;
   for (std::size_t k = 0; k < model.levels.size(); ++k) {

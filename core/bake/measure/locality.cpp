@@ -6,12 +6,12 @@
 
 #include "archive/reader.h"
 #include "bake/measure/evaluate.h"
+#include "bake/measure/measured_face.h"
+#include "bake/measure/vertex_distance.h"
 #include "bake/rig/random_pose.h"
 #include "bake/rig/scaled_source.h"
 #include "base/random_streams.h"
 #include "base/status.h"
-#include "base/vector3.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -34,30 +34,15 @@ float moved_value(const Control& control, float value, std::size_t number) {
   return control.maximum - control.rest >= control.rest - control.minimum ? control.maximum : control.minimum;
 }
 
-// most[v] = max(most[v], distance of vertex v between two poses / D).
-void raise(std::span<float> most, std::span<const float> from, std::span<const float> to, double diagonal) {
-  for (std::size_t v = 0; v < most.size(); ++v) {
-    const float distance = length(vector_at(to.data(), v) - vector_at(from.data(), v));
-    most[v] = std::max(most[v], static_cast<float>(distance / diagonal));
-  }
-}
-
-double largest_distance(std::span<const float> a, std::span<const float> b) {
-  float largest = 0;
-  for (std::size_t v = 0; v < a.size() / 3; ++v)
-    largest = std::max(largest, length(vector_at(a.data(), v) - vector_at(b.data(), v)));
-  return largest;
-}
-
 // Largest displacement of each vertex by moving each control: controls x vertices, over D.
 using Motion = std::vector<float>;
 
 struct Candidate {
   // `exponent`: of the archive's positions to the rig's, see scaled_source.h.
   Candidate(std::span<const std::byte> archive, int exponent, const Source& rig, const Parallel& parallel)
-      : face(model_of(archive, exponent, rig)), motion(rig.schema().control_count() * rig.rest().vertex_count()) {
+      : face(model_of(archive, exponent, rig), worker_count(parallel)),
+        motion(rig.schema().control_count() * rig.rest().vertex_count()) {
     for (const Control& control : rig.schema().controls) alone.push_back({control.name});
-    for (std::size_t w = 0; w < worker_count(parallel); ++w) work.emplace_back(face);
   }
   static PackedModel model_of(std::span<const std::byte> archive, int exponent, const Source& rig) {
     PackedModel model = scaled(archive::read_archive(archive).model, exponent);
@@ -71,12 +56,11 @@ struct Candidate {
     const double diagonal = rest.diagonal();
     ++mine.alone_poses;
     mine.unseen_poses += unseen;
-    mine.alone_error = std::max(mine.alone_error, largest_distance(truth, posed) / diagonal);
-    mine.alone_motion = std::max(mine.alone_motion, largest_distance(truth, rest.points) / diagonal);
+    mine.alone_error = std::max(mine.alone_error, furthest_vertex(truth, posed).distance / diagonal);
+    mine.alone_motion = std::max(mine.alone_motion, furthest_vertex(truth, rest.points).distance / diagonal);
   }
 
-  runtime::Evaluator face;
-  std::vector<runtime::Workspace> work;  // one a worker
+  MeasuredFace face;
   Motion motion;
   std::vector<ControlLeak> alone;  // one a control
 };
@@ -102,8 +86,8 @@ void raise_by(Motion& motion, const Moves& moves, const std::vector<float>& poin
               const Parallel& parallel) {
   const std::size_t width = points.size() / (moves.count + 1), vertices = width / 3;
   parallel_for(parallel, moves.count, [&](std::size_t i, std::size_t) {
-    raise(std::span(motion).subspan((moves.first + i) * vertices, vertices), std::span(points).first(width),
-          std::span(points).subspan((i + 1) * width, width), diagonal);
+    raise_to_distances(std::span(motion).subspan((moves.first + i) * vertices, vertices),
+                       std::span(points).subspan((i + 1) * width, width), std::span(points).first(width), diagonal);
   });
 }
 
@@ -151,8 +135,8 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
       raise_by(truth, moves, expected, diagonal, parallel);
       for (Candidate& candidate : candidates) {
         parallel_for(parallel, moves.count + 1, [&](std::size_t i, std::size_t worker) {
-          const std::span<float> posed = std::span(points).subspan(i * width, width);
-          candidate.face.evaluate_points(&moves.poses[i * controls], posed.data(), candidate.work[worker]);
+          const std::span<const float> posed = candidate.face.points(&moves.poses[i * controls], worker);
+          std::ranges::copy(posed, &points[i * width]);
           if (p < rest_poses && i > 0 && moves.poses[i * controls + first + i - 1] != pose[first + i - 1])
             candidate.add_alone(first + i - 1, std::span(expected).subspan(i * width, width), posed, rig.rest(), true);
         });
@@ -213,16 +197,17 @@ std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte
   const std::size_t controls = recording.schema().control_count(), vertices = rest.vertex_count();
   const double diagonal = rest.diagonal();
   Motion truth(controls * vertices);
-  std::vector<float> expected(rest.points.size()), posed(rest.points.size());
+  std::vector<float> expected(rest.points.size());
   progress.begin(Phase::measuring, "measuring locality", singles.size());
   for (std::size_t i = 0; i < singles.size(); ++i) {
     const SinglePose& single = singles[i];
     const Clip& clip = recording.clips()[single.clip];
     recording.read(single.clip, single.frame, 1, expected);
-    raise(std::span(truth).subspan(single.control * vertices, vertices), rest.points, expected, diagonal);
+    raise_to_distances(std::span(truth).subspan(single.control * vertices, vertices), expected, rest.points, diagonal);
     for (Candidate& candidate : candidates) {
-      candidate.face.evaluate_points(&clip.controls[single.frame * controls], posed.data(), candidate.work[0]);
-      raise(std::span(candidate.motion).subspan(single.control * vertices, vertices), rest.points, posed, diagonal);
+      const std::span<const float> posed = candidate.face.points(&clip.controls[single.frame * controls]);
+      raise_to_distances(std::span(candidate.motion).subspan(single.control * vertices, vertices), posed, rest.points,
+                         diagonal);
       candidate.add_alone(single.control, expected, posed, rest, clip.split != Split::train);
     }
     progress.step(i + 1);

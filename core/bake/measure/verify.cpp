@@ -6,6 +6,7 @@
 
 #include "archive/reader.h"
 #include "bake/measure/float_face.h"
+#include "bake/measure/measured_face.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/random_streams.h"
@@ -218,23 +219,14 @@ Errors quantisation_errors(const PackedModel& model, const PackedModel& repacked
 Errors quantisation_errors(const FaceModel& model, const PackedModel& packed, std::span<const float> controls,
                            const Parallel& parallel) {
   const FloatFace exact(model);
-  const runtime::Evaluator face(packed);
-  const std::size_t width = face.control_count(), poses = controls.size() / width;
-  struct Worker {
-    runtime::Workspace workspace;
-    std::vector<float> points, expected;
-  };
-  std::vector<Worker> work;
-  for (std::size_t w = 0; w < worker_count(parallel); ++w)
-    work.push_back({runtime::Workspace(face, 1), std::vector<float>(face.rest_positions().size()),
-                    std::vector<float>(face.rest_positions().size())});
+  MeasuredFace face(packed, worker_count(parallel));
+  const std::size_t width = packed.schema.control_count(), poses = controls.size() / width;
   std::vector<ErrorSums> sums(poses);
   parallel_for(parallel, poses, [&](std::size_t pose, std::size_t w) {
-    auto& [workspace, points, expected] = work[w];
-    face.evaluate(controls.data() + pose * width, points.data(), workspace);
+    const std::span<const float> posed = face.positions(controls.data() + pose * width, w);
     const std::vector<double> all = exact.evaluate(controls.subspan(pose * width, width));
-    std::copy_n(all.begin(), expected.size(), expected.begin());
-    sums[pose].add_frame(points, expected);
+    const std::vector<float> expected(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(posed.size()));
+    sums[pose].add_frame(posed, expected);
   });
   ErrorSums total;
   for (const ErrorSums& one : sums) total.append(one);

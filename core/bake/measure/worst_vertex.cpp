@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "bake/measure/measured_face.h"
 #include "base/status.h"
-#include "runtime/evaluator.h"
 
 namespace fb::bake {
 namespace {
@@ -13,13 +13,8 @@ constexpr std::size_t controls_named = 3;
 // How far the archive moves a vertex in a pose by each control that is off rest there, others as they are.
 std::vector<std::pair<float, std::size_t>> shares_of_controls(const PackedModel& model, std::vector<float> pose,
                                                               std::uint32_t vertex) {
-  const runtime::Evaluator face(model);
-  runtime::Workspace workspace(face);
-  std::vector<float> points(3 * face.point_count());
-  const auto position = [&] {
-    face.evaluate_points(pose.data(), points.data(), workspace);
-    return vector_at(points.data(), vertex);
-  };
+  MeasuredFace face(model);
+  const auto position = [&] { return vector_at(face.points(pose.data()).data(), vertex); };
   const Vector3 posed = position();
   std::vector<std::pair<float, std::size_t>> shares;
   for (std::size_t c = 0; c < pose.size(); ++c) {

@@ -36,6 +36,10 @@ PoseSet PoseSet::picked(std::span<const std::uint32_t> poses) const {
   return set;
 }
 
+Parallel PoseSet::readers(const Parallel& parallel) const {
+  return source_->thread_safe() ? parallel : Parallel{.threads = 1, .progress = parallel.progress};
+}
+
 std::vector<float> PoseSet::controls() const {
   std::vector<float> all(size_ * source_->schema().control_count());
   read_controls(0, size_, all);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bake/rig/source.h"
+#include "base/parallel.h"
 
 namespace fb::bake {
 
@@ -28,6 +29,8 @@ class PoseSet {
   const std::vector<Range>& ranges() const { return ranges_; }
 
   Source& source() const { return *source_; }
+  // For loops that read poses: one thread alone where the source allows no more.
+  Parallel readers(const Parallel& parallel) const;
   std::size_t size() const { return size_; }
   std::vector<float> controls() const;  // size x controls
   // Controls of poses [first, first + count) only: count x controls floats.
