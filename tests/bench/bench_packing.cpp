@@ -146,11 +146,12 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   const auto source = open_sources(names);
   RigEvaluator evaluator(*source);
   RigEvaluator* const rig = source->live() ? &evaluator : nullptr;
-  const PoseSet poses = training_poses(*source, Use::variant);
+  const TrainingPoses training(training_poses(*source, Use::variant), settings.options.seed);
   PrintedStages progress;
   const double start = seconds();
-  const TrainedFace face = train_face(settings.recipe, poses, rig, settings.options, progress);
-  std::printf("%zu poses, %.0f s; error of the networks %.2e\n", poses.size(), seconds() - start, face.rms_error);
+  const TrainedFace face = train_face(settings.recipe, training, rig, settings.options, progress);
+  std::printf("%zu poses, %.0f s; error of the networks %.2e\n", training.all.size(), seconds() - start,
+              face.rms_error);
   for (const RegionStats& region : face.stats.regions)
     std::printf(
         "%-24s %6zu vertices %4zu inputs %4zu coefficients %8zu parameters  energy %5.2f %%  error %.2e  (trained "
@@ -158,8 +159,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
         region.name.c_str(), region.vertices, region.inputs, region.coefficients, region.parameters,
         100 * region.energy, region.validation, region.epochs.empty() ? 0.0 : region.epochs.back().training);
 
-  const Measurement held_back(
-      poses.picked(fb::bake::held_back(poses, settings.options.seed).validation).subsampled(settings.measured));
+  const Measurement held_back(training.held_back().subsampled(settings.measured));
   const PoseSet test_frames(*source, [](const Clip& clip) { return clip.split == Split::test; });
   std::optional<Measurement> test;
   if (test_frames.size() > 0) test.emplace(test_frames.subsampled(settings.measured));
@@ -175,7 +175,7 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
   }
   print("float model, without networks", base);
 
-  const std::vector<float> sizes = direct_sizes(face.model, without_shots(poses));
+  const std::vector<float> sizes = direct_sizes(face.model, without_shots(training.all));
   std::map<int, BlockwisePca> by_block;  // vertices a block
   std::string line;
   while (std::getline(std::cin, line)) {
@@ -212,11 +212,11 @@ int measure(const Settings& settings, const std::vector<std::string>& names) {
     BlockwiseModel local = pca.truncated(threshold);
     packing.coefficient_sizes = std::move(local.coefficient_sizes);
     if (!face.model.network.regions.empty()) print(line + " truncated", local.model);
-    if (compensate) packing.samples = sampled_coefficients(local.model, poses, {});
+    if (compensate) packing.samples = sampled_coefficients(local.model, training.all, {});
     const PackedModel packed = pack_model(local.model, packing);
     print(line, packed);
     std::printf("%-44s read %.2f MB  archive %zu bytes\n", line.c_str(),
-                bytes_read_per_pose(packed, test_frames.size() ? test_frames : poses).mean / 1e6,
+                bytes_read_per_pose(packed, test_frames.size() ? test_frames : training.all).mean / 1e6,
                 write_archive(packed, {}).size());
     std::fflush(stdout);
   }

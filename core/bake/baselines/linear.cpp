@@ -31,7 +31,7 @@ RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOpti
   result.packing.basis_tolerance = packing_tolerance;
   model.coarsest_levels = options.coarsest_levels;
   if (has_target(options) || has_levels(options))
-    return finish_face(model, {}, {}, result.packing, poses, options, progress);
+    return finish_face(model, {}, {}, result.packing, {poses, options.seed}, options, progress);
   return result;
 }
 

@@ -11,7 +11,6 @@
 #include "bake/face/network_inputs.h"
 #include "bake/face/train_region_networks.h"
 #include "bake/linalg/gemm.h"
-#include "bake/sampling/validation_split.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -62,10 +61,10 @@ std::optional<RigAnalysis> analyse_live(RigEvaluator& rig, const AnalysisOptions
   }
 }
 
-Decomposition decompose(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
-                        Progress& progress) {
+Decomposition decompose(const FaceRecipe& recipe, const TrainingPoses& training, RigEvaluator* rig,
+                        const BakeOptions& options, Progress& progress) {
   Decomposition face;
-  const PoseSet fitted = poses.picked(held_back(poses, options.seed).training);
+  const PoseSet &poses = training.all, fitted = training.fitted();
   AnalysisOptions analysis = recipe.analysis;
   analysis.seed = options.seed;
   analysis.rig_budget = options.rig_budget;
@@ -119,10 +118,11 @@ double FaceRecipe::bytes_for(double bytes, std::size_t vertices) const {
   return bytes * std::max(1.0, double(vertices) / double(full_size_vertices));
 }
 
-TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
-                       Progress& progress) {
+TrainedFace train_face(const FaceRecipe& recipe, const TrainingPoses& training, RigEvaluator* rig,
+                       const BakeOptions& options, Progress& progress) {
+  const PoseSet& poses = training.all;
   if (rig && !pays_to_analyse(rig->schema(), options.rig_budget)) rig = nullptr;
-  Decomposition parts = decompose(recipe, poses, rig, options, progress);
+  Decomposition parts = decompose(recipe, training, rig, options, progress);
   RegionInputs inputs = region_inputs(parts.analysis, poses.source().schema(), parts.regions, parts.live);
   if (!parts.live)
     for (std::size_t r = 0; r < parts.regions.size(); ++r)
@@ -135,7 +135,8 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
   face.model.network.features = inputs.features;
   std::vector<CurveTable> tables = take_curve_tables(parts.analysis.base, poses, recipe.analysis.curve_tolerance / 2);
   for (const SparseShape& shape : parts.analysis.base.shapes) face.model.network.direct.push_back(shape.feature);
-  RegionNetworks networks = train_region_networks(recipe, parts.regions, parts.bases, inputs, poses, options, progress);
+  RegionNetworks networks =
+      train_region_networks(recipe, parts.regions, parts.bases, inputs, training, options, progress);
   face.stats.notes = summary_notes(parts, networks.share_left);
   face.model.network.regions = std::move(networks.regions);
   for (CurveTable& table : tables) {
@@ -155,7 +156,8 @@ TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
 
 RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
                        Progress& progress) {
-  TrainedFace face = train_face(recipe, poses, rig, options, progress);
+  const TrainingPoses training(poses, options.seed);
+  TrainedFace face = train_face(recipe, training, rig, options, progress);
   const double min_error =
       face.additive ? std::min(recipe.min_compression_error, min_additive_error) : recipe.min_compression_error;
   const Precision precision{
@@ -176,11 +178,11 @@ RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvalua
                recipe.full_size_vertices, vertices));
     progress.note(face.stats.notes.back());
   }
-  RecipeResult result = finish_face(face.model, face.covariance, localize, packing, poses, options, progress,
+  RecipeResult result = finish_face(face.model, face.covariance, localize, packing, training, options, progress,
                                     recipe.bytes_for(recipe.max_bytes_read, vertices));
   face.stats.notes.insert(face.stats.notes.end(), result.stats.notes.begin(), result.stats.notes.end());
   result.stats = std::move(face.stats);
-  result.held_back = held_back(poses, options.seed).validation;
+  result.held_back = training.split.validation;
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "bake/recipe/recipe.h"
 #include "bake/regions/find_regions.h"
 #include "bake/regions/local_basis.h"
+#include "bake/sampling/validation_split.h"
 
 namespace fb::bake {
 
@@ -64,8 +65,8 @@ struct TrainedFace {
 };
 
 // Without a rig, or with a budget too small to analyse it, everything is learnt from the poses.
-TrainedFace train_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,
-                       Progress& progress);
+TrainedFace train_face(const FaceRecipe& recipe, const TrainingPoses& training, RigEvaluator* rig,
+                       const BakeOptions& options, Progress& progress);
 
 // train_face, then finish_face.
 RecipeResult make_face(const FaceRecipe& recipe, const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,

@@ -12,7 +12,6 @@
 #include "bake/measure/float_face.h"
 #include "bake/measure/verify.h"
 #include "bake/sampling/sampling.h"
-#include "bake/sampling/validation_split.h"
 #include "base/keep_asking.h"
 #include "base/random_streams.h"
 
@@ -29,9 +28,8 @@ std::uint64_t error_bytes(std::size_t controls) {
 constexpr double largest_factor = 64;  // of thresholds and steps, to keep within the bytes read per pose
 constexpr int bisections = 5;          // of the factor: to 2 % between neighbouring powers of 2
 
-PoseSet validation_poses(const PoseSet& poses, std::uint64_t seed) {
-  const ValidationSplit split = held_back(poses, seed);
-  return (split.validation.empty() ? poses : poses.picked(split.validation)).subsampled(measured_poses);
+PoseSet validation_poses(const TrainingPoses& training) {
+  return (training.split.validation.empty() ? training.all : training.held_back()).subsampled(measured_poses);
 }
 
 // What every pose reads, whatever the precision: a number for each control, feature, list entry and vertex.
@@ -175,11 +173,12 @@ std::vector<float> sampled_coefficients(const FaceModel& model, const PoseSet& p
 }
 
 RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                         const BlockwisePcaOptions& pca_options, const PackOptions& packing, const PoseSet& poses,
-                         const BakeOptions& options, Progress& progress, double max_bytes_read) {
-  const std::vector<float> sizes = direct_sizes(model, without_shots(poses));
+                         const BlockwisePcaOptions& pca_options, const PackOptions& packing,
+                         const TrainingPoses& training, const BakeOptions& options, Progress& progress,
+                         double max_bytes_read) {
+  const std::vector<float> sizes = direct_sizes(model, without_shots(training.all));
   const auto samples = [&](const FaceModel& truncated) {
-    return sampled_coefficients(truncated, poses, without_asking(options.parallel));
+    return sampled_coefficients(truncated, training.all, without_asking(options.parallel));
   };
   if (options.max_bytes == 0 && options.max_error <= 0) {
     const BlockwisePca pca(model, covariance, pca_options.block_vertices, options.parallel, sizes);
@@ -203,7 +202,7 @@ RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<flo
     if (bounded) keep_asking(progress, [&] { pack(result, true); });
     return result;
   }
-  const PoseSet validation = validation_poses(poses, options.seed);
+  const PoseSet validation = validation_poses(training);
   const auto bytes = [&](const PackedModel& packed) {
     return ask_during(progress, [&] {
       PackedModel whole = without_materials(packed);

@@ -6,6 +6,7 @@
 
 #include "bake/compress/blockwise_pca.h"
 #include "bake/recipe/recipe.h"
+#include "bake/sampling/validation_split.h"
 
 namespace fb::bake {
 
@@ -25,12 +26,13 @@ std::vector<float> sampled_coefficients(const FaceModel& model, const PoseSet& p
 Clip bounded_shots(const RigSchema& schema, std::uint64_t seed);
 
 // Compresses a trained model by blockwise PCA (covariance: see BlockwisePca) and chooses how it is packed.
-// With max_bytes or max_error in the options: fit_target, measured as packed on some poses of the validation split (of
-// all training poses, if that is empty). Without: as pca_options and packing say, with thresholds and steps multiplied
-// by one factor so that frames of bounded_shots read at most max_bytes_read on average, beside what the rest pose reads;
-// 0: any number. A factor above 1 is noted. Bytes that cannot be met do not count, with a warning of the result.
+// With max_bytes or max_error in the options: fit_target, measured as packed on some poses that are held back (of
+// all training poses, if none are). Without: as pca_options and packing say, with thresholds and steps multiplied
+// by one factor so that frames of bounded_shots read at most max_bytes_read on average, beside what the rest pose
+// reads; 0: any number. A factor above 1 is noted. Bytes that cannot be met do not count, with a warning of the result.
 RecipeResult finish_face(const FaceModel& model, std::span<const std::vector<float>> covariance,
-                         const BlockwisePcaOptions& pca_options, const PackOptions& packing, const PoseSet& poses,
-                         const BakeOptions& options, Progress& progress, double max_bytes_read = 0);
+                         const BlockwisePcaOptions& pca_options, const PackOptions& packing,
+                         const TrainingPoses& training, const BakeOptions& options, Progress& progress,
+                         double max_bytes_read = 0);
 
 }  // namespace fb::bake

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "bake/face/network_sizes.h"
-#include "bake/sampling/validation_split.h"
 #include "bake/train/trainer.h"
 #include "base/random_streams.h"
 #include "base/status.h"
@@ -165,13 +164,14 @@ class RegionTraining {
 
 RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
                                      std::span<const LocalBasis> bases, const RegionInputs& inputs,
-                                     const PoseSet& poses, const BakeOptions& options, Progress& progress) {
+                                     const TrainingPoses& training_poses, const BakeOptions& options,
+                                     Progress& progress) {
   RegionNetworks networks;
   if (regions.empty()) return networks;
+  const PoseSet& poses = training_poses.all;
   const FeatureTable table = feature_table(inputs, poses, options.parallel);
-  const ValidationSplit split = held_back(poses, options.seed);
   const Mesh& rest = poses.source().rest();
-  RegionTraining training(recipe, options, bases, inputs, table, split.validation, poses.source());
+  RegionTraining training(recipe, options, bases, inputs, table, training_poses.split.validation, poses.source());
   if (regions.size() > 1) training.run_pilot(progress);
   const std::vector<std::uint32_t> widths = training.widths();
   const std::vector<TrainedLayers> trained = training.run(widths, progress);

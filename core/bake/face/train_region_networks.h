@@ -5,6 +5,7 @@
 
 #include "bake/face/face_recipe.h"
 #include "bake/face/network_inputs.h"
+#include "bake/sampling/validation_split.h"
 
 namespace fb::bake {
 
@@ -21,6 +22,7 @@ struct RegionNetworks {
 // region gets.
 RegionNetworks train_region_networks(const FaceRecipe& recipe, std::span<const FaceRegion> regions,
                                      std::span<const LocalBasis> bases, const RegionInputs& inputs,
-                                     const PoseSet& poses, const BakeOptions& options, Progress& progress);
+                                     const TrainingPoses& training_poses, const BakeOptions& options,
+                                     Progress& progress);
 
 }  // namespace fb::bake

@@ -113,6 +113,7 @@ ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64
   return split;
 }
 
-ValidationSplit held_back(const PoseSet& poses, std::uint64_t seed) { return validation_split(poses, 0.05, seed); }
+TrainingPoses::TrainingPoses(const PoseSet& poses, std::uint64_t seed)
+    : all(poses), split(validation_split(poses, 0.05, seed)) {}
 
 }  // namespace fb::bake

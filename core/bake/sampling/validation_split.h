@@ -22,7 +22,15 @@ struct ValidationSplit {
 // outside its range or a set with frames of a test clip.
 ValidationSplit validation_split(const PoseSet& poses, double share, std::uint64_t seed);
 
-// The split that recipes, and what measures their faces, agree on: with a twentieth of the poses held back.
-ValidationSplit held_back(const PoseSet& poses, std::uint64_t seed);
+// The poses that a face is trained on, and which of them are held back: a twentieth, as validation_split draws them by
+// the seed of the bake.
+struct TrainingPoses {
+  TrainingPoses(const PoseSet& poses, std::uint64_t seed);
+  PoseSet fitted() const { return all.picked(split.training); }
+  PoseSet held_back() const { return all.picked(split.validation); }  // may be empty
+
+  PoseSet all;
+  ValidationSplit split;
+};
 
 }  // namespace fb::bake

@@ -152,7 +152,8 @@ TEST_CASE("correctives are left to networks only where something else needs a ne
     std::filesystem::create_directories(options.work);
     FaceRecipe recipe = compact_recipe();
     recipe.corrective_bytes = 1;
-    const TrainedFace face = train_face(recipe, training_poses(source, Use::variant), &rig, options, silent_progress());
+    const TrainedFace face =
+        train_face(recipe, {training_poses(source, Use::variant), options.seed}, &rig, options, silent_progress());
     CHECK(face.model.network.regions.empty() == !needed);
     if (!needed) CHECK(face.rms_error < 1e-5);
   }

@@ -71,8 +71,8 @@ struct Finisher {
   RecipeResult finish(double max_bytes_read) {
     BlockwisePcaOptions blockwise;
     blockwise.threshold = threshold;
-    return finish_face(model, {}, blockwise, Precision{threshold, 8}.pack(), training_poses(source, Use::variant),
-                       options, notes, max_bytes_read);
+    return finish_face(model, {}, blockwise, Precision{threshold, 8}.pack(),
+                       {training_poses(source, Use::variant), options.seed}, options, notes, max_bytes_read);
   }
 };
 

@@ -41,7 +41,7 @@ class ShiftedRecording final : public MemorySource {
  public:
   ShiftedRecording(MemorySource source, float shift) : MemorySource(std::move(source)), shift_(shift) {
     const PoseSet poses = training_poses(*this, Use::backlot);
-    const PoseSet held = poses.picked(held_back(poses, 1).validation);
+    const PoseSet held = TrainingPoses(poses, 1).held_back();
     for (const PoseSet::Range& range : held.ranges()) held_ranges_.push_back(range);
   }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override {
@@ -76,7 +76,8 @@ Basis basis_of(Source& source) {
   BakeOptions options = options_in(folder, "hero");
   options.epochs = 2;
   make_folder(options.work);
-  return train_face(hero_recipe(), training_poses(source, Use::backlot), nullptr, options, silent_progress())
+  return train_face(hero_recipe(), {training_poses(source, Use::backlot), options.seed}, nullptr, options,
+                    silent_progress())
       .model.basis;
 }
 
