@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 export OMP_WAIT_POLICY=PASSIVE
 cores=$(nproc)
 # In CI a warning fails the build, and the API reference is not skipped. A sanitizer's reports name functions there, not
-# lines: what lines take is a sixth of its build.
+# lines, which take a tenth of its build or more.
 in_ci=""
 [ -z "${CI:-}" ] || in_ci="-DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DFB_LINE_NUMBERS=OFF"
 
