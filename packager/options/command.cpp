@@ -1,9 +1,12 @@
 #include "options/command.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
+
+#include "base/parse_number.h"
 
 namespace fb::tool {
 
@@ -49,8 +52,12 @@ template Option Option::between(float, float) const;
 template Option Option::between(double, double) const;
 
 Option Option::not_negative() const {
-  option_->check(CLI::NonNegativeNumber);
-  return *this;
+  return checked([](const std::string& word) {
+    const std::optional<double> number = parse_number<double>(word);
+    return !number || std::isnan(*number) ? word + " is no number"
+           : *number >= 0                 ? std::string()
+                                          : word + " is negative";
+  });
 }
 
 Option Option::checked(std::function<std::string(const std::string&)> check) const {

@@ -167,7 +167,7 @@ TEST_CASE("a bake keeps to a limit of bytes or of error, or fails") {
   CHECK(precise.err.find("asked for an error of 0.001 of the diagonal, the smallest reached is ") != std::string::npos);
   const ToolRun negative = with("--max-error", "-1");
   CHECK(negative.exit_code == 2);
-  CHECK(is_error_line(negative.err, "bake", {"--max-error"}));
+  CHECK(is_error_line(negative.err, "bake", {"--max-error", "-1 is negative"}));
   bake[5] = "paper";
   const ToolRun paper = with("--max-bytes", "100");
   CHECK(paper.exit_code == 1);
