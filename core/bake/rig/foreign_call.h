@@ -17,8 +17,10 @@ template <class Work>
 auto foreign_call(const char* what, Work&& work) {
   try {
     return work();
+#ifdef __GLIBCXX__  // libc++ has no name for it
   } catch (const abi::__forced_unwind&) {
     throw;  // the thread is being cancelled
+#endif
   } catch (const std::exception& error) {
     fail(Status::rig, "%s threw an exception: %s", what, error.what());
   } catch (...) {
