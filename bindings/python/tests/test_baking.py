@@ -196,7 +196,7 @@ class SourcesTest(BakingTest):
         self.assertEqual(face.provenance["seed"], 5)
         names = [option.name for option in facebaker.options()]
         self.assertIn("normal_weight", names)
-        for option in facebaker.options():  # what any is by default, by name
+        for option in facebaker.options():
             self.assertEqual(option.kind == "word", bool(option.words), option)
         with self.assertRaisesRegex(facebaker.InvalidArgumentError, 'no option "normal_wieght"; the closest is "normal_weight"'):
             self.bake(toy_rig.make(), recipe="compact", normal_wieght=1)
@@ -270,6 +270,16 @@ class ToolsTest(BakingTest):
         self.assertEqual(result.failures, ())
         self.assertEqual(result.methods[0].load().vertex_count, 81)
         self.assertIn("linear (variant): mse", repr(result))
+
+    def test_options_without_a_keyword_go_by_their_name(self):
+        def bytes_of(**named):
+            result = facebaker.compare(toy_rig.make_recording(), methods=["compact"], **named)
+            return result.methods[0].archive
+
+        self.assertEqual(bytes_of(), bytes_of(normal_weight=1, skip_failing=True))
+        self.assertNotEqual(bytes_of(), bytes_of(normal_weight=0.0))
+        with self.assertRaisesRegex(facebaker.InvalidArgumentError, "normal_weight is 5, not 0 to 4"):
+            bytes_of(normal_weight=5)
 
     def test_measuring_inspecting_and_packing(self):
         result = self.bake(toy_rig.make(), recipe="compact")
