@@ -28,46 +28,49 @@ void visit_option_fields(Desc& desc, const Visit& visit) {
   if constexpr (requires { desc.cache_bytes; }) visit("cache_bytes", desc.cache_bytes);
 }
 
+// Calls use(row, field, value) for every such field, with the member of the options that it stands for. Texts are
+// fields that point to characters, and flags and numbers are numbers.
+template <class Desc, class Options, class Use>
+void match_option_fields(Desc& desc, Options& options, const Use& use) {
+  visit_option_fields(desc, [&](const char* name, auto& field) {
+    const bake::OptionRow& row = bake::option_row(name);
+    std::visit(
+        [&](auto member) {
+          constexpr bool is_text = std::is_same_v<decltype(member), std::string bake::BakeOptions::*>;
+          if constexpr (is_text == std::is_pointer_v<std::remove_reference_t<decltype(field)>>)
+            use(row, field, options.*member);
+        },
+        row.member);
+  });
+}
+
 // Gives these fields the defaults of options.
 template <class Desc>
 void fill_options(Desc& desc) {
   static const bake::BakeOptions defaults;  // which texts of fields belong to
-  visit_option_fields(desc, [](const char* name, auto& field) {
-    using Field = std::remove_reference_t<decltype(field)>;
-    std::visit(
-        [&](auto member) {
-          if constexpr (std::is_same_v<decltype(member), std::string bake::BakeOptions::*>) {
-            if constexpr (std::is_pointer_v<Field>) field = (defaults.*member).c_str();
-          } else if constexpr (!std::is_pointer_v<Field>) {
-            field = static_cast<Field>(defaults.*member);
-          }
-        },
-        bake::option_row(name).member);
+  match_option_fields(desc, defaults, [](const bake::OptionRow&, auto& field, const auto& value) {
+    if constexpr (requires { value.c_str(); })
+      field = value.c_str();
+    else
+      field = static_cast<std::remove_reference_t<decltype(field)>>(value);
   });
 }
 
 // Takes over the options of a description of this type. Fails naming type and field on what an option cannot be.
 template <class Desc>
 void read_options(const Desc& desc, const char* type, bake::BakeOptions& options) {
-  const std::string context = std::string(type) + ": ";
-  visit_option_fields(desc, [&](const char* name, const auto& field) {
-    using Field = std::remove_cvref_t<decltype(field)>;
-    const bake::OptionRow& row = bake::option_row(name);
-    if constexpr (std::is_pointer_v<Field>)
-      require(field, (context + name).c_str());
-    else
+  match_option_fields(desc, options, [&](const bake::OptionRow& row, const auto& field, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::string>) {
+      require(field, format("%s: %s", type, row.name).c_str());
+      value = field;
+    } else {
       with_context(type, [&] { bake::check_option(row, static_cast<double>(field)); });
-    std::visit(
-        [&](auto member) {
-          using Value = std::remove_reference_t<decltype(options.*member)>;
-          if constexpr (std::is_pointer_v<Field> == std::is_same_v<Value, std::string>) {
-            if constexpr (std::is_same_v<Value, bool>)
-              options.*member = field != 0;
-            else
-              options.*member = field;
-          }
-        },
-        row.member);
+      if constexpr (std::is_same_v<Value, bool>)
+        value = field != 0;
+      else
+        value = static_cast<Value>(field);
+    }
   });
 }
 
