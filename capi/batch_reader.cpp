@@ -53,7 +53,7 @@ runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.poses > 0) {
     require(desc.controls, "fb_batch_desc: controls");
     if (!desc.normals && !desc.tangents && !desc.sockets && !desc.channels && !desc.expected_errors && !desc.outside &&
-        !desc.bounds)
+        !desc.bounds && !desc.joints)
       require(desc.positions, "fb_batch_desc: positions");
   }
   if (desc.vertex_order > FB_ORDER_BAKED)
@@ -85,6 +85,10 @@ runtime::Batch read_batch(const fb_batch_desc& desc, fb_scratch& scratch) {
   if (desc.displacements > 1)
     fail(Status::invalid_argument, "fb_batch_desc: displacements %u, neither 0 nor 1", desc.displacements);
   batch.displacements = desc.displacements == 1;
+  if (desc.joints) batch.joints = {desc.joints, size_of(desc.joint_floats), size_of(desc.joint_pose_stride)};
+  if (desc.unskinned > 1)
+    fail(Status::invalid_argument, "fb_batch_desc: unskinned %u, neither 0 nor 1", desc.unskinned);
+  batch.unskinned = desc.unskinned == 1;
   if (desc.bounds) batch.bounds = {desc.bounds, size_of(desc.bounds_floats), size_of(desc.bounds_pose_stride)};
   return batch;
 }

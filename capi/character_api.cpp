@@ -197,3 +197,34 @@ const uint16_t* fb_skin_joints(const fb_model* model) {
 const float* fb_skin_weights(const fb_model* model) {
   return fb_skin_influences(model) > 0 ? model->character.skin().weights.data() : nullptr;
 }
+
+void fb_driven_joint_fill(fb_driven_joint* to, uint32_t struct_size) {
+  fb_driven_joint defaults = {};
+  defaults.parent = FB_NO_JOINT;
+  for (std::size_t axis = 0; axis < 3; ++axis) defaults.rest[5 * axis] = 1;
+  fill_struct(to, struct_size, defaults);
+}
+
+uint32_t fb_driven_joint_count(const fb_model* model) {
+  return count(model, &LoadedCharacter::driven_joints);
+}
+
+fb_status fb_driven_joint_at(const fb_model* model, uint32_t index, fb_driven_joint* joint) {
+  return copy_at(model, &LoadedCharacter::driven_joints, index, joint, "fb_driven_joint");
+}
+
+fb_status fb_find_driven_joint(const fb_model* model, const char* name, uint32_t* index) {
+  return find(model, &LoadedCharacter::driven_joints, name, index, "driven joint");
+}
+
+uint32_t fb_driven_influences(const fb_model* model) {
+  return model ? model->character.driven_skin().influences : 0;
+}
+
+const uint16_t* fb_driven_skin_joints(const fb_model* model) {
+  return fb_driven_influences(model) > 0 ? model->character.driven_skin().joints.data() : nullptr;
+}
+
+const float* fb_driven_skin_weights(const fb_model* model) {
+  return fb_driven_influences(model) > 0 ? model->character.driven_skin().weights.data() : nullptr;
+}

@@ -11,6 +11,7 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
       channels_(std::move(model.schema.channels)),
       exact_(std::move(model.exact)),
       character_(std::move(model.character)),
+      driven_(std::move(model.rest.driven)),
       levels_(std::move(model.levels)) {
   if (parts_.empty()) {
     const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
@@ -33,6 +34,7 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   budget.reserve(channels, channels_.size(), "channels");
   budget.reserve(exact_poses, exact_.size(), "exact poses");
   budget.reserve(joints, character_.joints.size(), "joints");
+  budget.reserve(driven_joints, driven_.joints.size(), "driven joints");
   budget.reserve(levels, levels_.size() + 1, "levels");
   budget.reserve(level_meshes_, levels_.size() * parts_.size(), "levels");
   describe_meshes(model.rest);
@@ -53,12 +55,21 @@ LoadedCharacter::LoadedCharacter(PackedModel& model, MemoryBudget& budget)
   for (const Channel& from : channels_)
     channels.push_back(
         {sizeof(fb_channel), 0, from.name.c_str(), from.unit.c_str(), from.minimum, from.maximum, from.rest});
+  describe_joints();
+  describe_exact_poses();
+}
+
+void LoadedCharacter::describe_joints() {
   for (const Joint& from : character_.joints) {
     fb_joint& joint = joints.emplace_back(fb_joint{sizeof(fb_joint), from.parent, from.name.c_str(), {}, {}});
     std::copy(std::begin(from.rest), std::end(from.rest), joint.rest);
     std::copy(std::begin(from.inverse_bind), std::end(from.inverse_bind), joint.inverse_bind);
   }
-  describe_exact_poses();
+  for (const DrivenJoint& from : driven_.joints) {
+    fb_driven_joint& joint = driven_joints.emplace_back(
+        fb_driven_joint{sizeof(fb_driven_joint), from.parent, from.name.c_str(), from.numbers, 0, {}});
+    std::copy(std::begin(from.rest), std::end(from.rest), joint.rest);
+  }
 }
 
 void LoadedCharacter::describe_exact_poses() {

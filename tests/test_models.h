@@ -275,7 +275,7 @@ inline PackedModel character_model(std::uint64_t seed = 1) {
                            {"blush", "", 0, 1, 0.25f, 0.5f},
                            {"eye_turn", "degrees", -30, 30, 0, 50},
                            {"heat", "K", 300, 320, 310, 8}};
-  model.rest.channel_vertices = 2;
+  model.rest.carrier_vertices = 2;
   model.rest.points.resize(96);
   model.order.insert(model.order.end(), {30, 31});
   const auto image = [](const char* name, const char* type, std::size_t size) {
@@ -392,6 +392,50 @@ inline PackedModel levelled_model(std::uint64_t seed = 1) {
   second.points = {{0, {100, 0}}, {1, {20, 200}}, {2, {85, 86}}, {0, {12, 34}}, {3, {80, 90}}, {4, {0, 255}}};
   second.used_coefficients = {1, 0, 0};
   model.levels = {std::move(first), std::move(second)};
+  return model;
+}
+
+// Gives a model that has the vertices and channels of character_model() four joints that its controls drive: a jaw with
+// a tongue and a pin on it, of which the last has no numbers of its own, and a lid that turns, moves and grows. Not all
+// vertices follow them.
+inline void drive_joints(PackedModel& model, std::uint64_t seed = 1) {
+  Random random(seed, 4);
+  DrivenJoints& driven = model.rest.driven;
+  driven.joints = {{"jaw", no_joint, joint_rotation, {1, 0, 0, 0.5f, 0, 1, 0, 1, 0, 0, 1, -1}},
+                   {"tongue", 0, 0x23, {0, -1, 0, 0.5f, 1, 0, 0, 0.25f, 0, 0, 1, 0.5f}},
+                   {"pin", 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}},
+                   {"lid", no_joint, 0x1ff, {0.6f, 0.8f, 0, -1, -0.8f, 0.6f, 0, 2, 0, 0, 1, 0}}};
+  for (std::size_t n = 0; n < driven.number_count(); ++n) driven.scales.push_back(random.uniform(0.25f, 0.75f));
+  for (std::size_t n = 6; n < 9; ++n) driven.scales[n] *= 16;  // the lid turns all the way round
+  driven.skin.influences = 3;
+  for (std::uint16_t v = 0; v < 30; ++v) {
+    const float first = v % 5 == 0 ? 0 : 0.125f * float(1 + v % 5), second = v % 3 == 0 || first == 0 ? 0 : 0.25f;
+    driven.skin.joints.insert(driven.skin.joints.end(), {std::uint16_t(v % 4), std::uint16_t((v + 1) % 4), 3});
+    driven.skin.weights.insert(driven.skin.weights.end(), {first, second, second > 0 && v % 6 == 1 ? 0x1p-15f : 0});
+  }
+  const auto row = static_cast<std::uint32_t>(model.rest.points.size());
+  constexpr std::uint32_t carriers = 5;
+  for (std::uint32_t c = 0; c < carriers; ++c) {
+    if (!model.order.empty()) model.order.push_back(row / 3 + c);
+    for (int axis = 0; axis < 3; ++axis) model.rest.points.push_back(0);
+  }
+  model.rest.carrier_vertices += carriers;
+  model.row_blocks.push_back(random_row_block(random, row, 3 * carriers, {0, 1, 2, 3, 4}, 0.5f));
+  for (ExactPose& pose : model.exact)
+    for (std::uint32_t r = 0; r < 3 * carriers; ++r)
+      pose.values.push_back(static_cast<std::int32_t>(random.uniform(-1, 1) * 1e5f));
+}
+
+// character_model() with driven joints; with everything else that positions depend on, too.
+inline PackedModel driven_model(std::uint64_t seed = 1) {
+  PackedModel model = character_model(seed);
+  drive_joints(model, seed);
+  return model;
+}
+inline PackedModel whole_model(std::uint64_t seed = 1) {
+  PackedModel model = levelled_model(seed);
+  model.exact = exact_model(seed).exact;
+  drive_joints(model, seed);
   return model;
 }
 

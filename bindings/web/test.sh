@@ -25,7 +25,7 @@ cc -std=gnu99 -O2 -I capi/include bindings/web/tests/native_poses.c -o "$web/nat
 mkdir -p "$web/expected"
 golden=$root/tests/golden/2.0
 pairs="" # the last one is drawn, so it has to have a surface
-for archive in "$golden"/accepted/*.fbk "$golden/accepted/character.fbk" "$@"; do
+for archive in "$golden"/accepted/*.fbk "$root"/tests/golden/2.1/accepted/*.fbk "$golden/accepted/character.fbk" "$@"; do
   archive=$(realpath "$archive")
   dump=$web/expected/$(basename "$archive" .fbk).poses
   "$web/native_poses" dump "$archive" 256 "$dump"

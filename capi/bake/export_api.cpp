@@ -26,7 +26,7 @@ constexpr std::uint32_t fitting_sweeps = 10;
 fb::Mesh surface_of(const fb::Mesh& rest) {
   fb::Mesh surface = rest;
   surface.points.resize(3 * rest.surface_vertex_count());
-  surface.channel_vertices = 0;
+  surface.carrier_vertices = 0;
   return surface;
 }
 

@@ -39,7 +39,7 @@ fb_pack_result result_of(const fb::bake::RepackResult& repacked, const std::vect
   result.archive_bytes = archive.size();
   result.bytes_before = repacked.source_bytes;
   result.format_before = repacked.source_version;
-  result.format = fb::archive::archive_format_version();
+  result.format = fb::archive::format_version_of(archive);
   result.step_factor = repacked.factor;
   result.max_error = repacked.max_error;
   result.displacement = c_errors(repacked.displacement);

@@ -2,7 +2,7 @@
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
 #include "bake/dataset/open_source.h"
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/limited_clips.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_identity.h"
@@ -132,10 +132,11 @@ template <class Evaluate>
 void write_positions(const fb::bake::Source& source, std::uint64_t poses, float* positions, const Evaluate& evaluate) {
   const fb::RigSchema& schema = source.schema();
   const std::size_t surface = poses * source.rest().surface_points().size();
-  if (schema.channels.empty()) return evaluate(std::span(positions, surface));
-  std::vector<float> points(poses * source.rest().points.size()), channels(poses * schema.channels.size());
+  if (source.rest().carrier_vertices == 0) return evaluate(std::span(positions, surface));
+  std::vector<float> points(poses * source.rest().points.size());
+  std::vector<float> channels(poses * fb::bake::carried_count(schema, source.rest()));
   evaluate(std::span(points));
-  fb::bake::split_channels(schema, points, poses, {positions, surface}, channels);
+  fb::bake::split_carried(schema, source.rest(), points, poses, {positions, surface}, channels);
 }
 
 fb::RigSchema schema_of(const fb_model* model) {

@@ -1,6 +1,6 @@
 // Evaluating blocks of poses for a host, and by a host.
 #include "bake/authoring.h"
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/rig/spread_source.h"
 #include "base/checked.h"
@@ -93,6 +93,8 @@ fb_status fb_source_evaluate_block(fb_source* source, fb_pose_block* block) {
     if (!from.live())
       fail(Status::invalid_argument, "\"%s\" is a recording: new poses cannot be evaluated",
            from.schema().name.c_str());
+    if (!from.rest().driven.empty())
+      fail(Status::unsupported, "\"%s\" has driven joints: its poses cannot be spread", from.schema().name.c_str());
     const Buffers buffers = buffers_of(from, *block);
     block->evaluated = 0;
     block->failed = block->poses;
@@ -104,7 +106,8 @@ fb_status fb_source_evaluate_block(fb_source* source, fb_pose_block* block) {
     const std::span<float> points = apart ? std::span(apart_points) : buffers.positions;
     std::vector<char> answered(block->poses);
     const auto hand_over = [&] {
-      if (apart) fb::bake::split_channels(schema, points, block->poses, buffers.positions, buffers.channels);
+      if (apart)
+        fb::bake::split_carried(schema, from.rest(), points, block->poses, buffers.positions, buffers.channels);
       std::copy(answered.begin(), answered.end(), block->answered);
     };
     try {

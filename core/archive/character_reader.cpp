@@ -140,7 +140,7 @@ std::vector<Joint> read_joints(ByteReader& in) {
   return joints;
 }
 
-Skin read_skin(ByteReader& in, std::uint32_t vertices) {
+Skin read_influences(ByteReader& in, std::uint32_t vertices, ReadWeights read_weights) {
   Skin skin;
   skin.influences = in.number<std::uint32_t>("the influences of a vertex");
   if (skin.influences == 0 || skin.influences > most_influences) in.corrupt("influences are not 1 to 32");
@@ -151,7 +151,7 @@ Skin read_skin(ByteReader& in, std::uint32_t vertices) {
     sum += std::to_integer<std::uint32_t>(count);
   }
   const auto joints = in.temporary_numbers<std::uint16_t>(sum, "joints of vertices");
-  const auto weights = in.temporary_float_planes(sum, "weights of vertices");
+  const auto weights = read_weights(in, sum);
   const std::uint64_t places = checked_multiply(vertices, skin.influences, "influences");
   in.budget().resize(skin.joints, places, "joints of vertices");
   in.budget().resize(skin.weights, places, "weights of vertices");
@@ -164,6 +164,12 @@ Skin read_skin(ByteReader& in, std::uint32_t vertices) {
     }
   in.end();
   return skin;
+}
+
+Skin read_skin(ByteReader& in, std::uint32_t vertices) {
+  return read_influences(in, vertices, [](ByteReader& from, std::uint64_t count) {
+    return from.temporary_float_planes(count, "weights of vertices");
+  });
 }
 
 std::vector<Channel> read_channels(ByteReader& in) {

@@ -24,12 +24,15 @@ std::vector<Image> read_images(ByteReader& in);
 std::vector<Socket> read_sockets(ByteReader& in);
 std::vector<std::byte> read_thumbnail(ByteReader& in);
 std::vector<Joint> read_joints(ByteReader& in);
-// `vertices`: of the surface.
+// What vertices follow, to the end of the section. `vertices`: of the surface. read_weights: of so many influences.
+using ReadWeights = std::pmr::vector<float> (*)(ByteReader& in, std::uint64_t count);
+Skin read_influences(ByteReader& in, std::uint32_t vertices, ReadWeights read_weights);
 Skin read_skin(ByteReader& in, std::uint32_t vertices);
+DrivenJoints read_driven_joints(ByteReader& in, std::uint32_t vertices);
 std::vector<Channel> read_channels(ByteReader& in);
 // `controls`: how many the model has.
 ExpectedErrors read_expected_errors(ByteReader& in, std::size_t controls);
-// `vertices`: with those that carry channels.
+// `vertices`: with those that carry numbers.
 std::vector<ExactPose> read_exact_poses(ByteReader& in, std::size_t controls, std::size_t vertices);
 
 }  // namespace fb::archive

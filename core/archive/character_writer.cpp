@@ -110,8 +110,7 @@ ByteWriter write_joints(const std::vector<Joint>& joints) {
   return out;
 }
 
-ByteWriter write_skin(const Skin& skin) {
-  ByteWriter out;
+std::vector<float> write_influences(ByteWriter& out, const Skin& skin) {
   out.number(skin.influences);
   std::vector<std::uint16_t> joints;
   std::vector<float> weights;
@@ -122,7 +121,12 @@ ByteWriter write_skin(const Skin& skin) {
     weights.insert(weights.end(), &skin.weights[first], &skin.weights[first] + count);
   }
   out.numbers(joints);
-  out.float_planes(weights);
+  return weights;
+}
+
+ByteWriter write_skin(const Skin& skin) {
+  ByteWriter out;
+  out.float_planes(write_influences(out, skin));
   return out;
 }
 

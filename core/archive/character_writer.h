@@ -20,7 +20,10 @@ ByteWriter write_materials(const std::vector<Material>& materials);
 ByteWriter write_images(const std::vector<Image>& images);
 ByteWriter write_sockets(const std::vector<Socket>& sockets);
 ByteWriter write_joints(const std::vector<Joint>& joints);
+// What vertices follow, without the weights, which it returns, vertex after vertex.
+std::vector<float> write_influences(ByteWriter& out, const Skin& skin);
 ByteWriter write_skin(const Skin& skin);
+ByteWriter write_driven_joints(const DrivenJoints& driven);
 ByteWriter write_channels(const std::vector<Channel>& channels);
 ByteWriter write_expected_errors(const ExpectedErrors& expected);
 ByteWriter write_exact_poses(const std::vector<ExactPose>& poses);

@@ -21,6 +21,7 @@ struct Proof {
   std::vector<std::uint32_t> outside = {};
   // Poses x twice the coarser levels: hashes of the positions at the levels of detail 1/2, 1, 3/2, ...
   std::vector<std::uint64_t> level_hashes = {};
+  std::vector<std::uint64_t> joint_hashes = {};  // poses, of the frames of driven joints; empty without any
 };
 
 // Texts for people and reports. Empty: the archive does not have it.

@@ -14,11 +14,12 @@ namespace {
 
 bool is_known(std::string_view name) {
   for (const char* known :
-       {section::definition, section::polygons,     section::geometry, section::network,     section::weights,
-        section::basis,      section::basis_values, section::labels,   section::uvs,         section::meshes,
-        section::materials,  section::images,       section::sockets,  section::channels,    section::expected_errors,
-        section::joints,     section::skin,         section::about,    section::thumbnail,   section::provenance,
-        section::licence,    section::certificate,  section::proof,    section::exact_poses, section::levels})
+       {section::definition,   section::polygons,     section::geometry, section::network,     section::weights,
+        section::basis,        section::basis_values, section::labels,   section::uvs,         section::meshes,
+        section::materials,    section::images,       section::sockets,  section::channels,    section::expected_errors,
+        section::joints,       section::skin,         section::about,    section::thumbnail,   section::provenance,
+        section::licence,      section::certificate,  section::proof,    section::exact_poses, section::levels,
+        section::driven_joints})
     if (name == known) return true;
   return false;
 }
@@ -62,7 +63,12 @@ class ArchiveReader {
       count_names({&control.name, &control.group, &control.labels.arkit, &control.labels.facs, &control.labels.unit});
     if (contains(section::channels)) model_.schema.channels = read(section::channels, read_channels);
     for (const Channel& channel : schema.channels) count_names({&channel.name, &channel.unit});
-    model_.rest.channel_vertices = static_cast<std::uint32_t>((schema.channels.size() + 2) / 3);
+    DrivenJoints& driven = model_.rest.driven;
+    if (contains(section::driven_joints))
+      driven = read(section::driven_joints, [&](ByteReader& in) { return read_driven_joints(in, archive.vertices); });
+    for (const DrivenJoint& joint : driven.joints) count_names({&joint.name});
+    model_.rest.carrier_vertices =
+        static_cast<std::uint32_t>((schema.channels.size() + 2) / 3 + (driven.number_count() + 2) / 3);
   }
 
   // Positions and texture coordinates are kept only with `mesh`; polygons are needed to decode the basis, too.
@@ -73,7 +79,8 @@ class ArchiveReader {
     check_limit(model_.rest.polygon_sizes.size(), limits_.max_polygons, "polygons");
     if (!mesh) return;
     model_.rest.points = std::move(rest.points);
-    budget_.resize(model_.rest.points, 3 * std::size_t(archive.vertices + model_.rest.channel_vertices), "channels");
+    budget_.resize(model_.rest.points, 3 * std::size_t(archive.vertices + model_.rest.carrier_vertices),
+                   "channels and joints");
     if (contains(section::uvs)) read(section::uvs, [&](ByteReader& in) { read_uvs(in, vertices, model_.rest); });
     if (contains(section::meshes)) model_.rest.parts = read(section::meshes, read_meshes);
     for (const MeshPart& part : model_.rest.parts) count_names({&part.name});
@@ -124,7 +131,7 @@ class ArchiveReader {
     check_limit(model_.features.size(), limits_.max_features, "features");
     for (const PackedRegion& region : model_.regions) count_names({&region.name});
     read(section::weights, [&](ByteReader& in) { read_weights(in, model_); });
-    const std::uint32_t vertices = archive.vertices + model_.rest.channel_vertices;
+    const std::uint32_t vertices = archive.vertices + model_.rest.carrier_vertices;
     const auto tables = read(section::basis, [&](ByteReader& in) { return read_basis(in, vertices, model_); });
     read(section::basis_values, [&](ByteReader& in) { read_basis_values(in, vertices, tables, parallel_, model_); });
     if (!contains(section::exact_poses)) return;
@@ -145,7 +152,8 @@ class ArchiveReader {
     if (contains(section::proof))
       archive.proof = read(section::proof, [&](ByteReader& in) {
         return read_proof(in, model_.schema, archive.vertices,
-                          {model_.character.sockets.size(), model_.expected.count(), model_.levels.size()});
+                          {model_.character.sockets.size(), model_.expected.count(), model_.levels.size(),
+                           !model_.rest.driven.empty()});
       });
   }
 
@@ -157,14 +165,15 @@ class ArchiveReader {
     const ScopedCharge marks(budget_, archive.vertices / 8 + 1, 1, "marks");
     const ScopedCharge part_names(budget_,
                                   model_.rest.parts.size() + model_.character.sockets.size() +
-                                      model_.character.joints.size() + model_.schema.channels.size() +
-                                      model_.expected.regions.size() + model_.exact.size(),
+                                      model_.character.joints.size() + model_.rest.driven.joints.size() +
+                                      model_.schema.channels.size() + model_.expected.regions.size() +
+                                      model_.exact.size(),
                                   96, "names");
     // Two numbers a vertex, and the triangles of a level.
     std::uint64_t level_numbers = 0;
     for (const DetailLevel& level : model_.levels)
       level_numbers = std::max<std::uint64_t>(level_numbers, 3 * level.polygon_corners.size());
-    if (!model_.levels.empty()) level_numbers += 2 * (std::uint64_t(archive.vertices) + model_.rest.channel_vertices);
+    if (!model_.levels.empty()) level_numbers += 2 * (std::uint64_t(archive.vertices) + model_.rest.carrier_vertices);
     const ScopedCharge levels(budget_, level_numbers, sizeof(std::uint32_t), "levels");
     try {
       check(model_);
@@ -202,6 +211,13 @@ std::uint32_t archive_format_version() {
   return archive_major * 1000u + archive_minor;
 }
 
+std::uint32_t format_version_of(std::span<const std::byte> archive) {
+  const auto number = [&](std::size_t at) {
+    return std::to_integer<std::uint32_t>(archive[at]) + 256 * std::to_integer<std::uint32_t>(archive[at + 1]);
+  };
+  return number(8) * 1000 + number(10);
+}
+
 Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts) {
   MemoryBudget budget(limits.max_model_bytes);
   return read_archive(bytes, limits, parts, budget);
@@ -211,7 +227,7 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits,
                      const Parallel& parallel) {
   const std::vector<StoredSection> sections = read_container(bytes);
   ArchiveReader reader(sections, limits, budget, parallel);
-  reader.archive.format_version = archive_format_version();
+  reader.archive.format_version = format_version_of(bytes);
   reader.list_sections();
   reader.read_definition_section();
   const bool mesh = has(parts, Parts::mesh), behaviour = has(parts, Parts::behaviour);

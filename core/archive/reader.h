@@ -64,7 +64,9 @@ Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits 
 Archive read_archive(std::span<const std::byte> bytes, const ReadLimits& limits, Parts parts, MemoryBudget& budget,
                      const Parallel& parallel = {1});
 
-// The format version this library reads and writes, major * 1000 + minor.
+// The newest format version this library reads and writes, major * 1000 + minor.
 std::uint32_t archive_format_version();
+// That of an archive whose header was read.
+std::uint32_t format_version_of(std::span<const std::byte> archive);
 
 }  // namespace fb::archive

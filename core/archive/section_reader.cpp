@@ -103,6 +103,7 @@ Proof read_proof(ByteReader& in, const RigSchema& schema, std::uint32_t vertices
   if (sizes.errors > 0) proof.outside = in.numbers<std::uint32_t>(poses, "proof errors");
   proof.level_hashes =
       in.numbers<std::uint64_t>(checked_multiply(poses, 2 * sizes.levels, "proof hashes"), "proof hashes of levels");
+  if (sizes.driven) proof.joint_hashes = in.numbers<std::uint64_t>(poses, "proof hashes of joints");
   in.end();
   return proof;
 }

@@ -30,6 +30,7 @@ struct ProofSizes {
   std::size_t sockets = 0;
   std::size_t errors = 0;  // ExpectedErrors::count()
   std::size_t levels = 0;  // coarser ones
+  bool driven = false;     // whether there are driven joints
 };
 
 // `vertices`: of the surface.

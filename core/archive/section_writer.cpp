@@ -91,6 +91,8 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   if (proof.level_hashes.size() != poses * 2 * model.levels.size())
     fail(Status::bad_data, "the proof has %zu hashes of levels for %zu poses of %zu", proof.level_hashes.size(), poses,
          model.levels.size());
+  if (proof.joint_hashes.size() != (model.rest.driven.empty() ? 0 : poses))
+    fail(Status::bad_data, "the proof has %zu hashes of driven joints for %zu poses", proof.joint_hashes.size(), poses);
   for (const std::uint32_t vertex : proof.vertices)
     if (vertex >= model.rest.surface_vertex_count())
       fail(Status::bad_data, "the proof names vertex %u of %zu", vertex, model.rest.surface_vertex_count());
@@ -105,6 +107,7 @@ ByteWriter write_proof(const Proof& proof, const PackedModel& model) {
   out.numbers(proof.errors);
   out.numbers(proof.outside);
   out.numbers(proof.level_hashes);
+  out.numbers(proof.joint_hashes);
   return out;
 }
 

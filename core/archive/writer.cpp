@@ -49,12 +49,13 @@ std::vector<std::byte> write_archive(const PackedModel& model, const Proof& proo
   if (!model.schema.channels.empty()) compress(section::channels, true, write_channels(model.schema.channels));
   if (!model.expected.regions.empty()) compress(section::expected_errors, false, write_expected_errors(model.expected));
   if (!model.exact.empty()) compress(section::exact_poses, true, write_exact_poses(model.exact));
+  if (!model.rest.driven.empty()) compress(section::driven_joints, true, write_driven_joints(model.rest.driven));
   if (!model.levels.empty()) compress(section::levels, false, write_levels(model));
   write_optional_text(section::provenance, model.provenance);
   write_optional_text(section::licence, text.licence);
   write_optional_text(section::certificate, text.certificate);
   if (!proof.hashes.empty()) compress(section::proof, false, write_proof(proof, model));
-  return assemble_container(sections);
+  return assemble_container(sections, model.rest.driven.empty() ? 0 : 1);
 }
 
 }  // namespace fb::archive

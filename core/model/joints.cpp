@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "base/status.h"
+#include "model/mesh.h"
 
 namespace fb {
 namespace {

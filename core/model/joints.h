@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "model/mesh.h"
-
 namespace fb {
+
+struct Mesh;
 
 inline constexpr std::uint32_t no_joint = 0xffffffff;
 inline constexpr std::uint32_t most_influences = 32;

@@ -68,14 +68,14 @@ std::vector<std::uint32_t> Mesh::part_ends() const {
   std::vector<std::uint32_t> ends;
   for (const MeshPart& part : parts) ends.push_back((ends.empty() ? 0 : ends.back()) + part.vertices);
   if (parts.empty()) ends.push_back(static_cast<std::uint32_t>(surface_vertex_count()));
-  if (channel_vertices > 0) ends.push_back(static_cast<std::uint32_t>(vertex_count()));
+  if (carrier_vertices > 0) ends.push_back(static_cast<std::uint32_t>(vertex_count()));
   return ends;
 }
 
 void check(const Mesh& mesh) {
   if (mesh.points.empty() || mesh.points.size() % 3 != 0)
     fail(Status::bad_data, "rest mesh: %zu coordinates are not a positive multiple of 3", mesh.points.size());
-  if (mesh.channel_vertices >= mesh.vertex_count()) fail(Status::bad_data, "rest mesh: it has no vertices");
+  if (mesh.carrier_vertices >= mesh.vertex_count()) fail(Status::bad_data, "rest mesh: it has no vertices");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!std::isfinite(mesh.points[i])) fail(Status::not_finite, "rest mesh: vertex %zu is not finite", i / 3);
   std::size_t corners = 0;
@@ -95,6 +95,7 @@ void check(const Mesh& mesh) {
     fail(Status::bad_data, "rest mesh: polygons use %zu of %zu corners", corners, mesh.polygon_corners.size());
   check_uvs(mesh);
   if (!mesh.parts.empty()) check_parts(mesh);
+  check(mesh.driven, mesh.surface_vertex_count());
   if (!(mesh.diagonal() > 0)) fail(Status::bad_data, "rest mesh: all vertices lie on one point");
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/surface.h"
+#include "model/driven_joints.h"
 
 namespace fb {
 
@@ -41,14 +42,18 @@ struct Mesh {
   std::vector<float> uvs = {};
   std::vector<std::uint32_t> uv_corners = {};
   std::vector<MeshPart> parts = {};    // of the surface and all polygons; empty: one mesh without a name
-  std::uint32_t channel_vertices = 0;  // the last vertices that are no surface but carry channels, see Channel
+  DrivenJoints driven = {};            // what moves the surface, once its points are displaced
+  std::uint32_t carrier_vertices = 0;  // the last vertices, that are no surface but carry numbers: see Channel and
+                                       // DrivenJoints
 
   std::size_t vertex_count() const { return points.size() / 3; }
-  std::size_t surface_vertex_count() const { return vertex_count() - channel_vertices; }
+  std::size_t surface_vertex_count() const { return vertex_count() - carrier_vertices; }
   std::span<const float> surface_points() const { return std::span(points).first(3 * surface_vertex_count()); }
   // Length of the diagonal of the bounding box of the surface: the unit of reported errors.
   double diagonal() const { return box_diagonal(surface_points()); }
-  // Where the vertices of each part end, and those that carry channels, if there are any: rows of the basis that belong
+  // The coordinate that carries the first number of the driven joints.
+  std::size_t first_joint_coordinate() const { return points.size() - (driven.number_count() + 2) / 3 * 3; }
+  // Where the vertices of each part end, and those that carry numbers, if there are any: rows of the basis that belong
   // to different ones are in different row blocks.
   std::vector<std::uint32_t> part_ends() const;
   // 3 vertex indices a triangle, in polygon order.
@@ -57,7 +62,8 @@ struct Mesh {
 
 // Fails, naming the vertex or polygon, on an empty mesh, a point that is not finite, a polygon of fewer than three
 // corners, a corner index out of range, texture coordinates that are not finite or not one a corner, parts
-// that do not cover the mesh or share vertices, inconsistent counts, or a bounding box of zero size.
+// that do not cover the mesh or share vertices, inconsistent counts, driven joints that break their rules, or a
+// bounding box of zero size.
 void check(const Mesh& mesh);
 
 }  // namespace fb

@@ -55,7 +55,7 @@ void check_row_block(const PackedRowBlock& block, std::size_t index, std::uint32
 }
 
 // Fails if a row block has vertices of two parts of the mesh, which could not be posed without each other, or of the
-// surface and of channels.
+// surface and of what carries numbers.
 void check_blocks_of_parts(const PackedModel& model) {
   const std::vector<std::uint32_t> ends = model.rest.part_ends();
   if (ends.size() < 2) return;
@@ -71,19 +71,23 @@ void check_blocks_of_parts(const PackedModel& model) {
   }
 }
 
-// Fails unless the vertices that carry channels are as many as the channels need, at rest 0 and last in every order.
-void check_channels(const PackedModel& model) {
-  const std::size_t channels = model.schema.channels.size(), first = model.rest.surface_vertex_count();
-  if (model.rest.channel_vertices != (channels + 2) / 3)
-    fail(Status::bad_data, "%u vertices carry %zu channels", model.rest.channel_vertices, channels);
+// Fails unless the vertices that carry numbers are as many as these need, at rest 0 and last in every order.
+void check_carriers(const PackedModel& model) {
+  const std::size_t channels = model.schema.channels.size(), numbers = model.rest.driven.number_count();
+  const std::size_t first = model.rest.surface_vertex_count();
+  if (model.rest.driven.scales.size() != numbers ||
+      model.rest.carrier_vertices != (channels + 2) / 3 + (numbers + 2) / 3)
+    fail(Status::bad_data, "%u vertices carry %zu channels and %zu numbers of driven joints",
+         model.rest.carrier_vertices, channels, numbers);
   for (const Channel& c : model.schema.channels)
     if (!std::isfinite(c.scale) || !(c.scale > 0))
       fail(Status::bad_data, "channel \"%s\" has the scale %g, which is not above 0", c.name.c_str(), double(c.scale));
   for (std::size_t v = first; v < model.rest.vertex_count(); ++v) {
     if (!model.order.empty() && v < model.order.size() && model.order[v] != v)
-      fail(Status::bad_data, "the order lists vertices behind channels");
+      fail(Status::bad_data, "the order lists vertices behind those that carry numbers");
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (model.rest.points[3 * v + axis] != 0) fail(Status::bad_data, "a channel is not 0 at rest");
+      if (model.rest.points[3 * v + axis] != 0)
+        fail(Status::bad_data, "a vertex that carries numbers is not 0 at rest");
   }
 }
 
@@ -119,7 +123,7 @@ std::vector<float> displacements(const PackedRowBlock& block, std::size_t column
 void check(const PackedModel& model) {
   check(model.schema);
   check(model.rest);
-  check_channels(model);
+  check_carriers(model);
   check_features(model.features, model.schema.control_count());
   check_direct(model.direct, model.features);
   check_regions(model.regions, model.features, check_packed_values);

@@ -63,8 +63,8 @@ DetailLevelLayout::DetailLevelLayout(const PackedModel& model, const DetailLevel
   std::copy(kept.begin(), kept.end(), used.begin() + std::ptrdiff_t(model.direct.size()));
   CsrBuilder<RegionInputs> inputs(matrices.size(), 0, heap);
   for (std::uint32_t b = 0; b < matrices.size(); ++b) {
-    const bool of_level = b < blocks, of_channels = matrices[b].first_row() >= 3 * model.rest.surface_vertex_count();
-    if (!of_level && !of_channels) continue;
+    const bool of_level = b < blocks, of_carriers = matrices[b].first_row() >= 3 * model.rest.surface_vertex_count();
+    if (!of_level && !of_carriers) continue;
     for (std::uint32_t r = 0; r < outputs.size(); ++r) {
       const auto [low, high] = matrices[b].inputs_of(coefficient_offsets[r], coefficient_offsets[r + 1]);
       for (const RowBlockMatrix::InputRange range : {low, high})

@@ -56,6 +56,7 @@ EvaluationLayout::EvaluationLayout(const PackedModel& model, const EvaluationMem
       baked_index(inverse(model.order, memory)),
       meshes(model, memory, *from.heap),
       details(memory),
+      skin(model, baked_index, memory, *from.heap),
       sockets(model, baked_index, memory),
       errors(model, baked_index, memory),
       exact(model, memory),

@@ -11,6 +11,7 @@
 #include "model/packed_model.h"
 #include "runtime/csr_table.h"
 #include "runtime/detail_layout.h"
+#include "runtime/driven_skin.h"
 #include "runtime/error_prediction.h"
 #include "runtime/exact_blend.h"
 #include "runtime/feature_graph.h"
@@ -57,7 +58,7 @@ struct EvaluationLayout {
   };
 
   std::size_t vertex_count() const { return meshes.surface_vertices; }
-  // Row blocks of the surface; those behind them have channels.
+  // Row blocks of the surface; those behind them have numbers.
   std::size_t surface_blocks() const {
     const auto& of_block = meshes.row_block_meshes;
     return static_cast<std::size_t>(std::find(of_block.begin(), of_block.end(), meshes.count()) - of_block.begin());
@@ -93,10 +94,11 @@ struct EvaluationLayout {
   CsrTable<ScatterEntry> scatter;                       // by feature
   CsrTable<RegionInputs> row_block_regions;             // by row block
   std::pmr::vector<float> rest_positions,
-      rest_rows;  // in source order; in the order of rows, padded; channels are last
+      rest_rows;  // in source order; in the order of rows, padded; what carries numbers is last
   std::pmr::vector<std::uint32_t> order, baked_index;  // see Basis::order, and its inverse; empty: source order
   MeshLayout meshes;
   DetailLayout details;
+  DrivenSkin skin;
   SocketFrames sockets;
   ErrorPrediction errors;
   ExactBlend exact;

@@ -27,11 +27,12 @@ void Evaluator::evaluate(const float* controls, float* positions, Workspace& wor
   });
 }
 
-void Evaluator::evaluate_points(const float* controls, float* points, Workspace& workspace) const {
+void Evaluator::evaluate_points(const float* controls, float* points, Workspace& workspace, bool unskinned) const {
   refuse_nan(controls);
   workspace.clamped_ = 0;
   PoseOutput output;
   output.positions = {points, 3};
+  output.unskinned = unskinned;
   output.all_points = true;
   with_float_mode([&] { PoseExecution(layout_, {}, workspace).run_pose(controls, output); });
 }
@@ -55,7 +56,7 @@ void Evaluator::leave_out_idle_regions(MeshMask meshes, bool channels, std::span
   constexpr std::uint8_t needed = 2;
   for (std::size_t b = 0; b < layout_.row_blocks.size(); ++b) {
     const std::uint32_t mesh = layout_.meshes.row_block_meshes[b];
-    if (!(mesh < meshes.size() ? meshes[mesh] : channels)) continue;
+    if (!(mesh < meshes.size() ? meshes[mesh] : channels || !layout_.skin.empty())) continue;
     for (const auto& inputs : layout_.row_block_regions.row(b))
       if (regions[inputs.region]) regions[inputs.region] = needed;
   }

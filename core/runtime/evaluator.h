@@ -53,7 +53,9 @@ struct Batch {
   PoseFloats sockets = {};   // 12 a socket
   PoseFloats channels = {};  // one a channel
   ErrorOutput errors = {};
-  bool displacements = false;  // positions: less the rest positions
+  bool displacements = false;  // positions: less the rest positions, before driven joints move them
+  bool unskinned = false;      // positions, normals, tangents: before driven joints move vertices
+  PoseFloats joints = {};      // frames of driven joints, 12 each
   PoseFloats bounds = {};      // 6 a pose, see PoseOutput::bounds
 };
 
@@ -78,6 +80,7 @@ class Evaluator {
   std::uint64_t bytes() const { return layout_.memory.bytes(); }
   std::size_t socket_count() const { return layout_.sockets.count(); }
   std::size_t channel_count() const { return schema().channels.size(); }
+  std::size_t joint_count() const { return layout_.skin.joint_count(); }
   // See ErrorPrediction.
   std::size_t error_count() const { return layout_.errors.count(); }
   std::span<const std::uint32_t> error_regions() const { return layout_.errors.vertex_regions(); }
@@ -106,8 +109,8 @@ class Evaluator {
   void evaluate(const float* controls, float* positions, Workspace& workspace, std::size_t vertex_stride = 3) const;
 
   // One pose with its channels, as a bake measures it: 3 floats for each vertex of the model's mesh, those that carry
-  // channels last. Otherwise like evaluate.
-  void evaluate_points(const float* controls, float* points, Workspace& workspace) const;
+  // numbers last. unskinned: before driven joints move vertices. Otherwise like evaluate.
+  void evaluate_points(const float* controls, float* points, Workspace& workspace, bool unskinned = false) const;
   std::size_t point_count() const { return layout_.meshes.vertices; }
   std::span<const float> rest_points() const { return layout_.rest_positions; }
 

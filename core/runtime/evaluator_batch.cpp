@@ -89,6 +89,7 @@ void Evaluator::check_batch(const Batch& batch) const {
   check_floats(batch.sockets, "sockets", batch.poses, SocketFrames::frame_floats * socket_count());
   check_floats(batch.channels, "channels", batch.poses, channel_count());
   check_floats(batch.bounds, "bounds", batch.poses, bounds_floats);
+  check_floats(batch.joints, "driven joints", batch.poses, DrivenSkin::frame_floats * joint_count());
   check_errors(batch);
   const RegionMask regions = batch.masks.regions;
   const MeshMask meshes = batch.masks.meshes;
@@ -151,7 +152,9 @@ void Evaluator::evaluate_batch(const Batch& batch, std::span<Workspace> workspac
                       floats_of(batch.sockets, pose, SocketFrames::frame_floats * socket_count()),
                       floats_of(batch.channels, pose, channel_count()),
                       floats_of(batch.bounds, pose, bounds_floats),
-                      batch.displacements};
+                      floats_of(batch.joints, pose, DrivenSkin::frame_floats * joint_count()),
+                      batch.displacements,
+                      batch.unskinned};
   };
   // Whole blocks first, if there are enough for all workers and all have room for them; then the remaining poses.
   const bool in_blocks = std::all_of(workspaces.begin(), workspaces.end(),

@@ -20,7 +20,7 @@ MeshLayout::MeshLayout(const PackedModel& model, std::pmr::memory_resource& memo
     source.push_back({first, end});
     first = end;
   }
-  if (model.rest.channel_vertices > 0) source.pop_back();
+  if (model.rest.carrier_vertices > 0) source.pop_back();
   const auto mesh_at = [&](std::uint32_t v) { return mesh_of[model.order.empty() ? v : model.order[v]]; };
   CsrBuilder<VertexRange> ranges(source.size(), source.size(), heap);
   for (std::uint32_t begin = 0, end; begin < surface_vertices; begin = end) {

@@ -28,10 +28,10 @@ struct MeshLayout {
   VertexRange surface() const { return {0, surface_vertices}; }
   VertexRange all() const { return {0, vertices}; }
 
-  std::uint32_t vertices, surface_vertices;          // those behind the surface carry channels
+  std::uint32_t vertices, surface_vertices;          // those behind the surface carry numbers
   std::pmr::vector<VertexRange> source;              // by mesh: its vertices in the source's order
   CsrTable<VertexRange> baked;                       // by mesh: in baked order, where they may lie in several ranges
-  std::pmr::vector<std::uint32_t> row_block_meshes;  // by row block; count(): of channels
+  std::pmr::vector<std::uint32_t> row_block_meshes;  // by row block; count(): of numbers
 };
 
 }  // namespace fb::runtime

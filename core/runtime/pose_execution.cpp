@@ -41,7 +41,7 @@ void PoseExecution::scatter_features() {
   const std::span<const std::uint32_t> active = workspace_.features_.active();
   const std::size_t left_out = at_level ? layout_.row_block_list(detail_.level->blocks) : 0;
   const std::size_t left_out_end =
-      at_level ? layout_.row_block_list(with_channels_ ? layout_.surface_blocks() : layout_.row_blocks.size()) : 0;
+      at_level ? layout_.row_block_list(with_carriers_ ? layout_.surface_blocks() : layout_.row_blocks.size()) : 0;
   for (std::size_t i = 0; i < active.size(); ++i) {
     if (i + prefetch_distance < active.size()) __builtin_prefetch(entries + offsets[active[i + prefetch_distance]]);
     float value[poses];
@@ -90,7 +90,7 @@ void PoseExecution::run_regions() {
     workspace_.active_regions_[r] = 0;
     const RegionNetwork& network = layout_.networks[r];
     const std::size_t count = !detail_.level   ? network.output_count()
-                              : with_channels_ ? detail_.level->all_outputs[r]
+                              : with_carriers_ ? detail_.level->all_outputs[r]
                                                : detail_.level->outputs[r];
     if (inputs.count == 0 || count == 0 || !(regions_.empty() || regions_[r] != 0)) continue;
     float gates[poses];
@@ -300,18 +300,52 @@ void PoseExecution::write_outputs(std::size_t pose, const float* rows, const Pos
   write_vectors(computed, output.normals);
 }
 
+// Moves vertices as the driven joints moved.
+void PoseExecution::skin(std::size_t pose, float* rows) {
+  const std::uint32_t end = level_only_ && detail_.level ? detail_.level->vertices : layout_.meshes.surface().end;
+  std::uint8_t* const moved = workspace_.moved_.data() + pose * layout_.row_blocks.size();
+  for (std::size_t b = 0; b < layout_.surface_blocks(); ++b) {
+    const std::uint32_t mesh = layout_.meshes.row_block_meshes[b];
+    if (!meshes_.empty() && !meshes_[mesh]) continue;
+    // A vertex belongs to the block that its first row is in.
+    const RowBlockMatrix& block = layout_.row_blocks[b];
+    const std::uint32_t last = (block.first_row() + block.row_count() + 2) / 3;
+    const VertexRange range = {(block.first_row() + 2) / 3, std::min(last, end)};
+    if (range.begin >= range.end || !layout_.skin.run(layout_.kernels, b, range, workspace_.skin_, rows)) continue;
+    moved[b] = 1;
+    if (!layout_.blocks_of_vertices && b + 1 < layout_.surface_blocks()) moved[b + 1] = 1;
+  }
+}
+
+// attributes: whether positions, normals and tangents are still to be written; positions: whether positions are.
+void PoseExecution::write_pose(std::size_t pose, float* rows, const PoseOutput& output, bool attributes,
+                               bool positions) {
+  const bool driven = !layout_.skin.empty(), unskinned = driven && (output.unskinned || output.displacements);
+  if (output.channels) write_channels(rows, output.channels);
+  if (unskinned) write_outputs(pose, rows, output, positions);
+  if (driven) {
+    layout_.skin.find_matrices(rows, workspace_.skin_);
+    if (output.joints) layout_.skin.write_frames(workspace_.skin_, output.joints);
+    if (!unskinned || output.sockets || output.bounds) skin(pose, rows);
+  }
+  if (output.sockets) layout_.sockets.run(rows, meshes_, output.sockets);
+  if (output.bounds) write_bounds(rows, output.bounds);
+  if (attributes && !unskinned) write_outputs(pose, rows, output, positions);
+}
+
 template <std::size_t poses>
 void PoseExecution::run_features_on(const PoseOutput* outputs) {
   all_points_ = outputs[0].all_points;
-  with_channels_ = outputs[0].channels || all_points_;
+  const bool driven = !layout_.skin.empty();
+  with_carriers_ = outputs[0].channels || all_points_ || driven;
   detail_.level ? scatter_features<poses, true>() : scatter_features<poses, false>();
   run_regions<poses>();
   const PoseOutput& output = outputs[0];
   const bool attributes = output.normals.first || output.tangents.first;
   // Rows are written to the output itself if it has their order and format, and nothing else needs them.
-  const bool direct =
-      is_plain(output.positions, VertexOrder::baked) && !attributes && !output.channels && !output.displacements;
-  const bool scattered = !direct && scatters(output);
+  const bool direct = is_plain(output.positions, VertexOrder::baked) && !attributes && !output.channels &&
+                      !output.displacements && !driven;
+  const bool scattered = !direct && !driven && scatters(output);
   const bool kept = !scattered || attributes || output.sockets || output.channels || output.bounds;
   float* rows[poses];
   for (std::size_t p = 0; p < poses; ++p)
@@ -320,13 +354,7 @@ void PoseExecution::run_features_on(const PoseOutput* outputs) {
                      : workspace_.block_rows_.data() + p * layout_.max_block_rows;
   run_row_blocks<poses>({rows, kept && !direct, !kept, scattered ? outputs : nullptr});
   for (std::size_t p = 0; p < poses && (detail_.level || detail_.next); ++p) slide(p, rows[p], !direct);
-  for (std::size_t p = 0; p < poses; ++p)
-    if (outputs[p].sockets) layout_.sockets.run(rows[p], meshes_, outputs[p].sockets);
-  for (std::size_t p = 0; p < poses; ++p)
-    if (outputs[p].bounds) write_bounds(rows[p], outputs[p].bounds);
-  for (std::size_t p = 0; p < poses && !direct; ++p) write_outputs(p, rows[p], outputs[p], !scattered);
-  for (std::size_t p = 0; p < poses; ++p)
-    if (outputs[p].channels) write_channels(rows[p], outputs[p].channels);
+  for (std::size_t p = 0; p < poses; ++p) write_pose(p, rows[p], outputs[p], !direct, !scattered);
 }
 
 void PoseExecution::run_pose(const float* controls, const PoseOutput& output) {

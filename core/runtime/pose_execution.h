@@ -22,8 +22,11 @@ struct PoseOutput {
   float* channels = nullptr;  // values; null: no output
   // bounds_floats of the positions of the vertices of posed meshes: the least, then the largest; null: no output
   float* bounds = nullptr;
+  float* joints = nullptr;     // frames of driven joints; null: no output
   bool displacements = false;  // positions: less the rest positions
-  bool all_points = false;     // positions: those that carry channels, too
+  // Positions, normals and tangents: before driven joints move vertices.
+  bool unskinned = false;
+  bool all_points = false;  // positions: those that carry numbers, too
 };
 
 // What is left out of poses.
@@ -87,6 +90,8 @@ class PoseExecution {
   template <class Visit>
   void visit_written(const Visit& visit) const;
   void slide(std::size_t pose, float* rows, bool in_workspace);
+  void skin(std::size_t pose, float* rows);
+  void write_pose(std::size_t pose, float* rows, const PoseOutput& output, bool attributes, bool positions);
   void write_outputs(std::size_t pose, const float* rows, const PoseOutput& output, bool positions);
   const float* with_missing_vertices(const float* of_level);
   void write(const float* rows, VertexOrder order, const VertexOutput& output, const float* rest = nullptr);
@@ -95,7 +100,7 @@ class PoseExecution {
   void write_bounds(const float* rows, float* bounds) const;
   bool is_posed(std::size_t block) const {
     const std::uint32_t mesh = layout_.meshes.row_block_meshes[block];
-    if (mesh == layout_.meshes.count()) return with_channels_;
+    if (mesh == layout_.meshes.count()) return with_carriers_;
     return (meshes_.empty() || meshes_[mesh]) && !(detail_.level && block >= detail_.level->blocks);
   }
 
@@ -104,7 +109,7 @@ class PoseExecution {
   const MeshMask meshes_;
   const DetailChoice detail_;
   const bool level_only_;
-  bool with_channels_ = false, all_points_ = false;  // in the current poses
+  bool with_carriers_ = false, all_points_ = false;  // in the current poses
   Workspace& workspace_;
 };
 

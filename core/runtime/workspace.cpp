@@ -27,6 +27,7 @@ Workspace::Workspace(const EvaluationLayout& layout, std::size_t poses, std::pmr
       normals_(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory),
       errors_(layout.errors, memory),
       exact_(layout.exact, poses, memory),
+      skin_(layout.skin, memory),
       level_vectors_(layout.details.levels.empty() ? 0 : layout.row_stride(), &memory) {
   if (!layout.tangents.signs().empty())
     tangents_.emplace(layout.vertex_count(), layout.row_blocks.size(), layout.max_polygons(), memory);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "runtime/driven_skin.h"
 #include "runtime/error_prediction.h"
 #include "runtime/evaluation_layout.h"
 #include "runtime/exact_blend.h"
@@ -58,6 +59,7 @@ class Workspace {
   std::optional<PolygonGraph::State> tangents_;  // of faces that have texture coordinates
   ErrorPrediction::State errors_;
   ExactBlend::State exact_;
+  DrivenSkin::State skin_;
   std::pmr::vector<float> level_vectors_;  // of a level, spread to all vertices
   std::uint64_t clamped_ = 0, poses_ = 0;
 };

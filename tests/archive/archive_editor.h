@@ -67,13 +67,15 @@ struct ArchiveEditor {
       stored = std::move(contents);
     }
   };
-  std::uint16_t major = archive_major, minor = archive_minor;
+  std::uint16_t major = archive_major, minor = 0;
   std::vector<Section> sections;
 
   // Opens an archive and decompresses all its sections, to at most `limit` bytes.
   explicit ArchiveEditor(std::span<const std::byte> bytes, std::uint64_t limit = UINT64_MAX) {
     MemoryBudget budget(limit);
-    for (const StoredSection& section : read_container(bytes)) {
+    const auto parts = read_container(bytes);
+    minor = std::to_integer<std::uint16_t>(bytes[10]);
+    for (const StoredSection& section : parts) {
       sections.push_back({section.info.name, section.info.required ? section_required : 0u, 0, 0, {}});
       std::pmr::vector<std::byte> unpacked(&budget);
       const auto contents = section.contents(budget, unpacked);

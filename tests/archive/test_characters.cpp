@@ -76,8 +76,9 @@ TEST_CASE("channels that contradict themselves or the basis are refused") {
   check_unwritable([&](Model& m) { channel(m, 2).scale = 0; }, "channel \"eye_turn\" has the scale 0");
   check_unwritable([&](Model& m) { channel(m, 2).scale = NAN; }, "has the scale nan");
   check_unwritable([&](Model& m) { m.schema.channels.pop_back(); }, "2 vertices carry 3 channels");
-  check_unwritable([&](Model& m) { m.rest.points[95] = 1; }, "a channel is not 0 at rest");
-  check_unwritable([&](Model& m) { std::swap(m.order[30], m.order[31]); }, "lists vertices behind channels");
+  check_unwritable([&](Model& m) { m.rest.points[95] = 1; }, "a vertex that carries numbers is not 0 at rest");
+  check_unwritable([&](Model& m) { std::swap(m.order[30], m.order[31]); },
+                   "lists vertices behind those that carry numbers");
   check_unwritable([&](Model& m) { m.rest.polygon_corners[0] = 30; }, "names vertex 30 of 30");
   check_unwritable(
       [](Model& m) {

@@ -79,7 +79,7 @@ void measure(const PackedModel& model, RigEvaluator& rig, const std::vector<std:
   const runtime::Evaluator faces[] = {runtime::Evaluator(model), runtime::Evaluator(plain)};
   runtime::Workspace work[] = {runtime::Workspace(faces[0]), runtime::Workspace(faces[1])};
   const std::size_t size = rig.coordinate_count();
-  std::vector<float> points(block * size), predicted(size);
+  std::vector<float> points(block * size), predicted(3 * faces[0].vertex_count());
   Results results[2];
   for (std::size_t first = 0; first < poses; first += block) {
     std::vector<float> controls;
@@ -90,7 +90,7 @@ void measure(const PackedModel& model, RigEvaluator& rig, const std::vector<std:
     rig.evaluate(controls, block, points);
     for (std::size_t i = 0; i < block; ++i)
       for (std::size_t f = 0; f < 2; ++f) {
-        const std::span<const float> truth = std::span<const float>(points).subspan(i * size, size);
+        const std::span<const float> truth = std::span<const float>(points).subspan(i * size, predicted.size());
         faces[f].evaluate(controls.data() + i * rig.schema().control_count(), predicted.data(), work[f]);
         results[f].sums.add_frame(predicted, truth);
         ErrorSums one;

@@ -62,7 +62,7 @@ static void an_archive_is_inspected(void** state) {
   fb_archive_info info;
   fb_archive_info_init(&info);
   assert_ok(fb_archive_describe(toy_face, &info));
-  assert_int_equal(info.format_version, fb_format_version());
+  assert_int_equal(info.format_version, 2000); /* without what 2.1 adds */
   assert_string_equal(info.name, "toy");
   assert_string_equal(info.recipe, "linear");
   assert_string_equal(info.licence, "");
@@ -215,7 +215,7 @@ static void an_archive_is_packed_again(void** state) {
   fb_pack_result_init(&result);
   assert_ok(fb_report_pack(report, &result));
   assert_true(result.within_limits && result.step_factor == 1 && result.displacement.frames == 0);
-  assert_true(result.bytes_before == info.byte_count && result.format == fb_format_version());
+  assert_true(result.bytes_before == info.byte_count && result.format == 2000);
   fb_archive* packed = NULL;
   assert_ok(fb_archive_open(desc.out, &packed));
   fb_archive_info new_info;

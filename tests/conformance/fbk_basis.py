@@ -78,14 +78,14 @@ def read_basis(c, face):
     behind = list(range(face.vertices, face.points))
     face.order = c.deltas(face.points).tolist() if ordered else list(range(face.points))
     c.check(sorted(face.order) == list(range(face.points)), "the order does not list every vertex once")
-    c.check(face.order[face.vertices :] == behind, "the order lists vertices behind channels")
+    c.check(face.order[face.vertices :] == behind, "the order lists vertices behind those that carry numbers")
     rows = c.planes(c.u32()).tolist()
     c.check(all(rows) and sum(rows) == 3 * face.points, "rows")
     mesh_of_row = np.repeat(face.mesh_of[face.order], 3)
     face.row_blocks, end = [], 0
     for count in rows:
         block = SimpleNamespace(first=end, end=end + count, rows=count, segments=[])
-        c.check(len(set(mesh_of_row[block.first : block.end])) == 1, "a row block of two meshes, or of channels too")
+        c.check(len(set(mesh_of_row[block.first : block.end])) == 1, "a row block of two meshes, or of numbers too")
         face.row_blocks.append(block)
         end = block.end
     read_segments(c, face, columns)

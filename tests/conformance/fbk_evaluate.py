@@ -6,6 +6,7 @@ import operator
 
 import numpy as np
 
+import fbk_joints
 from fbk_basis import HAT, IDENTITY, MINIMUM, PRODUCT
 from fbk_bytes import F, added, require
 
@@ -146,8 +147,8 @@ def exact_weights(face, controls):
     return [weight / total for weight in weights] if total > 1 else weights
 
 
-def evaluate(face, controls, factors=F(1)):
-    """Positions and channels of a pose; factors: of coefficients, at a level of detail."""
+def displaced(face, controls, factors=F(1)):
+    """All points of a pose, before joints move them; factors: of coefficients, at a level of detail."""
     require(not np.isnan(controls).any(), "a control is not a number")
     controls = np.clip(controls, face.low, face.high)
     weights = exact_weights(face, controls)
@@ -170,11 +171,17 @@ def evaluate(face, controls, factors=F(1)):
             corrections = pose.corrections[block.first : block.end]
             if weight > 0 and corrections.any():
                 positions[at] = positions[at] + weight * corrections
-    channels = []
-    for (_, low, high, at_rest, scale), x in zip(face.channels, positions[3 * face.vertices :]):
+    return positions
+
+
+def evaluate(face, controls):
+    """Positions, channels and frames of driven joints of a pose."""
+    points, channels = displaced(face, controls), []
+    for (_, low, high, at_rest, scale), x in zip(face.channels, points[3 * face.vertices :]):
         value = at_rest + scale * x
         channels.append((value if value < high else high) if value > low else low)
-    return positions[: 3 * face.vertices], np.array(channels, F)
+    positions, joints = fbk_joints.skinned(face, points)
+    return positions, np.array(channels, F), joints
 
 
 def positions_at(face, controls, lod):
@@ -187,7 +194,7 @@ def positions_at(face, controls, lod):
         factors[~face.levels[number - 1].used] = 0
     if share > 0:
         factors[(factors != 0) & ~face.levels[number].used] = F(1) - share
-    points = evaluate(face, controls, factors)[0].reshape(-1, 3)
+    points = displaced(face, controls, factors).reshape(-1, 3)
 
     def on_surface(corners, weights):
         a, b, c = (weight * points[v] for weight, v in zip(weights, corners))
@@ -199,7 +206,7 @@ def positions_at(face, controls, lod):
     for level in reversed(face.levels[:number]):
         for v, corners, weights in level.points:
             points[v] = on_surface(corners, weights)
-    return points.ravel()
+    return fbk_joints.skinned(face, points.ravel())[0]
 
 
 def product(a, b):

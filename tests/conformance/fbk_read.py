@@ -61,8 +61,8 @@ def decompress(sections, name):
 
 class Face:
     # What stays so where a section is missing.
-    channels = uvs = images = materials = meshes = joints = sockets = levels = exact = ()
-    errors, proof = None, {"controls": ()}
+    channels = uvs = images = materials = meshes = joints = sockets = levels = exact = driven = influences = ()
+    errors, proof, first_number = None, {"controls": ()}, 0
 
     def __init__(self, data):
         sections = read_sections(data)
@@ -77,7 +77,7 @@ class Face:
 
     @property
     def mesh_of(self):
-        """The number of the mesh of each point; channels are not of the meshes."""
+        """The number of the mesh of each point; what carries numbers is not of the meshes."""
         sizes = [mesh.vertices for mesh in self.meshes] or [self.vertices]
         sizes.append(self.points - self.vertices)
         return np.repeat(np.arange(len(sizes)), sizes)
@@ -88,7 +88,7 @@ class Face:
             require(not np.isnan(positions).any(), "a position is NaN")
             return np.uint64(xxh64(positions.astype("<f4").tobytes()))
 
-        positions, channels = fbk_evaluate.evaluate(self, controls)
+        positions, channels, joints = fbk_evaluate.evaluate(self, controls)
         yield "positions", positions.reshape(-1, 3)[self.proof_vertices]
         yield "hash", hash_of(positions)
         yield "frames", np.array([fbk_evaluate.posed_frame(self, socket, positions) for socket in self.sockets])
@@ -99,6 +99,8 @@ class Face:
             yield "controls outside", np.uint32(outside)
         levels = [fbk_evaluate.positions_at(self, controls, half / 2) for half in range(1, 2 * len(self.levels) + 1)]
         yield "hashes at levels of detail", np.array([hash_of(positions) for positions in levels], np.uint64)
+        if self.driven:
+            yield "hash of joints", hash_of(joints)
 
     def verify(self):
         for pose, controls in enumerate(self.proof["controls"]):

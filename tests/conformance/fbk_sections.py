@@ -6,6 +6,7 @@ import numpy as np
 
 import fbk_basis
 import fbk_draco
+import fbk_joints
 from fbk_bytes import F, added, unzigzag, zigzag
 
 NONE = 2**32 - 1  # no material, control or joint
@@ -316,11 +317,14 @@ def read_proof(c, face):
         read("expected errors", "f4", 1 + len(face.errors.constants))
         read("controls outside", "u4", 1)
     read("hashes at levels of detail", "u8", 2 * len(face.levels))
+    if face.driven:
+        read("hash of joints", "u8", 1)
 
 
 REQUIRED = ("definition", "polygons", "geometry", "network", "weights", "basis", "basis-values")
 READERS = {  # each after those of sections that it refers to
-    "definition": read_definition, "channels": read_channels, "geometry": read_geometry, "polygons": read_polygons,
+    "definition": read_definition, "channels": read_channels, "driven-joints": fbk_joints.read_driven_joints,
+    "geometry": read_geometry, "polygons": read_polygons,
     "uvs": read_uvs, "images": read_images, "materials": read_materials, "meshes": read_meshes,
     "network": fbk_basis.read_network, "weights": fbk_basis.read_weights, "basis": fbk_basis.read_basis,
     "basis-values": fbk_basis.read_basis_values, "labels": read_labels, "joints": read_joints, "skin": read_skin,

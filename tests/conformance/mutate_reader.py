@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""mutate_reader.py FOLDER: whether the golden archives pin the rules of FORMAT.md, DRACO.md and EVALUATION.md.
+"""mutate_reader.py FOLDER...: whether the golden archives pin the rules of FORMAT.md, DRACO.md and EVALUATION.md.
 
-Breaks the independent reader in one rule after the other. A broken reader must fail on FOLDER/accepted, or accept
-something of FOLDER/rejected. Prints the rules that no archive pins; fails if there are any.
+Breaks the independent reader in one rule after the other. A broken reader must fail on an accepted archive of a FOLDER, or
+accept a rejected one. Prints the rules that no archive pins; fails if there are any.
 """
 import concurrent.futures
 import os
@@ -84,24 +84,52 @@ MUTATIONS = [
      "value = prediction + unzigzag(residual)"),
     ("fbk_draco", "if start_faces.bit():", "if False:"),
     ("fbk_draco", "self.merged[gone] = kept", "pass"),
+    ("fbk_joints", "joint.numbers < 512", "True"),
+    ("fbk_joints", "depths[-1] <= 256", "True"),
+    ("fbk_joints", "depths[-1] <= 256", "depths[-1] < 256"),
+    ("fbk_joints", "joint.scales[number] > 0", "True"),
+    ("fbk_joints", "face.points += (numbers + 2) // 3", "face.points += numbers // 3"),
+    ("fbk_joints", "max(counts) <= most", "True"),
+    ("fbk_joints", "all(j < len(face.driven) for j in joints)", "True"),
+    ("fbk_joints", "all(w > 0 for w in weights)", "True"),
+    ("fbk_joints", "sum(weights[at : at + count]) <= 32768", "True"),
+    ("fbk_joints", "F(w) / F(32768)", "F(w) / F(32767)"),
+    ("fbk_joints", "for coefficient in coefficients[-2::-1]:", "for coefficient in coefficients[-2:0:-1]:"),
+    ("fbk_joints", "square if square < F(40) else F(40)", "square"),
+    ("fbk_joints", "(a[:, 0:1] * b[0] + a[:, 1:2] * b[1]) + a[:, 2:3] * b[2]",
+     "a[:, 0:1] * b[0] + (a[:, 1:2] * b[1] + a[:, 2:3] * b[2])"),
+    ("fbk_joints", "linear = (linear + lengths) + times(linear, lengths)", "linear = linear + lengths"),
+    ("fbk_joints", "linear = (linear + lengths) + times(linear, lengths)",
+     "linear = (linear + lengths) + times(lengths, linear)"),
+    ("fbk_joints", "- times(linear, origin)", "- times(linear, F(0) * origin)"),
+    ("fbk_joints", "found.append(above)", "found.append(None)"),
+    ("fbk_joints", "found.append(own if above is None else (above + own) + times(above, own))",
+     "found.append(own if above is None else (above + own) + times(own, above))"),
+    ("fbk_joints", "found.append(own if above is None else (above + own) + times(above, own))",
+     "found.append(own if above is None else above + (own + times(above, own)))"),
+    ("fbk_joints", "(blend[:, 0] * x + blend[:, 1] * y) + (blend[:, 2] * z + blend[:, 3])",
+     "((blend[:, 0] * x + blend[:, 1] * y) + blend[:, 2] * z) + blend[:, 3]"),
+    ("fbk_joints", "frame += follow", "frame = frame + times(change, joint.rest)"),
+    ("fbk_evaluate", "return fbk_joints.skinned(face, points.ravel())[0]", "return points.ravel()[: 3 * face.vertices]"),
 ]
 
 
-def is_caught(reader, folder):
+def is_caught(reader, folders):
     """Whether the reader in a folder disagrees with the golden archives."""
     def accepts(files):
         done = subprocess.run([sys.executable, "-B", str(reader), *map(str, files)], capture_output=True, timeout=120)
         return done.returncode == 0
 
     try:
-        if not accepts(sorted((folder / "accepted").glob("*.fbk"))):
-            return True
-        return any(accepts([file]) for file in sorted((folder / "rejected").glob("*.fbk")))
+        for folder in folders:
+            if not accepts(sorted((folder / "accepted").glob("*.fbk"))):
+                return True
+        return any(accepts([file]) for folder in folders for file in sorted((folder / "rejected").glob("*.fbk")))
     except subprocess.TimeoutExpired:
         return True
 
 
-def try_mutation(mutation, folder):
+def try_mutation(mutation, folders):
     name, text, replacement = mutation
     here = pathlib.Path(__file__).parent
     with tempfile.TemporaryDirectory() as temporary:
@@ -112,15 +140,15 @@ def try_mutation(mutation, folder):
         if source.count(text) != 1:
             sys.exit(f"{name}: {text!r} occurs {source.count(text)} times")
         broken.write_text(source.replace(text, replacement))
-        return is_caught(pathlib.Path(temporary) / "fbk_read.py", folder)
+        return is_caught(pathlib.Path(temporary) / "fbk_read.py", folders)
 
 
-def main(folder):
-    folder = pathlib.Path(folder)
-    if is_caught(pathlib.Path(__file__).parent / "fbk_read.py", folder):
+def main(*folders):
+    folders = [pathlib.Path(folder) for folder in folders]
+    if is_caught(pathlib.Path(__file__).parent / "fbk_read.py", folders):
         sys.exit("the reader as it is disagrees with the golden archives")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        caught = list(pool.map(lambda mutation: try_mutation(mutation, folder), MUTATIONS))
+        caught = list(pool.map(lambda mutation: try_mutation(mutation, folders), MUTATIONS))
     for (name, text, replacement), found in zip(MUTATIONS, caught):
         if not found:
             print(f"{name}: no archive pins {text!r}, which may be {replacement!r}")

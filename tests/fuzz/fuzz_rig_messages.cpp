@@ -17,7 +17,7 @@ RigDescription small_rig() {
   RigDescription rig;
   rig.schema.channels = {{"frown", "", 0, 1, 0, 1}};
   rig.rest.points.resize(3 * 5);
-  rig.rest.channel_vertices = 1;
+  rig.rest.carrier_vertices = 1;
   return rig;
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_hashes.py FOLDER: FOLDER/SHA256SUMS has every archive of the folder and its SHA-256, as sha256sum prints them.
+"""check_hashes.py FOLDER...: FOLDER/SHA256SUMS has every archive of the folder and its SHA-256, as sha256sum prints them.
 
 Golden archives of a frozen version never change: new ones are added with their lines."""
 import hashlib
@@ -22,4 +22,4 @@ def main(folder: pathlib.Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1])))
+    sys.exit(max(main(pathlib.Path(folder)) for folder in sys.argv[1:]))

@@ -113,6 +113,25 @@ PackedModel regular(bool polygons) {
   return model;
 }
 
+PackedModel deep_chain(std::uint32_t joints) {
+  PackedModel model = smallest();
+  DrivenJoints& driven = model.rest.driven;
+  for (std::uint32_t j = 0; j < joints; ++j)
+    driven.joints.push_back({format("%05u", j),
+                             j == 0 || j >= most_joint_depth ? no_joint : j - 1,
+                             j == 0 || j == 255 ? 2u : 0u,
+                             {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}});
+  driven.scales = {0.5f, 1};
+  driven.skin = {1, {std::uint16_t(joints - 1), 255}, {1, 1}};
+  model.rest.carrier_vertices = 1;
+  model.rest.points.insert(model.rest.points.end(), 3, 0.0f);
+  model.features = {{Feature::Kind::identity, 0, 1, 0}};
+  model.direct = {0};
+  model.columns = 1;
+  model.row_blocks = {{0, 6, {}, {}}, {6, 3, {{0, false, 0.01f}}, {100, 50, 0}}};
+  return model;
+}
+
 PackedModel with_uvs(void (*add_uvs)(Mesh&)) {
   PackedModel model = regular(true);
   add_uvs(model.rest);

@@ -41,6 +41,8 @@ Bytes numbers(std::initializer_list<std::uint32_t> list);
 PackedModel smallest();
 // Positions on a grid and 20 quads coded along triangles, the vertices in another order than Draco's.
 PackedModel regular(bool polygons);
+// With a chain of 256 driven joints, of names of one byte or more, and beside it what there are more.
+PackedModel deep_chain(std::uint32_t joints);
 PackedModel with_uvs(void (*add_uvs)(Mesh&));
 
 // Draco data whose numbers and frequencies take more bytes than they need.
@@ -81,6 +83,7 @@ void write_rejected_characters(const RejectedWriter& out);
 void write_rejected_bodies(const RejectedWriter& out);
 void write_rejected_errors(const RejectedWriter& out);
 void write_rejected_exact_poses(const RejectedWriter& out);
+void write_rejected_joints(const RejectedWriter& out);
 void write_rejected_levels(const RejectedWriter& out);
 void write_rejected_behaviour(const RejectedWriter& out);
 void write_rejected_texts_and_proofs(const RejectedWriter& out);

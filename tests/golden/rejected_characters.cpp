@@ -105,7 +105,7 @@ void write_rejected_channels(const RejectedWriter& out) {
   out.patched("corrupt-channel-scale-infinite.fbk", "channels", 17 + 12, infinity, model);
   PackedModel points = smallest();  // and two vertices that carry channels
   for (const char* name : {"a", "b", "c", "d"}) points.schema.channels.push_back({name, "", 0, 1, 0, 1});
-  points.rest.channel_vertices = 2;
+  points.rest.carrier_vertices = 2;
   points.rest.points.resize(12);
   points.order = {0, 1, 2, 3};
   points.row_blocks = {{0, 6, {}, {}}, {6, 6, {}, {}}};

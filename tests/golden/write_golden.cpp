@@ -195,6 +195,24 @@ void write_accepted(const std::filesystem::path& folder) {
         }));
 }
 
+// Of version 2.1.
+void write_accepted_joints(const std::filesystem::path& folder) {
+  const auto write = [&](const char* name, const Bytes& bytes) { write_file(folder / name, bytes); };
+  write("driven.fbk", with_proof(driven_model()));
+  write("driven-exact-levels.fbk", with_proof(whole_model()));
+  write("driven-deep.fbk", with_proof(deep_chain(256)));
+  PackedModel split = split_model(5, true);
+  split.rest.driven.joints = {{"arm", no_joint, joint_rotation, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
+  split.rest.driven.scales = {0.5f, 0.5f, 0.5f};
+  split.rest.driven.skin = {1, std::vector<std::uint16_t>(30), std::vector<float>(30, 1)};
+  split.rest.carrier_vertices = 1;
+  split.rest.points.insert(split.rest.points.end(), 3, 0.0f);
+  split.order.push_back(30);
+  Random random(9);
+  split.row_blocks.push_back(random_row_block(random, 90, 3, {0, 2, 4}, 0.5f));
+  write("driven-split-rows.fbk", with_proof(split));
+}
+
 void write_rejected(const std::filesystem::path& folder) {
   const RejectedWriter out(folder);
   write_rejected_containers(out);
@@ -204,6 +222,7 @@ void write_rejected(const std::filesystem::path& folder) {
   write_rejected_characters(out);
   write_rejected_errors(out);
   write_rejected_exact_poses(out);
+  write_rejected_joints(out);
   write_rejected_bodies(out);
   write_rejected_levels(out);
   write_rejected_behaviour(out);
@@ -222,5 +241,6 @@ int main(int count, char** arguments) {
   fb::make_folder(folder / "accepted");
   fb::make_folder(folder / "rejected");
   fb::write_accepted(folder / "accepted");
+  fb::write_accepted_joints(folder / "accepted");
   fb::write_rejected(folder / "rejected");
 }

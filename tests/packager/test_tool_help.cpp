@@ -90,7 +90,7 @@ TEST_CASE("help COMMAND is the command's --help") {
 TEST_CASE("the version says what the tool was built with") {
   const std::string text = run_tool({"--version"}).out;
   CHECK(text.starts_with("facebaker "));
-  for (const char* line : {"\nformat: 2.0\n", "\ncompiler: ", "\nOpenMP: ", "\ninstruction sets: scalar",
+  for (const char* line : {"\nformat: 2.1\n", "\ncompiler: ", "\nOpenMP: ", "\ninstruction sets: scalar",
                            "; here: ", "\nlinked: zlib", ", Draco", "\nlinked into the tool: "})
     CHECK_MESSAGE(contains(text, line), line);
 }

@@ -45,6 +45,18 @@ FB_ALPHA_BLEND = 2
 FB_FRAME_FLOATS = 12
 FB_NO_JOINT = 0xffffffff
 FB_MOST_INFLUENCES = 32
+FB_JOINT_ROTATE_X = 1
+FB_JOINT_ROTATE_Y = 2
+FB_JOINT_ROTATE_Z = 4
+FB_JOINT_ROTATE = 7
+FB_JOINT_MOVE_X = 8
+FB_JOINT_MOVE_Y = 16
+FB_JOINT_MOVE_Z = 32
+FB_JOINT_MOVE = 56
+FB_JOINT_SCALE_X = 64
+FB_JOINT_SCALE_Y = 128
+FB_JOINT_SCALE_Z = 256
+FB_JOINT_SCALE = 448
 FB_ABOUT_BYTES = 65536
 FB_THUMBNAIL_BYTES = 65536
 FB_RIG_ABI = 2
@@ -128,6 +140,8 @@ class fb_batch_desc(Structure):
         ("expected_error_floats", c_uint64), ("expected_error_pose_stride", c_uint64), ("outside", c_void_p),
         ("displacements", c_uint32), ("reserved_displacements", c_uint32), ("bounds", c_void_p),
         ("bounds_floats", c_uint64), ("bounds_pose_stride", c_uint64), ("lod", c_float), ("level_only", c_uint32),
+        ("joints", c_void_p), ("joint_floats", c_uint64), ("joint_pose_stride", c_uint64), ("unskinned", c_uint32),
+        ("reserved_unskinned", c_uint32),
     ]
 class fb_many_item(Structure):
     _fields_ = [("model", c_void_p), ("scratch", c_void_p), ("batch", POINTER(fb_batch_desc))]
@@ -176,6 +190,11 @@ class fb_joint(Structure):
         ("struct_size", c_uint32), ("parent", c_uint32), ("name", c_char_p), ("rest", c_float * 12),
         ("inverse_bind", c_float * 12),
     ]
+class fb_driven_joint(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32), ("parent", c_uint32), ("name", c_char_p), ("numbers", c_uint32),
+        ("reserved", c_uint32), ("rest", c_float * 12),
+    ]
 class fb_level(Structure):
     _fields_ = [
         ("struct_size", c_uint32), ("vertex_count", c_uint32), ("polygon_count", c_uint32), ("corner_count", c_uint32),
@@ -219,6 +238,7 @@ class fb_rig(Structure):
         ("joint_count", c_uint32), ("joint_stride", c_uint32), ("joints", POINTER(fb_joint)),
         ("skin_influences", c_uint32), ("reserved_skin", c_uint32), ("skin_joints", POINTER(c_uint16)),
         ("skin_weights", POINTER(c_float)), ("evaluate_skinned", fb_rig_evaluate_skinned),
+        ("joint_numbers", POINTER(c_uint32)),
     ]
 fb_rig_open_function = CFUNCTYPE(c_int32, c_char_p, POINTER(fb_rig), c_void_p, c_uint32)
 fb_callbacks_progress = CFUNCTYPE(c_int32, c_void_p, c_char_p, c_uint64, c_uint64)
@@ -442,6 +462,11 @@ FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {
     "fb_joint_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_joint)]),
     "fb_find_joint": (c_int32, [c_void_p, c_char_p, c_void_p]), "fb_skin_influences": (c_uint32, [c_void_p]),
     "fb_skin_joints": (POINTER(c_uint16), [c_void_p]), "fb_skin_weights": (POINTER(c_float), [c_void_p]),
+    "fb_driven_joint_fill": (None, [POINTER(fb_driven_joint), c_uint32]),
+    "fb_driven_joint_count": (c_uint32, [c_void_p]),
+    "fb_driven_joint_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_driven_joint)]),
+    "fb_find_driven_joint": (c_int32, [c_void_p, c_char_p, c_void_p]), "fb_driven_influences": (c_uint32, [c_void_p]),
+    "fb_driven_skin_joints": (POINTER(c_uint16), [c_void_p]), "fb_driven_skin_weights": (POINTER(c_float), [c_void_p]),
     "fb_level_fill": (None, [POINTER(fb_level), c_uint32]), "fb_level_count": (c_uint32, [c_void_p]),
     "fb_level_at": (c_int32, [c_void_p, c_uint32, POINTER(fb_level)]), "fb_about": (c_char_p, [c_void_p]),
     "fb_thumbnail": (c_void_p, [c_void_p, c_void_p]), "fb_progress_phase": (c_int32, []),

@@ -16,6 +16,9 @@ export interface RowBlock {
 
 export function readRowBlocks(heap: Heap, model: number): RowBlock[] {
   const blocks: RowBlock[] = [];
+  if (heap.call('fb_driven_joint_count', model) > 0)
+    throw new Error(
+        'the face has joints that its controls drive: a GPU that only multiplies its basis would not move them');
   const count = heap.call("fb_row_block_count", model);
   for (let index = 0; index < count; ++index) {
     const block = heap.fill("fb_row_block", (to) => heap.check("fb_row_block_at", model, index, to));

@@ -271,7 +271,8 @@ FB_API const char* fb_region_name(const fb_model* model, uint32_t index);
 /** For hosts whose GPU moves the vertices: displacements are the basis times the coefficients of a pose
  * (fb_evaluate_coefficients). Row 3 i + axis of the basis is coordinate `axis` of vertex i in baked order, in which
  * vertices that use the same coefficients are contiguous. The basis is stored in row blocks, each of which uses some of
- * the coefficients. Such displacements differ from fb_evaluate's by rounding, and are 0 at rest. */
+ * the coefficients. Such displacements differ from fb_evaluate's by rounding, and are 0 at rest. Of
+ * a face with driven joints they are those before the joints move the vertices, see fb_batch_desc::joints. */
 
 /** Baked order: the source index of each vertex, fb_vertex_count numbers; null if it is the source's order. */
 FB_API const uint32_t* fb_vertex_order(const fb_model* model);
@@ -394,8 +395,9 @@ typedef struct fb_batch_desc {
   uint64_t expected_error_floats;      /**< size of that buffer, in floats */
   uint64_t expected_error_pose_stride; /**< in floats; 0: 1 + fb_error_region_count */
   uint32_t* outside;                   /**< as fb_expected_error gives it, one number a pose; null: no output */
-  uint32_t displacements; /**< 1: positions receives displacements instead, position less rest position, which are 0
-                             where a pose is at rest, but for vertices that lod moves; 0: positions */
+  uint32_t displacements; /**< 1: positions receives displacements instead, position less rest position, before driven
+                             joints, which are 0 where a pose is at rest, but for vertices that lod moves; 0:
+                             positions */
   uint32_t reserved_displacements; /**< 0 */
   float* bounds; /**< of each pose, 6 floats: the smallest x, y and z, then the largest, of the positions of the
                     vertices of the meshes that are posed, before any skin; 0 where none is posed. The same whatever
@@ -413,6 +415,15 @@ typedef struct fb_batch_desc {
   uint32_t level_only; /**< 1: of positions, normals, tangents and bounds only the vertices of the level that lod is
                           rounded down to are written, the first fb_level::vertex_count in baked order, and buffers need
                           have no others; needs FB_ORDER_BAKED. 0 (default): all */
+  float* joints;       /**< frames of the driven joints (facebaker_character.h), 12 floats each, in their order, in the
+                          space of positions, whichever meshes are posed. The same bits on every machine. Refused for a
+                          face without driven joints. Null: no output */
+  uint64_t joint_floats;      /**< size of that buffer, in floats */
+  uint64_t joint_pose_stride; /**< in floats; 0: 12 * fb_driven_joint_count */
+  uint32_t unskinned; /**< 1: positions, normals and tangents are those before driven joints move the vertices, as
+                         displacements always are, for a host that skins by itself; bounds and sockets are always of
+                         what is seen. 0 (default): after */
+  uint32_t reserved_unskinned; /**< 0 */
 } fb_batch_desc;
 
 FB_API void fb_batch_desc_fill(fb_batch_desc* to, uint32_t struct_size);

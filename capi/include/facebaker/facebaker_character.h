@@ -240,6 +240,58 @@ FB_API const uint16_t* fb_skin_joints(const fb_model* model);
  * 0, for every vertex of a mesh that follows no joint. Null without a skin. */
 FB_API const float* fb_skin_weights(const fb_model* model);
 
+/* ---- Driven joints ----------------------------------------------------------------------------------------------- */
+
+/* How a driven joint moves, along the axes of its own frame at rest. What a rig moves beyond what it declares is left
+ * to displacements of vertices. */
+#define FB_JOINT_ROTATE_X 1u  /**< turns about its x axis */
+#define FB_JOINT_ROTATE_Y 2u  /**< turns about its y axis */
+#define FB_JOINT_ROTATE_Z 4u  /**< turns about its z axis */
+#define FB_JOINT_ROTATE 7u    /**< all three; by less than a half turn */
+#define FB_JOINT_MOVE_X 8u    /**< moves along its x axis */
+#define FB_JOINT_MOVE_Y 16u   /**< moves along its y axis */
+#define FB_JOINT_MOVE_Z 32u   /**< moves along its z axis */
+#define FB_JOINT_MOVE 56u     /**< all three */
+#define FB_JOINT_SCALE_X 64u  /**< is longer or shorter along its x axis */
+#define FB_JOINT_SCALE_Y 128u /**< is longer or shorter along its y axis */
+#define FB_JOINT_SCALE_Z 256u /**< is longer or shorter along its z axis */
+#define FB_JOINT_SCALE 448u   /**< all three */
+
+/** A joint that the controls move: of a jaw, a tongue, an eye. It is a part of the face, inside of the skeleton above:
+ * positions, normals, tangents, bounds and sockets of a pose have it in them, unless fb_batch_desc asks for what is
+ * before it. Where it is in a pose, fb_batch_desc::joints gives. Joints come after their parents. */
+typedef struct fb_driven_joint {
+  uint32_t struct_size;
+  uint32_t parent;             /**< index of its parent among these, less than its own, or FB_NO_JOINT */
+  const char* name;            /**< unique, not empty */
+  uint32_t numbers;            /**< FB_JOINT_... or-ed: how controls move it within its parent; 0: with that only */
+  uint32_t reserved;           /**< 0 */
+  float rest[FB_FRAME_FLOATS]; /**< its frame at rest, in the space of positions, not of its parent */
+} fb_driven_joint;
+
+/** No parent, at the origin, without numbers. */
+FB_API void fb_driven_joint_fill(fb_driven_joint* to, uint32_t struct_size);
+static inline void fb_driven_joint_init(fb_driven_joint* to) {
+  fb_driven_joint_fill(to, (uint32_t)sizeof *to);
+}
+/** Driven joints of the face; may be 0. */
+FB_API uint32_t fb_driven_joint_count(const fb_model* model);
+/** Fills *joint, up to its struct_size, for index < fb_driven_joint_count. */
+FB_API fb_status fb_driven_joint_at(const fb_model* model, uint32_t index, fb_driven_joint* joint);
+/** Finds a driven joint by its exact name; FB_ERROR_NOT_FOUND names those there are. */
+FB_API fb_status fb_find_driven_joint(const fb_model* model, const char* name, uint32_t* index);
+
+/** Influences of each vertex in the two arrays below, at most FB_MOST_INFLUENCES; 0 if the face has no driven joints.
+ */
+FB_API uint32_t fb_driven_influences(const fb_model* model);
+/** The driven joints that each vertex follows: fb_vertex_count x fb_driven_influences indices, in the source's vertex
+ * order. Null without driven joints. */
+FB_API const uint16_t* fb_driven_skin_joints(const fb_model* model);
+/** The weight of each, 0 to 1. Those of a vertex sum to at most 1: what is missing stays with what does not move. Those
+ * that are 0 come last. A host that skins by itself takes a vertex from where it is before joints move it, at p, to p +
+ * the sum of weight * (frame * (inverse of rest) * p - p). Null without driven joints. */
+FB_API const float* fb_driven_skin_weights(const fb_model* model);
+
 /* ---- Levels of detail -------------------------------------------------------------------------------------------- */
 
 /** A level of detail: the character at fewer vertices and with fewer coefficients. Level 0 is the whole. The vertices

@@ -150,6 +150,11 @@ typedef struct fb_rig {
    * cannot be inverted. */
   fb_status (*evaluate_skinned)(void* user, uint64_t poses, const float* controls, float* positions, float* channels,
                                 float* joints, char* message, uint32_t message_size);
+  const uint32_t* joint_numbers; /**< of each joint, FB_JOINT_... or-ed: how the controls move it within its parent.
+                                    Such a *driven* joint becomes a part of the baked face. 0: the joint is moved by a
+                                    host, and its motion is taken out, unless it is below a driven one, with
+                                    which it then moves. Null, or
+                                    a struct_size that ends before it: all are the host's */
 } fb_rig;
 
 /** Zeros *rig and sets struct_size, abi and the strides to those of this header. Inline: a plugin links no library. */

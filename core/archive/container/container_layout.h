@@ -7,7 +7,7 @@
 namespace fb::archive {
 
 inline constexpr unsigned char archive_signature[8] = {0x89, 'F', 'B', 'K', 0x0d, 0x0a, 0x1a, 0x0a};
-inline constexpr std::uint16_t archive_major = 2, archive_minor = 0;
+inline constexpr std::uint16_t archive_major = 2, archive_minor = 1;  // the newest that there is
 
 inline constexpr std::size_t header_bytes = 24, table_row_bytes = 72, checksum_bytes = 8, section_name_bytes = 32;
 inline constexpr std::uint32_t max_sections = 64;
@@ -33,6 +33,7 @@ inline constexpr const char* expected_errors = "expected-errors";
 inline constexpr const char* exact_poses = "exact-poses";
 inline constexpr const char* joints = "joints";
 inline constexpr const char* skin = "skin";
+inline constexpr const char* driven_joints = "driven-joints";
 inline constexpr const char* levels = "levels";
 inline constexpr const char* network = "network";
 inline constexpr const char* weights = "weights";

@@ -25,7 +25,7 @@ WrittenSection uncompressed_section(const char* name, bool required, std::vector
   return {name, required, Codec::none, size, std::move(raw)};
 }
 
-std::vector<std::byte> assemble_container(const std::vector<WrittenSection>& sections) {
+std::vector<std::byte> assemble_container(const std::vector<WrittenSection>& sections, std::uint16_t minor) {
   const std::size_t table_end = header_bytes + sections.size() * table_row_bytes;
   std::uint64_t offset = table_end + checksum_bytes;
   std::uint64_t size = offset + checksum_bytes;
@@ -35,7 +35,7 @@ std::vector<std::byte> assemble_container(const std::vector<WrittenSection>& sec
   out.bytes.reserve(size);
   out.raw(std::as_bytes(std::span(archive_signature)));
   out.number(archive_major);
-  out.number(archive_minor);
+  out.number(minor);
   out.number(static_cast<std::uint32_t>(sections.size()));
   out.number(size);
   for (const WrittenSection& section : sections) {

@@ -22,7 +22,8 @@ WrittenSection compressed_section(const char* name, bool required, std::vector<s
 // For contents that are entropy-coded already.
 WrittenSection uncompressed_section(const char* name, bool required, std::vector<std::byte> raw);
 
-// Header, section table, sections in this order, and all checksums.
-std::vector<std::byte> assemble_container(const std::vector<WrittenSection>& sections);
+// Header, section table, sections in this order, and all checksums. minor: of the lowest version that has everything
+// that they use.
+std::vector<std::byte> assemble_container(const std::vector<WrittenSection>& sections, std::uint16_t minor = 0);
 
 }  // namespace fb::archive

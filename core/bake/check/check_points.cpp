@@ -80,13 +80,16 @@ class PointsCheck {
   }
 
   void read_channels(const ClipFiles& clip, std::size_t first, std::size_t count) {
-    const std::size_t width = schema_.channels.size();
     if (clip.channels.rows() == 0) return;
+    const std::size_t width = schema_.channels.size() + files_.index.driven_number_count();
+    const auto name = [&](std::size_t number) {
+      return number < schema_.channels.size() ? "\"" + schema_.channels[number].name + "\""
+                                              : format("number %zu of joints", number - schema_.channels.size());
+    };
     std::vector<float> values(count * width);
     clip.channels.read(first, count, values);
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!std::isfinite(values[i]))
-        channels_.add(format("frame %zu \"%s\"", first + i / width, schema_.channels[i % width].name.c_str()));
+      if (!std::isfinite(values[i])) channels_.add(format("frame %zu %s", first + i / width, name(i % width).c_str()));
   }
 
   void look_at(Frame frame, std::span<const float> points) {

@@ -98,12 +98,13 @@ ClipFiles open_clip(const fs::path& folder, const DatasetIndex::Entry& entry, co
   clip.points = open_frames(folder, entry.points, {files.rest->vertex_count(), 3}, "points", plan, clip, findings);
   if (clip.points.rows() == 0) return clip;
   clip.evaluated = clip.points.rows();
-  if (schema.channels.empty()) return clip;
+  const std::size_t numbers = schema.channels.size() + files.index.driven_number_count();
+  if (numbers == 0) return clip;
   if (entry.channels.empty()) {
     findings.fault("channels", entry.name, format("clip \"%s\" has points but no channels", entry.name.c_str()));
     return clip;
   }
-  clip.channels = open_frames(folder, entry.channels, {schema.channels.size()}, "channels", plan, clip, findings);
+  clip.channels = open_frames(folder, entry.channels, {numbers}, "channels", plan, clip, findings);
   if (clip.channels.rows() == 0) clip.points = {};
   return clip;
 }

@@ -56,7 +56,8 @@ std::vector<std::vector<std::uint32_t>> vertex_blocks(const Mesh& rest, std::spa
   const std::vector<std::uint32_t> ends = rest.part_ends();
   for (std::size_t v = 0, part = 0; v < labels.size(); ++v) {
     while (v >= ends[part]) ++part;
-    of_label[{coarsest_levels.empty() ? 0 : -coarsest_levels[v], part, labels[v]}].push_back(std::uint32_t(v));
+    const std::uint32_t label = v < rest.surface_vertex_count() ? labels[v] : 0;
+    of_label[{coarsest_levels.empty() ? 0 : -coarsest_levels[v], part, label}].push_back(std::uint32_t(v));
   }
   std::vector<std::vector<std::uint32_t>> blocks;
   for (auto& [label, vertices] : of_label) bisect(rest, vertices, largest, blocks);

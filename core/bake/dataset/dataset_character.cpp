@@ -20,6 +20,12 @@ Mesh read_rest_mesh(const std::filesystem::path& folder, const DatasetIndex& ind
          shown(path).c_str());
   Mesh mesh = index.rest_mesh.empty() ? read_npy_mesh(folder, index.rest_arrays) : read_mesh(path);
   mesh.parts = index.parts;
+  if (!index.driven_joints.empty()) {
+    mesh.driven.joints = index.driven_joints;
+    mesh.driven.skin = read_npy_skin(dataset_path(folder, index.driven_skin_joints),
+                                     dataset_path(folder, index.driven_skin_weights), mesh.vertex_count());
+    round_weights(mesh.driven.skin);
+  }
   return mesh;
 }
 

@@ -125,11 +125,18 @@ DatasetIndex read_index(const JsonField& root, const Attempts& attempt, bool sch
     };
     read_character(root, name_image, index.parts, index.character);
     index.schema.channels = read_channels(root);
+    index.driven_joints = read_driven_joints(root);
   });
   if (const JsonField skin = root["skin"]; skin.exists())
     attempt([&] {
       index.skin_joints = skin["joints"].nonempty_text();
       index.skin_weights = skin["weights"].nonempty_text();
+    });
+  if (!index.driven_joints.empty())
+    attempt([&] {
+      const JsonField skin = root["driven_skin"];
+      index.driven_skin_joints = skin["joints"].nonempty_text();
+      index.driven_skin_weights = skin["weights"].nonempty_text();
     });
   if (root["sampling"].exists() && !schema_only) attempt([&] { read_sampling(root["sampling"], index); });
   if (!schema_only) attempt([&] { index.plan = root["plan"].flag_or(false); });
@@ -211,6 +218,9 @@ void write_dataset_index(const fs::path& folder, const DatasetIndex& index) {
   if (!index.skin_joints.empty()) root["skin"] = {{"joints", index.skin_joints}, {"weights", index.skin_weights}};
   write_about(index.character.about, root);
   write_channels(index.schema.channels, root);
+  write_driven_joints(index.driven_joints, root);
+  if (!index.driven_joints.empty())
+    root["driven_skin"] = {{"joints", index.driven_skin_joints}, {"weights", index.driven_skin_weights}};
   if (index.sampling)
     root["sampling"] = {{"request", format("%016" PRIx64, index.sampling->request)},
                         {"plan", format("%016" PRIx64, index.sampling->plan)},

@@ -24,7 +24,8 @@ struct DatasetIndex {
     // One name may also stand for numbered shards ("x.points.npy" for "x.000.points.npy", ...); several are shards.
     std::vector<std::string> controls;
     std::vector<std::string> points;         // empty: a plan
-    std::vector<std::string> channels = {};  // as points, where the rig has channels
+    // As points, where poses have channels or driven joints: their numbers, see carried_count().
+    std::vector<std::string> channels = {};
   };
 
   // Written by `sample`, so that it can be continued where it was interrupted; readers of the dataset ignore it.
@@ -42,6 +43,9 @@ struct DatasetIndex {
   Character character;                    // without the bytes of images, and without the skin
   std::vector<std::string> image_files;   // of each image
   std::string skin_joints, skin_weights;  // files of the skin; empty: none
+  std::vector<DrivenJoint> driven_joints;
+  std::string driven_skin_joints, driven_skin_weights;  // files of what follows them
+  std::size_t driven_number_count() const { return DrivenJoints{driven_joints, {}, {}}.number_count(); }
   std::vector<Entry> clips;
   std::optional<Sampling> sampling;
   // The folder is a plan: points that clips name and that are not there yet are to be evaluated by some program.

@@ -5,7 +5,8 @@
 
 #include "bake/dataset/dataset_character.h"
 #include "bake/dataset/dataset_index.h"
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
+#include "bake/rig/driven_pose.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
 #include "base/shown_path.h"
@@ -48,14 +49,16 @@ DatasetSource::DatasetSource(const std::filesystem::path& folder) : folder_(fold
   schema_ = index.schema;
   rest_ = read_rest_mesh(folder, index);
   character_ = read_dataset_character(folder, index, rest_);
+  with_context(shown(folder / dataset_file), [&] { check_source(schema_, rest_, character_); });
+  diagonal_ = rest_.diagonal();
+  add_channel_vertices(schema_, rest_);
+  if (!rest_.driven.empty()) add_joint_vertices(rest_);
   for (const DatasetIndex::Entry& entry : index.clips) add_clip(entry, index);
   with_context(shown(folder / dataset_file), [&] {
-    check_source(schema_, rest_, character_);
+    if (!rest_.driven.empty()) check(rest_);
     check_clips(clips_);
   });
   note_plan();
-  diagonal_ = rest_.diagonal();
-  add_channel_vertices(schema_, rest_);
 }
 
 void DatasetSource::add_clip(const DatasetIndex::Entry& entry, const DatasetIndex& index) {
@@ -70,14 +73,14 @@ void DatasetSource::add_clip(const DatasetIndex::Entry& entry, const DatasetInde
            shown(controls.file_of(i / width)).c_str(), clip.name.c_str(), i / width,
            schema_.controls[i % width].name.c_str());
   note_range(clip);
-  const bool plan = entry.points.empty(), channels = !schema_.channels.empty();
+  const std::size_t numbers = carried_count(schema_, rest_);
+  const bool plan = entry.points.empty(), channels = numbers > 0;
   if (channels && !plan && entry.channels.empty())
     fail(Status::bad_data, "%s: clip \"%s\" has points but no channels", shown(folder_ / dataset_file).c_str(),
          clip.name.c_str());
   ShardedArray points, values;
-  if (!plan) points = open_shards(entry.points, {rest_.vertex_count(), 3}, "points", clip, index);
-  if (points.rows() > 0 && channels)
-    values = open_shards(entry.channels, {schema_.channels.size()}, "channels", clip, index);
+  if (!plan) points = open_shards(entry.points, {rest_.surface_vertex_count(), 3}, "points", clip, index);
+  if (points.rows() > 0 && channels) values = open_shards(entry.channels, {numbers}, "channels", clip, index);
   if (channels && values.rows() == 0) points = {};
   clips_.push_back(std::move(clip));
   points_.push_back(std::move(points));
@@ -150,13 +153,13 @@ void DatasetSource::read(std::size_t index, std::size_t first, std::size_t count
   if (points.size() != count * size)
     fail(Status::invalid_argument, "clip \"%s\": room for %zu coordinates where %zu are read", clip.name.c_str(),
          points.size(), count * size);
-  if (schema_.channels.empty()) {
+  if (rest_.carrier_vertices == 0) {
     points_[index].read(first, count, points);
   } else {
-    std::vector<float> positions(count * rest_.surface_points().size()), values(count * schema_.channels.size());
+    std::vector<float> positions(count * rest_.surface_points().size()), values(count * carried_count(schema_, rest_));
     points_[index].read(first, count, positions);
     channels_[index].read(first, count, values);
-    join_channels(schema_, positions, values, count, points);
+    join_carried(schema_, rest_, positions, values, count, points);
   }
   if (const auto fault = find_point_fault(points, rest_, diagonal_))
     fail(fault->status, "%s: clip \"%s\", frame %zu: %s", shown(points_[index].file_of(first + fault->pose)).c_str(),

@@ -31,6 +31,8 @@ MergedSource::MergedSource(std::vector<std::unique_ptr<Source>> sources, const s
     check_same_controls(schema(), names[0].c_str(), sources_[i]->schema(), names[i].c_str());
     check_same_channels(schema(), names[0].c_str(), sources_[i]->schema(), names[i].c_str());
     check_same_rest(rest(), names[0].c_str(), sources_[i]->rest(), names[i].c_str());
+    if (!(rest().driven == sources_[i]->rest().driven))
+      fail(Status::bad_data, "%s and %s have different driven joints", names[0].c_str(), names[i].c_str());
     if (!live_ && sources_[i]->live()) live_ = sources_[i].get();
     for (const std::string& note : sources_[i]->notes()) notes_.push_back(names[i] + ": " + note);
     add_clips(*sources_[i], names[i]);

@@ -227,6 +227,11 @@ std::vector<std::pair<std::string, std::string>> properties_of(const PackedModel
 }  // namespace
 
 OnnxFace write_onnx(const std::filesystem::path& path, const PackedModel& model, const OnnxTexts& texts) {
+  if (!model.rest.driven.empty())
+    fail(Status::unsupported,
+         "\"%s\" has joints that its controls drive, which an ONNX model does not have: bake it with \"--driven-joints "
+         "none\", or export frames",
+         model.schema.name.c_str());
   OnnxFace size;
   OnnxGraph graph;
   const auto controls = static_cast<std::int64_t>(model.schema.control_count()),
@@ -234,7 +239,7 @@ OnnxFace write_onnx(const std::filesystem::path& path, const PackedModel& model,
   graph.input("controls", {controls});
   const std::string all = all_positions(graph, model, size);
   std::string surface = all;
-  if (model.rest.channel_vertices > 0) {
+  if (model.rest.carrier_vertices > 0) {
     const std::int64_t begin[] = {0}, end[] = {3 * vertices}, axis[] = {1};
     surface =
         graph.node("Slice", "surface",

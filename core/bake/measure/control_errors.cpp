@@ -92,10 +92,12 @@ class Comparison {
         face_(model, worker_count(rig.parallel())),
         stage_(progress, Phase::measuring, "measuring controls", control_error_calls(rig.rest_pose().size())) {}
 
-  // use(i, archive minus rig, positions of the rig) for `count` poses, on several threads.
+  // use(i, archive minus rig, positions of the rig) for `count` poses, on several threads: without the numbers of
+  // joints.
   template <class Fill, class Use>
   void run(std::size_t count, const Fill& fill, const Use& use) {
     const std::size_t width = rig_.rest_pose().size(), size = rig_.coordinate_count();
+    const std::size_t kept = rig_.rest().first_joint_coordinate();
     for (std::size_t first = 0; first < count; first += poses_at_once) {
       const std::size_t some = std::min(poses_at_once, count - first);
       std::vector<float> controls, points(some * size);
@@ -106,9 +108,9 @@ class Comparison {
       rig_.evaluate_cached(controls, some, points);
       parallel_for(rig_.parallel(), some, [&](std::size_t i, std::size_t worker) {
         const std::span<const float> posed = face_.points(&controls[i * width], worker);
-        std::vector<float> error(posed.begin(), posed.end());
-        for (std::size_t k = 0; k < size; ++k) error[k] -= points[i * size + k];
-        use(first + i, error, std::span<const float>(points).subspan(i * size, size));
+        std::vector<float> error(posed.begin(), posed.begin() + std::ptrdiff_t(kept));
+        for (std::size_t k = 0; k < kept; ++k) error[k] -= points[i * size + k];
+        use(first + i, error, std::span<const float>(points).subspan(i * size, kept));
       });
       stage_.advance(some);
     }
@@ -137,7 +139,7 @@ std::vector<ControlError> control_errors(const PackedModel& model, RigEvaluator&
   const double diagonal = rig.diagonal();
   Comparison comparison(model, rig, progress);
 
-  const std::vector<float> none(rig.coordinate_count());
+  const std::vector<float> none(rig.rest().first_joint_coordinate());
   std::vector<Figure> alone(controls * alone_values), among(controls * differences);
   comparison.run(
       alone.size(),

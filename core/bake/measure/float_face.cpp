@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/rig/driven_pose.h"
 #include "model/activation.h"
 #include "model/feature_values.h"
 
@@ -89,6 +90,11 @@ std::vector<double> FloatFace::evaluate(std::span<const float> controls) const {
       const std::size_t row = group.first_row + r;
       positions[basis.order.empty() ? row : 3 * std::size_t(basis.order[row / 3]) + row % 3] += moved[r];
     }
+  }
+  if (!model_.rest.driven.empty()) {
+    const std::size_t surface = 3 * model_.rest.surface_vertex_count(), numbers = model_.rest.first_joint_coordinate();
+    const std::vector<float> coordinates(positions.begin() + std::ptrdiff_t(numbers), positions.end());
+    add_driven_skin(model_.rest, joint_motions(model_.rest.driven, coordinates), std::span(positions).first(surface));
   }
   return positions;
 }

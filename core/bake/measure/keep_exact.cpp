@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bake/measure/measured_face.h"
+#include "bake/rig/driven_pose.h"
 #include "base/status.h"
 
 namespace fb::bake {
@@ -53,11 +54,13 @@ void keep_exact(PackedModel& model, std::span<const ExactFrame> frames) {
   std::vector<ExactPose> poses;
   std::vector<double> corrections(model.rest.points.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::span<const float> uncorrected = face.points(frames[i].controls.data());
+    const std::span<const float> uncorrected = face.unskinned_points(frames[i].controls.data());
+    std::vector<float> exact = frames[i].points;
+    remove_driven_skin(model.rest, exact);
     double largest = 0;
     for (std::uint32_t row = 0; row < corrections.size(); ++row) {
       const std::size_t at = model.coordinate(row);
-      corrections[row] = double(frames[i].points[at]) - double(uncorrected[at]);
+      corrections[row] = double(exact[at]) - double(uncorrected[at]);
       largest = std::max(largest, std::abs(corrections[row]));
     }
     ExactPose& pose = poses.emplace_back(ExactPose{frames[i].name, frames[i].controls, falloffs[i]});

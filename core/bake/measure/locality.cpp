@@ -34,14 +34,15 @@ float moved_value(const Control& control, float value, std::size_t number) {
   return control.maximum - control.rest >= control.rest - control.minimum ? control.maximum : control.minimum;
 }
 
-// Largest displacement of each vertex by moving each control: controls x vertices, over D.
+// Largest displacement of each vertex by moving each control: controls x vertices, over D. Without the vertices that
+// carry the numbers of joints, which come last in a pose.
 using Motion = std::vector<float>;
 
 struct Candidate {
   // `exponent`: of the archive's positions to the rig's, see scaled_source.h.
   Candidate(std::span<const std::byte> archive, int exponent, const Source& rig, const Parallel& parallel)
       : face(model_of(archive, exponent, rig), worker_count(parallel)),
-        motion(rig.schema().control_count() * rig.rest().vertex_count()) {
+        motion(rig.schema().control_count() * rig.rest().first_joint_coordinate() / 3) {
     for (const Control& control : rig.schema().controls) alone.push_back({control.name});
   }
   static PackedModel model_of(std::span<const std::byte> archive, int exponent, const Source& rig) {
@@ -122,7 +123,8 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
   const Parallel& parallel = rig.parallel();
   std::list<Candidate> candidates;
   for (const auto& archive : archives) candidates.emplace_back(archive, exponent, rig, parallel);
-  const std::size_t controls = rig.schema().control_count(), width = rig.rest().points.size();
+  const std::size_t controls = rig.schema().control_count(), width = rig.rest().first_joint_coordinate();
+  const std::size_t all = rig.rest().points.size();
   const double diagonal = rig.rest().diagonal();
   Motion truth(controls * width / 3);
   progress.begin(Phase::measuring, "measuring locality", options.poses * controls);
@@ -130,12 +132,14 @@ std::vector<Locality> measure_scaled(std::span<const std::span<const std::byte>>
     const std::vector<float> pose = pose_of(rig.schema(), options, p);
     for (std::size_t first = 0; first < controls; first += moves_at_once) {
       const Moves moves = moves_from(rig.schema(), pose, p, first, std::min(moves_at_once, controls - first));
-      std::vector<float> expected((moves.count + 1) * width), points(expected.size());
-      rig.evaluate_cached(moves.poses, moves.count + 1, expected);
+      std::vector<float> evaluated((moves.count + 1) * all), expected((moves.count + 1) * width),
+          points(expected.size());
+      rig.evaluate_cached(moves.poses, moves.count + 1, evaluated);
+      for (std::size_t i = 0; i <= moves.count; ++i) std::copy_n(&evaluated[i * all], width, &expected[i * width]);
       raise_by(truth, moves, expected, diagonal, parallel);
       for (Candidate& candidate : candidates) {
         parallel_for(parallel, moves.count + 1, [&](std::size_t i, std::size_t worker) {
-          const std::span<const float> posed = candidate.face.points(&moves.poses[i * controls], worker);
+          const auto posed = candidate.face.points(&moves.poses[i * controls], worker).first(width);
           std::ranges::copy(posed, &points[i * width]);
           if (p < rest_poses && i > 0 && moves.poses[i * controls + first + i - 1] != pose[first + i - 1])
             candidate.add_alone(first + i - 1, std::span(expected).subspan(i * width, width), posed, rig.rest(), true);
@@ -194,7 +198,8 @@ std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte
   std::list<Candidate> candidates;
   for (const auto& archive : archives) candidates.emplace_back(archive, exponent, recording, parallel);
   const Mesh& rest = recording.rest();
-  const std::size_t controls = recording.schema().control_count(), vertices = rest.vertex_count();
+  const std::size_t controls = recording.schema().control_count(), kept = rest.first_joint_coordinate();
+  const std::size_t vertices = kept / 3;
   const double diagonal = rest.diagonal();
   Motion truth(controls * vertices);
   std::vector<float> expected(rest.points.size());
@@ -205,10 +210,10 @@ std::vector<Locality> measure_recorded(std::span<const std::span<const std::byte
     recording.read(single.clip, single.frame, 1, expected);
     raise_to_distances(std::span(truth).subspan(single.control * vertices, vertices), expected, rest.points, diagonal);
     for (Candidate& candidate : candidates) {
-      const std::span<const float> posed = candidate.face.points(&clip.controls[single.frame * controls]);
+      const auto posed = candidate.face.points(&clip.controls[single.frame * controls]).first(kept);
       raise_to_distances(std::span(candidate.motion).subspan(single.control * vertices, vertices), posed, rest.points,
                          diagonal);
-      candidate.add_alone(single.control, expected, posed, rest, clip.split != Split::train);
+      candidate.add_alone(single.control, std::span(expected).first(kept), posed, rest, clip.split != Split::train);
     }
     progress.step(i + 1);
   }

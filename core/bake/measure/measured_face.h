@@ -27,6 +27,12 @@ class MeasuredFace {
     evaluator_.evaluate_points(controls, mine.points.data(), mine.workspace);
     return mine.points;
   }
+  // The same before driven joints move vertices.
+  std::span<const float> unskinned_points(const float* controls, std::size_t worker = 0) {
+    Worker& mine = workers_[worker];
+    evaluator_.evaluate_points(controls, mine.points.data(), mine.workspace, true);
+    return mine.points;
+  }
   // Those of the surface alone.
   std::span<const float> positions(const float* controls, std::size_t worker = 0) {
     return points(controls, worker).first(3 * evaluator_.vertex_count());

@@ -23,6 +23,7 @@ constexpr std::uint32_t range_steps = 64;  // reference poses lie on 1/64 of a c
 // What a pose is verified by.
 struct Posed {
   std::vector<float> positions, frames, channels;  // of all vertices, sockets and channels
+  std::vector<float> joints;                       // frames of driven ones
   std::vector<float> errors;                       // expected ones
   std::uint32_t outside = 0;                       // controls
   std::vector<std::uint64_t> level_hashes = {};    // see archive::Proof
@@ -42,11 +43,11 @@ void add_exact_poses(const PackedModel& model, std::vector<float>& controls) {
   }
 }
 
-// Of the positions of a pose, none of which may be NaN: the bits of one depend on the machine.
-std::uint64_t hash_of(std::span<const float> positions) {
-  if (std::any_of(positions.begin(), positions.end(), [](float x) { return std::isnan(x); }))
+// Of the positions or frames of a pose, none of which may be NaN: the bits of one depend on the machine.
+std::uint64_t hash_of(std::span<const float> numbers) {
+  if (std::any_of(numbers.begin(), numbers.end(), [](float x) { return std::isnan(x); }))
     fail(Status::corrupt, "a pose of the proof has a position that is not a number");
-  return hash64_little(positions);
+  return hash64_little(numbers);
 }
 
 // Hashes of the positions of a pose at the levels of detail 1/2, 1, 3/2, ...
@@ -74,11 +75,14 @@ class PoseByPose {
         workspace_(face_, 1),
         posed_{std::vector<float>(3 * face_.vertex_count()),
                std::vector<float>(runtime::SocketFrames::frame_floats * face_.socket_count()),
-               std::vector<float>(face_.channel_count()), std::vector<float>(face_.error_count())} {
+               std::vector<float>(face_.channel_count()),
+               std::vector<float>(runtime::DrivenSkin::frame_floats * face_.joint_count()),
+               std::vector<float>(face_.error_count())} {
     batch_.poses = 1;
     batch_.positions = {posed_.positions.data(), posed_.positions.size()};
     if (face_.socket_count() > 0) batch_.sockets = {posed_.frames.data(), posed_.frames.size()};
     if (face_.channel_count() > 0) batch_.channels = {posed_.channels.data(), posed_.channels.size()};
+    if (face_.joint_count() > 0) batch_.joints = {posed_.joints.data(), posed_.joints.size()};
     if (face_.error_count() > 0) batch_.errors = {posed_.errors.data(), posed_.errors.size(), 0, &posed_.outside};
   }
 
@@ -151,6 +155,7 @@ archive::Proof prove_poses(const PackedModel& model, std::vector<float> controls
     proof.channels.insert(proof.channels.end(), posed.channels.begin(), posed.channels.end());
     proof.errors.insert(proof.errors.end(), posed.errors.begin(), posed.errors.end());
     if (!posed.errors.empty()) proof.outside.push_back(posed.outside);
+    if (!posed.joints.empty()) proof.joint_hashes.push_back(hash_of(posed.joints));
     proof.level_hashes.insert(proof.level_hashes.end(), posed.level_hashes.begin(), posed.level_hashes.end());
     for (const std::uint32_t v : proof.vertices)
       proof.positions.insert(proof.positions.end(), &posed.positions[3 * v], &posed.positions[3 * v] + 3);
@@ -190,6 +195,9 @@ VerifyReport verify_archive(const archive::Archive& read, std::uint64_t bytes) {
           "the archive does not pose as it did: pose %zu of its proof has %u controls outside of what was trained, and "
           "had %u",
           pose, posed.outside, proof.outside[pose]);
+    if (!posed.joints.empty() && hash_of(posed.joints) != proof.joint_hashes[pose])
+      fail(Status::corrupt, "the archive does not pose as it did: pose %zu of its proof has other frames of joints",
+           pose);
     for (std::size_t i = 0; i < posed.level_hashes.size(); ++i)
       if (posed.level_hashes[i] != proof.level_hashes[pose * posed.level_hashes.size() + i])
         fail(Status::corrupt, "the archive does not pose as it did: pose %zu of its proof, at level of detail %g", pose,

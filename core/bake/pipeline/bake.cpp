@@ -26,6 +26,7 @@
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/about.h"
 #include "bake/rig/changed_rig.h"
+#include "bake/rig/jointless_source.h"
 #include "bake/rig/random_pose.h"
 #include "bake/rig/reuse_evaluations.h"
 #include "bake/rig/scaled_source.h"
@@ -370,6 +371,10 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
 }  // namespace
 
 Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
+  if (given.driven_joints == "none" && !source.rest().driven.empty()) {
+    JointlessSource jointless(source);
+    return bake_face(jointless, given, progress);
+  }
   const BakeOptions options = with_character(given, source, progress);
   Baked baked;
   if (const int exponent = scale_exponent(source.rest())) {

@@ -48,6 +48,7 @@ struct BakeOptions {
   double max_error = 0;         // over the diagonal, on validation poses: the fewest bytes with it; after max_bytes
   // How much errors of normals count beside distances when a face is rounded, 0 or more: see PackOptions.
   double normal_weight = 1;
+  std::string driven_joints = "keep";  // "none": see JointlessSource
   bool force = false;  // where a target cannot be met, the nearest there is instead of a failure
   // Texts for the archive; empty: none. `created` is a date for the provenance.
   std::string licence, created;
@@ -169,6 +170,10 @@ inline constexpr OptionRow option_table[] = {
         "Poses of clips to train on, and of controls moved alone, still have to succeed")
         .on_command_line("--skip-failing-poses")
         .keeps_face(),
+    OptionRow("driven_joints", &BakeOptions::driven_joints, OptionRow::Part::face,
+              "What becomes of joints that the controls drive: keep, or none (vertices alone learn what they do)")
+        .on_command_line("--driven-joints")
+        .one_of("keep,none"),
     OptionRow("cache_bytes", &BakeOptions::cache_bytes, OptionRow::Part::face,
               "Bytes of disk that evaluations of a slow rig may take in the work folder")
         .keeps_face(),

@@ -163,6 +163,48 @@ std::vector<Channel> read_channels(const JsonField& from) {
   return channels;
 }
 
+namespace {
+
+// Of DrivenJoint::numbers, the lowest bit first.
+constexpr const char* number_names[numbers_a_joint] = {"rotate_x", "rotate_y", "rotate_z", "move_x", "move_y",
+                                                       "move_z",   "scale_x",  "scale_y",  "scale_z"};
+
+}  // namespace
+
+void write_driven_joints(const std::vector<DrivenJoint>& joints, ordered_json& to) {
+  for (const DrivenJoint& joint : joints) {
+    ordered_json& written = to["driven_joints"].emplace_back(ordered_json{{"name", joint.name}});
+    if (joint.parent != no_joint) written["parent"] = joints[joint.parent].name;
+    written["numbers"] = ordered_json::array();
+    for (std::size_t n = 0; n < numbers_a_joint; ++n)
+      if (joint.numbers >> n & 1) written["numbers"].push_back(number_names[n]);
+    written["frame"] = joint.rest;
+  }
+}
+
+std::vector<DrivenJoint> read_driven_joints(const JsonField& from) {
+  std::vector<DrivenJoint> joints;
+  for (const JsonField& field : from["driven_joints"].items_or_none()) {
+    DrivenJoint joint{field["name"].nonempty_text()};
+    field["frame"].read_singles(joint.rest);
+    if (const JsonField parent = field["parent"]; parent.exists()) {
+      const std::string name = parent.nonempty_text();
+      const auto found = std::ranges::find(joints, name, &DrivenJoint::name);
+      if (found == joints.end()) parent.refuse(format("\"%s\" is none of the joints before it", name.c_str()));
+      joint.parent = static_cast<std::uint32_t>(found - joints.begin());
+    }
+    for (const JsonField& number : field["numbers"].items()) {
+      const std::string name = number.text();
+      const auto found = std::ranges::find(number_names, name);
+      if (found == std::end(number_names))
+        number.refuse(format("\"%s\" is none of rotate_x, move_x, scale_x and those of y and z", name.c_str()));
+      joint.numbers |= 1u << (found - std::begin(number_names));
+    }
+    joints.push_back(std::move(joint));
+  }
+  return joints;
+}
+
 std::vector<Socket> read_sockets(const JsonField& list) {
   std::vector<Socket> sockets;
   for (const JsonField& socket : list.items()) sockets.push_back(read_socket(socket));

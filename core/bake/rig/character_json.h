@@ -39,4 +39,8 @@ std::vector<Socket> read_sockets(const JsonField& list);
 void write_channels(const std::vector<Channel>& channels, nlohmann::ordered_json& to);
 std::vector<Channel> read_channels(const JsonField& from);
 
+// The same of the field "driven_joints". What follows the joints is not written.
+void write_driven_joints(const std::vector<DrivenJoint>& joints, nlohmann::ordered_json& to);
+std::vector<DrivenJoint> read_driven_joints(const JsonField& from);
+
 }  // namespace fb::bake

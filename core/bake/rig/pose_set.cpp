@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bake/rig/driven_pose.h"
+
 namespace fb::bake {
 
 PoseSet::PoseSet(Source& source, const std::function<bool(const Clip&)>& wanted) : source_(&source) {
@@ -75,9 +77,9 @@ void PoseSet::read_points(std::size_t first, std::size_t count, std::span<float>
 
 void PoseSet::read_displacements(std::size_t first, std::size_t count, std::span<float> displacements) const {
   read_points(first, count, displacements);
-  const std::vector<float>& rest = source_->rest().points;
+  const Mesh& rest = source_->rest();
   for (std::size_t pose = 0; pose < count; ++pose)
-    for (std::size_t i = 0; i < rest.size(); ++i) displacements[pose * rest.size() + i] -= rest[i];
+    points_to_displacements(rest, displacements.subspan(pose * rest.points.size(), rest.points.size()));
 }
 
 }  // namespace fb::bake

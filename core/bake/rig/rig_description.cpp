@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "bake/rig/about.h"
-#include "bake/rig/channel_points.h"
-#include "bake/rig/skinned_pose.h"
+#include "bake/rig/carried_numbers.h"
+#include "bake/rig/driven_pose.h"
 #include "bake/rig/source_rules.h"
 #include "base/hash.h"
 
@@ -13,14 +13,15 @@ namespace fb::bake {
 namespace {
 
 // Size of an fb_rig that ends with texture coordinates, with what the rig prefers, with its version, with what a
-// character has, with what is said about it, with channels, and with joints.
+// character has, with what is said about it, with channels, with joints, and with which of these controls move.
 constexpr std::size_t rig_with_uvs = offsetof(fb_rig, preferred_block),
                       rig_with_block = rig_with_uvs + sizeof(fb_rig::preferred_block),
                       rig_with_version = offsetof(fb_rig, version) + sizeof(fb_rig::version),
                       rig_with_character = offsetof(fb_rig, sockets) + sizeof(fb_rig::sockets),
                       rig_with_about = offsetof(fb_rig, about) + sizeof(fb_rig::about),
                       rig_with_channels = offsetof(fb_rig, evaluate_all) + sizeof(fb_rig::evaluate_all),
-                      rig_with_joints = offsetof(fb_rig, evaluate_skinned) + sizeof(fb_rig::evaluate_skinned);
+                      rig_with_joints = offsetof(fb_rig, evaluate_skinned) + sizeof(fb_rig::evaluate_skinned),
+                      rig_with_numbers = offsetof(fb_rig, joint_numbers) + sizeof(fb_rig::joint_numbers);
 
 static_assert(FB_MOST_INFLUENCES == most_influences);
 
@@ -239,18 +240,30 @@ struct Reader {
     tidy(character.skin);
   }
 
-  // Takes what joints do at rest out of the rest mesh.
+  // Of each joint.
+  std::vector<std::uint32_t> joint_numbers(const fb_rig& rig) const {
+    std::vector<std::uint32_t> numbers(rig.joint_count);
+    if (rig.struct_size < rig_with_numbers || !rig.joint_numbers) return numbers;
+    if (!(rig.flags & FB_RIG_SKINNED)) fail(Status::rig, "%s: joint_numbers without FB_RIG_SKINNED", label.c_str());
+    std::copy_n(rig.joint_numbers, rig.joint_count, numbers.begin());
+    for (std::size_t j = 0; j < numbers.size(); ++j)
+      if (numbers[j] >> numbers_a_joint != 0)
+        fail(Status::rig, "%s: joint_numbers of joint %zu is %#x, which has unknown bits", label.c_str(), j,
+             numbers[j]);
+    return numbers;
+  }
+
+  // Parts the joints in those of the host and those of the controls, and takes what they do at rest out of the rest
+  // mesh.
   void remove_rest_skin(const fb_rig& rig, RigDescription& description) const {
-    const Character& character = description.character;
+    Character& character = description.character;
     if (!rig.evaluate_skinned) fail(Status::rig, "%s: evaluate_skinned is null", label.c_str());
     if (character.skin.influences == 0) fail(Status::rig, "%s: FB_RIG_SKINNED without a skin", label.c_str());
     check_rules([&] {
       check(description.rest);
       check(character.joints, character.skin, description.rest);
     });
-    if (const auto vertex =
-            remove_skin(character.joints, character.skin, rest_frames(character.joints), description.rest.points))
-      fail(Status::rig, "%s: the blend of the joints of vertex %zu cannot be inverted at rest", label.c_str(), *vertex);
+    check_rules([&] { description.joints = part_joints(joint_numbers(rig), character, description.rest); });
     description.skinned = true;
   }
 
@@ -288,9 +301,16 @@ struct Reader {
 };
 
 // What a version says of a skin that is taken out of positions: with another, they are others.
-std::string skin_version(const Character& character) {
+std::string skin_version(const Character& character, const DrivenJoints& driven) {
   std::uint64_t hash = hash64_of<std::uint16_t>(character.skin.joints, hash64_of<float>(character.skin.weights));
   for (const Joint& joint : character.joints) hash = hash64_of<float>(joint.inverse_bind, hash);
+  if (!driven.empty()) {
+    hash = hash64_of<std::uint16_t>(driven.skin.joints, hash64_of<float>(driven.skin.weights, hash));
+    for (const DrivenJoint& joint : driven.joints) {
+      const std::uint32_t numbers[] = {joint.parent, joint.numbers};
+      hash = hash64_of<std::uint32_t>(numbers, hash64_of<float>(joint.rest, hash));
+    }
+  }
   return format(" (skin %016llx)", static_cast<unsigned long long>(hash));
 }
 
@@ -328,6 +348,10 @@ RigDescription describe(const fb_rig& rig) {
     add_channel_vertices(description.schema, description.rest);
     reader.check_rules([&] { check(description.schema); });
   }
+  if (!description.rest.driven.empty()) {
+    add_joint_vertices(description.rest);
+    reader.check_rules([&] { check(description.rest); });
+  }
   if (rig.clip_count > 0) {
     if (!rig.clips) fail(Status::rig, "%s: clips is null", reader.label.c_str());
     reader.check_stride<fb_rig_clip>(rig.clip_stride, "clip_stride", "fb_rig_clip");
@@ -338,7 +362,7 @@ RigDescription describe(const fb_rig& rig) {
   if (rig.struct_size >= rig_with_block)
     description.preferred_block = std::min<std::size_t>(rig.preferred_block, most_preferred_poses);
   if (rig.struct_size >= rig_with_version && rig.version) description.version = rig.version;
-  if (skinned) description.version += skin_version(description.character);
+  if (skinned) description.version += skin_version(description.character, description.rest.driven);
   return description;
 }
 

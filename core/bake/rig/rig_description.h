@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/rig/rig_joints.h"
 #include "bake/rig/source.h"
 #include "facebaker/facebaker_rig.h"
 #include "model/character.h"
@@ -18,10 +19,12 @@ inline constexpr std::size_t smallest_rig = offsetof(fb_rig, uv_count);
 // The declaration of a rig, copied out of the C structs.
 struct RigDescription {
   RigSchema schema;
-  Mesh rest;  // with the vertices that carry channels
+  Mesh rest;  // with the vertices that carry numbers
   Character character = {};
   std::vector<Clip> clips;
-  bool skinned = false;             // evaluate_skinned is called, and what joints do is taken out; rest is without
+  // evaluate_skinned is called, and what joints do is taken out; rest is without.
+  bool skinned = false;
+  RigJoints joints = {};            // where skinned
   std::size_t preferred_block = 0;  // poses, see Source::preferred_block
   std::string version = {};         // see Source::version
   std::vector<std::string> notes = {};

@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "bake/rig/driven_pose.h"
 #include "base/hash.h"
 #include "base/status.h"
 
@@ -315,8 +316,7 @@ void RigEvaluator::tell_limit() {
 }
 
 void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, const Fill& fill, const Visit& visit) {
-  const std::vector<float>& rest_points = rest().points;
-  const std::size_t width = rest_pose_.size(), size = rest_points.size();
+  const std::size_t width = rest_pose_.size(), size = coordinate_count();
   std::vector<float> controls, points;
   const auto pose = [&](std::size_t i) { return std::span(controls).subspan(i * width, width); };
   // More than poses_in_memory only where the rig wants more at once, and then not many bytes.
@@ -335,7 +335,7 @@ void RigEvaluator::evaluate_each(std::size_t count, EvaluationStage& stage, cons
     }
     parallel_for(parallel_, poses, [&](std::size_t i, std::size_t) {
       const std::span<float> displacement = std::span(points).subspan(i * size, size);
-      for (std::size_t k = 0; k < size; ++k) displacement[k] -= rest_points[k];
+      points_to_displacements(rest(), displacement);
       visit(first + i, pose(i), displacement);
     });
     stage.advance(poses);

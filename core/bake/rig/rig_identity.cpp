@@ -35,11 +35,14 @@ std::optional<std::string> difference_in_controls(const RigSchema& before, const
 
 RigIdentity identity_of(const Source& rig) {
   const Mesh& rest = rig.rest();
+  std::uint64_t joints = 0;
+  for (const DrivenJoint& joint : rest.driven.joints) joints = hash64_of<float>(joint.rest, joints);
+  joints = hash64_of<float>(rest.driven.scales, hash64_of<float>(rest.driven.skin.weights, joints));
   const RigIdentity identity{
       rig.schema(),
       rest.vertex_count(),
       hash64_of<std::uint32_t>(rest.polygon_corners, hash64_of<std::uint32_t>(rest.polygon_sizes)),
-      hash64_of<float>(rest.points),
+      rest.driven.empty() ? hash64_of<float>(rest.points) : hash64_of<float>(rest.points, joints),
       rig.program_hash(),
       rig.version()};
   return identity_from(text_of(identity)).value_or(identity);  // as it is read: bytes that are no UTF-8 are replaced

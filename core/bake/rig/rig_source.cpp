@@ -4,9 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/foreign_call.h"
-#include "bake/rig/skinned_pose.h"
 #include "bake/rig/source_rules.h"
 
 namespace fb::bake {
@@ -39,22 +38,30 @@ Outcome call(const Evaluate& evaluate) {
 // Without what the joints do.
 Outcome evaluate_skinned(const fb_rig& rig, const RigDescription& description, const float* controls, std::size_t count,
                          float* points) {
-  const Character& character = description.character;
-  const std::size_t size = 3 * description.rest.surface_vertex_count(), joints = character.joints.size();
+  const Mesh& rest = description.rest;
+  const std::size_t size = 3 * rest.surface_vertex_count(), joints = description.joints.count();
   std::vector<float> positions(count * size), channels(count * description.schema.channels.size());
   std::vector<Frame<float>> frames(count * joints);
   const Outcome outcome = call([&](char* message, std::uint32_t length) {
     return rig.evaluate_skinned(rig.user, count, controls, positions.data(),
                                 channels.empty() ? nullptr : channels.data(), frames.data()->data(), message, length);
   });
+  const std::size_t numbers = carried_count(description.schema, rest), of_joints = rest.driven.scales.size();
+  const std::size_t of_channels = numbers - of_joints;
+  std::vector<float> carried(count * numbers);
   for (std::size_t p = 0; p < count && outcome.status == FB_OK; ++p) {
     std::vector<Frame<double>> of_pose;
     for (std::size_t j = 0; j < joints; ++j) of_pose.push_back(to_double(frames[p * joints + j]));
-    const std::span<float> here = std::span(positions).subspan(p * size, size);
-    if (const auto vertex = remove_skin(character.joints, character.skin, of_pose, here))
-      return {FB_ERROR_RIG, format("the blend of the joints of vertex %zu cannot be inverted", *vertex)};
+    const std::span<float> here = std::span(carried).subspan(p * numbers, numbers);
+    std::copy_n(channels.begin() + std::ptrdiff_t(p * of_channels), of_channels, here.begin());
+    try {
+      take_out_joints(description.joints, description.character, rest, of_pose,
+                      std::span(positions).subspan(p * size, size), here.subspan(of_channels));
+    } catch (const Error& error) {
+      return {FB_ERROR_RIG, error.what()};
+    }
   }
-  join_channels(description.schema, positions, channels, count, {points, count * description.rest.points.size()});
+  join_carried(description.schema, rest, positions, carried, count, {points, count * rest.points.size()});
   return outcome;
 }
 
@@ -71,7 +78,7 @@ Outcome evaluate_poses(const fb_rig& rig, const RigDescription& description, con
   const Outcome outcome = call([&](char* message, std::uint32_t size) {
     return rig.evaluate_all(rig.user, count, controls, positions.data(), channels.data(), message, size);
   });
-  join_channels(schema, positions, channels, count, {points, count * description.rest.points.size()});
+  join_carried(schema, description.rest, positions, channels, count, {points, count * description.rest.points.size()});
   return outcome;
 }
 

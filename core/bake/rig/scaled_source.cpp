@@ -48,12 +48,22 @@ RigSchema scaled(RigSchema schema, int exponent) {
 
 Mesh scaled(Mesh mesh, int exponent) {
   scale(mesh.points, exponent);
+  std::size_t at = 0;
+  for (DrivenJoint& joint : mesh.driven.joints) {
+    for (const std::size_t origin : {3, 7, 11}) joint.rest[origin] = std::ldexp(joint.rest[origin], exponent);
+    // Of the numbers, only those that move a joint are lengths, as the coordinates that carry them are.
+    for (std::size_t n = 0; n < numbers_a_joint; ++n)
+      if (joint.numbers >> n & 1) {
+        float& of = mesh.driven.scales[at++];
+        if (!(joint_translation >> n & 1)) of = std::ldexp(of, -exponent);
+      }
+  }
   return mesh;
 }
 
 PackedModel scaled(PackedModel face, int exponent) {
   face.schema = scaled(std::move(face.schema), exponent);
-  scale(face.rest.points, exponent);
+  face.rest = scaled(std::move(face.rest), exponent);
   for (PackedRowBlock& block : face.row_blocks)
     for (PackedColumn& column : block.columns) column.scale = std::ldexp(column.scale, exponent);
   face.expected.unit = std::ldexp(face.expected.unit, exponent);

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/evaluation_backend.h"
 #include "bake/rig/foreign_call.h"
 #include "bake/rig/source_rules.h"
@@ -85,7 +85,8 @@ void SpreadBackend::take_points(const fb_pose_block& from, std::span<const float
     if (!from.answered[p]) continue;
     const std::span<float> points = to.points.subspan(p * size, size);
     if (width > 0)
-      join_channels(schema, {from.positions + p * surface, surface}, channels.subspan(p * width, width), 1, points);
+      join_carried(schema, source_.rest(), {from.positions + p * surface, surface}, channels.subspan(p * width, width),
+                   1, points);
     if (const auto fault = find_point_fault(points, source_.rest(), diagonal))
       throw PoseError(fault->status, p, format("rig \"%s\": %s", schema.name.c_str(), fault->what.c_str()));
     to.answered[p] = 1;
@@ -98,6 +99,9 @@ SpreadSource::SpreadSource(Source& source, const fb_spreader& spreader, std::sha
     : SourceDecorator(source), owner_(std::move(owner)), spreader_(spreader) {
   if (!source.live())
     fail(Status::invalid_argument, "\"%s\" is a recording: there is nothing to spread", source.schema().name.c_str());
+  if (!source.rest().driven.empty())
+    fail(Status::unsupported, "\"%s\" has driven joints: its poses cannot be spread over ranks of a job",
+         source.schema().name.c_str());
 }
 
 void SpreadSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {

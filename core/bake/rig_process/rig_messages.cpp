@@ -5,8 +5,9 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/character_json.h"
+#include "bake/rig/driven_pose.h"
 #include "bake/rig/json_field.h"
 #include "bake/rig/source_rules.h"
 #include "base/checked.h"
@@ -100,8 +101,8 @@ Mesh read_mesh(const JsonField& fields, Numbers& numbers) {
   return mesh;
 }
 
-Skin read_skin(const JsonField& fields, Numbers& numbers, const Mesh& rest) {
-  Skin skin{fields["skin_influences"].count_or(0), {}, {}};
+Skin read_skin(const JsonField& influences, Numbers& numbers, const Mesh& rest) {
+  Skin skin{influences.count_or(0), {}, {}};
   const std::size_t places = checked_multiply(rest.surface_vertex_count(), skin.influences, "influences");
   skin.joints = numbers.take<std::uint16_t>(places, "joints of vertices");
   skin.weights = numbers.take<float>(places, "weights of joints");
@@ -243,6 +244,9 @@ RigMessage hello_answer(const Source& rig) {
   if (skin.influences > 0) hello["skin_influences"] = skin.influences;
   write_about(rig.character().about, hello);
   write_channels(schema.channels, hello);
+  const DrivenJoints& driven = rest.driven;
+  write_driven_joints(driven.joints, hello);
+  if (!driven.empty()) hello["driven_influences"] = driven.skin.influences;
   RigMessage message = message_of(hello);
   append<float>(message.data, rest.surface_points());
   append<std::uint32_t>(message.data, rest.polygon_sizes);
@@ -252,6 +256,8 @@ RigMessage hello_answer(const Source& rig) {
   for (const Image& image : rig.character().images) append<std::byte>(message.data, image.bytes);
   append<std::uint16_t>(message.data, skin.joints);
   append<float>(message.data, skin.weights);
+  append<std::uint16_t>(message.data, driven.skin.joints);
+  append<float>(message.data, driven.skin.weights);
   for (const Clip& clip : rig.clips()) append<float>(message.data, clip.controls);
   return message;
 }
@@ -259,8 +265,9 @@ RigMessage hello_answer(const Source& rig) {
 RigMessage points_answer(const Source& rig, std::span<const float> points, std::size_t poses) {
   RigMessage message = message_of({{"type", "points"}, {"poses", poses}});
   const RigSchema& schema = rig.schema();
-  std::vector<float> positions(poses * rig.rest().surface_points().size()), channels(poses * schema.channels.size());
-  split_channels(schema, points, poses, positions, channels);
+  std::vector<float> positions(poses * rig.rest().surface_points().size());
+  std::vector<float> channels(poses * carried_count(schema, rig.rest()));
+  split_carried(schema, rig.rest(), points, poses, positions, channels);
   append<float>(message.data, positions);
   append<float>(message.data, channels);
   return message;
@@ -289,7 +296,12 @@ RigDescription description_of(const RigMessage& answer) {
         fields, [&](const JsonField& image) { return numbers.take<std::byte>(image["bytes"].count(), "images"); },
         rig.rest.parts, rig.character);
     rig.schema.channels = read_channels(fields);
-    rig.character.skin = read_skin(fields, numbers, rig.rest);
+    rig.character.skin = read_skin(fields["skin_influences"], numbers, rig.rest);
+    rig.rest.driven.joints = read_driven_joints(fields);
+    if (!rig.rest.driven.empty()) {
+      rig.rest.driven.skin = read_skin(fields["driven_influences"], numbers, rig.rest);
+      round_weights(rig.rest.driven.skin);
+    }
   } catch (const Error& error) {
     fail(Status::rig, "%s", error.what());
   }
@@ -301,6 +313,10 @@ RigDescription description_of(const RigMessage& answer) {
   for (const JsonField& note : fields["notes"].items_or_none()) rig.notes.push_back(note.text());
   check_source(rig.schema, rig.rest, rig.character);
   add_channel_vertices(rig.schema, rig.rest);
+  if (!rig.rest.driven.empty()) {
+    add_joint_vertices(rig.rest);
+    check(rig.rest);
+  }
   check_clips(rig.clips);
   for (const Clip& clip : rig.clips) check_values(clip, rig.schema);
   return rig;
@@ -319,14 +335,15 @@ std::optional<RigFailure> read_answer(const RigMessage& answer, const RigDescrip
     return failure;
   }
   if (type != "points") fail(Status::rig, "an answer of type \"%s\" to a request for points", shown(type).c_str());
-  const std::size_t positions = poses * rig.rest.surface_points().size(), channels = poses * rig.schema.channels.size();
+  const std::size_t positions = poses * rig.rest.surface_points().size();
+  const std::size_t channels = poses * carried_count(rig.schema, rig.rest);
   const std::size_t bytes = (positions + channels) * sizeof(float);
   if (fields["poses"].count() != poses || answer.data.size() != bytes)
     fail(Status::rig, "points of %llu poses in %zu bytes, where %zu poses in %zu bytes were asked for",
          static_cast<unsigned long long>(fields["poses"].count()), answer.data.size(), poses, bytes);
   Numbers numbers(answer);
   const std::vector<float> of_surface = numbers.take<float>(positions, "positions");
-  join_channels(rig.schema, of_surface, numbers.take<float>(channels, "channels"), poses, points);
+  join_carried(rig.schema, rig.rest, of_surface, numbers.take<float>(channels, "channels"), poses, points);
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 #include "bake/dataset/npy.h"
 #include "bake/dataset/npy_skin.h"
 #include "bake/dataset/rest_mesh.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/pose_plan.h"
 #include "base/file.h"
@@ -56,14 +57,20 @@ DatasetIndex index_of_plan(const Source& rig, const PosePlan& plan, std::size_t 
     index.skin_joints = "skin_joints.npy";
     index.skin_weights = "skin_weights.npy";
   }
-  std::vector<std::string> taken = {"rest", "faces", "uvs", "uv_faces", "skin_joints", "skin_weights"};
+  if (!rig.rest().driven.empty()) {
+    index.driven_joints = rig.rest().driven.joints;
+    index.driven_skin_joints = "driven_skin_joints.npy";
+    index.driven_skin_weights = "driven_skin_weights.npy";
+  }
+  std::vector<std::string> taken = {
+      "rest", "faces", "uvs", "uv_faces", "skin_joints", "skin_weights", "driven_skin_joints", "driven_skin_weights"};
   for (const Clip& clip : plan) {
     const std::string stem = file_stem(clip.name, taken), points = stem + ".points.npy";
     DatasetIndex::Entry entry{clip.name, clip.kind, clip.split, clip.fps, {stem + ".controls.npy"}, {}};
     const std::size_t shards = shard_frames == 0 ? 1 : (clip.frames + shard_frames - 1) / shard_frames;
     for (std::size_t i = 0; i < shards; ++i) entry.points.push_back(shards == 1 ? points : shard_name(points, i));
     const std::string channels = stem + ".channels.npy";
-    for (std::size_t i = 0; i < shards && !rig.schema().channels.empty(); ++i)
+    for (std::size_t i = 0; i < shards && carried_count(rig.schema(), rig.rest()) > 0; ++i)
       entry.channels.push_back(shards == 1 ? channels : shard_name(channels, i));
     index.clips.push_back(std::move(entry));
   }
@@ -89,6 +96,8 @@ void write_planned_files(const Source& rig, const PosePlan& plan, const DatasetI
       write_file(folder / index.image_files[i], std::span(index.character.images[i].bytes));
   if (!index.skin_joints.empty())
     write_npy_skin(rig.character().skin, folder / index.skin_joints, folder / index.skin_weights);
+  if (!index.driven_joints.empty())
+    write_npy_skin(mesh.driven.skin, folder / index.driven_skin_joints, folder / index.driven_skin_weights);
   for (std::size_t i = 0; i < plan.size(); ++i) {
     const fs::path path = folder / index.clips[i].controls[0];
     const std::vector<std::size_t> shape = {plan[i].frames, rig.schema().control_count()};

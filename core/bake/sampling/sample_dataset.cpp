@@ -7,7 +7,7 @@
 
 #include "bake/dataset/dataset_index.h"
 #include "bake/dataset/npy.h"
-#include "bake/rig/channel_points.h"
+#include "bake/rig/carried_numbers.h"
 #include "bake/rig/content_hash.h"
 #include "bake/rig/rig_evaluator.h"
 #include "bake/sampling/planned_folder.h"
@@ -66,7 +66,7 @@ class DatasetWriter {
         width_(rig.schema().control_count()),
         size_(rig.rest().points.size()),
         vertices_(rig.rest().surface_vertex_count()),
-        channels_(rig.schema().channels.size()) {
+        channels_(carried_count(rig.schema(), rig.rest())) {
     for (const Clip& clip : plan_) report_.poses += clip.frames;
   }
 
@@ -248,7 +248,7 @@ class DatasetWriter {
       const std::size_t count = written_points_.size() / size_;
       positions_.resize(count * 3 * vertices_);
       values_.resize(count * channels_);
-      split_channels(rig_.schema(), written_points_, count, positions_, values_);
+      split_carried(rig_.schema(), rig_.rest(), written_points_, count, positions_, values_);
       files.points.append(positions_);
       files.channels->append(values_);
     } else {

@@ -260,7 +260,8 @@ struct RowsInOrder {
 constexpr PoseKernels make_kernels(const char* name, PanelProduct column_product, PanelProduct quad_product,
                                    const std::uint8_t* column_rows = rows_in_order.position,
                                    bool signed_odd_digits = false) {
-  return {name,           column_product,   quad_product,     column_rows,    signed_odd_digits, any_nan,
-          clamp_controls, control_features, compact_nonzeros, quantise,       quantise_block,    join_digits,
-          activate,       convert_to_half,  quad_areas,       quad_integrals, vertex_normals,    vertex_tangents};
+  return {name,           column_product, quad_product,     column_rows,      signed_odd_digits,
+          any_nan,        clamp_controls, control_features, compact_nonzeros, quantise,
+          quantise_block, join_digits,    activate,         convert_to_half,  quad_areas,
+          quad_integrals, vertex_normals, vertex_tangents,  skin_vertices};
 }

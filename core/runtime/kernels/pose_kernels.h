@@ -104,6 +104,21 @@ struct PolygonsAround {
   const ExtraPolygon* extra;   // in the order of vertices, from `begin`; the last is of no vertex: UINT32_MAX
 };
 
+// How a joint that vertices follow moved: four columns of three numbers and a zero, which are added to the axes and the
+// origin of space.
+inline constexpr std::uint32_t joint_matrix_floats = 16;
+
+// A joint that a vertex follows, by where its matrix is among those of all joints.
+struct JointInfluence {
+  std::uint32_t offset;
+  float weight;
+};
+
+struct SkinTable {
+  const std::uint32_t* first;  // by vertex, and one more: of its influences
+  const JointInfluence* influences;
+};
+
 struct PoseKernels {
   const char* name;
   PanelProduct column_product, quad_product;
@@ -144,6 +159,9 @@ struct PoseKernels {
   // Unit tangents likewise from integrals: orthogonal to the normals, which are readable 25 floats beyond the last;
   // null where the normal is null or there is no such direction.
   void (*vertex_tangents)(const PolygonsAround& around, const float* integrals, const float* normals, float* tangents);
+  // Moves vertices begin..end - 1, 3 floats each and readable one float beyond, by the joints that they follow.
+  void (*skin_vertices)(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices,
+                        float* rows);
 };
 
 extern const PoseKernels scalar_kernels;

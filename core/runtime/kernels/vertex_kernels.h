@@ -161,5 +161,33 @@ void vertex_tangents(const PolygonsAround& around, const float* integrals, const
   });
 }
 
+void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices, float* rows) {
+  using Four = float __attribute__((vector_size(16)));
+  for (std::uint32_t v = begin; v < end; ++v) {
+    const JointInfluence *influence = skin.influences + skin.first[v], *const last =
+                                                                           skin.influences + skin.first[v + 1];
+    if (influence == last) continue;
+    Floats blend[joint_matrix_floats / lanes] = {};
+    for (; influence < last; ++influence)
+      for (std::size_t k = 0; k < joint_matrix_floats / lanes; ++k) {
+        Floats part;
+        __builtin_memcpy(&part, matrices + influence->offset + k * lanes, sizeof part);
+        blend[k] += influence->weight * part;
+      }
+    Integers any = {};
+    for (const Floats& part : blend) any |= (Integers)part;
+    std::uint64_t bits[sizeof any / sizeof(std::uint64_t)], all = 0;
+    __builtin_memcpy(bits, &any, sizeof any);
+    for (const std::uint64_t some : bits) all |= some;
+    if (all == 0) continue;
+    Four column[4], position;
+    __builtin_memcpy(column, blend, sizeof column);
+    float* const at = rows + 3 * std::size_t(v);
+    __builtin_memcpy(&position, at, sizeof position);
+    position += (column[0] * at[0] + column[1] * at[1]) + (column[2] * at[2] + column[3]);
+    __builtin_memcpy(at, &position, 3 * sizeof(float));
+  }
+}
+
 #undef FB_SHUFFLE
 #undef FB_LANE

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <set>
 
+#include "bake/compress/vertex_blocks.h"
 #include "base/status.h"
 #include "compress/blockwise_toy.h"
+#include "test_models.h"
 
 namespace test_blockwise_pca {
 
@@ -131,6 +133,17 @@ TEST_CASE("localized models localize again, the same on any threads, and bad cov
   covariance.pop_back();
   CHECK_THROWS_AS(blockwise_pca(model, covariance, {}), Error);
   CHECK_THROWS_AS(blockwise_pca(model, covariances(model.network), {.block_vertices = 0}), Error);
+}
+
+TEST_CASE("vertices that carry numbers keep their order, whichever region moves them most") {
+  Mesh rest = grid_mesh(6, 4);
+  rest.carrier_vertices = 5;
+  rest.points.resize(rest.points.size() + 15);
+  std::vector<std::uint32_t> labels(rest.vertex_count());
+  for (std::uint32_t v = 0; v < labels.size(); ++v) labels[v] = (7 * v) % 3;
+  std::vector<std::uint32_t> order;
+  for (const auto& block : vertex_blocks(rest, labels, 2)) order.insert(order.end(), block.begin(), block.end());
+  for (std::uint32_t v = 24; v < 29; ++v) CHECK(order[v] == v);
 }
 
 }  // namespace test_blockwise_pca

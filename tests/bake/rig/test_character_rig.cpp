@@ -174,7 +174,7 @@ void check_same(const Source& source, const HostRig& rig) {
     return a.name == b.name && a.unit == b.unit && a.minimum == b.minimum && a.maximum == b.maximum && a.rest == b.rest;
   };
   CHECK(std::ranges::equal(source.schema().channels, rig.model.schema.channels, same));
-  CHECK(source.rest().channel_vertices == rig.model.rest.channel_vertices);
+  CHECK(source.rest().carrier_vertices == rig.model.rest.carrier_vertices);
 }
 
 void check_refused(const std::function<void(HostRig&)>& change, const char* message) {

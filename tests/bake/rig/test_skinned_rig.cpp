@@ -175,7 +175,7 @@ TEST_CASE("a rig that says it is skinned and does not say how is refused") {
   check_refused([](BodyRig& r) { std::fill_n(r.joints[1].rest, 4, 0.0f); },
                 "joint \"head\" has no inverse bind matrix");
   check_refused([](BodyRig& r) { std::fill_n(r.joints[0].inverse_bind, 4, 0.0f); },
-                "the blend of the joints of vertex 0 cannot be inverted at rest");
+                "at rest: the blend of the joints of vertex 0 cannot be inverted");
   check_refused([](BodyRig& r) { r.rig.rest_positions = r.rest.points.data(); }, "rest");
   check_refused([](BodyRig& r) { r.rig.flags = 0; }, "evaluate is null");
 }

@@ -87,7 +87,8 @@ BoneChain::BoneChain(const std::vector<int>& parents, const Array<float>& unit_r
   }
 }
 
-void BoneChain::evaluate(const float* units, const double* angles, const float* heads, JointOffset* offsets) const {
+void BoneChain::evaluate(const float* units, const double* angles, const float* heads, JointOffset* offsets,
+                         float* frames) const {
   std::vector<Motion> motions(bones_.size());
   for (std::size_t i = 0; i < bones_.size(); ++i) {
     const Bone& bone = bones_[i];
@@ -104,6 +105,13 @@ void BoneChain::evaluate(const float* units, const double* angles, const float* 
     const Motion local = about(q, heads + 3 * bone.index);
     motions[i] = bone.parent < 0 ? local : motions[bone.parent] * local;
     if (bone.skinned) offsets[bone.index] = offset_of(motions[i]);
+    for (int a = 0; a < 3 && frames; ++a, frames += 4) {  // at the bone's head
+      const float* const head = heads + 3 * bone.index;
+      const double* const row = motions[i].rotation[a];
+      for (int b = 0; b < 3; ++b) frames[b] = static_cast<float>(row[b]);
+      frames[3] =
+          static_cast<float>(row[0] * head[0] + row[1] * head[1] + row[2] * head[2] + motions[i].translation[a]);
+    }
   }
 }
 

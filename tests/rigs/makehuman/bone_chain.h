@@ -19,8 +19,17 @@ class BoneChain {
   BoneChain(const std::vector<int>& parents, const Array<float>& unit_rotations,
             const std::vector<std::size_t>& face_bones, const Skin& skin);
 
+  // The bones that are not left out, by their number among all bones; the number of each one's parent among them, or
+  // -1; and whether any rotation moves it.
+  std::size_t count() const { return bones_.size(); }
+  std::size_t index(std::size_t bone) const { return bones_[bone].index; }
+  std::ptrdiff_t parent(std::size_t bone) const { return bones_[bone].parent; }
+  bool turns(std::size_t bone) const { return bones_[bone].face >= 0 || !bones_[bone].units.empty(); }
+
   // units: one weight each; angles: x, y, z a face bone; heads: 3 x bones; offsets: one a bone, written where skin is.
-  void evaluate(const float* units, const double* angles, const float* heads, JointOffset* offsets) const;
+  // frames: of the bones that are not left out, 12 each; null: none.
+  void evaluate(const float* units, const double* angles, const float* heads, JointOffset* offsets,
+                float* frames = nullptr) const;
 
  private:
   struct UnitRotation {

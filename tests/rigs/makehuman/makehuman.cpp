@@ -65,7 +65,7 @@ struct Data {
 
   explicit Data(const RigFolder& folder) : Data(folder, nlohmann::json::parse(folder.text("rig.json"))) {}
 
-  Names units, targets, face_bones;
+  Names bones, units, targets, face_bones;
   std::vector<int> parents;
   std::vector<std::size_t> face_bone_indices;
   Array<float> rest, heads, skin_weights, unit_rotations, target_offsets, head_offsets;
@@ -74,7 +74,6 @@ struct Data {
  private:
   Data(const RigFolder& folder, const nlohmann::json& header)
       : units(header.at("units")), targets(header.at("targets")), face_bones(header.at("face_bones")) {
-    Names bones;
     for (const auto& bone : header.at("bones")) {
       bones.push_back(bone.at("name"));
       parents.push_back(bone.at("parent"));
@@ -113,9 +112,33 @@ class MakeHuman : public PluginRig {
     for (const std::string& bone : data.face_bones) {
       for (const char* axis : {".rx", ".ry", ".rz"}) add_control(bone + axis, region_of(bone, regions), -15, 15);
     }
+    declare_joints(data);
   }
 
-  void evaluate(const float* controls, float* positions) const override {
+  void evaluate(const float* controls, float* positions) const override { pose(controls, positions, nullptr); }
+  void evaluate_skinned(const float* controls, float* positions, float* frames) const override {
+    pose(controls, positions, frames);
+  }
+
+ private:
+  // All bones that vertices follow, or that one of those hangs on. Targets move their heads.
+  void declare_joints(const Data& data) {
+    Array<float> weights{{vertices(), chain_.count()}, std::vector<float>(vertices() * chain_.count())};
+    for (std::size_t j = 0; j < chain_.count(); ++j) {
+      const std::size_t bone = chain_.index(j);
+      bool moves = false;
+      for (std::size_t target = 0; target < targets_; ++target)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          moves = moves || data.head_offsets.values[3 * (target * data.bones.size() + bone) + axis] != 0;
+      const std::uint32_t numbers = (chain_.turns(j) ? FB_JOINT_ROTATE : 0) | (moves ? FB_JOINT_MOVE : 0);
+      add_joint(data.bones[bone], chain_.parent(j), heads_.data() + 3 * bone, numbers);
+      for (std::size_t v = 0; v < vertices(); ++v)
+        weights.values[v * chain_.count() + j] = data.skin_weights.values[v * data.bones.size() + bone];
+    }
+    set_skin(weights);
+  }
+
+  void pose(const float* controls, float* positions, float* frames) const {
     const float* targets = controls + units_;
     std::vector<float> points = rest(), heads = heads_;
     target_offsets_.add(targets, points);
@@ -123,11 +146,10 @@ class MakeHuman : public PluginRig {
     std::vector<double> radians(angles_);
     for (std::size_t i = 0; i < angles_; ++i) radians[i] = targets[targets_ + i] * (std::numbers::pi / 180);
     std::vector<JointOffset> joints(skin_.joints());
-    chain_.evaluate(controls, radians.data(), heads.data(), joints.data());
+    chain_.evaluate(controls, radians.data(), heads.data(), joints.data(), frames);
     skin_.apply(joints.data(), points.data(), positions);
   }
 
- private:
   std::size_t units_, targets_, angles_;
   std::vector<float> heads_;
   Targets target_offsets_, head_offsets_;

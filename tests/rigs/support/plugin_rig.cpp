@@ -42,6 +42,45 @@ void PluginRig::add_clip(const std::string& name, std::int32_t kind, std::int32_
   clips_.push_back({keep(name), kind, split, fps, count, 0, curves_.back().data()});
 }
 
+void PluginRig::evaluate_skinned(const float* controls, float* positions, float*) const {
+  evaluate(controls, positions);
+}
+
+void PluginRig::add_joint(const std::string& name, std::ptrdiff_t parent, const float* origin, std::uint32_t numbers) {
+  fb_joint joint = {};
+  joint.name = keep(name);
+  joint.parent = parent < 0 ? FB_NO_JOINT : static_cast<std::uint32_t>(parent);
+  for (int axis = 0; axis < 3; ++axis) {
+    joint.rest[5 * axis] = 1;
+    joint.rest[4 * axis + 3] = origin[axis];
+    // At rest all axes are those of space.
+    if (parent >= 0) joint.rest[4 * axis + 3] += joints_[parent].inverse_bind[4 * axis + 3];
+    joint.inverse_bind[5 * axis] = 1;
+    joint.inverse_bind[4 * axis + 3] = -origin[axis];
+  }
+  joints_.push_back(joint);
+  joint_numbers_.push_back(numbers);
+}
+
+void PluginRig::set_skin(const Array<float>& weights) {
+  const std::size_t joints = weights.shape[1];
+  for (std::size_t v = 0; v < vertices(); ++v) {
+    const float* const of = weights.values.data() + v * joints;
+    influences_ = std::max(influences_,
+                           static_cast<std::uint32_t>(std::count_if(of, of + joints, [](float w) { return w > 0; })));
+  }
+  for (std::size_t v = 0; v < vertices(); ++v) {
+    const std::size_t end = (v + 1) * influences_;
+    for (std::size_t j = 0; j < joints; ++j)
+      if (const float weight = weights.values[v * joints + j]; weight > 0) {
+        skin_joints_.push_back(static_cast<std::uint16_t>(j));
+        skin_weights_.push_back(weight);
+      }
+    skin_joints_.resize(end);
+    skin_weights_.resize(end);
+  }
+}
+
 void PluginRig::hand_over(std::unique_ptr<PluginRig> self, fb_rig* rig) {
   fb_rig_init(rig);
   rig->name = self->name_.c_str();
@@ -69,6 +108,28 @@ void PluginRig::hand_over(std::unique_ptr<PluginRig> self, fb_rig* rig) {
       return FB_ERROR_OUT_OF_MEMORY;
     }
   };
+  if (!self->joints_.empty()) {
+    rig->flags |= FB_RIG_SKINNED;
+    rig->joint_count = static_cast<std::uint32_t>(self->joints_.size());
+    rig->joints = self->joints_.data();
+    rig->joint_numbers = self->joint_numbers_.data();
+    rig->skin_influences = self->influences_;
+    rig->skin_joints = self->skin_joints_.data();
+    rig->skin_weights = self->skin_weights_.data();
+    rig->evaluate_skinned = [](void* user, std::uint64_t poses, const float* controls, float* positions, float*,
+                               float* frames, char* message, std::uint32_t message_size) -> fb_status {
+      try {
+        const auto& rig = *static_cast<const PluginRig*>(user);
+        for (std::uint64_t pose = 0; pose < poses; ++pose)
+          rig.evaluate_skinned(controls + pose * rig.controls_.size(), positions + pose * rig.rest_.size(),
+                               frames + pose * FB_FRAME_FLOATS * rig.joints_.size());
+        return FB_OK;
+      } catch (const std::bad_alloc&) {
+        explain(message, message_size, "no memory left to evaluate a pose");
+        return FB_ERROR_OUT_OF_MEMORY;
+      }
+    };
+  }
   rig->destroy = [](void* user) { delete static_cast<PluginRig*>(user); };
   rig->user = self.release();
 }

@@ -1,0 +1,219 @@
+#include "bake/rig/driven_pose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/checked.h"
+#include "base/status.h"
+
+namespace fb::bake {
+namespace {
+
+using Axis = std::array<double, 3>;
+constexpr Frame<double> still_frame = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+constexpr double pi = 3.14159265358979323846;
+constexpr double most_angle = 0.95 * pi;
+
+Axis column(const Frame<double>& frame, std::size_t c) {
+  return {frame[c], frame[4 + c], frame[8 + c]};
+}
+double dot(const Axis& a, const Axis& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Frame<double> rotation_about(const Axis& v) {
+  const double squared = dot(v, v), angle = std::sqrt(squared);
+  const double s = angle < 1e-4 ? 1 - squared / 6 : std::sin(angle) / angle;
+  const double c = angle < 1e-4 ? 0.5 - squared / 24 : (1 - std::cos(angle)) / squared;
+  const auto [x, y, z] = v;
+  return {1 - c * (y * y + z * z), c * x * y - s * z,       c * x * z + s * y,       0,
+          c * x * y + s * z,       1 - c * (x * x + z * z), c * y * z - s * x,       0,
+          c * x * z - s * y,       c * y * z + s * x,       1 - c * (x * x + y * y), 0};
+}
+
+// The vector that rotation_about() turns into a rotation, by the quaternion with the largest component of its own.
+Axis rotation_vector(const Frame<double>& r) {
+  const double w = r[0] + r[5] + r[10];
+  Axis v = {r[9] - r[6], r[2] - r[8], r[4] - r[1]};  // 2 sin(angle) x axis
+  const double sine = std::sqrt(dot(v, v)) / 2, angle = std::atan2(sine, (w - 1) / 2);
+  if (sine < 1e-8) return {v[0] / 2, v[1] / 2, v[2] / 2};
+  for (double& value : v) value *= angle / (2 * sine);
+  return v;
+}
+
+// The rotation of a matrix's polar decomposition; nothing if it has none.
+std::optional<Frame<double>> closest_rotation(const Frame<double>& matrix) {
+  Frame<double> r = matrix;
+  r[3] = r[7] = r[11] = 0;
+  for (int step = 0; step < 50; ++step) {
+    const auto inverted = inverse(r);
+    if (!inverted) return std::nullopt;
+    double change = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b < 3; ++b) {
+        const double next = (r[4 * a + b] + (*inverted)[4 * b + a]) / 2;
+        change = std::max(change, std::fabs(next - r[4 * a + b]));
+        r[4 * a + b] = next;
+      }
+    if (change < 1e-14) break;
+  }
+  const Axis x = column(r, 0), y = column(r, 1), z = column(r, 2);
+  const double volume = dot({x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]}, z);
+  if (!(volume > 0)) return std::nullopt;
+  return r;
+}
+
+// What a joint's numbers do in its own axes.
+Frame<double> own_motion(const double (&n)[numbers_a_joint]) {
+  Frame<double> own = rotation_about({n[0], n[1], n[2]});
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t c = 0; c < 3; ++c) own[4 * row + c] *= 1 + n[6 + c];
+    own[4 * row + 3] = n[3 + row];
+  }
+  return own;
+}
+
+// Frames at rest are inverted once a call.
+Frame<double> inverse_rest(const DrivenJoint& joint) {
+  const auto back = inverse(to_double(joint.rest));
+  if (!back) fail(Status::bad_data, "driven joint \"%s\" has a frame that cannot be inverted", joint.name.c_str());
+  return *back;
+}
+
+// The motion of a joint in the space of positions, from that of its parent and what it does itself.
+Frame<double> motion_of(const DrivenJoint& joint, std::span<const Frame<double>> motions, const Frame<double>& back,
+                        const Frame<double>& own) {
+  const Frame<double> here = product(product(to_double(joint.rest), own), back);
+  return joint.parent == no_joint ? here : product(motions[joint.parent], here);
+}
+
+// By vertex: the weights of a joint and of all below it.
+std::vector<double> weights_below(const Mesh& rest, std::uint32_t joint) {
+  const DrivenJoints& driven = rest.driven;
+  std::vector<std::uint8_t> below(driven.joints.size());
+  for (std::size_t j = joint; j < below.size(); ++j)
+    below[j] = j == joint || (driven.joints[j].parent != no_joint && below[driven.joints[j].parent]);
+  std::vector<double> weights(rest.surface_vertex_count());
+  for (std::size_t i = 0; i < driven.skin.weights.size(); ++i)
+    if (below[driven.skin.joints[i]]) weights[i / driven.skin.influences] += driven.skin.weights[i];
+  return weights;
+}
+
+// How far a unit of a number moves the vertices that follow its joint: the root of the sum of squares.
+double reach_of(const Mesh& rest, const DrivenJoint& joint, std::size_t number, std::span<const double> weights) {
+  const Frame<double> frame = to_double(joint.rest);
+  const Axis axis = column(frame, number % 3), origin = column(frame, 3);
+  double sum = 0;
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    Axis offset;
+    for (std::size_t a = 0; a < 3; ++a) offset[a] = rest.points[3 * v + a] - origin[a];
+    const double along = dot(axis, offset);
+    const double squared = number < 3   ? std::max(dot(offset, offset) - along * along, 0.0)
+                           : number < 6 ? 1
+                                        : along * along;
+    sum += weights[v] * weights[v] * squared;
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+void add_joint_vertices(Mesh& rest) {
+  DrivenJoints& driven = rest.driven;
+  driven.scales.clear();
+  const double least = 1e-3 * rest.diagonal();  // of joints that nothing follows
+  for (std::uint32_t j = 0; j < driven.joints.size(); ++j) {
+    const std::vector<double> weights = weights_below(rest, j);
+    for (std::size_t n = 0; n < numbers_a_joint; ++n)
+      if (driven.joints[j].numbers >> n & 1)
+        driven.scales.push_back(static_cast<float>(1 / std::max(reach_of(rest, driven.joints[j], n, weights), least)));
+  }
+  const std::size_t carriers = (driven.scales.size() + 2) / 3;
+  rest.carrier_vertices += checked_u32(carriers, "numbers of driven joints");
+  rest.points.resize(rest.points.size() + 3 * carriers);
+}
+
+void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double>> frames, std::span<float> numbers) {
+  std::vector<Frame<double>> motions;
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < driven.joints.size(); ++j) {
+    const DrivenJoint& joint = driven.joints[j];
+    const char* const name = joint.name.c_str();
+    const Frame<double> back = inverse_rest(joint);
+    Frame<double> own = product(back, frames[j]);
+    if (joint.parent != no_joint) {
+      const auto parent_back = inverse(motions[joint.parent]);
+      if (!parent_back) fail(Status::bad_data, "the parent of driven joint \"%s\" is flat", name);
+      own = product(back, product(*parent_back, frames[j]));
+    }
+    const auto rotation = closest_rotation(own);
+    if (!rotation) fail(Status::bad_data, "driven joint \"%s\" is mirrored or flat", name);
+    Axis turned = rotation_vector(*rotation);
+    if (const double angle = std::sqrt(dot(turned, turned)); angle > most_angle)
+      for (double& value : turned) value *= most_angle / angle;
+    double all[numbers_a_joint] = {turned[0], turned[1], turned[2], own[3], own[7], own[11]};
+    for (std::size_t a = 0; a < 3; ++a) all[6 + a] = dot(column(*rotation, a), column(own, a)) - 1;
+    for (std::size_t n = 0; n < numbers_a_joint; ++n) {
+      const bool has = joint.numbers >> n & 1;
+      if (has) numbers[at] = static_cast<float>(all[n]);
+      all[n] = has ? numbers[at++] : 0;
+    }
+    motions.push_back(motion_of(joint, motions, back, own_motion(all)));
+  }
+}
+
+std::vector<Frame<double>> joint_motions(const DrivenJoints& driven, std::span<const float> coordinates) {
+  std::vector<Frame<double>> motions;
+  std::size_t at = 0;
+  for (const DrivenJoint& joint : driven.joints) {
+    double numbers[numbers_a_joint] = {};
+    for (std::size_t n = 0; n < numbers_a_joint; ++n)
+      if (joint.numbers >> n & 1) numbers[n] = double(driven.scales[at]) * coordinates[at], ++at;
+    motions.push_back(motion_of(joint, motions, inverse_rest(joint), own_motion(numbers)));
+  }
+  return motions;
+}
+
+namespace {
+
+// What a vertex is taken along by: weights x motions, and the rest of its weight as it is.
+Frame<double> blend_of(const Skin& skin, std::size_t vertex, std::span<const Frame<double>> motions) {
+  Frame<double> blend = still_frame;
+  for (std::size_t i = vertex * skin.influences; i < (vertex + 1) * skin.influences; ++i)
+    for (std::size_t k = 0; k < 12; ++k)
+      blend[k] += double(skin.weights[i]) * (motions[skin.joints[i]][k] - still_frame[k]);
+  return blend;
+}
+
+}  // namespace
+
+void add_driven_skin(const Mesh& rest, std::span<const Frame<double>> motions, std::span<double> positions) {
+  for (std::size_t v = 0; v < positions.size() / 3; ++v) {
+    const Frame<double> blend = blend_of(rest.driven.skin, v, motions);
+    const double x = positions[3 * v], y = positions[3 * v + 1], z = positions[3 * v + 2];
+    for (std::size_t a = 0; a < 3; ++a)
+      positions[3 * v + a] = blend[4 * a] * x + blend[4 * a + 1] * y + blend[4 * a + 2] * z + blend[4 * a + 3];
+  }
+}
+
+void remove_driven_skin(const Mesh& rest, std::span<float> points) {
+  if (rest.driven.empty()) return;
+  const auto motions = joint_motions(rest.driven, points.subspan(rest.first_joint_coordinate()));
+  for (std::size_t v = 0; v < rest.surface_vertex_count(); ++v) {
+    if (rest.driven.skin.count(v) == 0) continue;
+    const auto back = inverse(blend_of(rest.driven.skin, v, motions));
+    const double at[3] = {points[3 * v], points[3 * v + 1], points[3 * v + 2]};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double* const row = back ? back->data() + 4 * a : nullptr;
+      points[3 * v + a] =
+          row ? static_cast<float>(row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3]) : rest.points[3 * v + a];
+    }
+  }
+}
+
+void points_to_displacements(const Mesh& rest, std::span<float> points) {
+  remove_driven_skin(rest, points);
+  for (std::size_t i = 0; i < rest.points.size(); ++i) points[i] -= rest.points[i];
+}
+
+}  // namespace fb::bake

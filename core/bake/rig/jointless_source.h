@@ -1,0 +1,27 @@
+#pragma once
+
+#include "bake/rig/source_decorator.h"
+
+namespace fb::bake {
+
+// Another source as if its controls drove no joints: only the positions are left of them.
+class JointlessSource final : public SourceDecorator {
+ public:
+  // `source` must outlive this.
+  explicit JointlessSource(Source& source);
+
+  const Mesh& rest() const override { return rest_; }
+  void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
+  void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
+  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override {
+    return Source::make_backend(parallel);
+  }
+
+ private:
+  template <class Evaluate>
+  void evaluate_with_joints(std::size_t count, std::span<float> points, const Evaluate& evaluate) const;
+
+  Mesh rest_;
+};
+
+}  // namespace fb::bake

@@ -1,0 +1,193 @@
+#include "runtime/driven_skin.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace fb::runtime {
+namespace {
+
+// sin(x) / x and (1 - cos(x)) / x^2 as polynomials in x^2, from the lowest power up, for x up to 2 pi: Chebyshev
+// approximations of degree 8 that are exact at 0, rounded to floats; within 1.3e-6 and 2.5e-7, to pi within 1.5e-7 and
+// 5.6e-8.
+constexpr float sine[] = {1.0f,           -0.16666667f,    0.00833333f,    -0.00019841081f,
+                          2.7553501e-06f, -2.5014108e-08f, 1.5851925e-10f, -7.011425e-13f,
+                          1.7545592e-15f};
+constexpr float cosine[] = {0.5f,           -0.041666668f,   0.0013888887f,
+                            -2.480149e-05f, 2.7555345e-07f,  -2.0857125e-09f,
+                            1.1363965e-11f, -4.4529386e-14f, 1.02308114e-16f};
+constexpr float most_squared = 40;  // radians squared
+
+float horner(const float (&coefficients)[9], float x) {
+  float sum = coefficients[8];
+  for (std::size_t i = 8; i > 0; --i) sum = sum * x + coefficients[i - 1];
+  return sum;
+}
+
+using Vector = std::array<float, 3>;
+// Row after row: what is added to the three axes, and to the origin.
+using Change = std::array<float, 12>;
+
+// The axes at rest by numbers: a0 n[0] + a1 n[1] + a2 n[2].
+Vector along_axes(const std::array<float, 12>& rest, const float* n) {
+  Vector sum;
+  for (std::size_t a = 0; a < 3; ++a) sum[a] = (rest[4 * a] * n[0] + rest[4 * a + 1] * n[1]) + rest[4 * a + 2] * n[2];
+  return sum;
+}
+
+// The rotation about a vector, less the identity.
+void rotate(const Vector& v, Change& to) {
+  const auto [x, y, z] = v;
+  const float square = (x * x + y * y) + z * z, angle = square < most_squared ? square : most_squared;
+  const float s = horner(sine, angle), c = horner(cosine, angle);
+  to[0] = -c * (y * y + z * z);
+  to[5] = -c * (x * x + z * z);
+  to[10] = -c * (x * x + y * y);
+  const float xy = c * (x * y), xz = c * (x * z), yz = c * (y * z);
+  to[1] = xy - s * z;
+  to[2] = xz + s * y;
+  to[4] = xy + s * z;
+  to[6] = yz - s * x;
+  to[8] = xz - s * y;
+  to[9] = yz + s * x;
+}
+
+// (a0 b[column]) + (a1 b[4 + column]) + (a2 b[8 + column]) of row a.
+float times(const float* row, const Change& b, std::size_t column) {
+  return (row[0] * b[column] + row[1] * b[4 + column]) + row[2] * b[8 + column];
+}
+
+// What lengthens the axes at rest, and then rotates: (rotation + lengthening) + rotation x lengthening.
+void lengthen(const std::array<float, 12>& rest, const float* n, Change& to) {
+  Change lengths = {};
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) {
+      const float *const row = &rest[4 * a], *const other = &rest[4 * b];
+      lengths[4 * a + b] = (n[0] * (row[0] * other[0]) + n[1] * (row[1] * other[1])) + n[2] * (row[2] * other[2]);
+    }
+  const Change rotation = to;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b)
+      to[4 * a + b] = (rotation[4 * a + b] + lengths[4 * a + b]) + times(&rotation[4 * a], lengths, b);
+}
+
+// A matrix for kernels has columns.
+float& entry(float* matrix, std::size_t row, std::size_t column) {
+  return matrix[4 * column + row];
+}
+Change change_of(const float* matrix) {
+  Change change;
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 4; ++column) change[4 * row + column] = matrix[4 * column + row];
+  return change;
+}
+
+}  // namespace
+
+DrivenSkin::DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> baked_index,
+                       std::pmr::memory_resource& memory, std::pmr::memory_resource& heap)
+    : joints_(&memory), influences_(memory), block_joints_(memory) {
+  const DrivenJoints& driven = model.rest.driven;
+  if (driven.empty()) return;
+  auto row = static_cast<std::uint32_t>(model.rest.first_joint_coordinate());
+  const float* scale = driven.scales.data();
+  joints_.reserve(driven.joints.size());
+  for (const DrivenJoint& from : driven.joints) {
+    Joint& joint = joints_.emplace_back(Joint{from.parent, row, from.numbers, from.rest, {}});
+    for (std::size_t n = 0; n < numbers_a_joint; ++n)
+      if (from.numbers >> n & 1) joint.scales[n] = *scale++, ++row;
+  }
+  const Skin& skin = driven.skin;
+  const auto vertices = static_cast<std::uint32_t>(model.rest.surface_vertex_count());
+  CsrBuilder<JointInfluence> influences(vertices, 0, heap);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const std::size_t first = std::size_t(v) * skin.influences;
+    for (std::size_t i = first; i < first + skin.count(v); ++i)
+      influences.add(baked_index.empty() ? v : baked_index[v],
+                     {joint_matrix_floats * std::uint32_t{skin.joints[i]}, skin.weights[i]});
+  }
+  influences.build(influences_);
+  CsrBuilder<std::uint32_t> of_blocks(model.row_blocks.size(), 0, heap);
+  std::pmr::vector<std::uint32_t> last_block(joints_.size(), UINT32_MAX, &heap);
+  for (std::uint32_t b = 0; b < model.row_blocks.size(); ++b) {
+    const PackedRowBlock& block = model.row_blocks[b];
+    const std::uint32_t end = std::min((block.first_row + block.row_count + 2) / 3, vertices);
+    for (std::uint32_t v = block.first_row / 3; v < end; ++v)
+      for (const JointInfluence& influence : influences_.row(v)) {
+        const std::uint32_t joint = influence.offset / joint_matrix_floats;
+        if (last_block[joint] != b) of_blocks.add(b, joint);
+        last_block[joint] = b;
+      }
+  }
+  of_blocks.build(block_joints_);
+}
+
+// `rows`: those of its numbers. parent: the matrix of a parent that moved, or null.
+void DrivenSkin::find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const {
+  float numbers[numbers_a_joint] = {};
+  for (std::size_t n = 0; n < numbers_a_joint; ++n)
+    if (joint.numbers >> n & 1) numbers[n] = joint.scales[n] * *rows++;
+  Change change = {};
+  rotate(along_axes(joint.rest, numbers), change);
+  if (joint.numbers & joint_scale) lengthen(joint.rest, numbers + 6, change);
+  const Vector moved = along_axes(joint.rest, numbers + 3);
+  const Vector origin = {joint.rest[3], joint.rest[7], joint.rest[11]};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float* const row = &change[4 * a];
+    change[4 * a + 3] = moved[a] - ((row[0] * origin[0] + row[1] * origin[1]) + row[2] * origin[2]);
+  }
+  if (!parent) {
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 4; ++column) entry(matrix, row, column) = change[4 * row + column];
+    return;
+  }
+  const Change above = change_of(parent);
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 4; ++column)
+      entry(matrix, row, column) =
+          (above[4 * row + column] + change[4 * row + column]) + times(&above[4 * row], change, column);
+}
+
+void DrivenSkin::find_matrices(const float* rows, State& state) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    const float* const own = rows + joint.first_row;
+    const float* const end = own + std::popcount(joint.numbers);
+    float* const matrix = state.matrices.data() + joint_matrix_floats * j;
+    const bool below = joint.parent != no_joint && state.moved[joint.parent];
+    const float* const parent = below ? state.matrices.data() + joint_matrix_floats * joint.parent : nullptr;
+    const bool still = std::all_of(own, end, [](float coordinate) { return coordinate == 0; });
+    if (!still)
+      find_matrix(joint, own, parent, matrix);
+    else if (below)
+      std::copy_n(parent, joint_matrix_floats, matrix);
+    else if (state.moved[j])
+      std::fill_n(matrix, joint_matrix_floats, 0.0f);
+    state.moved[j] = !still || below;
+  }
+}
+
+bool DrivenSkin::run(const PoseKernels& kernels, std::size_t block, VertexRange range, const State& state,
+                     float* rows) const {
+  const auto joints = block_joints_.row(block);
+  if (std::none_of(joints.begin(), joints.end(), [&](std::uint32_t joint) { return state.moved[joint] != 0; }))
+    return false;
+  kernels.skin_vertices({influences_.row_offsets.data(), influences_.entries.data()}, range.begin, range.end,
+                        state.matrices.data(), rows);
+  return true;
+}
+
+void DrivenSkin::write_frames(const State& state, float* frames) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j, frames += frame_floats) {
+    const std::array<float, 12>& rest = joints_[j].rest;
+    std::copy_n(rest.data(), frame_floats, frames);
+    if (!state.moved[j]) continue;
+    const Change change = change_of(state.matrices.data() + joint_matrix_floats * j);
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t column = 0; column < 3; ++column)
+        frames[4 * row + column] = rest[4 * row + column] + times(&change[4 * row], rest, column);
+      frames[4 * row + 3] = rest[4 * row + 3] + (times(&change[4 * row], rest, 3) + change[4 * row + 3]);
+    }
+  }
+}
+
+}  // namespace fb::runtime

@@ -1,0 +1,61 @@
+// Joints that the controls drive, and the vertices that follow them. core/archive/EVALUATION.md defines every
+// operation.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "model/packed_model.h"
+#include "runtime/csr_table.h"
+#include "runtime/kernels/pose_kernels.h"
+#include "runtime/mesh_layout.h"
+
+namespace fb::runtime {
+
+class DrivenSkin {
+ public:
+  static constexpr std::size_t frame_floats = 12;
+
+  // How the joints of a pose moved.
+  struct State {
+    State(const DrivenSkin& skin, std::pmr::memory_resource& memory)
+        : matrices(joint_matrix_floats * skin.joint_count(), &memory), moved(skin.joint_count(), &memory) {}
+
+    std::pmr::vector<float> matrices;  // by joint, see JointInfluence; 0 for those that did not move
+    std::pmr::vector<std::uint8_t> moved;
+  };
+
+  // baked_index: see VertexWriter.
+  DrivenSkin(const PackedModel& model, std::span<const std::uint32_t> baked_index, std::pmr::memory_resource& memory,
+             std::pmr::memory_resource& heap);
+
+  bool empty() const { return joints_.empty(); }
+  std::size_t joint_count() const { return joints_.size(); }
+  // Finds how joints moved. `rows`: of a pose, which the numbers of joints are the last of.
+  void find_matrices(const float* rows, State& state) const;
+  // Moves vertices `range` of baked order, all of row block `block`.
+  // Returns whether any joint moved that vertices of the block follow.
+  bool run(const PoseKernels& kernels, std::size_t block, VertexRange range, const State& state, float* rows) const;
+  // frame_floats a joint.
+  void write_frames(const State& state, float* frames) const;
+
+ private:
+  struct Joint {
+    std::uint32_t parent, first_row;  // of the row that its first number is in
+    std::uint32_t numbers;
+    std::array<float, 12> rest;
+    std::array<float, numbers_a_joint> scales;  // of those it has
+  };
+
+  void find_matrix(const Joint& joint, const float* rows, const float* parent, float* matrix) const;
+
+  std::pmr::vector<Joint> joints_;
+  CsrTable<JointInfluence> influences_;   // by vertex, in baked order
+  CsrTable<std::uint32_t> block_joints_;  // by row block: the joints that its vertices follow
+};
+
+}  // namespace fb::runtime
