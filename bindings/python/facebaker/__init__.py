@@ -10,6 +10,7 @@ from ._bake import Option, bake, check, compare, diff, evaluate, inspect, option
 from ._character import (
     Channel,
     Control,
+    DrivenJoint,
     ExactPose,
     Image,
     Joint,
@@ -39,8 +40,8 @@ from ._source import Source
 
 __all__ = [
     "BadDataError", "BakeResult", "Channel", "CheckResult", "Clip", "ClipErrors", "CompareResult", "Control",
-    "CorruptError", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure", "FileError",
-    "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun",
+    "CorruptError", "DrivenJoint", "Error", "Errors", "EvalResult", "ExactPose", "ExpectedError", "Face", "Failure",
+    "FileError", "Image", "InternalError", "InvalidArgumentError", "Joint", "Level", "LimitError", "Material", "MaterialRun",
     "Mesh", "Method", "NotAnArchiveError", "NotFiniteError", "NotFoundError", "OutOfMemoryError", "PackResult",
     "PlanResult", "Result", "Rig", "RigError", "SampleResult", "Skin", "Socket", "Source", "StoppedError", "Texture",
     "UnsupportedError", "VerifyResult", "__version__", "bake", "check", "compare", "diff", "evaluate",

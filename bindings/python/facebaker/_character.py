@@ -156,6 +156,17 @@ class Joint:
     inverse_bind: Optional[ArrayLike] = None
 
 
+class DrivenJoint(NamedTuple):
+    """A joint that the controls of a face move. parent: an index of driven joints, or None. numbers: how it moves within its
+    parent, some of rotate_x, move_x, scale_x and those of y and z. rest: (3, 4), its frame at rest, in the space of
+    positions."""
+
+    name: str
+    parent: Optional[int]
+    numbers: Tuple[str, ...]
+    rest: Any
+
+
 class Skin(NamedTuple):
     """How vertices follow joints. joints: (vertices, influences), indices of joints. weights: of the same shape; those of
     a vertex sum to 1, or are all 0 in a mesh that follows no joint. Positions of a character with a skin are those

@@ -98,7 +98,8 @@ class Face(FaceContents):
         return self._found(library.fb_find_control, name)
 
     def find_mesh(self, name: str) -> int:
-        """The index of a mesh; the error names those there are. So do find_socket, find_channel and find_joint."""
+        """The index of a mesh; the error names those there are. So do find_socket, find_channel, find_joint
+        and find_driven_joint."""
         return self._found(library.fb_find_mesh, name)
 
     def find_socket(self, name: str) -> int:
@@ -109,6 +110,9 @@ class Face(FaceContents):
 
     def find_joint(self, name: str) -> int:
         return self._found(library.fb_find_joint, name)
+
+    def find_driven_joint(self, name: str) -> int:
+        return self._found(library.fb_find_driven_joint, name)
 
     def find_region(self, name: str) -> int:
         """The index of a region. Raises ValueError, with the closest name there is."""
@@ -144,6 +148,7 @@ class Face(FaceContents):
         sockets: Optional[Floats] = None,
         channels: Optional[Floats] = None,
         bounds: Optional[Floats] = None,
+        joints: Optional[Floats] = None,
         expected_errors: Optional[Floats] = None,
         outside: Optional[Indices] = None,
         baked_order: bool = False,
@@ -152,6 +157,7 @@ class Face(FaceContents):
         dtype: npt.DTypeLike = np.float32,
         lod: float = 0.0,
         displacements: bool = False,
+        unskinned: bool = False,
         level_only: bool = False,
     ) -> npt.NDArray[Any]:
         """Many poses: (poses, controls) -> positions, (poses, vertices, 3), with the same bits as evaluate.
@@ -159,12 +165,13 @@ class Face(FaceContents):
         threads: 0 is all cores. dtype: float32 or float16, of positions, normals and tangents. Outputs are contiguous
         arrays that are written: out, normals and tangents of the result's shape and dtype, unit normals and unit tangents
         (those need texture coordinates); sockets, (poses, sockets, 3, 4), frames; channels, (poses, channels); bounds,
-        (poses, 2, 3), the least and the largest coordinates; expected_errors, (poses, 1 + error_regions); all float32;
+        (poses, 2, 3), the least and the largest coordinates; joints, (poses, driven_joints, 3, 4), frames; expected_errors, (poses, 1 + error_regions); all float32;
         outside, (poses,), uint32, as of ExpectedError.
         baked_order: vertices in the order of vertex_order. regions: the names or indices of the regions whose networks
         run; the others keep their values at rest. meshes: names or indices of the meshes that are posed; vertices of the
         others are not written. lod: level of detail, 0 (the whole) to level_count - 1 or between two of them.
-        displacements: from rest, in place of positions. level_only: only the vertices of the level that lod is rounded down
+        displacements: from rest, in place of positions. unskinned: positions, normals and tangents before driven joints
+        move the vertices, as displacements always are. level_only: only the vertices of the level that lod is rounded down
         to, which needs baked_order; results then have levels[...].vertices vertices."""
         values, kind = self._poses(controls), np.dtype(dtype)
         if kind not in (np.float32, np.float16):
@@ -182,10 +189,11 @@ class Face(FaceContents):
         desc.pose_stride = desc.normal_pose_stride = desc.tangent_pose_stride = 3 * vertices
         desc.vertex_order, desc.format = int(baked_order), int(kind == np.float16)
         desc.lod, desc.displacements, desc.level_only = lod, int(displacements), int(level_only)
+        desc.unskinned = int(unskinned)
         set_output(desc, "positions", out, shape, kind, "position_floats")
         set_output(desc, "normals", normals, shape, kind, "normal_numbers")
         set_output(desc, "tangents", tangents, shape, kind, "tangent_numbers")
-        self._set_other_outputs(desc, sockets, channels, bounds, expected_errors, outside)
+        self._set_other_outputs(desc, sockets, channels, bounds, joints, expected_errors, outside)
         if regions is not None:
             desc.regions, desc.region_count = _choice(regions, self.regions, "region")
         if meshes is not None:
@@ -195,7 +203,7 @@ class Face(FaceContents):
         return out
 
     def _set_other_outputs(
-        self, desc: fb_batch_desc, sockets: Any, channels: Any, bounds: Any, errors: Any, outside: Any
+        self, desc: fb_batch_desc, sockets: Any, channels: Any, bounds: Any, joints: Any, errors: Any, outside: Any
     ) -> None:
         """The outputs of evaluate_batch whose format does not depend on its dtype."""
         poses: int = desc.poses
@@ -203,6 +211,7 @@ class Face(FaceContents):
             ("sockets", sockets, (len(self.sockets), 3, 4), "socket_floats"),
             ("channels", channels, (len(self.channels),), "channel_floats"),
             ("bounds", bounds, (2, 3), "bounds_floats"),
+            ("joints", joints, (len(self.driven_joints), 3, 4), "joint_floats"),
             ("expected_errors", errors, (1 + len(self.error_regions),), "expected_error_floats"),
         ):
             set_output(desc, name, array, (poses, *shape), np.dtype(np.float32), count)

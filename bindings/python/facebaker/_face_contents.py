@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _from_structs as read
 from . import _interop as abi
 from ._arrays import Floats, Indices, fan_corners
-from ._character import About, Channel, Control, ExactPose, Image, Joint, Level, Material, Mesh, Skin, Socket
+from ._character import About, Channel, Control, DrivenJoint, ExactPose, Image, Joint, Level, Material, Mesh, Skin, Socket
 from ._library import AnyStruct, check, library
 from ._scratches import ScratchPool
 
@@ -227,6 +227,22 @@ class FaceContents:
         shape, count = (self.vertex_count, influences), self.vertex_count * influences
         joints: npt.NDArray[np.uint16] = self._view(library.fb_skin_joints(self._handle), count, shape)
         weights: Floats = self._view(library.fb_skin_weights(self._handle), count, shape)
+        return Skin(joints, weights)
+
+    @functools.cached_property
+    def driven_joints(self) -> Tuple[DrivenJoint, ...]:
+        """Joints that the controls move; evaluate_batch gives where they are in poses."""
+        return self._items(abi.fb_driven_joint, read.driven_joint_of)
+
+    @property
+    def driven_skin(self) -> Optional[Skin]:
+        """How vertices follow driven joints, as skin; weights of a vertex sum to at most 1. None if there are none."""
+        influences = library.fb_driven_influences(self._handle)
+        if influences == 0:
+            return None
+        shape, count = (self.vertex_count, influences), self.vertex_count * influences
+        joints: npt.NDArray[np.uint16] = self._view(library.fb_driven_skin_joints(self._handle), count, shape)
+        weights: Floats = self._view(library.fb_driven_skin_weights(self._handle), count, shape)
         return Skin(joints, weights)
 
     @functools.cached_property

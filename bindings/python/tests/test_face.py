@@ -349,6 +349,28 @@ class FaceTest(unittest.TestCase):
         self.assertTrue(((abs(sums - 1) < 1e-3) | (sums == 0)).all())
         self.assertIsNone(self.face.skin)
 
+    def test_joints_that_controls_drive(self):
+        face = facebaker.load(pathlib.Path(__file__).parents[3] / "tests/golden/2.1/accepted/driven.fbk")
+        self.assertEqual([joint.name for joint in face.driven_joints], ["jaw", "tongue", "pin", "lid"])
+        self.assertEqual(face.driven_joints[1].parent, 0)
+        self.assertEqual(face.driven_joints[1].numbers, ("rotate_x", "rotate_y", "move_z"))
+        self.assertEqual(face.find_driven_joint("pin"), 2)
+        joints, weights = face.driven_skin
+        self.assertTrue((weights.sum(1) <= 1).all())
+        pose = numpy.linspace(0.2, 0.8, face.control_count, dtype=numpy.float32)[None]
+        frames = numpy.empty((1, 4, 3, 4), numpy.float32)
+        seen = face.evaluate_batch(pose, joints=frames)[0]
+        before = face.evaluate_batch(pose, unskinned=True)[0]
+        moved = before.astype(float)
+        for joint, frame in enumerate(frames[0].astype(float)):
+            rest = numpy.vstack([face.driven_joints[joint].rest, [0, 0, 0, 1]]).astype(float)
+            at = numpy.c_[before, numpy.ones(len(before))] @ (frame @ numpy.linalg.inv(rest)).T - before
+            moved += numpy.where(joints == joint, weights, 0).sum(1)[:, None] * at
+        numpy.testing.assert_allclose(seen, moved, atol=1e-4)
+        self.assertGreater(abs(seen - before).max(), 0.1)
+        self.assertEqual(self.face.driven_joints, ())
+        self.assertIsNone(self.face.driven_skin)
+
     def test_exact_poses_and_levels(self):
         exact = facebaker.load(FIXTURE.with_name("exact.fbk"))
         self.assertGreater(len(exact.exact_poses), 0)
