@@ -371,7 +371,12 @@ BakeOptions with_character(const BakeOptions& options, const Source& source, Pro
 }  // namespace
 
 Baked bake_face(Source& source, const BakeOptions& given, Progress& progress) {
-  if (given.driven_joints == "none" && !source.rest().driven.empty()) {
+  const bool keeps_joints = checked_recipe(given).keeps_joints;
+  if (!source.rest().driven.empty() && (given.driven_joints == "none" || !keeps_joints)) {
+    if (!keeps_joints)
+      progress.note(
+          format("\"%s\" learns what joints do to vertices: the face does not have those that its controls drive",
+                 given.recipe.c_str()));
     JointlessSource jointless(source);
     return bake_face(jointless, given, progress);
   }

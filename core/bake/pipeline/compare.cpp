@@ -14,6 +14,7 @@
 #include "bake/pipeline/sample_poses.h"
 #include "bake/pipeline/scaled_archive.h"
 #include "bake/rig/changed_rig.h"
+#include "bake/rig/jointless_source.h"
 #include "bake/rig/scaled_source.h"
 #include "base/output_lock.h"
 #include "base/status.h"
@@ -157,6 +158,11 @@ CompareReport compare_ordinary(Source& source, const std::vector<std::string>& m
 
 CompareReport compare(Source& source, const std::vector<std::string>& methods, const BakeOptions& options,
                       Progress& progress) {
+  if (!source.rest().driven.empty()) {
+    progress.note("methods are compared without the joints that the controls drive, which only compact and hero have");
+    JointlessSource jointless(source);
+    return compare(jointless, methods, options, progress);
+  }
   check_methods(methods);
   const OutputLock lock = OutputLock::of_folder(options.work);
   const int exponent = scale_exponent(source.rest());

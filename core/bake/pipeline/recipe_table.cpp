@@ -9,11 +9,14 @@
 namespace fb::bake {
 namespace {
 
-constexpr std::array recipes = {
-    Recipe{"linear", make_linear, true},         Recipe{"kanyuk2018", make_kanyuk2018},
-    Recipe{"bailey2018", make_bailey2018},       Recipe{"paper", make_paper},
-    Recipe{"paper-tuned", make_paper_tuned},     Recipe{"paper-gradients", make_paper_gradients},
-    Recipe{"compact", make_compact, true, true}, Recipe{"hero", make_hero, true, true}};
+constexpr std::array recipes = {Recipe{"linear", make_linear, true},
+                                Recipe{"kanyuk2018", make_kanyuk2018},
+                                Recipe{"bailey2018", make_bailey2018},
+                                Recipe{"paper", make_paper},
+                                Recipe{"paper-tuned", make_paper_tuned},
+                                Recipe{"paper-gradients", make_paper_gradients},
+                                Recipe{"compact", make_compact, true, true, true},
+                                Recipe{"hero", make_hero, true, true, true}};
 
 }  // namespace
 

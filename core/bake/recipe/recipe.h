@@ -35,6 +35,7 @@ struct Recipe {
   RecipeResult (*make)(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
   bool supports_targets = false;  // BakeOptions::max_bytes and max_error
   bool evaluates_rig = false;     // evaluates poses of its own on a live rig, within BakeOptions::rig_budget
+  bool keeps_joints = false;      // learns driven joints; others learn what these do to vertices, see JointlessSource
 };
 
 }  // namespace fb::bake

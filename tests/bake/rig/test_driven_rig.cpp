@@ -5,6 +5,7 @@
 #include "archive/reader.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/bake.h"
+#include "bake/pipeline/compare.h"
 #include "bake/rig/carried_numbers.h"
 #include "bake/rig/driven_pose.h"
 #include "bake/rig/jointless_source.h"
@@ -248,6 +249,25 @@ TEST_CASE("a face with driven joints is nearer to its rig than one that learns w
   MESSAGE("worst vertex with driven joints " << driven << " D, without " << displaced << " D");
   CHECK(driven < 1e-3);
   CHECK(driven < 0.2 * displaced);
+}
+
+TEST_CASE("recipes and methods without joints learn what they do to vertices") {
+  FaceRig rig;
+  RigSource source(rig.rig);
+  const Folder folder, compared;
+  BakeOptions options;
+  options.recipe = "linear";
+  options.poses = 100;
+  options.work = folder.path();
+  const PackedModel model = archive::read_archive(bake_face(source, options, silent_progress()).archive).model;
+  CHECK(model.rest.driven.empty());
+  CHECK(worst_of(model, source) < 0.5);
+  options.work = compared.path();
+  options.epochs = 1;
+  const CompareReport report = compare(source, {"linear", "kanyuk2018", "compact"}, options, silent_progress());
+  REQUIRE(report.methods.size() == 3);
+  for (const MethodReport& method : report.methods)
+    CHECK(archive::read_archive(method.archive).model.rest.driven.empty());
 }
 
 TEST_CASE("what a rig says wrongly of its joints is refused") {
