@@ -23,6 +23,11 @@ using Path = std::filesystem::path;
 // The committed archives, and those written during the build.
 const std::vector<Path> folders = {FB_GOLDEN "/2.0", FB_GOLDEN "/2.1", FB_GOLDEN_NEW};
 
+// What 2.1 adds is little.
+bool is_of_2_1(const Path& folder) {
+  return folder.filename() == "2.1";
+}
+
 std::vector<Path> files_of(const Path& folder) {
   std::vector<Path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
@@ -66,7 +71,7 @@ std::string verdict(const Path& file) {
 TEST_CASE("golden archives are accepted and evaluate as archived") {
   for (const Path& folder : folders) {
     const auto files = files_of(folder / "accepted");
-    CHECK(files.size() >= 4);
+    CHECK(files.size() >= (is_of_2_1(folder) ? 4 : 30));
     for (const Path& file : files) CHECK_MESSAGE(verdict(file) == "", file);
   }
 }
@@ -74,7 +79,7 @@ TEST_CASE("golden archives are accepted and evaluate as archived") {
 TEST_CASE("rejected golden archives are refused with the same status") {
   for (const Path& folder : folders) {
     const auto files = files_of(folder / "rejected");
-    CHECK(files.size() >= 16);
+    CHECK(files.size() >= (is_of_2_1(folder) ? 18 : 350));
     for (const Path& file : files) {
       const std::string name = file.stem().string();
       CHECK_MESSAGE(verdict(file) == name.substr(0, name.find('-')), file);
@@ -83,12 +88,13 @@ TEST_CASE("rejected golden archives are refused with the same status") {
 }
 
 TEST_CASE("an accepted archive survives being written and read again") {
-  for (const Path& file : files_of(FB_GOLDEN_NEW "/accepted")) {
-    const Archive first = read_archive(read_file(file));
-    const auto again = write_archive(first.model, first.proof, first.text);
-    CHECK_MESSAGE(again == write_archive(read_archive(again).model, first.proof, first.text), file);
-    verify_archive(again);
-  }
+  for (const Path& folder : folders)
+    for (const Path& file : files_of(folder / "accepted")) {
+      const Archive first = read_archive(read_file(file));
+      const auto again = write_archive(first.model, first.proof, first.text);
+      CHECK_MESSAGE(again == write_archive(read_archive(again).model, first.proof, first.text), file);
+      verify_archive(again);
+    }
 }
 
 TEST_CASE("a proof with a position that is not a number is refused, as its bits depend on the machine") {
