@@ -31,14 +31,27 @@ Frame<double> rotation_about(const Axis& v) {
           c * x * z - s * y,       c * y * z + s * x,       1 - c * (x * x + y * y), 0};
 }
 
-// The vector that rotation_about() turns into a rotation, by the quaternion with the largest component of its own.
+// The vector that rotation_about() turns into a rotation, of at most a half turn: by the quaternion, of which the
+// largest component is found first.
 Axis rotation_vector(const Frame<double>& r) {
-  const double w = r[0] + r[5] + r[10];
-  Axis v = {r[9] - r[6], r[2] - r[8], r[4] - r[1]};  // 2 sin(angle) x axis
-  const double sine = std::sqrt(dot(v, v)) / 2, angle = std::atan2(sine, (w - 1) / 2);
-  if (sine < 1e-8) return {v[0] / 2, v[1] / 2, v[2] / 2};
-  for (double& value : v) value *= angle / (2 * sine);
-  return v;
+  const double squares[4] = {1 + r[0] + r[5] + r[10], 1 + r[0] - r[5] - r[10], 1 - r[0] + r[5] - r[10],
+                             1 - r[0] - r[5] + r[10]};  // of 2 w, 2 x, 2 y, 2 z
+  const double rows[4][4] = {{squares[0], r[9] - r[6], r[2] - r[8], r[4] - r[1]},
+                             {r[9] - r[6], squares[1], r[1] + r[4], r[2] + r[8]},
+                             {r[2] - r[8], r[1] + r[4], squares[2], r[6] + r[9]},
+                             {r[4] - r[1], r[2] + r[8], r[6] + r[9], squares[3]}};
+  const double* q = rows[std::max_element(squares, squares + 4) - squares];
+  const double sign = q[0] < 0 ? -1 : 1;
+  const Axis v = {sign * q[1], sign * q[2], sign * q[3]};
+  const double length = std::sqrt(dot(v, v));
+  if (length == 0) return {};
+  const double angle = 2 * std::atan2(length, sign * q[0]);
+  return {v[0] * angle / length, v[1] * angle / length, v[2] * angle / length};
+}
+
+double volume_of(const Frame<double>& frame) {
+  const Axis x = column(frame, 0), y = column(frame, 1), z = column(frame, 2);
+  return dot({x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]}, z);
 }
 
 // The rotation of a matrix's polar decomposition; nothing if it has none.
@@ -57,9 +70,7 @@ std::optional<Frame<double>> closest_rotation(const Frame<double>& matrix) {
       }
     if (change < 1e-14) break;
   }
-  const Axis x = column(r, 0), y = column(r, 1), z = column(r, 2);
-  const double volume = dot({x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]}, z);
-  if (!(volume > 0)) return std::nullopt;
+  if (!(volume_of(r) > 0)) return std::nullopt;
   return r;
 }
 
@@ -73,7 +84,6 @@ Frame<double> own_motion(const double (&n)[numbers_a_joint]) {
   return own;
 }
 
-// Frames at rest are inverted once a call.
 Frame<double> inverse_rest(const DrivenJoint& joint) {
   const auto back = inverse(to_double(joint.rest));
   if (!back) fail(Status::bad_data, "driven joint \"%s\" has a frame that cannot be inverted", joint.name.c_str());
@@ -116,10 +126,33 @@ double reach_of(const Mesh& rest, const DrivenJoint& joint, std::size_t number, 
   return std::sqrt(sum);
 }
 
+// Numbers turn and move a joint along the axes of its frame.
+void check_axes(const DrivenJoint& joint) {
+  const Frame<double> frame = to_double(joint.rest);
+  constexpr double tolerance = 1e-4;
+  double off = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b)
+      off = std::max(off, std::fabs(dot(column(frame, a), column(frame, b)) - (a == b)));
+  if (!(off <= tolerance) || !(volume_of(frame) > 0))
+    fail(Status::bad_data, "driven joint \"%s\" has axes that are not orthogonal, right-handed and of length 1",
+         joint.name.c_str());
+}
+
 }  // namespace
+
+std::optional<Frame<double>> straightened(const Frame<double>& frame) {
+  Frame<double> right = frame;
+  if (volume_of(frame) < 0)
+    for (const std::size_t row : {2, 6, 10}) right[row] = -right[row];
+  std::optional<Frame<double>> rotation = closest_rotation(right);
+  for (std::size_t row = 3; rotation && row < 12; row += 4) (*rotation)[row] = frame[row];
+  return rotation;
+}
 
 void add_joint_vertices(Mesh& rest) {
   DrivenJoints& driven = rest.driven;
+  for (const DrivenJoint& joint : driven.joints) check_axes(joint);
   driven.scales.clear();
   const double least = 1e-3 * rest.diagonal();  // of joints that nothing follows
   for (std::uint32_t j = 0; j < driven.joints.size(); ++j) {

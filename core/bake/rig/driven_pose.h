@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,8 +15,13 @@ namespace fb::bake {
 
 // Sets the scales of the numbers of the mesh's driven joints and adds the vertices that carry them. A unit of a
 // coordinate moves what follows its joint by the root of the sum of squared distances of a unit, so that its error
-// counts as much as those of all these vertices.
+// counts as much as those of all these vertices. Fails with bad_data, naming the joint, where axes of a frame at rest
+// are not orthogonal, right-handed and of length 1.
 void add_joint_vertices(Mesh& rest);
+
+// A frame with the origin of another and the orthogonal, right-handed axes of length 1 that are closest to its own, of
+// which the last is turned round where they are mirrored; nothing where they are flat.
+std::optional<Frame<double>> straightened(const Frame<double>& frame);
 
 // The numbers of a pose from where its driven joints are, in the space of positions: the closest that their numbers
 // can say, rotations by the polar decomposition (Higham, Computing the Polar Decomposition - with Applications, 1986).

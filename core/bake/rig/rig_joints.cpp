@@ -66,6 +66,7 @@ std::vector<Frame<double>> held_frames(const RigJoints& joints, const Character&
     if (holder != no_joint && !back[holder])
       fail(Status::bad_data, "joint \"%s\" is flat", character.joints[holder].name.c_str());
     frames.push_back(holder == no_joint ? frame : product(*back[holder], frame));
+    if (d < joints.straight.size()) frames[d] = product(frames[d], joints.straight[d]);
   }
   return frames;
 }
@@ -117,7 +118,12 @@ RigJoints part_joints(std::span<const std::uint32_t> numbers, Character& charact
   const std::vector<Frame<double>> frames = rest_frames(all), host = picked(frames, joints.host);
   with_context("at rest", [&] { remove_host_skin(character, host, rest.points); });
   const std::vector<Frame<double>> held = held_frames(joints, character, host, frames);
-  for (std::size_t d = 0; d < held.size(); ++d) rest.driven.joints[d].rest = to_float(held[d]);
+  for (std::size_t d = 0; d < held.size(); ++d) {
+    const auto straight = straightened(held[d]), back = inverse(held[d]);
+    if (!straight || !back) fail(Status::bad_data, "joint \"%s\" is flat at rest", rest.driven.joints[d].name.c_str());
+    rest.driven.joints[d].rest = to_float(*straight);
+    joints.straight.push_back(product(*back, to_double(rest.driven.joints[d].rest)));
+  }
   if (rest.driven.skin.influences == 0) rest.driven = {};
   return joints;
 }

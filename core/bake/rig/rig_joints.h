@@ -17,6 +17,8 @@ struct RigJoints {
   std::vector<std::uint32_t> host, driven;
   // By driven joint: the character's joint that it hangs on, or no_joint.
   std::vector<std::uint32_t> holders;
+  // By driven joint: from the axes that the rig gives it to those of its frame, which are straightened.
+  std::vector<Frame<double>> straight;
 
   std::size_t count() const { return host.size() + driven.size(); }
 };

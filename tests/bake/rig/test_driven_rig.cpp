@@ -42,11 +42,13 @@ struct FaceRig {
   std::vector<std::uint16_t> of_vertices;
   std::vector<float> weights;
   fb_rig rig;
+  Frame<double> axes;  // of the jaw, in those that the others have
 
-  FaceRig() {
+  explicit FaceRig(const Frame<double>& of_jaw = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}) : axes(of_jaw) {
     for (const char* name : {"open", "shift", "roll", "out", "nod", "puff"})
       controls.push_back({name, nullptr, -1, 1, 0, 0});
-    const std::vector<Frame<double>> still = frames(rest_pose().data());
+    std::vector<Frame<double>> still = frames(rest_pose().data());
+    still[1] = product(still[1], axes);
     for (std::uint32_t j = 0; j < 4; ++j) {
       static constexpr const char* names[] = {"neck", "jaw", "tongue", "tip"};
       fb_joint joint = {sizeof(fb_joint), j == 0 ? FB_NO_JOINT : j - 1, names[j], {}, {}};
@@ -126,8 +128,8 @@ struct FaceRig {
           }
           *positions++ = static_cast<float>(sum);
         }
-      for (const Frame<double>& frame : here)
-        for (const double value : frame) *out++ = static_cast<float>(value);
+      for (std::size_t j = 0; j < 4; ++j)
+        for (const double value : j == 1 ? product(here[1], self.axes) : here[j]) *out++ = static_cast<float>(value);
     }
     return FB_OK;
   }
@@ -208,6 +210,24 @@ TEST_CASE("joints that controls drive become the face's own, and the host keeps 
   std::vector<float> before = points;
   remove_driven_skin(source.rest(), before);
   CHECK(largest_apart(std::span(before).first(surface), rig.displaced(pose.data())) < tolerance);
+}
+
+TEST_CASE("axes that are mirrored, of other lengths or not orthogonal are straightened") {
+  const std::vector<float> pose = {0.5f, -1, 1, -1, 1, 0.75f};
+  FaceRig plain, odd({0, -2, 0, 0, 2, 0.1, 0, 0, 0, 0, -0.5, 0});
+  RigSource source(plain.rig), other(odd.rig);
+  const std::vector<float> points = points_of(source, pose), same = points_of(other, pose);
+  const float tolerance = 3e-6f * static_cast<float>(source.rest().diagonal());
+  CHECK(largest_apart(surface_of(source, pose), surface_of(other, pose)) < tolerance);
+  std::vector<float> before = points, before_too = same;
+  remove_driven_skin(source.rest(), before);
+  remove_driven_skin(other.rest(), before_too);
+  const std::size_t surface = source.rest().surface_points().size();
+  CHECK(largest_apart(std::span(before_too).first(surface), std::span(before).first(surface)) < tolerance);
+  // A dataset that says so of its own frames is refused.
+  Mesh rest = source.rest();
+  rest.driven.joints[1].rest[0] = 2;
+  CHECK(contains(failure(Status::bad_data, [&] { add_joint_vertices(rest); }), "\"tongue\" has axes that are not"));
 }
 
 TEST_CASE("numbers of joints go through the rig protocol and datasets") {
