@@ -60,30 +60,19 @@ std::size_t DrivenJoints::number_count() const {
   return count;
 }
 
-std::vector<std::uint32_t> DrivenJoints::first_numbers() const {
-  std::vector<std::uint32_t> first;
-  std::uint32_t next = 0;
-  for (const DrivenJoint& joint : joints) {
-    first.push_back(next);
-    next += static_cast<std::uint32_t>(std::popcount(joint.numbers));
-  }
-  return first;
-}
-
 void round_weights(Skin& skin) {
   constexpr float unit = driven_weight_unit, sum_tolerance = 1e-3f;
   const std::size_t width = skin.influences;
   for (std::size_t v = 0; width > 0 && v < skin.weights.size() / width; ++v) {
     const std::span<float> weights = std::span(skin.weights).subspan(v * width, width);
-    float sum = 0, rounded = 0;
+    float sum = 0, rounded = 0;  // of 32 weights: rounded by at most half of the tolerance
     for (float& weight : weights) {
       sum += weight;
       weight = std::round(weight * unit);
       rounded += weight;
     }
     if (weights.empty() || sum == 0) continue;
-    const bool whole = std::fabs(sum - 1) <= sum_tolerance;
-    if (whole || rounded > unit) *std::max_element(weights.begin(), weights.end()) += unit - rounded;
+    if (std::fabs(sum - 1) <= sum_tolerance) *std::max_element(weights.begin(), weights.end()) += unit - rounded;
     for (float& weight : weights) weight /= unit;
   }
   tidy(skin);

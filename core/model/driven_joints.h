@@ -42,8 +42,6 @@ struct DrivenJoints {
 
   bool empty() const { return joints.empty(); }
   std::size_t number_count() const;
-  // Of each joint, the index of its first number.
-  std::vector<std::uint32_t> first_numbers() const;
 };
 
 // Rounds weights as the struct says, so that those of a vertex that sum to 1, to 1e-3, do so exactly; takes away what
