@@ -173,12 +173,9 @@ void find_joint_numbers(const DrivenJoints& driven, std::span<const Frame<double
     const DrivenJoint& joint = driven.joints[j];
     const char* const name = joint.name.c_str();
     const Frame<double> back = inverse_rest(joint);
-    Frame<double> own = product(back, frames[j]);
-    if (joint.parent != no_joint) {
-      const auto parent_back = inverse(motions[joint.parent]);
-      if (!parent_back) fail(Status::bad_data, "the parent of driven joint \"%s\" is flat", name);
-      own = product(back, product(*parent_back, frames[j]));
-    }
+    const auto parent_back = inverse(joint.parent == no_joint ? still_frame : motions[joint.parent]);
+    if (!parent_back) fail(Status::bad_data, "the parent of driven joint \"%s\" is flat", name);
+    const Frame<double> own = product(back, product(*parent_back, frames[j]));
     const auto rotation = closest_rotation(own);
     if (!rotation) fail(Status::bad_data, "driven joint \"%s\" is mirrored or flat", name);
     Axis turned = rotation_vector(*rotation);

@@ -46,19 +46,11 @@ Skin mapped_skin(const Skin& skin, std::span<const std::uint32_t> places) {
   return mapped;
 }
 
-// Of each of the character's joints, what it does to vertices.
-std::vector<Frame<double>> matrices_of(std::span<const Joint> joints, std::span<const Frame<double>> frames) {
-  std::vector<Frame<double>> matrices;
-  for (std::size_t j = 0; j < joints.size(); ++j)
-    matrices.push_back(product(frames[j], to_double(joints[j].inverse_bind)));
-  return matrices;
-}
-
 // Where driven joints are before what they hang on moves them.
 std::vector<Frame<double>> held_frames(const RigJoints& joints, const Character& character,
                                        std::span<const Frame<double>> host, std::span<const Frame<double>> all) {
   std::vector<std::optional<Frame<double>>> back;
-  for (const Frame<double>& matrix : matrices_of(character.joints, host)) back.push_back(inverse(matrix));
+  for (const Frame<double>& matrix : joint_matrices(character.joints, host)) back.push_back(inverse(matrix));
   std::vector<Frame<double>> frames;
   for (std::size_t d = 0; d < joints.driven.size(); ++d) {
     const Frame<double>& frame = all[joints.driven[d]];

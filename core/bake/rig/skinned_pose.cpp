@@ -4,11 +4,16 @@
 
 namespace fb::bake {
 
-std::optional<std::size_t> remove_skin(std::span<const Joint> joints, const Skin& skin,
-                                       std::span<const Frame<double>> frames, std::span<float> positions) {
+std::vector<Frame<double>> joint_matrices(std::span<const Joint> joints, std::span<const Frame<double>> frames) {
   std::vector<Frame<double>> matrices;
   for (std::size_t j = 0; j < joints.size(); ++j)
     matrices.push_back(product(frames[j], to_double(joints[j].inverse_bind)));
+  return matrices;
+}
+
+std::optional<std::size_t> remove_skin(std::span<const Joint> joints, const Skin& skin,
+                                       std::span<const Frame<double>> frames, std::span<float> positions) {
+  const std::vector<Frame<double>> matrices = joint_matrices(joints, frames);
   for (std::size_t v = 0; v < positions.size() / 3; ++v) {
     const std::size_t count = skin.count(v), first = v * skin.influences;
     if (count == 0) continue;
