@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bake/rig/converted_backend.h"
+
 namespace fb::bake {
 
 JointlessSource::JointlessSource(Source& source) : SourceDecorator(source), rest_(source.rest()) {
@@ -11,22 +13,29 @@ JointlessSource::JointlessSource(Source& source) : SourceDecorator(source), rest
   rest_.driven = {};
 }
 
-// evaluate(points): of the source, with the numbers of joints, which come last.
-template <class Evaluate>
-void JointlessSource::evaluate_with_joints(std::size_t count, std::span<float> points, const Evaluate& evaluate) const {
+void JointlessSource::drop_numbers(std::span<const float> from, std::size_t poses, std::span<float> to) const {
   const std::size_t all = source().rest().points.size(), kept = rest_.points.size();
-  std::vector<float> with_joints(count * all);
-  evaluate(with_joints);
-  for (std::size_t p = 0; p < count; ++p)
-    std::copy_n(with_joints.begin() + std::ptrdiff_t(p * all), kept, points.begin() + std::ptrdiff_t(p * kept));
+  for (std::size_t p = 0; p < poses; ++p)
+    std::ranges::copy(from.subspan(p * all, kept), to.begin() + std::ptrdiff_t(p * kept));
 }
 
 void JointlessSource::read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) {
-  evaluate_with_joints(count, points, [&](std::span<float> all) { source().read(clip, first, count, all); });
+  std::vector<float> with_joints(count * source().rest().points.size());
+  source().read(clip, first, count, with_joints);
+  drop_numbers(with_joints, count, points);
 }
 
 void JointlessSource::evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) {
-  evaluate_with_joints(count, points, [&](std::span<float> all) { source().evaluate(controls, count, all); });
+  std::vector<float> with_joints(count * source().rest().points.size());
+  source().evaluate(controls, count, with_joints);
+  drop_numbers(with_joints, count, points);
+}
+
+std::unique_ptr<EvaluationBackend> JointlessSource::make_backend(const Parallel& parallel) {
+  const auto convert = [this](std::span<const float> from, std::size_t poses, std::span<float> to) {
+    drop_numbers(from, poses, to);
+  };
+  return std::make_unique<ConvertedBackend>(source().make_backend(parallel), source().rest().points.size(), convert);
 }
 
 }  // namespace fb::bake

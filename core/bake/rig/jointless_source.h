@@ -13,13 +13,11 @@ class JointlessSource final : public SourceDecorator {
   const Mesh& rest() const override { return rest_; }
   void read(std::size_t clip, std::size_t first, std::size_t count, std::span<float> points) override;
   void evaluate(std::span<const float> controls, std::size_t count, std::span<float> points) override;
-  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override {
-    return Source::make_backend(parallel);
-  }
+  std::unique_ptr<EvaluationBackend> make_backend(const Parallel& parallel) override;
 
  private:
-  template <class Evaluate>
-  void evaluate_with_joints(std::size_t count, std::span<float> points, const Evaluate& evaluate) const;
+  // Of poses with the numbers of joints, which come last, to those without.
+  void drop_numbers(std::span<const float> from, std::size_t poses, std::span<float> to) const;
 
   Mesh rest_;
 };

@@ -1,9 +1,10 @@
 #include "bake/rig/scaled_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "bake/rig/evaluation_backend.h"
+#include "bake/rig/converted_backend.h"
 
 namespace fb::bake {
 namespace {
@@ -11,33 +12,6 @@ namespace {
 void scale(std::span<float> values, int exponent) {
   for (float& value : values) value = std::ldexp(value, exponent);
 }
-
-// What another backend evaluates, scaled.
-class ScaledBackend final : public EvaluationBackend {
- public:
-  ScaledBackend(std::unique_ptr<EvaluationBackend> backend, int exponent)
-      : backend_(std::move(backend)), exponent_(exponent) {}
-  void evaluate_block(const EvaluationBlock& block) override {
-    const std::uint64_t before = backend_->evaluated();
-    const auto finish = [&] {
-      evaluated_ += backend_->evaluated() - before;
-      scale(block.points, exponent_);
-    };
-    try {
-      backend_->evaluate_block(block);
-    } catch (...) {
-      finish();
-      throw;
-    }
-    finish();
-  }
-  double block_seconds() const override { return backend_->block_seconds(); }
-  std::size_t least_poses() const override { return backend_->least_poses(); }
-
- private:
-  const std::unique_ptr<EvaluationBackend> backend_;
-  const int exponent_;
-};
 
 }  // namespace
 
@@ -94,7 +68,11 @@ void ScaledSource::evaluate(std::span<const float> controls, std::size_t count, 
 }
 
 std::unique_ptr<EvaluationBackend> ScaledSource::make_backend(const Parallel& parallel) {
-  return std::make_unique<ScaledBackend>(source().make_backend(parallel), exponent_);
+  const auto convert = [this](std::span<const float> from, std::size_t, std::span<float> to) {
+    std::ranges::copy(from, to.begin());
+    scale(to, exponent_);
+  };
+  return std::make_unique<ConvertedBackend>(source().make_backend(parallel), rest_.points.size(), convert);
 }
 
 }  // namespace fb::bake

@@ -9,6 +9,7 @@
 #include "bake/rig/carried_numbers.h"
 #include "bake/rig/driven_pose.h"
 #include "bake/rig/jointless_source.h"
+#include "bake/rig/rig_evaluator.h"
 #include "bake/rig/rig_source.h"
 #include "bake/rig_process/rig_messages.h"
 #include "bake_test_support.h"
@@ -282,12 +283,36 @@ TEST_CASE("recipes and methods without joints learn what they do to vertices") {
   const PackedModel model = archive::read_archive(bake_face(source, options, silent_progress()).archive).model;
   CHECK(model.rest.driven.empty());
   CHECK(worst_of(model, source) < 0.5);
+  // By the backend of the rig, as by the source.
+  JointlessSource jointless(source);
+  RigEvaluator evaluator(jointless);
+  const std::vector<float> poses = {0.5f, -1, 1, -1, 1, 0.75f, 0, 0, 0.25f, 0, 0, 1};
+  std::vector<float> points(2 * jointless.rest().points.size());
+  evaluator.evaluate(poses, 2, points);
+  std::vector<float> expected = surface_of(source, {poses.begin(), poses.begin() + 6});
+  const std::vector<float> second = surface_of(source, {poses.begin() + 6, poses.end()});
+  expected.insert(expected.end(), second.begin(), second.end());
+  CHECK(points == expected);
   options.work = compared.path();
   options.epochs = 1;
   const CompareReport report = compare(source, {"linear", "kanyuk2018", "compact"}, options, silent_progress());
   REQUIRE(report.methods.size() == 3);
   for (const MethodReport& method : report.methods)
     CHECK(archive::read_archive(method.archive).model.rest.driven.empty());
+}
+
+TEST_CASE("weights are rounded to sum to 1, and what does not is told") {
+  Skin skin{3, {0, 1, 2, 0, 1, 2}, {1 / 3.0f, 1 / 3.0f, 1 / 3.0f, 0.5f, 0.25f, 0}};
+  round_weights(skin);
+  CHECK(skin.weights[0] + skin.weights[1] + skin.weights[2] == 1);
+  CHECK(skin.weights[3] + skin.weights[4] == 0.75f);
+  DrivenJoints driven;
+  for (const char* name : {"a", "b", "c"})
+    driven.joints.push_back({name, no_joint, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}});
+  driven.skin = {3, {0, 1, 2}, {0.5f, 0.5f, 0.25f}};
+  round_weights(driven.skin);
+  const std::string what = failure(Status::bad_data, [&] { check(driven, 1); });
+  CHECK_MESSAGE(contains(what, "vertex 0 has weights of driven joints that sum to 1.25, more than 1"), what);
 }
 
 TEST_CASE("what a rig says wrongly of its joints is refused") {
