@@ -9,11 +9,11 @@
 #include <string>
 
 #include "archive/reader.h"
-#include "bake/check/check_dataset.h"
 #include "bake/measure/face_difference.h"
 #include "bake/measure/verify.h"
 #include "bake/pipeline/bake.h"
 #include "bake/sampling/sampling.h"
+#include "figures/dataset_figures.h"
 #include "figures/face_figures.h"
 
 namespace fb::capi {
@@ -23,13 +23,12 @@ std::string json_text(const nlohmann::ordered_json& json);
 std::string sample_json(const std::string& dataset, const bake::SampleReport& report);
 // `rest`: whether the plan has a rest mesh.
 std::string plan_json(const std::string& dataset, const bake::PosePlan& plan, bool rest);
-std::string check_json(const std::string& dataset, const bake::DatasetCheck& check);
-std::string check_details_json(const bake::DatasetCheck& check);
 std::string bake_json(const std::string& archive, const bake::Baked& baked);
 // "quality" and "locality" are null where they were not measured.
 std::string eval_json(const std::string& archive, const MethodReport& face);
-// Of fb_compare; with details, see fb_report_details.
+// Of fb_compare and fb_check; with details, see fb_report_details.
 std::string faces_json(const FaceFigures& faces, bool details);
+std::string dataset_json(const DatasetFigures& figures, bool details);
 std::string verify_json(const std::string& archive, const bake::VerifyReport& report);
 // `before`, `now`: paths of the archives.
 std::string diff_json(const std::string& before, const archive::Archive& old_archive, const std::string& now,

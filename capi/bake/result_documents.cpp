@@ -93,6 +93,10 @@ std::string faces_json(const FaceFigures& faces, bool details) {
   return json_text(fields_of<Json>(faces, {.details = details}));
 }
 
+std::string dataset_json(const DatasetFigures& figures, bool details) {
+  return json_text(fields_of<Json>(figures, {.details = details}));
+}
+
 std::string verify_json(const std::string& archive, const VerifyReport& report) {
   return json_text({{"archive", archive},
                     {"bytes", report.bytes},

@@ -178,7 +178,10 @@ class FieldReader {
   }
   template <class T>
   static void read(const Json& json, const std::string& path, T& value) {
-    if constexpr (std::is_floating_point_v<T>) {
+    if constexpr (std::is_same_v<T, bool>) {
+      if (!json.is_boolean()) fail(Status::bad_data, "\"%s\" is neither true nor false", path.c_str());
+      value = json.template get<bool>();
+    } else if constexpr (std::is_floating_point_v<T>) {
       if (!json.is_number() && !json.is_null()) fail(Status::bad_data, "\"%s\" is no number", path.c_str());
       value = json.is_null() ? static_cast<T>(NAN) : json.template get<T>();
     } else if constexpr (std::is_unsigned_v<T>) {

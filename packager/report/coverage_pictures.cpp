@@ -24,14 +24,14 @@ std::string part_of_row(double from, double to, const char* colour) {
 
 }  // namespace
 
-std::string draw_ranges(const std::vector<ControlRange>& controls) {
+std::string draw_ranges(const std::vector<UsedRange>& controls) {
   std::string html =
       "<div class=\"bars\">\n<span class=\"key\"><span class=\"swatch\" style=\"background:var(--c2)\">"
       "</span>used</span>\n<span class=\"key\"><span class=\"swatch\" style=\"background:var(--line)\">"
       "</span>not used</span>\n<span class=\"key\"><span class=\"swatch\" style=\"background:var(--c1)\">"
       "</span>default</span>\n";
-  for (const ControlRange& control : controls) {
-    const double size = control.maximum - control.minimum;
+  for (const UsedRange& control : controls) {
+    const double size = double(control.maximum) - control.minimum;
     if (!std::isfinite(control.lowest) || !(size > 0)) continue;
     const auto percent = [&](double value) { return std::clamp(100 * (value - control.minimum) / size, 0.0, 100.0); };
     const std::string words = format("%s: %.3g to %.3g of %.3g to %.3g", control.name.c_str(), control.lowest,

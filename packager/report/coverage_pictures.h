@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "figures/dataset_figures.h"
 #include "render/image.h"
-#include "report/dataset_figures.h"
 
 namespace fb::tool {
 
 // HTML: a row for each control that poses use, its range from left to right, the part that is used filled, the default
 // marked.
-std::string draw_ranges(const std::vector<ControlRange>& controls);
+std::string draw_ranges(const std::vector<UsedRange>& controls);
 
 // How often two controls are strongly active at once, as a square with a row and a column for each; blue: never.
 Image draw_pairs(const std::vector<float>& pair_shares, std::size_t controls);

@@ -23,11 +23,11 @@ std::string list_name(std::size_t count, const char* what) {
   return format("%zu %s%s", count, what, count == 1 ? "" : "s");
 }
 
-void add_findings(Html& page, const char* heading, const std::vector<DatasetFinding>& findings) {
+void add_findings(Html& page, const char* heading, const std::vector<Finding>& findings) {
   if (findings.empty()) return;
   page.heading(heading);
   std::vector<std::string> texts;
-  for (const DatasetFinding& finding : findings) texts.push_back(finding.text);
+  for (const Finding& finding : findings) texts.push_back(finding.text);
   page.list(texts);
 }
 
@@ -39,7 +39,7 @@ void add_verdict(Html& page, const DatasetFigures& figures) {
     page.paragraph(
         format("The diagonal of the rest mesh's bounding box is %.4g %s.", figures.diagonal, figures.units.c_str()));
   std::vector<std::vector<std::string>> rows = {{"clip", "kind", "split", "frames", "with points"}};
-  for (const DatasetClip& clip : figures.clips)
+  for (const CheckedClip& clip : figures.clips)
     rows.push_back({clip.name, clip.kind, clip.split, std::to_string(clip.frames), std::to_string(clip.evaluated)});
   if (rows.size() > 1) page.table(rows);
 }
@@ -51,7 +51,7 @@ void add_poses(Html& page, const DatasetFigures& figures, const facebaker::Sourc
   if (rest.polygon_sizes.empty() || figures.vertex_motion.size() != rest.vertex_count()) return;
   std::vector<std::vector<float>> frames;
   std::vector<std::string> captions;
-  for (const FrameAddress& at : figures.largest_frames) {
+  for (const LargeFrame& at : figures.largest_frames) {
     const auto clip = static_cast<std::uint32_t>(at.clip);
     frames.push_back(source.read(clip, at.frame, 1));
     captions.push_back(format("%s\nframe %zu", source.clip(clip).name, at.frame));
@@ -78,23 +78,26 @@ void add_poses(Html& page, const DatasetFigures& figures, const facebaker::Sourc
 
 // Numbers of controls in steps that double: 0, 1, 2 to 3, 4 to 7, ...
 void add_active(Html& page, const DatasetFigures& figures) {
-  const auto share = [](const std::vector<double>& counts, std::size_t from, std::size_t to) {
-    double all = 0, some = 0;
+  using Counts = std::vector<std::size_t>;
+  const Counts& training = figures.active->training;
+  const Counts measured = figures.active->measured.value_or(Counts{});
+  const auto share = [](const Counts& counts, std::size_t from, std::size_t to) {
+    std::size_t all = 0, some = 0;
     for (std::size_t n = 0; n < counts.size(); ++n) {
       all += counts[n];
       if (n >= from && n <= to) some += counts[n];
     }
-    return all > 0 ? 100 * some / all : 0;
+    return all > 0 ? 100 * static_cast<double>(some) / static_cast<double>(all) : 0;
   };
   std::vector<std::string> series;
   series.emplace_back("% of the poses to train on");
-  if (!figures.active_measured.empty()) series.emplace_back("% of the poses to measure on");
+  if (!measured.empty()) series.emplace_back("% of the poses to measure on");
   std::vector<Bar> bars;
-  const std::size_t most = std::max(figures.active_training.size(), figures.active_measured.size());
+  const std::size_t most = std::max(training.size(), measured.size());
   for (std::size_t from = 0, to = 0; from < most; from = to + 1, to = from == 1 ? 1 : 2 * from - 1) {
     bars.push_back({from == to ? format("%zu", from) : format("%zu to %zu", from, to), {}});
-    bars.back().values.push_back(share(figures.active_training, from, to));
-    if (series.size() > 1) bars.back().values.push_back(share(figures.active_measured, from, to));
+    bars.back().values.push_back(share(training, from, to));
+    if (series.size() > 1) bars.back().values.push_back(share(measured, from, to));
   }
   page.subheading("Controls at once");
   page.paragraph("How many controls are strongly active in a pose: at least 0.6 of the way from rest to an end.");
@@ -103,30 +106,32 @@ void add_active(Html& page, const DatasetFigures& figures) {
 
 void add_pairs(Html& page, const DatasetFigures& figures, const std::filesystem::path& folder) {
   page.subheading("Pairs of controls");
-  page.paragraph(format("%llu of %llu pairs of controls are strongly active at once in some pose to train on.",
-                        static_cast<unsigned long long>(figures.pairs_seen),
-                        static_cast<unsigned long long>(figures.pairs)));
+  page.paragraph(format("%zu of %zu pairs of controls are strongly active at once in some pose to train on.",
+                        figures.pairs->seen, figures.pairs->all));
   if (figures.controls.size() > 1 && figures.controls.size() <= most_controls) {
     write_png(folder / "pairs.png", draw_pairs(figures.pair_shares, figures.controls.size()));
     page.picture("pairs.png",
                  "How often two controls are strongly active at once in poses to train on. Rows and "
                  "columns are the controls in their order.");
   }
-  if (figures.missing_pairs.empty()) return;
+  if (figures.pairs->missing.empty()) return;
   page.paragraph("Pairs that poses to measure on have and poses to train on never have:");
-  page.list(figures.missing_pairs);
+  std::vector<std::string> names;
+  for (const std::vector<std::string>& pair : figures.pairs->missing)
+    names.push_back(pair.at(0) + " and " + pair.at(1));
+  page.list(names);
 }
 
 void add_coverage(Html& page, const DatasetFigures& figures, const std::filesystem::path& folder) {
-  if (figures.active_training.empty()) return;
+  if (!figures.active || !figures.pairs) return;
   page.heading("Coverage");
   page.subheading("Ranges used");
   page.raw(draw_ranges(figures.controls));
   add_active(page, figures);
   add_pairs(page, figures, folder);
-  if (figures.coverage.empty()) return;
+  if (!figures.coverage) return;
   page.subheading("Poses to train on against poses to measure on");
-  page.preformatted(figures.coverage);
+  page.preformatted(*figures.coverage);
 }
 
 }  // namespace

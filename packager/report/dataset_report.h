@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "report/dataset_figures.h"
+#include "report/dataset_text.h"
 
 namespace fb::tool {
 

@@ -6,24 +6,18 @@
 #include <vector>
 
 #include "base/status.h"
+#include "figures/dataset_figures.h"
 
 namespace fb::bake {
 
-// Something that was found in a dataset folder: a sentence that names clip, frame, vertex, control or file.
-struct Finding {
-  bool fault = false;  // the folder cannot be baked with it; else a warning
-  std::string kind;    // "file", "controls", "points", ...: an interface of JSON documents
-  std::string clip;    // "": none
-  std::string text;
-};
-
+// What is found in a dataset folder: faults, with which it cannot be baked, and warnings.
 class Findings {
  public:
   void fault(std::string_view kind, std::string_view clip, std::string text) {
-    all_.push_back({true, std::string(kind), std::string(clip), std::move(text)});
+    faults_.push_back({std::string(kind), std::string(clip), std::move(text)});
   }
   void warn(std::string_view kind, std::string_view clip, std::string text) {
-    all_.push_back({false, std::string(kind), std::string(clip), std::move(text)});
+    warnings_.push_back({std::string(kind), std::string(clip), std::move(text)});
   }
   // Calls work(); what it throws about data is a fault. Returns whether it threw nothing.
   template <class Work>
@@ -37,15 +31,11 @@ class Findings {
       return false;
     }
   }
-  bool has_fault() const {
-    for (const Finding& finding : all_)
-      if (finding.fault) return true;
-    return false;
-  }
-  const std::vector<Finding>& all() const { return all_; }
+  const std::vector<Finding>& faults() const { return faults_; }
+  const std::vector<Finding>& warnings() const { return warnings_; }
 
  private:
-  std::vector<Finding> all_;
+  std::vector<Finding> faults_, warnings_;
 };
 
 // Counts what a sentence is about and lists the first few: "12 frames: 3, 4, 9 and 9 more".

@@ -58,23 +58,23 @@ struct GoodDataset : ToyDataset {
     bake::write_npy(path, {many, 4, 3}, points);
   }
 
-  DatasetCheck check() const {
+  DatasetFigures check() const {
     write_index();
     return check_dataset(folder.path(), {}, silent_progress());
   }
 };
 
-std::string all_of(const DatasetCheck& check) {
+std::string all_of(const DatasetFigures& check) {
   std::string text;
-  for (const Finding& finding : check.findings)
-    text += (finding.fault ? "fault " : "warning ") + finding.kind + ": " + finding.text + "\n";
+  for (const Finding& fault : check.faults) text += "fault " + fault.kind + ": " + fault.text + "\n";
+  for (const Finding& warning : check.warnings) text += "warning " + warning.kind + ": " + warning.text + "\n";
   return text;
 }
 
 // Whether a sentence of this kind says that.
-bool found(const DatasetCheck& check, bool fault, const std::string& kind, const std::string& words) {
-  for (const Finding& finding : check.findings)
-    if (finding.fault == fault && finding.kind == kind && contains(finding.text, words)) return true;
+bool found(const DatasetFigures& check, bool fault, const std::string& kind, const std::string& words) {
+  for (const Finding& finding : fault ? check.faults : check.warnings)
+    if (finding.kind == kind && contains(finding.text, words)) return true;
   return false;
 }
 
@@ -82,20 +82,21 @@ bool found(const DatasetCheck& check, bool fault, const std::string& kind, const
 
 TEST_CASE("a good dataset has no faults, and its coverage is measured") {
   const GoodDataset good;
-  const DatasetCheck check = good.check();
+  const DatasetFigures check = good.check();
   CHECK_MESSAGE(check.bakeable, all_of(check));
-  CHECK_MESSAGE(check.findings.empty(), all_of(check));
-  REQUIRE(check.coverage);
-  CHECK(check.measured_on);
-  CHECK(check.coverage->controls[0].highest[0] == 1);
-  CHECK(check.coverage->controls[1].lowest[0] == 1);
+  CHECK_MESSAGE(all_of(check).empty(), all_of(check));
+  REQUIRE(check.active);
+  CHECK(check.active->measured);
+  CHECK(check.coverage);
+  CHECK(check.controls[0].highest == 1);
+  CHECK(check.controls[1].lowest == check.controls[1].minimum);
   CHECK(check.pair_shares.size() == 4);
   CHECK(check.pair_shares[1] > 0);
   CHECK(check.pair_shares[1] == check.pair_shares[2]);
   CHECK(check.vertex_motion.size() == 4);
   CHECK(check.vertex_motion[0] == 0);
   CHECK(check.vertex_motion[3] > 0.1f);
-  REQUIRE(check.largest.size() == 2);
+  REQUIRE(check.largest_frames.size() == 2);
   CHECK(check.clips[0].evaluated == GoodDataset::many);
 }
 
@@ -113,7 +114,7 @@ TEST_CASE("all faults are found, not the first only") {
   write_npy(wrong.folder / "wide.controls.npy", {12, 3}, counting(36, 0.01f));
   wrong.change_points("talk",
                       [](std::size_t i, float x) { return i == 4 * 12 + 7 || i == 9 * 12 + 1 ? not_a_number : x; });
-  const DatasetCheck check = wrong.check();
+  const DatasetFigures check = wrong.check();
   CAPTURE(all_of(check));
   CHECK_FALSE(check.bakeable);
   CHECK(found(check, true, "index", "split \"exam\" is no split"));
@@ -127,7 +128,7 @@ TEST_CASE("all faults are found, not the first only") {
   CHECK(found(check, true, "not_finite",
               "clip \"talk\": 2 frames have points that are not finite: frame 4, vertex 2 is not finite, frame 9, "
               "vertex 0 is not finite"));
-  CHECK_FALSE(check.coverage);
+  CHECK_FALSE(check.active);
 }
 
 TEST_CASE("files that are no dataset are told, one fault each") {
@@ -136,7 +137,7 @@ TEST_CASE("files that are no dataset are told, one fault each") {
                  "is no folder"));
   CHECK(found(check_dataset(empty.path(), {}, silent_progress()), true, "index", "dataset.json"));
   std::ofstream(empty / "dataset.json") << "{ \"format\": ";
-  const DatasetCheck broken = check_dataset(empty.path(), {}, silent_progress());
+  const DatasetFigures broken = check_dataset(empty.path(), {}, silent_progress());
   CHECK(found(broken, true, "index", "is no JSON"));
   CHECK_FALSE(broken.bakeable);
 }
@@ -148,7 +149,7 @@ TEST_CASE("frames too far away and controls that are not finite are faults") {
   values[5] = not_a_number;
   values[6] = INFINITY;
   write_npy(wrong.folder / "walk.controls.npy", {12, 2}, values);
-  const DatasetCheck check = wrong.check();
+  const DatasetFigures check = wrong.check();
   CAPTURE(all_of(check));
   CHECK(found(check, true, "far", "frame 7, vertex 1 x = 1e+06 is more than"));
   CHECK(found(check, true, "not_finite", "2 values of controls are not finite: frame 2 \"turn\", frame 3 \"open\""));
@@ -161,7 +162,7 @@ TEST_CASE("frames that repeat are found") {
   std::copy_n(points.begin() + 5 * 12, 12, points.begin() + 6 * 12);
   std::copy_n(points.begin() + 5 * 12, 12, points.begin() + 7 * 12);
   write_npy(stale.folder / "talk.points.npy", {12, 4, 3}, points);
-  const DatasetCheck check = stale.check();
+  const DatasetFigures check = stale.check();
   CAPTURE(all_of(check));
   CHECK(check.bakeable);
   CHECK(found(check, false, "repeated",
@@ -176,7 +177,7 @@ TEST_CASE("a rig that remembers, poses that occur twice, and poses that leak are
   other.replace("\"clips\": [",
                 "\"clips\": [ { \"name\": \"again\", \"controls\": \"again.controls.npy\", \"points\": "
                 "\"again.points.npy\" },");
-  const DatasetCheck twice = other.check();
+  const DatasetFigures twice = other.check();
   CHECK_MESSAGE(found(twice, false, "duplicate",
                       "11 poses occur more than once: clip \"again\", frame 0, and clip "
                       "\"talk\", frame 0"),
@@ -184,7 +185,7 @@ TEST_CASE("a rig that remembers, poses that occur twice, and poses that leak are
   CHECK_FALSE(found(twice, false, "unlike", ""));
   other.replace("\"name\": \"again\",", "\"name\": \"again\", \"split\": \"test\",");
   other.change_points("again", [](std::size_t i, float x) { return i % 12 == 10 ? x + 0.05f : x; });
-  const DatasetCheck leaked = other.check();
+  const DatasetFigures leaked = other.check();
   CHECK_MESSAGE(found(leaked, false, "leak", "11 poses to train on are poses to measure on too"), all_of(leaked));
   CHECK_MESSAGE(found(leaked, false, "unlike", "poses have other points each time"), all_of(leaked));
 }
@@ -198,7 +199,7 @@ TEST_CASE("controls that are not used, move nothing or leave their range are tol
   }
   write_npy(poor.folder / "talk.controls.npy", {12, 2}, values);
   write_npy(poor.folder / "talk.points.npy", {12, 4, 3}, points);
-  const DatasetCheck unused = poor.check();
+  const DatasetFigures unused = poor.check();
   CAPTURE(all_of(unused));
   CHECK(found(unused, false, "unused", "1 controls are at rest in all poses to train on: \"open\""));
   CHECK(found(unused, false, "still", "1 controls, moved alone, move nothing: \"turn\""));
@@ -216,9 +217,9 @@ TEST_CASE("points that do not fit the rest mesh are explained") {
     NpyFile(wrong.folder / "talk.points.npy").read(0, 12, points);
     for (std::size_t v = 0; v < points.size(); v += 3) change(points[v], points[v + 1], points[v + 2]);
     write_npy(wrong.folder / "talk.points.npy", {12, 4, 3}, points);
-    const DatasetCheck check = wrong.check();
+    const DatasetFigures check = wrong.check();
     CHECK(check.bakeable);
-    for (const Finding& finding : check.findings)
+    for (const Finding& finding : check.warnings)
       if (finding.kind == "rest") return finding.text;
     return std::string();
   };
@@ -252,13 +253,13 @@ TEST_CASE("what a plan lacks is said, and is a fault if there is nothing to trai
   GoodDataset plan;
   plan.replace("\"version\": 1,", "\"version\": 1, \"plan\": true,");
   std::filesystem::remove(plan.folder / "walk.points.npy");
-  const DatasetCheck half = plan.check();
+  const DatasetFigures half = plan.check();
   CHECK(half.bakeable);
   CHECK_MESSAGE(found(half, false, "plan", "12 of 24 poses have no points yet, so that 1 clips are left out: \"walk\""),
                 all_of(half));
   std::filesystem::rename(plan.folder / "talk.points.npy", plan.folder / "whole.npy");
   write_npy(plan.folder / "talk.000.points.npy", {5, 4, 3}, counting(60, 0.01f));
-  const DatasetCheck none = plan.check();
+  const DatasetFigures none = plan.check();
   CHECK_FALSE(none.bakeable);
   CHECK_MESSAGE(found(none, false, "plan",
                       "19 of 24 poses have no points yet, so that 2 clips are left out: \"talk\" (5 of 12), \"walk\""),
