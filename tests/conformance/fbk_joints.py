@@ -102,9 +102,10 @@ def skinned(face, points):
     positions = points[: 3 * face.vertices].reshape(-1, 3).copy()
     for v, influences in enumerate(face.influences):
         blend = added([weight * moved[j] for j, weight in influences if moved[j] is not None], np.zeros((3, 4), F))
-        if blend.any():
-            x, y, z = positions[v]
-            positions[v] += (blend[:, 0] * x + blend[:, 1] * y) + (blend[:, 2] * z + blend[:, 3])
+        x, y, z = positions[v]
+        offset = (blend[:, 0] * x + blend[:, 1] * y) + (blend[:, 2] * z + blend[:, 3])
+        moves = (offset < 0) | (offset > 0)
+        positions[v][moves] += offset[moves]
     frames = []
     for joint, change in zip(face.driven, moved):
         frame = joint.rest.copy()

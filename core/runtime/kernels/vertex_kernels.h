@@ -161,12 +161,26 @@ void vertex_tangents(const PolygonsAround& around, const float* integrals, const
   });
 }
 
+using Four = float __attribute__((vector_size(16)));
+
+// The columns of a sum of matrices times x, y, z and 1: (x times 0 + y times 1) + (z times 2 + column 3).
+[[gnu::always_inline]] inline Four times_position(const Floats (&blend)[joint_matrix_floats / lanes], Four p) {
+#if defined(__AVX__)
+  const Floats ones = (Floats){} + 1.0f, p2 = __builtin_shufflevector(p, p, 0, 1, 2, 3, 0, 1, 2, 3);
+  const Floats xy = blend[0] * __builtin_shufflevector(p2, ones, 0, 0, 0, 0, 1, 1, 1, 1),
+               z1 = blend[1] * __builtin_shufflevector(p2, ones, 2, 2, 2, 2, 8, 8, 8, 8);
+  return (__builtin_shufflevector(xy, xy, 0, 1, 2, 3) + __builtin_shufflevector(xy, xy, 4, 5, 6, 7)) +
+         (__builtin_shufflevector(z1, z1, 0, 1, 2, 3) + __builtin_shufflevector(z1, z1, 4, 5, 6, 7));
+#else
+  return (blend[0] * p[0] + blend[1] * p[1]) + (blend[2] * p[2] + blend[3]);
+#endif
+}
+
 void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end, const float* matrices, float* rows) {
-  using Four = float __attribute__((vector_size(16)));
+  using FourIntegers = std::int32_t __attribute__((vector_size(16)));
   for (std::uint32_t v = begin; v < end; ++v) {
-    const JointInfluence *influence = skin.influences + skin.first[v], *const last =
-                                                                           skin.influences + skin.first[v + 1];
-    if (influence == last) continue;
+    const JointInfluence* influence = skin.influences + skin.first[v];
+    const JointInfluence* const last = skin.influences + skin.first[v + 1];
     Floats blend[joint_matrix_floats / lanes] = {};
     for (; influence < last; ++influence)
       for (std::size_t k = 0; k < joint_matrix_floats / lanes; ++k) {
@@ -174,17 +188,14 @@ void skin_vertices(const SkinTable& skin, std::uint32_t begin, std::uint32_t end
         __builtin_memcpy(&part, matrices + influence->offset + k * lanes, sizeof part);
         blend[k] += influence->weight * part;
       }
-    Integers any = {};
-    for (const Floats& part : blend) any |= (Integers)part;
-    std::uint64_t bits[sizeof any / sizeof(std::uint64_t)], all = 0;
-    __builtin_memcpy(bits, &any, sizeof any);
-    for (const std::uint64_t some : bits) all |= some;
-    if (all == 0) continue;
-    Four column[4], position;
-    __builtin_memcpy(column, blend, sizeof column);
     float* const at = rows + 3 * std::size_t(v);
+    Four position;
     __builtin_memcpy(&position, at, sizeof position);
-    position += (column[0] * at[0] + column[1] * at[1]) + (column[2] * at[2] + column[3]);
+    const Four offset = times_position(blend, position);
+    // What is 0 or NaN counts as -0, which changes nothing.
+    const FourIntegers moves = (FourIntegers)(offset < 0.0f) | (FourIntegers)(offset > 0.0f);
+    const FourIntegers sign = (FourIntegers){} + INT32_MIN;
+    position += (Four)(((FourIntegers)offset & moves) | (sign & ~moves));
     __builtin_memcpy(at, &position, 3 * sizeof(float));
   }
 }
