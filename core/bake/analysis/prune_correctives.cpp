@@ -13,12 +13,13 @@ double squares(const float* offset) {
 
 class Pruner {
  public:
-  Pruner(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls, double diagonal)
+  Pruner(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls, const Mesh& rest)
       : analysis_(analysis),
         base_(analysis.base),
         usage_(feature_usage(base_.features, schema, controls)),
-        diagonal_(diagonal),
-        vertices_(analysis.residual_motion.size() / std::max<std::size_t>(schema.control_count(), 1)),
+        diagonal_(rest.diagonal()),
+        vertices_(rest.vertex_count()),
+        first_joint_(rest.first_joint_coordinate() / 3),
         shape_of_(base_.features.size(), base_.shapes.size()),
         dropped_(base_.shapes.size()) {
     for (std::size_t s = 0; s < base_.shapes.size(); ++s) shape_of_[base_.shapes[s].feature] = s;
@@ -57,23 +58,31 @@ class Pruner {
       double size = 0;
       for (std::size_t v = 0; v < shape.vertices.size(); ++v) size += squares(&shape.offsets[3 * v]);
       energy += usage_[feature].square * size;
-      cost += usage_[feature].active * 3 * static_cast<double>(shape.vertices.size());
+      cost += usage_[feature].active * 3 * static_cast<double>(surface(shape));
     }
   }
 
-  // Moves the shapes of a corrective from the base to the residual motion of its controls.
+  // How many of the shape's vertices carry no numbers of joints: the first, by ascending vertices.
+  std::size_t surface(const SparseShape& shape) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(shape.vertices, first_joint_) - shape.vertices.begin());
+  }
+
+  // Moves the shapes of a corrective from the base to the residual motion of its controls, but for numbers of joints.
   void drop(const Corrective& corrective) {
     for (const std::uint32_t feature : corrective.features) {
       if (shape_of_[feature] == base_.shapes.size() || dropped_[shape_of_[feature]]) continue;
-      dropped_[shape_of_[feature]] = 1;
-      const SparseShape& shape = base_.shapes[shape_of_[feature]];
+      SparseShape& shape = base_.shapes[shape_of_[feature]];
+      const std::size_t leaving = surface(shape);
+      dropped_[shape_of_[feature]] = leaving == shape.vertices.size();
       for (const std::uint32_t control : corrective.controls)
-        for (std::size_t v = 0; v < shape.vertices.size(); ++v) {
+        for (std::size_t v = 0; v < leaving; ++v) {
           float& motion = analysis_.residual_motion[control * vertices_ + shape.vertices[v]];
           motion = static_cast<float>(
               std::sqrt(double(motion) * motion +
                         usage_[feature].square * squares(&shape.offsets[3 * v]) / (diagonal_ * diagonal_)));
         }
+      shape.vertices.erase(shape.vertices.begin(), shape.vertices.begin() + std::ptrdiff_t(leaving));
+      shape.offsets.erase(shape.offsets.begin(), shape.offsets.begin() + std::ptrdiff_t(3 * leaving));
     }
   }
 
@@ -81,7 +90,7 @@ class Pruner {
   SparseBlendshapes& base_;
   const std::vector<FeatureUsage> usage_;
   const double diagonal_;
-  const std::size_t vertices_;
+  const std::size_t vertices_, first_joint_;  // first_joint_: the first vertex that carries numbers of joints
   std::vector<std::size_t> shape_of_;  // of each feature; base_.shapes.size() where there is none
   std::vector<char> dropped_;          // of each shape
 };
@@ -89,8 +98,8 @@ class Pruner {
 }  // namespace
 
 std::size_t prune_correctives(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls,
-                              double diagonal, double bytes) {
-  return Pruner(analysis, schema, controls, diagonal).prune(bytes);
+                              const Mesh& rest, double bytes) {
+  return Pruner(analysis, schema, controls, rest).prune(bytes);
 }
 
 }  // namespace fb::bake

@@ -11,6 +11,7 @@
 #include "bake/rig/rig_evaluator.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "model/mesh.h"
 #include "model/rig_schema.h"
 
 namespace fb::bake {
@@ -20,8 +21,10 @@ struct AnalysisOptions {
   double curve_tolerance = 1e-4;
   double corrective_tolerance = 1e-4;
   std::uint32_t max_knots = 8;      // on either side of rest
-  std::uint32_t max_pairs = 1600;   // pair correctives, the strongest first
-  std::uint32_t max_triples = 400;  // and a quarter as many quads
+  // Correctives of two, and of three controls, the strongest first, and a quarter as many of four. Of a live rig with
+  // driven joints there may be `joint_factor` times as many, as long as no more than these move the surface itself: the
+  // others are a few numbers each.
+  std::uint32_t max_pairs = 1600, max_triples = 400, joint_factor = 4;
   std::uint64_t rig_budget = 0;     // poses requested of the rig at most; 0: no limit
   std::uint64_t seed = 1;
 };
@@ -63,9 +66,9 @@ RigAnalysis analyse_poses(const PoseSet& poses, const AnalysisOptions& options, 
 
 // Keeps those correctives that lower the error most for the bytes a pose reads of them, until an average pose reads
 // `bytes` (3 a vertex of every active shape). The energy of the others is added to residual_motion, so that networks
-// learn it; their features stay. `controls`: typical poses, poses x controls; diagonal: of the rest mesh. Returns the
-// number of correctives dropped.
+// learn it; their features stay, and what they add to numbers of driven joints, which takes few bytes. `controls`:
+// typical poses, poses x controls. Returns the number of correctives of which something was dropped.
 std::size_t prune_correctives(RigAnalysis& analysis, const RigSchema& schema, std::span<const float> controls,
-                              double diagonal, double bytes);
+                              const Mesh& rest, double bytes);
 
 }  // namespace fb::bake

@@ -140,13 +140,25 @@ NormalWeights normal_weights(const FaceModel& model, double weight) {
   return weights;
 }
 
-// `scaled` times as fine.
-std::vector<ColumnPrecision> finer(std::vector<ColumnPrecision> precisions, double factor) {
+// Values `factor` times as fine, with columns left out that are `drop` times as small.
+std::vector<ColumnPrecision> finer(std::vector<ColumnPrecision> precisions, double factor, double drop) {
   for (ColumnPrecision& precision : precisions) {
     precision.rounding *= factor;
     precision.step *= factor;
+    precision.drop *= drop;
   }
   return precisions;
+}
+
+// Steps of the numbers of driven joints, over those of positions. They are few, but each corrective of controls that
+// turn a joint has one, whose errors add up in all that hangs on it.
+constexpr double joint_step = 1.0 / 32;
+
+// A row block carries numbers or is of one mesh; those of joints are the last.
+bool carries_joints(const FaceModel& model, const RowBlock& block) {
+  const std::uint32_t last = (block.first_row + block.row_count - 1) / 3;
+  const std::uint32_t vertex = model.basis.order.empty() ? last : model.basis.order[last];
+  return 3 * std::size_t{vertex} >= model.rest.first_joint_coordinate();
 }
 
 }  // namespace
@@ -181,10 +193,13 @@ PackedModel pack_model(const FaceModel& model, const PackOptions& options, const
   std::vector<std::vector<float>> exact;
   NormalWeights weights;
   if (options.normal_weight > 0) weights = normal_weights(model, options.normal_weight);
-  for (std::size_t b = 0; b < model.basis.row_blocks.size(); ++b)
+  for (std::size_t b = 0; b < model.basis.row_blocks.size(); ++b) {
+    const bool joints = carries_joints(model, model.basis.row_blocks[b]);
+    const double step = joints ? joint_step : weights.of_block.empty() ? 1 : weights.of_block[b];
     packed.row_blocks.push_back(pack_row_block(
-        model.basis.row_blocks[b], weights.of_block.empty() ? precisions : finer(precisions, weights.of_block[b]),
+        model.basis.row_blocks[b], step == 1 ? precisions : finer(precisions, step, joints ? joint_step : 1),
         exact.emplace_back()));
+  }
   if (options.step > 0 && options.rate_distortion) {
     std::optional<RoundingCompensation> compensation;
     if (!options.samples.empty()) compensation.emplace(packed, options.samples, parallel);

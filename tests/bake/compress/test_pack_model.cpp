@@ -104,6 +104,29 @@ TEST_CASE("rest positions are rounded by an eighth of a coarser basis at most, a
   CHECK(worst_with(1e-2) <= 0x1p-17);
 }
 
+TEST_CASE("numbers of driven joints have finer steps than positions, and smaller ones stay") {
+  FaceModel model;
+  model.schema.controls.push_back({"open", -1, 1, 0, ""});
+  model.rest.points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0};
+  model.rest.carrier_vertices = 1;
+  model.rest.driven = {{{"jaw", no_joint, joint_rotation, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}}, {1, 1, 1}, {}};
+  model.rest.driven.skin = {1, {0, 0, 0}, {1, 1, 1}};
+  model.network.features = {{Feature::Kind::identity, 0, 1, 0, 0, 0, 0}};
+  model.network.direct = {0};
+  const std::vector<float> values = {0.02f, 0, 0, 0, 0.02f, 0, 0, 0, 0.02f};
+  model.basis = {12, 1, {{0, 9, {0}, values}, {9, 3, {0}, {0, 0.02f, 0}}}, {}};
+  PackOptions options;
+  options.step = 0.01;
+  const PackedModel packed = pack_model(model, options);
+  const double step = 0.01 * model.rest.diagonal();
+  CHECK(packed.row_blocks[0].columns.at(0).scale == doctest::Approx(step).epsilon(0.01));
+  CHECK(packed.row_blocks[1].columns.at(0).scale == doctest::Approx(step / 32).epsilon(0.01));
+  options.drop = 0.05;
+  const PackedModel fewer = pack_model(model, options);
+  CHECK(fewer.row_blocks[0].columns.empty());
+  CHECK(fewer.row_blocks[1].columns.size() == 1);
+}
+
 TEST_CASE("weights are rounded to the nearest step of their row") {
   const FaceModel model = full_model(1);
   for (const int bits : {2, 6, 8, 16}) {

@@ -62,7 +62,8 @@ JointOffset offset_of(const Motion& motion) {
 }  // namespace
 
 BoneChain::BoneChain(const std::vector<int>& parents, const Array<float>& unit_rotations,
-                     const std::vector<std::size_t>& face_bones, const Skin& skin) {
+                     const std::vector<std::size_t>& face_bones, const std::vector<float>& heads, const Skin& skin)
+    : rest_heads_(heads) {
   const std::size_t bones = parents.size();
   std::vector<bool> needed(bones);
   for (std::size_t bone = bones; bone-- > 0;) {
@@ -105,8 +106,8 @@ void BoneChain::evaluate(const float* units, const double* angles, const float* 
     const Motion local = about(q, heads + 3 * bone.index);
     motions[i] = bone.parent < 0 ? local : motions[bone.parent] * local;
     if (bone.skinned) offsets[bone.index] = offset_of(motions[i]);
-    for (int a = 0; a < 3 && frames; ++a, frames += 4) {  // at the bone's head
-      const float* const head = heads + 3 * bone.index;
+    for (int a = 0; a < 3 && frames; ++a, frames += 4) {  // what the motion makes of the frame at rest
+      const float* const head = rest_heads_.data() + 3 * bone.index;
       const double* const row = motions[i].rotation[a];
       for (int b = 0; b < 3; ++b) frames[b] = static_cast<float>(row[b]);
       frames[3] =

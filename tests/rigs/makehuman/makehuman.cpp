@@ -105,7 +105,7 @@ class MakeHuman : public PluginRig {
         target_offsets_(data.target_offsets),
         head_offsets_(data.head_offsets),
         skin_(data.skin_weights),
-        chain_(data.parents, data.unit_rotations, data.face_bone_indices, skin_) {
+        chain_(data.parents, data.unit_rotations, data.face_bone_indices, heads_, skin_) {
     set_mesh(data.rest, data.faces);
     for (const std::string& unit : data.units) add_control(unit, region_of(unit, regions), 0, 1);
     for (const std::string& target : data.targets) add_control(target, region_of(target, regions), 0, 1);
@@ -121,7 +121,8 @@ class MakeHuman : public PluginRig {
   }
 
  private:
-  // All bones that vertices follow, or that one of those hangs on. Targets move their heads.
+  // All bones that vertices follow, or that one of those hangs on. Where targets move the head of one that turns, it
+  // turns about another point than at rest: it moves, too.
   void declare_joints(const Data& data) {
     Array<float> weights{{vertices(), chain_.count()}, std::vector<float>(vertices() * chain_.count())};
     for (std::size_t j = 0; j < chain_.count(); ++j) {
@@ -130,7 +131,7 @@ class MakeHuman : public PluginRig {
       for (std::size_t target = 0; target < targets_; ++target)
         for (std::size_t axis = 0; axis < 3; ++axis)
           moves = moves || data.head_offsets.values[3 * (target * data.bones.size() + bone) + axis] != 0;
-      const std::uint32_t numbers = (chain_.turns(j) ? FB_JOINT_ROTATE : 0) | (moves ? FB_JOINT_MOVE : 0);
+      const std::uint32_t numbers = chain_.turns(j) ? FB_JOINT_ROTATE | (moves ? FB_JOINT_MOVE : 0) : 0;
       add_joint(data.bones[bone], chain_.parent(j), heads_.data() + 3 * bone, numbers);
       for (std::size_t v = 0; v < vertices(); ++v)
         weights.values[v * chain_.count() + j] = data.skin_weights.values[v * data.bones.size() + bone];

@@ -355,17 +355,31 @@ std::vector<CorrectiveSearch::Misfit> CorrectiveSearch::misfits(double least) co
 }
 
 void CorrectiveSearch::weigh(Candidate& candidate, std::span<const std::vector<float>> differences) const {
-  candidate.energy = candidate.distance = 0;
+  const std::size_t surface = rig_.rest().first_joint_coordinate();
+  double of_surface = 0, of_joints = 0;  // largest squares
+  candidate.energy = 0;
   for (const std::vector<float>& d : differences) {
     double sum = 0;
     for (std::size_t i = 0; i < d.size(); i += 3) {
       const double squares = square_of(d.data() + i);
       sum += squares;
-      candidate.distance = std::max(candidate.distance, squares);
+      double& largest = i < surface ? of_surface : of_joints;
+      largest = std::max(largest, squares);
     }
     candidate.energy = std::max(candidate.energy, sum / (rig_.diagonal() * rig_.diagonal()));
   }
-  candidate.distance = std::sqrt(candidate.distance) / rig_.diagonal();
+  candidate.distance = std::sqrt(std::max(of_surface, of_joints)) / rig_.diagonal();
+  candidate.surface = std::sqrt(of_surface) / rig_.diagonal() > options_.corrective_tolerance;
+}
+
+std::size_t CorrectiveSearch::with_joints(std::size_t most) const {
+  return rig_.rest().driven.empty() ? most : options_.joint_factor * most;
+}
+
+void CorrectiveSearch::limit(std::vector<Candidate>& candidates, std::size_t most) const {
+  std::size_t moving = 0;
+  std::erase_if(candidates, [&](const Candidate& candidate) { return candidate.surface && ++moving > most; });
+  if (candidates.size() > with_joints(most)) candidates.resize(with_joints(most));
 }
 
 void CorrectiveSearch::rank(const char* stage, std::vector<Candidate>& candidates, std::size_t fewest) {
@@ -386,7 +400,8 @@ std::size_t CorrectiveSearch::rank_in_batches(std::vector<Candidate>& candidates
   const std::size_t order = candidates.empty() ? 0 : candidates[0].controls.size();
   std::vector<Candidate> interacting;
   std::size_t ranked = 0;
-  for (std::size_t i = 0; i < most_batches && ranked < candidates.size() && interacting.size() < most; ++i) {
+  for (std::size_t i = 0; i < most_batches && ranked < candidates.size() && interacting.size() < with_joints(most);
+       ++i) {
     const std::size_t end = std::min(candidates.size(), ranked + ranked_by_pose * most);
     std::vector<Candidate> batch(std::make_move_iterator(candidates.begin() + std::ptrdiff_t(ranked)),
                                  std::make_move_iterator(candidates.begin() + std::ptrdiff_t(end)));
@@ -409,7 +424,7 @@ void CorrectiveSearch::find(std::size_t order, std::size_t most) {
   else
     evaluated = rank_in_batches(all, most);
   const std::size_t interacting = all.size();
-  if (all.size() > most) all.resize(most);
+  limit(all, most);
   const std::size_t fitted = fit_all(std::move(all));
   note_error(format("correctives of %zu controls: %zu candidates, %zu interact, %zu fitted", order, evaluated,
                     interacting, fitted));

@@ -24,7 +24,8 @@ class CorrectiveSearch {
   CorrectiveSearch(RigEvaluator& rig, const AnalysisOptions& options, const std::vector<ControlCurve>& curves,
                    const DenseDifferences& dense, SparseBlendshapes& base, Progress& progress);
 
-  // Adds at most `most` correctives of `order` controls, 2 first, then 3, then 4.
+  // Adds at most `most` correctives of `order` controls that move the surface, and of driven joints alone, see
+  // AnalysisOptions; 2 first, then 3, then 4.
   void find(std::size_t order, std::size_t most);
 
   // Adds correctives of exactly these controls (two to four each, ascending), and of those subsets of them that are
@@ -48,6 +49,7 @@ class CorrectiveSearch {
   struct Candidate {
     std::vector<std::uint32_t> controls;  // ascending
     double score = 0, energy = 0, distance = 0;
+    bool surface = false;  // it moves a vertex that carries no numbers of joints by more than the tolerance
     SparseBlendshapes part;
     double misfit = 0;  // largest distance of the part from the rig at a vertex, rig units
     std::vector<float> misfit_pose;
@@ -75,7 +77,11 @@ class CorrectiveSearch {
   // Returns how many were ranked.
   std::size_t rank_in_batches(std::vector<Candidate>& candidates, std::size_t most);
   static bool stronger(const Candidate& a, const Candidate& b) { return a.energy > b.energy; }
-  // Sets energy and distance from differences at the points of its grid.
+  // How many there may be in all, if `most` of them may move the surface.
+  std::size_t with_joints(std::size_t most) const;
+  // Removes what are too many of sorted candidates.
+  void limit(std::vector<Candidate>& candidates, std::size_t most) const;
+  // Sets energy, distance and surface from differences at the points of its grid.
   void weigh(Candidate& candidate, std::span<const std::vector<float>> differences) const;
   // Fits the candidates, and adds those that can be fitted to the base. Returns how many.
   std::size_t fit_all(std::vector<Candidate> candidates);
