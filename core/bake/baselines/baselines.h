@@ -8,6 +8,7 @@ namespace fb::bake {
 RecipeResult make_linear(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 RecipeResult make_kanyuk2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 RecipeResult make_bailey2018(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
+RecipeResult make_kavan2024(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 RecipeResult make_paper(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 RecipeResult make_paper_tuned(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options, Progress& progress);
 RecipeResult make_paper_gradients(const PoseSet& poses, RigEvaluator* rig, const BakeOptions& options,

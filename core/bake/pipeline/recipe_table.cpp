@@ -12,6 +12,7 @@ namespace {
 constexpr std::array recipes = {Recipe{"linear", make_linear, true},
                                 Recipe{"kanyuk2018", make_kanyuk2018},
                                 Recipe{"bailey2018", make_bailey2018},
+                                Recipe{"kavan2024", make_kavan2024, false, true},
                                 Recipe{"paper", make_paper},
                                 Recipe{"paper-tuned", make_paper_tuned},
                                 Recipe{"paper-gradients", make_paper_gradients},

@@ -65,6 +65,27 @@ TEST_CASE("skinning with correctives is exact where one control is at its limit"
   CHECK(evaluate_archive(baked.archive, limits, Split::test, {}, silent_progress()).total.max < 1e-4);
 }
 
+TEST_CASE("joints of matrices that are linear in shapes follow a face that such joints move") {
+  WorkFolder folder;
+  // Two halves of a sheet, which shear and stretch: "a" and "b" the left one, "c" the right one, both "a" and "c" more.
+  MemorySource source(4, 24, [](const float* c, std::span<float> points) {
+    for (std::size_t v = 0; v < points.size(); v += 3) {
+      float* const p = &points[v];
+      const bool left = v / 3 % 24 < 12;
+      const float stretch = left ? c[0] : c[2], both = c[0] * c[2];
+      p[0] += 0.1f * stretch * p[1];
+      p[1] += left ? 0.2f * c[1] : 0.1f * both * p[0];
+      p[2] += 0.3f * stretch;
+    }
+  });
+  source.add_clip("poses", ClipKind::dense, Split::train, 400, 0.8f, 1);
+  source.add_clip("unseen", ClipKind::dense, Split::test, 50, 0.8f, 2);
+  const Baked baked = bake_quickly(source, folder, "kavan2024", 0);
+  CHECK(baked.stats.bones >= 2);
+  CHECK(unseen_mse(baked.archive, source) <
+        0.2 * unseen_mse(bake_quickly(source, folder, "linear", 0).archive, source));
+}
+
 TEST_CASE("the corrective of two controls is found among all pairs") {
   MemorySource source(4, 6, [](const float* c, std::span<float> points) {
     for (std::size_t i = 0; i < points.size(); ++i)

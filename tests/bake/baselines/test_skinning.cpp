@@ -4,6 +4,7 @@
 
 #include "bake/baselines/skinning/bone_fitter.h"
 #include "bake/baselines/skinning/bone_weights.h"
+#include "bake/baselines/skinning/linear_transforms.h"
 #include "bake/baselines/skinning/skeleton.h"
 #include "base/status.h"
 #include "memory_source.h"
@@ -112,6 +113,35 @@ TEST_CASE("skinning shapes are the displacements by one unit of each transform p
   }
   add_skinned(skeleton, source.rest(), transforms, -1, sum);
   for (const float left : sum) CHECK(std::abs(left) < 1e-4f);
+}
+
+TEST_CASE("linear transforms of shapes are found, and the share of them that moves most is kept") {
+  const MemorySource source = bending_face();
+  const Mesh& rest = source.rest();
+  Skeleton skeleton;
+  skeleton.centres = {{1, 2, 0}, {9, 2, 0}};
+  for (std::size_t v = 0; v < rest.vertex_count(); ++v) {
+    skeleton.bones.push_back({0, 1, 0, 0});
+    skeleton.weights.push_back({1 - bone_weight(v), bone_weight(v), 0, 0});
+  }
+  // The first shape is one bone's, the second both bones', of which the second moves less.
+  const std::size_t parameters = skeleton.parameter_count(), rows = rest.points.size();
+  std::vector<float> given(2 * parameters), shapes(2 * rows);
+  for (std::size_t k = 0; k < 12; ++k) {
+    given[k] = 0.1f * float(k % 5) - 0.2f;
+    given[parameters + k] = 0.05f * float(k % 7) - 0.1f;
+    given[parameters + 12 + k] = 1e-3f * float(k % 3);
+  }
+  for (std::size_t s = 0; s < 2; ++s)
+    add_skinned(skeleton, rest, std::span(given).subspan(s * parameters, parameters), 1,
+                std::span(shapes).subspan(s * rows, rows));
+  const std::vector<float> all = fit_linear_transforms(skeleton, rest, shapes, 1, {});
+  for (std::size_t i = 0; i < given.size(); ++i) CHECK(all[i] == doctest::Approx(given[i]).scale(1).epsilon(1e-3));
+  const std::vector<float> half = fit_linear_transforms(skeleton, rest, shapes, 0.5, {});
+  const auto is_0 = [](float value) { return value == 0; };
+  CHECK(std::all_of(half.begin() + 12, half.begin() + std::ptrdiff_t(parameters), is_0));
+  CHECK(std::all_of(half.begin() + std::ptrdiff_t(parameters) + 12, half.end(), is_0));
+  for (std::size_t k = 0; k < 12; ++k) CHECK(half[k] == doctest::Approx(given[k]).scale(1).epsilon(1e-3));
 }
 
 TEST_CASE("solve_simplex finds the optimal weights") {
